@@ -1,0 +1,46 @@
+"""Compare methods that process facial motion capture: nodes, graphs, runs, reports."""
+
+from typing import TYPE_CHECKING, Any
+
+from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
+from nodegraph.hooks import Rendered, Renderer, hookimpl
+from nodegraph.node import node
+from nodegraph.ports import Absent, Across, InputFile, Label, Truth, Unit
+from nodegraph.values import Value, read_only
+
+if TYPE_CHECKING:
+    from nodegraph.api import load, run
+    from nodegraph.registry import get_node
+
+__all__ = [
+    "Absent",
+    "Across",
+    "GraphError",
+    "InputFile",
+    "Label",
+    "NodeError",
+    "NodegraphError",
+    "Refusal",
+    "Rendered",
+    "Renderer",
+    "Truth",
+    "Unit",
+    "Value",
+    "get_node",
+    "hookimpl",
+    "load",
+    "node",
+    "read_only",
+    "run",
+]
+
+_LATE = {"load": "nodegraph.api", "run": "nodegraph.api", "get_node": "nodegraph.registry"}
+
+
+def __getattr__(name: str) -> Any:
+    # a plugin imports this package for its decorator alone, and should not wait for the machine
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(_LATE[name]), name)

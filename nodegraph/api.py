@@ -1,0 +1,111 @@
+"""The walk from Python: load a graph, run it, take its values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from nodegraph.execute import HowToRun, Listener, Run, execute
+from nodegraph.graph import Choices, Graph, build
+from nodegraph.plan import plan
+from nodegraph.ports import Label
+from nodegraph.registry import Registry, default_registry
+from nodegraph.spec import read_graph_file
+
+
+def load(
+    graph: str | Path,
+    *,
+    plugins: Iterable[str | Path] = (),
+    set: Mapping[str, Any] | None = None,
+    axis: Mapping[str, Any] | None = None,
+    only: Mapping[str, Iterable[Label]] | None = None,
+) -> Graph:
+    """Read a graph file and check all of it.
+
+    Parameters
+    ----------
+    graph
+        A path.
+    plugins
+        Python files whose nodes the graph may use.
+    set
+        Values for inputs.
+    axis
+        Other labels for axes: a list, a mapping of labels to values, or a generator.
+    only
+        Labels to keep, of axes and of nodes with alternatives.
+
+    Raises
+    ------
+    GraphError
+        With every mistake at its place; nothing has run.
+    """
+    registry = _registry(plugins) or default_registry()
+    return build(read_graph_file(Path(graph)), registry, _choices(set, axis, only))
+
+
+def run(
+    graph: Graph | str | Path,
+    *,
+    plugins: Iterable[str | Path] = (),
+    set: Mapping[str, Any] | None = None,
+    axis: Mapping[str, Any] | None = None,
+    only: Mapping[str, Iterable[Label]] | None = None,
+    executor: str = "threads",
+    jobs: int | None = None,
+    listeners: Iterable[Listener] = (),
+) -> Run:
+    """Run a graph; a step that fails does not stop the others.
+
+    Parameters
+    ----------
+    graph
+        A loaded graph, or a path.
+    plugins, set, axis, only
+        As in `load`.
+    executor
+        ``threads`` or ``serial``.
+    jobs
+        Steps at a time; as many as there are processors by default.
+    listeners
+        Called with every `nodegraph.execute.Event`.
+
+    Raises
+    ------
+    GraphError
+        If the graph or a choice is wrong; nothing has run.
+    """
+    if not isinstance(graph, Graph):
+        graph = load(graph, plugins=plugins, set=set, axis=axis, only=only)
+    elif set or axis or only or plugins:
+        graph = build(graph.spec, _registry(plugins) or graph.registry, _choices(set, axis, only))
+    how = HowToRun(executor, jobs)
+    return execute(plan(graph), how=how, keep=reported(graph), listeners=listeners)
+
+
+def reported(graph: Graph) -> tuple[str, ...]:
+    """Return the nodes that the report shows: as listed, else those that nothing reads."""
+    if graph.spec.report:
+        named = dict.fromkeys(one.node for one in graph.spec.report)
+        return tuple(name for name in named if name in graph.nodes)
+    read = {source.node for _, _, source, _ in graph.wires()}
+    return tuple(name for name in graph.nodes if name not in read)
+
+
+def _registry(plugins: Iterable[str | Path]) -> Registry | None:
+    files = [Path(one) for one in plugins]
+    return Registry.installed(files) if files else None
+
+
+def _choices(
+    given: Mapping[str, Any] | None,
+    axis: Mapping[str, Any] | None,
+    only: Mapping[str, Iterable[Label]] | None,
+) -> Choices:
+    kept = {
+        name: (one,) if isinstance(one, (str, int, float)) else tuple(one)
+        for name, one in (only or {}).items()
+    }
+    return Choices(dict(given or {}), dict(axis or {}), kept)

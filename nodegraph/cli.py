@@ -1,0 +1,120 @@
+"""The command line: words in, one function call each, an exit status out.
+
+Status 0: all well. 1: some step failed. 2: the graph or the command is wrong, and nothing ran.
+130: interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import NodegraphError
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status."""
+    arguments = _parser().parse_args(words)
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        try:
+            from nodegraph import commands
+
+            return int(getattr(commands, arguments.command)(arguments))
+        except NodegraphError as error:
+            print(f"nodegraph: {error}", file=sys.stderr)
+            return 2
+        except KeyboardInterrupt:
+            print("nodegraph: interrupted", file=sys.stderr)
+            return 130
+        except BrokenPipeError:
+            # whoever read the output has seen enough
+            sys.stderr.close()
+            return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="nodegraph",
+        description="Compare methods that process facial motion capture.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _add_run(commands)
+    _add_check(commands)
+    _add_draw(commands)
+    _add_nodes(commands)
+    _add_show(commands)
+    _add_examples(commands)
+    return parser
+
+
+def _add_run(commands: Any) -> None:
+    run = _add(commands, "run", "check, plan and run a graph; write the report")
+    _add_graph(run)
+    run.add_argument("--out", type=Path, metavar="DIR", help="where to write (runs/NAME)")
+    run.add_argument("--jobs", type=int, metavar="N", help="steps at a time (one per processor)")
+    run.add_argument("--executor", default="threads", metavar="NAME", help="threads or serial")
+
+
+def _add_check(commands: Any) -> None:
+    _add_graph(_add(commands, "check", "tell all mistakes of a graph, or what it would do"))
+
+
+def _add_draw(commands: Any) -> None:
+    draw = _add(commands, "draw", "draw a graph")
+    _add_graph(draw)
+    draw.add_argument("--format", choices=("svg", "mermaid", "dot"), help="(from --out, else svg)")
+    draw.add_argument("--out", type=Path, metavar="FILE", help="where to write (standard output)")
+
+
+def _add_nodes(commands: Any) -> None:
+    nodes = _add(commands, "nodes", "list the installed nodes")
+    nodes.add_argument("family", nargs="?", metavar="FAMILY", help="such as fill")
+    _add_plugin(nodes)
+
+
+def _add_show(commands: Any) -> None:
+    show = _add(commands, "show", "show one node: ports, settings, units, citation")
+    show.add_argument("node", metavar="NODE", help="such as fill.muscle")
+    _add_plugin(show)
+
+
+def _add_examples(commands: Any) -> None:
+    examples = _add(commands, "examples", "list the example graphs, or copy some of them here")
+    examples.add_argument("names", nargs="*", metavar="NAME", help="graphs to copy")
+    examples.add_argument("--to", type=Path, default=Path(), metavar="DIR", help="where to")
+    _add_plugin(examples)
+
+
+def _add(commands: Any, name: str, text: str) -> argparse.ArgumentParser:
+    made: argparse.ArgumentParser = commands.add_parser(
+        name, help=text, description=f"{text[0].upper()}{text[1:]}.", allow_abbrev=False
+    )
+    return made
+
+
+def _add_graph(command: argparse.ArgumentParser) -> None:
+    command.add_argument("graph", type=Path, metavar="GRAPH", help="a graph file")
+    command.add_argument("--set", action="append", default=[], metavar="INPUT=VALUE")
+    command.add_argument("--axis", action="append", default=[], metavar="AXIS=LABELS")
+    command.add_argument("--only", action="append", default=[], metavar="AXIS=LABELS")
+    _add_plugin(command)
+
+
+def _add_plugin(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--plugin", action="append", default=[], type=Path, metavar="FILE", help="a file with nodes"
+    )
+
+
+def _show_warning(message: Warning | str, *rest: Any, **more: Any) -> None:
+    print(f"warning: {message}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

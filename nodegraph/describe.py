@@ -1,0 +1,95 @@
+"""What a node is, in words: ports, settings with bounds and units, meaning, citation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from nodegraph.node import Node
+
+
+@dataclass(frozen=True)
+class SettingText:
+    """One setting as people read it.
+
+    Attributes
+    ----------
+    name, kind, unit, default, meaning : str
+        `kind` holds type, bounds and choices; `default` is ``required`` where there is none.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    default: str
+    meaning: str
+
+
+def describe_settings(node: Node) -> tuple[SettingText, ...]:
+    """Return a node's settings as people read them, in the order of the signature."""
+    meanings = _meanings(node.doc)
+    return tuple(
+        SettingText(
+            one.name,
+            setting_kind(node, one.name),
+            one.unit,
+            "required" if one.required else shown(one.default),
+            meanings.get(one.name, ""),
+        )
+        for one in node.settings.values()
+    )
+
+
+def port_meanings(node: Node) -> dict[str, str]:
+    """Return what the docstring says of each parameter, ports included."""
+    return _meanings(node.doc)
+
+
+def setting_kind(node: Node, name: str) -> str:
+    """Return type, bounds and choices of a setting, as its JSON Schema has them."""
+    schema = _schema(node)["properties"].get(name, {})
+    options = [one for one in schema.get("anyOf", [schema]) if one.get("type") != "null"]
+    texts = [_option(one) for one in options]
+    return " or ".join([*texts, "null"]) if "anyOf" in schema else texts[0]
+
+
+def shown(value: Any) -> str:
+    """Return a setting's value as a graph file has it."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(shown, value))}]"
+    return str(value)
+
+
+@lru_cache(maxsize=512)
+def _schema(node: Node) -> dict[str, Any]:
+    return node.model.model_json_schema() if node.settings else {"properties": {}}
+
+
+def _option(schema: dict[str, Any]) -> str:
+    if "enum" in schema or "const" in schema:
+        return "one of " + ", ".join(map(shown, schema.get("enum", [schema.get("const")])))
+    if schema.get("type") == "array":
+        items = schema.get("items", {})
+        return f"list of {_option(items)}s" if items.get("type") else "list"
+    words = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
+    names = {"integer": "whole number", "string": "text", "boolean": "true or false"}
+    kind = "path" if schema.get("format") == "path" else schema.get("type", "value")
+    bounds = [f"{sign} {schema[key]:g}" for key, sign in words.items() if key in schema]
+    return " ".join([names.get(kind, kind), *bounds])
+
+
+@lru_cache(maxsize=512)
+def _meanings(doc: str) -> dict[str, str]:
+    from docstring_parser import DocstringStyle, parse
+
+    found = parse(doc, style=DocstringStyle.NUMPYDOC).params
+    return {
+        name.strip(): " ".join((one.description or "").split())
+        for one in found
+        for name in one.arg_name.split(",")
+    }

@@ -1,0 +1,56 @@
+"""A picture as Mermaid, which many pages and editors draw themselves."""
+
+from __future__ import annotations
+
+import json
+
+from nodegraph.draw.picture import Arrow, Box, Picture
+from nodegraph.draw.text import clean
+
+_PLAIN = frozenset(" _.,:-=")
+_SHAPES = {"node": ('["', '"]'), "input": ('(["', '"])'), "report": ('[["', '"]]')}
+
+
+def mermaid(picture: Picture) -> str:
+    """Return the picture as a Mermaid flowchart.
+
+    Truth is dotted, gathering arrows are thick. Whatever is not a letter, a digit or harmless
+    in a label is written as a Mermaid entity, so that no name can end its label.
+    """
+    ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
+    lines = ["---", f"title: {json.dumps(clean(picture.title), ensure_ascii=False)}", "---"]
+    lines.append("flowchart TD")
+    lines += [f"  {ids[box.name]}{_box(box)}" for box in picture.boxes]
+    lines += [
+        f"  {ids[arrow.source]} {_line(arrow)}|\"{_label(arrow)}\"| {ids[arrow.target]}"
+        for arrow in picture.arrows
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _text(text: str) -> str:
+    return "".join(
+        one if one.isalnum() or one in _PLAIN else f"#{ord(one)};" for one in clean(text)
+    )
+
+
+def _box(box: Box) -> str:
+    begin, end = _SHAPES[box.kind]
+    lines = [box.name, *box.lines]
+    lines += [" | ".join(box.alternatives)] if box.alternatives else []
+    lines += [", ".join(box.axes)] if box.axes else []
+    return begin + "<br/>".join(_text(line) for line in lines) + end
+
+
+def _line(arrow: Arrow) -> str:
+    if arrow.gathers:
+        return "==>"
+    return "-.->" if arrow.truth else "-->"
+
+
+def _label(arrow: Arrow) -> str:
+    ends = [arrow.source_port, arrow.target_port]
+    label = _text(" to ".join(dict.fromkeys(ends)))
+    notes = ["truth"] * (arrow.truth and arrow.gathers)
+    notes += [f"at {arrow.fixed}"] if arrow.fixed else []
+    return "<br/>".join([label, *map(_text, notes)])

@@ -1,0 +1,83 @@
+"""A checked graph as a picture: only ports that are wired are drawn."""
+
+from __future__ import annotations
+
+from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
+from nodegraph.graph import Graph, GraphNode, Source
+from nodegraph.node import Node
+from nodegraph.ports import Port
+
+_MOST_METHODS = 12
+
+
+def picture_of(graph: Graph) -> Picture:
+    """Return what a drawing of the graph shows."""
+    wires = graph.wires()
+    read = {(source.node, _output(graph, source)) for _, _, source, _ in wires}
+    fed = {(target, port) for target, port, _, _ in wires}
+    boxes = tuple(_box(graph, node, read, fed) for node in graph.nodes.values())
+    arrows = tuple(
+        Arrow(
+            source.node,
+            _output(graph, source),
+            target,
+            port,
+            gathers=gathers,
+            truth=_is_truth(graph, source),
+            fixed=", ".join(f"{axis}={label}" for axis, label in source.at.items()),
+        )
+        for target, port, source, gathers in wires
+    )
+    return Picture(graph.title, boxes, arrows)
+
+
+def _box(
+    graph: Graph, node: GraphNode, read: set[tuple[str, str]], fed: set[tuple[str, str]]
+) -> Box:
+    described = node.first.node
+    ports = {port.name: port for method in node.methods.values() for port in method.node.inputs}
+    inputs = [_socket(port) for port in ports.values() if (node.name, port.name) in fed]
+    outputs = [_socket(port) for port in _outputs(described, node.name, read)]
+    labels = list(node.methods) if node.has_alternatives else []
+    more = [f"and {len(labels) - _MOST_METHODS} more"] if len(labels) > _MOST_METHODS else []
+    return Box(
+        node.name,
+        lines=() if node.has_alternatives else (described.name,),
+        inputs=tuple(inputs),
+        outputs=tuple(outputs),
+        alternatives=(*labels[:_MOST_METHODS], *more),
+        axes=tuple(
+            f"{axis} \u00d7{len(graph.axes[axis].labels)}" for axis in _own_axes(graph, node)
+        ),
+        kind=_kind(graph, node),
+    )
+
+
+def _outputs(node: Node, name: str, read: set[tuple[str, str]]) -> list[Port]:
+    wired = [port for port in node.outputs if (name, port.name) in read]
+    return wired or list(node.outputs[:1])
+
+
+def _own_axes(graph: Graph, node: GraphNode) -> tuple[str, ...]:
+    """Return the axes that begin at this node: those that its settings name."""
+    named = {axis for method in node.methods.values() for axis in method.settings.axes}
+    return tuple(axis for axis in graph.axes if axis in named)
+
+
+def _kind(graph: Graph, node: GraphNode) -> Kind:
+    if any(one.node == node.name for one in graph.spec.report):
+        return "report"
+    return "node" if any(method.inputs for method in node.methods.values()) else "input"
+
+
+def _socket(port: Port) -> Socket:
+    return Socket(port.name, str(port).partition(": ")[2])
+
+
+def _output(graph: Graph, source: Source) -> str:
+    return source.port or graph.nodes[source.node].first.node.outputs[0].name
+
+
+def _is_truth(graph: Graph, source: Source) -> bool:
+    found = graph.nodes[source.node].first.node.output(_output(graph, source))
+    return found is not None and found.truth

@@ -1,0 +1,87 @@
+"""The order of cells within layers, so that few arrows cross.
+
+Barycentre sweeps after K. Sugiyama, S. Tagawa and M. Toda (1981), "Methods for visual
+understanding of hierarchical system structures", IEEE Transactions on Systems, Man, and
+Cybernetics 11(2), 109-125.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right, insort
+from collections.abc import Mapping, Sequence
+
+from nodegraph.draw.net import Net, Segment
+
+_SWEEPS = 24
+_PATIENCE = 6
+
+
+def ordered(net: Net) -> list[list[int]]:
+    """Return the layers, each in the best order that the sweeps found."""
+    layers = [list(layer) for layer in net.layers]
+    best, fewest, idle = layers, crossings(net, layers), 0
+    for sweep in range(_SWEEPS):
+        if not fewest or idle == _PATIENCE:
+            break
+        layers = _sweep(net, layers, downwards=sweep % 2 == 0)
+        found = crossings(net, layers)
+        idle = 0 if found < fewest else idle + 1
+        if found < fewest:
+            best, fewest = layers, found
+    return best
+
+
+def crossings(net: Net, layers: Sequence[Sequence[int]]) -> int:
+    """Return how many pairs of segments cross."""
+    places = _places(net, layers)
+    return sum(_crossings_in(gap, places, net.widths) for gap in net.gaps)
+
+
+def _places(net: Net, layers: Sequence[Sequence[int]]) -> dict[int, int]:
+    return {cell: place for layer in layers for place, cell in enumerate(layer)}
+
+
+def _upper(segment: Segment, places: Mapping[int, int], widths: Sequence[float]) -> float:
+    """Return where a segment begins: the cell's place, and where along the cell the port is."""
+    return places[segment.upper] + segment.upper_offset / widths[segment.upper]
+
+
+def _lower(segment: Segment, places: Mapping[int, int], widths: Sequence[float]) -> float:
+    return places[segment.lower] + segment.lower_offset / widths[segment.lower]
+
+
+def _crossings_in(
+    gap: Sequence[Segment], places: Mapping[int, int], widths: Sequence[float]
+) -> int:
+    ends = sorted((_upper(one, places, widths), _lower(one, places, widths)) for one in gap)
+    seen: list[float] = []
+    count = 0
+    for _, lower in ends:
+        count += len(seen) - bisect_right(seen, lower)
+        insort(seen, lower)
+    return count
+
+
+def _sweep(net: Net, layers: Sequence[Sequence[int]], *, downwards: bool) -> list[list[int]]:
+    """Order each layer by the middle of its neighbours above (or below), one after the other."""
+    swept = [list(layer) for layer in layers]
+    places = _places(net, swept)
+    numbers = range(1, len(swept)) if downwards else range(len(swept) - 2, -1, -1)
+    for number in numbers:
+        gap = net.gaps[number - 1] if downwards else net.gaps[number]
+        pulls: dict[int, list[float]] = {}
+        for one in gap:
+            if downwards:
+                pulls.setdefault(one.lower, []).append(_upper(one, places, net.widths))
+            else:
+                pulls.setdefault(one.upper, []).append(_lower(one, places, net.widths))
+        swept[number] = _reordered(swept[number], pulls)
+        places.update({cell: place for place, cell in enumerate(swept[number])})
+    return swept
+
+
+def _reordered(layer: Sequence[int], pulls: Mapping[int, Sequence[float]]) -> list[int]:
+    """Sort the cells that are pulled among the places they hold; the others stay."""
+    means = {cell: sum(pulls[cell]) / len(pulls[cell]) for cell in layer if cell in pulls}
+    pulled = iter(sorted(means, key=means.__getitem__))
+    return [next(pulled) if cell in means else cell for cell in layer]

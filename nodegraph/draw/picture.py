@@ -1,0 +1,113 @@
+"""What a drawing shows, as plain data: boxes with sockets, and arrows between them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["node", "input", "report"]
+
+
+@dataclass(frozen=True, slots=True)
+class Socket:
+    """A port as it is drawn: its name and, small, the text of its type."""
+
+    name: str
+    type: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """One node as it is drawn.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the picture.
+    lines : tuple of str
+        Shown below the name, for instance the method that the node uses.
+    inputs, outputs : tuple of Socket
+    alternatives : tuple of str
+        Labels of the methods that are compared here.
+    axes : tuple of str
+        Axes that begin at this node, with their counts: ``length ×3``.
+    kind : {"node", "input", "report"}
+        An input gives what the user brought; a report node is shown in the report.
+    """
+
+    name: str
+    lines: tuple[str, ...] = ()
+    inputs: tuple[Socket, ...] = ()
+    outputs: tuple[Socket, ...] = ()
+    alternatives: tuple[str, ...] = ()
+    axes: tuple[str, ...] = ()
+    kind: Kind = "node"
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """One value on its way from an output of a box to an input of another.
+
+    Attributes
+    ----------
+    source, source_port, target, target_port : str
+    gathers : bool
+        The target receives the values of several combinations at once.
+    truth : bool
+        The value is the answer that methods must not see.
+    fixed : str
+        Axes that the arrow fixes: ``trial=0, length=45``.
+    """
+
+    source: str
+    source_port: str
+    target: str
+    target_port: str
+    gathers: bool = False
+    truth: bool = False
+    fixed: str = ""
+
+    def __str__(self) -> str:
+        notes = [text for text in (self.fixed and f"at {self.fixed}",) if text]
+        notes += ["truth"] * self.truth + ["gathers"] * self.gathers
+        text = f"{self.source}.{self.source_port} to {self.target}.{self.target_port}"
+        return text + (f" ({', '.join(notes)})" if notes else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A whole drawing.
+
+    Raises
+    ------
+    ValueError
+        If two boxes share a name, or an arrow begins or ends at a port that is not drawn.
+    """
+
+    title: str
+    boxes: tuple[Box, ...]
+    arrows: tuple[Arrow, ...] = ()
+
+    def __post_init__(self) -> None:
+        twice = [name for name, count in Counter(box.name for box in self.boxes).items() if count > 1]
+        if twice:
+            raise ValueError(f"several boxes are named {twice[0]!r}; each needs its own name")
+        outputs = {box.name: _names(box.outputs) for box in self.boxes}
+        inputs = {box.name: _names(box.inputs) for box in self.boxes}
+        for arrow in self.arrows:
+            _check_end(arrow, arrow.source, arrow.source_port, outputs)
+            _check_end(arrow, arrow.target, arrow.target_port, inputs)
+
+
+def _names(sockets: Iterable[Socket]) -> tuple[str, ...]:
+    return tuple(socket.name for socket in sockets)
+
+
+def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, tuple[str, ...]]) -> None:
+    if box not in ports:
+        raise ValueError(f"arrow {arrow}: no box is named {box!r}; there is {', '.join(ports)}")
+    if port not in ports[box]:
+        there = ", ".join(ports[box]) or "none"
+        raise ValueError(f"arrow {arrow}: {box!r} has no such port {port!r}; there is {there}")

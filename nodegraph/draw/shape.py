@@ -1,0 +1,220 @@
+"""The inside of one box: how large it is and where its texts, chips and ports stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from nodegraph.draw.picture import Box, Socket
+from nodegraph.draw.text import clean, rows, shortened, width
+
+PADDING = 14.0
+CHIP_HEIGHT = 19.0
+_CHIP_INSET = 8.0
+_CHIP_GAP = 5.0
+_CHIP_SIZE = 11.0
+_CHIPS = 14
+_WIDEST_ROW = 236.0
+_NARROWEST = 112.0
+_SOCKET_GAP = 14.0
+_ALL_SOCKETS = 3
+_SIZES = {"port": 11.0, "type": 9.5, "fixed": 10.0, "name": 15.0, "line": 11.5}
+_LEADING = {"port": 13.0, "type": 11.5, "fixed": 12.5, "name": 19.0, "line": 16.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """One line of text: its place is the middle or the start of its baseline."""
+
+    style: str
+    text: str
+    x: float
+    y: float
+    middle: bool = False
+    hint: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Chip:
+    """A small label with a frame; its place is the upper left corner."""
+
+    style: str
+    text: str
+    x: float
+    y: float
+    width: float
+    hint: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A box with everything in it, measured from its upper left corner.
+
+    Attributes
+    ----------
+    rules : tuple of float
+        Heights of the lines that part ports from the rest.
+    inputs, outputs : mapping of port to float
+        How far from the left the port's arrows end or begin.
+    """
+
+    box: Box
+    width: float
+    height: float
+    texts: tuple[Text, ...]
+    chips: tuple[Chip, ...]
+    rules: tuple[float, ...]
+    inputs: Mapping[str, float]
+    outputs: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Slot:
+    """What is written at one place on a box's edge, and for which ports it stands."""
+
+    ports: tuple[str, ...]
+    lines: tuple[tuple[str, str], ...]
+    hint: str
+
+    @property
+    def width(self) -> float:
+        return max(width(text, _SIZES[style]) for style, text in self.lines)
+
+
+def shape(box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]]) -> Shape:
+    """Return the box laid out.
+
+    Parameters
+    ----------
+    box : Box
+    wired : frozenset of str
+        Ports with an arrow: of a box with many ports, the others are only counted.
+    fixed : mapping of input port to texts
+        What the arrows into each port fix.
+    """
+    inputs = _slots(box.inputs, wired, fixed)
+    outputs = _slots(box.outputs, wired, {})
+    chips = _chip_texts(box)
+    inner = max(_NARROWEST, _heading_width(box), _strip_width(inputs), _strip_width(outputs))
+    flowing = [_flow(group, max(inner, _WIDEST_ROW)) for group in chips]
+    inner = max([inner, *(x + chip for row in flowing for x, _, chip in row)])
+    top, inputs_height = 6.0, _strip_height(inputs)
+    texts, in_places = _strip(inputs, inner, top)
+    y = top + inputs_height + (8.0 if inputs else 4.0)
+    rules = [top + inputs_height + 4.0] if inputs else []
+    heading, y = _heading(box, y)
+    drawn, y = _chips(chips, flowing, y)
+    y += 8.0
+    if outputs:
+        rules.append(y)
+    below, out_places = _strip(outputs, inner, y + 3.0)
+    height = y + (_strip_height(outputs) + 8.0 if outputs else 0.0)
+    return Shape(
+        box=box,
+        width=inner + 2 * PADDING,
+        height=height,
+        texts=(*texts, *heading, *below),
+        chips=tuple(drawn),
+        rules=tuple(rules),
+        inputs=in_places,
+        outputs=out_places,
+    )
+
+
+def _slots(
+    sockets: Sequence[Socket], wired: frozenset[str], fixed: Mapping[str, Sequence[str]]
+) -> list[_Slot]:
+    few = len(sockets) <= _ALL_SOCKETS
+    slots = [_slot(one, fixed.get(one.name, ())) for one in sockets if few or one.name in wired]
+    rest = [socket for socket in sockets if not few and socket.name not in wired]
+    if rest:
+        names = tuple(socket.name for socket in rest)
+        more = f"+{len(rest)} more" if slots else f"{len(rest)} ports"
+        slots.append(_Slot(names, (("type", more),), ", ".join(map(_socket_text, rest))))
+    return slots
+
+
+def _slot(socket: Socket, fixed: Sequence[str]) -> _Slot:
+    lines = [("port", shortened(socket.name, 24))]
+    lines += [("type", shortened(socket.type, 28))] if socket.type else []
+    lines += [("fixed", shortened(f"at {text}", 34)) for text in dict.fromkeys(fixed)]
+    return _Slot((socket.name,), tuple(lines), _socket_text(socket))
+
+
+def _socket_text(socket: Socket) -> str:
+    return f"{socket.name}: {socket.type}" if socket.type else socket.name
+
+
+def _strip_width(slots: Sequence[_Slot]) -> float:
+    return sum(slot.width for slot in slots) + _SOCKET_GAP * max(0, len(slots) - 1)
+
+
+def _strip_height(slots: Sequence[_Slot]) -> float:
+    return max((sum(_LEADING[style] for style, _ in slot.lines) for slot in slots), default=0.0)
+
+
+def _strip(slots: Sequence[_Slot], inner: float, top: float) -> tuple[list[Text], dict[str, float]]:
+    spare = (inner - _strip_width(slots)) / len(slots) if slots else 0.0
+    texts: list[Text] = []
+    places: dict[str, float] = {}
+    left = PADDING
+    for slot in slots:
+        middle = left + (slot.width + spare) / 2
+        y = top
+        for style, text in slot.lines:
+            y += _LEADING[style]
+            texts.append(Text(style, text, middle, y - 2.0, middle=True, hint=slot.hint))
+        places |= dict.fromkeys(slot.ports, middle)
+        left += slot.width + spare + _SOCKET_GAP
+    return texts, places
+
+
+def _heading_width(box: Box) -> float:
+    lines = [width(shortened(line), _SIZES["line"], monospace=True) for line in box.lines]
+    return max([width(shortened(box.name), _SIZES["name"], bold=True), *lines])
+
+
+def _heading(box: Box, y: float) -> tuple[list[Text], float]:
+    texts = []
+    for style, text in [("name", box.name), *(("line", line) for line in box.lines)]:
+        y += _LEADING[style]
+        hint = clean(text) if shortened(text) != clean(text) else ""
+        texts.append(Text(style, shortened(text), PADDING, y - 3.0, hint=hint))
+    return texts, y
+
+
+def _chip_texts(box: Box) -> list[list[tuple[str, str, str]]]:
+    """Return the style, text and hint of each chip: alternatives first, then axes."""
+    shown = [("alternative", shortened(text, 24), text) for text in box.alternatives[:_CHIPS]]
+    rest = box.alternatives[_CHIPS:]
+    if rest:
+        shown.append(("more", f"+{len(rest)} more", ", ".join(rest)))
+    axes = [("axis", shortened(text, 28), text) for text in box.axes]
+    return [group for group in (shown, axes) if group]
+
+
+def _flow(group: Sequence[tuple[str, str, str]], limit: float) -> list[tuple[float, int, float]]:
+    """Return for each chip how far from the left it stands, in which row, and its width."""
+    widths = [width(text, _CHIP_SIZE) + 2 * _CHIP_INSET for _, text, _ in group]
+    places = []
+    for number, row in enumerate(rows(widths, limit, _CHIP_GAP)):
+        x = 0.0
+        for index in row:
+            places.append((x, number, widths[index]))
+            x += widths[index] + _CHIP_GAP
+    return places
+
+
+def _chips(
+    groups: Sequence[Sequence[tuple[str, str, str]]],
+    flowing: Sequence[Sequence[tuple[float, int, float]]],
+    y: float,
+) -> tuple[list[Chip], float]:
+    chips = []
+    for group, places in zip(groups, flowing, strict=True):
+        y += _CHIP_GAP
+        for (style, text, hint), (x, row, wide) in zip(group, places, strict=True):
+            top = y + row * (CHIP_HEIGHT + _CHIP_GAP)
+            chips.append(Chip(style, text, PADDING + x, top, wide, hint))
+        y += (places[-1][1] + 1) * (CHIP_HEIGHT + _CHIP_GAP) - _CHIP_GAP
+    return chips, y

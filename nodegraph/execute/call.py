@@ -1,0 +1,122 @@
+"""One call of one node: what goes in, what came out, or why nothing did."""
+
+from __future__ import annotations
+
+import time
+import traceback
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from typing import Any
+
+from nodegraph.errors import Refusal
+from nodegraph.node import Node
+
+_heard: ContextVar[list[str] | None] = ContextVar("_heard", default=None)
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Everything that one step needs to be computed, wherever that is."""
+
+    step: int
+    node: Node
+    inputs: Mapping[str, Any]
+    settings: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a step.
+
+    Attributes
+    ----------
+    state : str
+        ``done``, ``refused``, ``failed`` or ``skipped``.
+    values : tuple
+        One value per output port, when it is done.
+    reason : str
+        Why there is no value.
+    trace : str
+        Where it failed, for its author.
+    warnings : tuple of str
+        What the node had to say.
+    seconds : float
+    cause : str
+        For a skipped step, what became of the one that it needed: ``refused``, ``failed`` or
+        ``skipped``; else the state itself.
+    """
+
+    state: str
+    values: tuple[Any, ...] = ()
+    reason: str = ""
+    trace: str = ""
+    warnings: tuple[str, ...] = ()
+    seconds: float = 0.0
+    cause: str = ""
+
+
+def perform(call: Call) -> Outcome:
+    """Call a node; whatever it raises becomes part of the outcome."""
+    heard: list[str] = []
+    token = _heard.set(heard)
+    began = time.perf_counter()
+    try:
+        values = _values(call.node, call.node.function(**call.inputs, **call.settings))
+    except Refusal as refusal:
+        state, values, reason, trace = "refused", (), str(refusal) or "no reason given", ""
+    except Exception as error:
+        state, values, reason, trace = "failed", (), _reason(error), traceback.format_exc()
+    else:
+        state, reason, trace = "done", "", ""
+    finally:
+        _heard.reset(token)
+    seconds = time.perf_counter() - began
+    return Outcome(state, values, reason, trace, tuple(dict.fromkeys(heard)), seconds, state)
+
+
+@contextmanager
+def warnings_heard() -> Iterator[None]:
+    """Let what nodes warn of become part of their step's outcome, in whatever thread they run."""
+    with warnings.catch_warnings():
+        for category in (UserWarning, RuntimeWarning):
+            warnings.simplefilter("always", category)
+        show = warnings.showwarning
+
+        def hear(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+            heard = _heard.get()
+            if heard is None:
+                show(message, category, *rest)
+            else:
+                heard.append(str(message))
+
+        warnings.showwarning = hear  # type: ignore[assignment]
+        yield
+
+
+def _values(node: Node, returned: Any) -> tuple[Any, ...]:
+    values = _split(node, returned) if node.splits else (returned,)
+    for port, value in zip(node.outputs, values, strict=True):
+        if not isinstance(value, port.type):
+            raise TypeError(
+                f"{node.name} returned {type(value).__name__} where its signature promises "
+                f"{port.type.__name__} ({port.name})"
+            )
+    return values
+
+
+def _split(node: Node, returned: Any) -> tuple[Any, ...]:
+    names = [port.name for port in node.outputs]
+    if not all(hasattr(returned, name) for name in names):
+        raise TypeError(
+            f"{node.name} returned {type(returned).__name__} where its signature promises "
+            f"{', '.join(names)}"
+        )
+    return tuple(getattr(returned, name) for name in names)
+
+
+def _reason(error: Exception) -> str:
+    said = str(error) or "no message"
+    return said if isinstance(error, (ValueError, OSError)) else f"{type(error).__name__}: {said}"

@@ -1,0 +1,77 @@
+"""The folder of a run: made so that no earlier result is lost."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from datetime import datetime
+from io import TextIOWrapper
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import NodegraphError
+from nodegraph.execute import Event
+
+RECORD = "run.json"
+EVENTS = "events.jsonl"
+GRAPH = "graph.yaml"
+
+
+class RunFolder:
+    """Where a run writes; events are written as they happen.
+
+    Parameters
+    ----------
+    path
+        A finished run that lies there is moved aside, its name followed by the time it ended.
+
+    Raises
+    ------
+    NodegraphError
+        If something else lies there, or the folder cannot be made.
+    """
+
+    def __init__(self, path: Path, graph_text: str) -> None:
+        self.path = path
+        try:
+            self.moved = _make_room(path)
+            path.mkdir(parents=True, exist_ok=True)
+            (path / GRAPH).write_text(graph_text, encoding="utf-8")
+            self._events: TextIOWrapper = (path / EVENTS).open("w", encoding="utf-8", buffering=1)
+        except OSError as error:
+            raise NodegraphError(f"{path}: the run cannot be written there: {error}") from error
+
+    def hear(self, event: Event) -> None:
+        """Write one event as a line of JSON."""
+        self._events.write(json.dumps(event.as_dict(), default=str) + "\n")
+
+    def finish(self, files: Mapping[str, bytes], record: Mapping[str, Any]) -> None:
+        """Write what the run came to; the record last, since it says that all is there."""
+        self._events.close()
+        for name, content in files.items():
+            target = self.path / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+        text = json.dumps(record, indent=1, default=str, allow_nan=True)
+        (self.path / RECORD).write_text(text + "\n", encoding="utf-8")
+
+
+def _make_room(path: Path) -> Path | None:
+    if not path.exists() or (path.is_dir() and not any(path.iterdir())):
+        return None
+    record = path / RECORD
+    if record.is_file():
+        ended = datetime.fromtimestamp(record.stat().st_mtime).strftime("%Y-%m-%dT%H-%M-%S")
+        return path.rename(_free(path.with_name(f"{path.name}-{ended}")))
+    if path.is_dir() and (path / EVENTS).is_file():
+        shutil.rmtree(path)  # a run that was interrupted: it holds no result
+        return None
+    raise NodegraphError(
+        f"{path} holds something that is not a run; name another folder with --out"
+    )
+
+
+def _free(path: Path) -> Path:
+    numbered = (path.with_name(f"{path.name}.{number}") for number in range(2, 10_000))
+    return next(one for one in (path, *numbered) if not one.exists())

@@ -1,0 +1,144 @@
+"""What the command or the caller chooses: inputs, axes, and labels to keep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import Place, Problems, nearest
+from nodegraph.graph.model import Axis
+from nodegraph.ports import Label
+from nodegraph.spec.axes import read_axis
+from nodegraph.spec.parts import GraphSpec, Variable
+from nodegraph.spec.yaml_text import located
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Values for inputs, labels for axes, and which labels to keep.
+
+    Attributes
+    ----------
+    inputs : mapping
+        Input -> value.
+    axes : mapping
+        Axis -> a list of labels, or a mapping of labels to values, or a generator.
+    only : mapping
+        Axis, or node with alternatives -> the labels to keep.
+    folder : Path
+        Where relative paths among them start.
+    """
+
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+    axes: Mapping[str, Any] = field(default_factory=dict)
+    only: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
+    folder: Path = field(default_factory=Path.cwd)
+
+
+class Names:
+    """The inputs and axes of a graph with the choices made: what ``$name`` stands for."""
+
+    def __init__(self, spec: GraphSpec, choices: Choices, problems: Problems) -> None:
+        self._spec = spec
+        self._choices = choices
+        self._problems = problems
+        self.used: set[str] = set()
+        self.unknown: set[Variable] = set()
+        self.inputs = self._inputs()
+        self.axes = {name: self._axis(name) for name in spec.axes}
+
+    def add_alternatives(self, node: str, labels: tuple[str, ...]) -> Axis:
+        """Return the axis that a node's alternatives are, without what was not to be kept."""
+        if node in self._choices.axes:
+            place = Place(f"--axis {node}")
+            self._problems.add(place, f"{node!r} is a node", f"write --only {node}=...")
+        self.axes[node] = self._kept(node, Axis(node, labels))
+        return self.axes[node]
+
+    def check_choices(self, nodes: tuple[str, ...]) -> None:
+        """Note choices that name nothing of the graph, and axes and inputs that nothing uses."""
+        self._check_known("--set", self._choices.inputs, tuple(self._spec.inputs))
+        self._check_known("--axis", self._choices.axes, (*self._spec.axes, *nodes))
+        self._check_known("--only", self._choices.only, tuple(self.axes))
+        for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
+            for name, part in parts.items():
+                if name not in self.used:
+                    message = f"nothing uses the {kind} {name!r}"
+                    self._problems.add(part.place, message, f"write ${name} as a setting's value")
+
+    def axis_of(self, variable: Variable) -> str | None:
+        """Return the axis a variable names, or None for an input or an unknown name."""
+        self.used.add(variable.name)
+        if variable.name in self._spec.axes:
+            return variable.name
+        if variable.name not in self.inputs:
+            self.unknown.add(variable)
+            there = [f"${name}" for name in (*self._spec.inputs, *self._spec.axes)]
+            self._problems.add(
+                variable.place,
+                f"no input or axis {variable.name!r}",
+                nearest(f"${variable.name}", there),
+            )
+        elif variable.field:
+            message = f"{variable}: {variable.name!r} is an input; only an axis has fields"
+            self._problems.add(variable.place, message)
+        return None
+
+    def value(self, variable: Variable, labels: Mapping[str, Label]) -> Any:
+        """Return what a variable stands for at these labels."""
+        if variable.name not in labels:
+            return self.inputs.get(variable.name)
+        value = self.axes[variable.name].values.get(labels[variable.name])
+        if not variable.field:
+            return value
+        if not isinstance(value, dict) or variable.field not in value:
+            fields = list(value) if isinstance(value, dict) else []
+            message = f"{variable}: label {labels[variable.name]!r} has no field {variable.field!r}"
+            self._problems.add(variable.place, message, nearest(variable.field, fields))
+            return None
+        return value[variable.field]
+
+    def folder(self, variable: Variable) -> Path:
+        """Return where a relative path that a variable holds starts."""
+        chosen = variable.name in self._choices.inputs or variable.name in self._choices.axes
+        return self._choices.folder if chosen else self._spec.folder
+
+    @property
+    def graph_folder(self) -> Path:
+        """Where relative paths in the graph file start."""
+        return self._spec.folder
+
+    def _inputs(self) -> dict[str, Any]:
+        given = {name: one.value for name, one in self._spec.inputs.items()}
+        return {**given, **{k: v for k, v in self._choices.inputs.items() if k in given}}
+
+    def _axis(self, name: str) -> Axis:
+        written = self._spec.axes[name]
+        labels, values = written.labels, written.values
+        if name in self._choices.axes:
+            item = located(self._choices.axes[name], Place(f"--axis {name}"))
+            chosen = read_axis(name, item, self._problems)
+            labels, values = chosen.labels, chosen.values
+        removed = frozenset(written.labels) - frozenset(labels)
+        return self._kept(name, Axis(name, labels, dict(zip(labels, values, strict=True)), removed))
+
+    def _kept(self, name: str, axis: Axis) -> Axis:
+        chosen = self._choices.only.get(name)
+        if chosen is None:
+            return axis
+        place = Place(f"--only {name}")
+        for label in chosen:
+            if label not in axis.labels:
+                self._problems.add(place, f"no label {label!r}", nearest(label, axis.labels))
+        labels = tuple(label for label in axis.labels if label in chosen)
+        removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
+        return Axis(name, labels or axis.labels, axis.values, removed)
+
+    def _check_known(self, option: str, chosen: Mapping[str, Any], known: tuple[str, ...]) -> None:
+        for name in chosen:
+            if name not in known:
+                self._problems.add(
+                    Place(f"{option} {name}"), f"the graph has no {name!r}", nearest(name, known)
+                )

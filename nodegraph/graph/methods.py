@@ -1,0 +1,167 @@
+"""``use`` and ``alternatives`` -> the installed nodes behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from nodegraph.errors import Place, Problems, UnknownNodeError, nearest
+from nodegraph.node import Node
+from nodegraph.ports import Port
+from nodegraph.registry import Registered, Registry
+from nodegraph.spec.parts import MethodSpec, NodeSpec, Wiring, Written
+
+PASS = "pass"
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A method of a node with the wiring and settings that it gets, shared ones included.
+
+    ``found`` is None where no installed node has the name; the mistake is noted already.
+    """
+
+    label: str
+    found: Registered | None
+    place: Place
+    wiring: Wiring
+    settings: Mapping[str, Written]
+
+
+class PassNode(Node):
+    """Hands on its first input, typed and named as its siblings' first output."""
+
+    _sibling: Node
+
+    def __init__(self, sibling: Node) -> None:
+        super().__init__(PASS, _identity, ())
+        object.__setattr__(self, "_sibling", sibling)
+
+    @cached_property
+    def inputs(self) -> tuple[Port, ...]:
+        """The first port of the siblings."""
+        made = self._sibling.outputs[0].type
+        return tuple(replace(port, type=made) for port in self._sibling.inputs[:1])
+
+    @cached_property
+    def outputs(self) -> tuple[Port, ...]:
+        """The first output of the siblings."""
+        return self._sibling.outputs[:1]
+
+    @cached_property
+    def settings(self) -> Mapping[str, Any]:
+        """None."""
+        return {}
+
+    @property
+    def splits(self) -> bool:
+        """One value comes out as it went in."""
+        return False
+
+    @property
+    def doc(self) -> str:
+        """What a reader of the report sees."""
+        return "Hand on the input as it is."
+
+
+def choose(spec: NodeSpec, registry: Registry, problems: Problems) -> list[Chosen]:
+    """Return the methods of a node; what is not installed is noted with its line."""
+    found = list(_unfolded(spec, registry, problems))
+    chosen = _replaced(found)
+    siblings = [one for one in chosen.values() if one.use != PASS]
+    if not spec.has_alternatives and any(one.use == PASS for one in chosen.values()):
+        problems.add(spec.place, "'pass' stands only among alternatives")
+    made = {one.label: _found(one, registry, problems) for one in siblings}
+    _check_family(spec, made, problems)
+    first = next((one for one in made.values() if one is not None), None)
+    return [
+        _chosen(spec, one, made[one.label] if one.use != PASS else _passing(first))
+        for one in chosen.values()
+    ]
+
+
+def _unfolded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterator[MethodSpec]:
+    for method in spec.methods:
+        if not method.use.endswith(".*"):
+            yield method
+            continue
+        family = registry.family(method.use[:-2])
+        if not family:
+            hint = nearest(method.use, [f"{name}.*" for name in registry.families])
+            problems.add(method.place, f"no node of the family {method.use!r}", hint)
+        for label, one in family.items():
+            yield replace(method, label=label, use=one.full_name)
+
+
+def _replaced(methods: list[MethodSpec]) -> dict[str, MethodSpec]:
+    """Let a label written by itself stand for the family's method of that label."""
+    chosen: dict[str, MethodSpec] = {}
+    for one in methods:
+        chosen[one.label] = one
+    return chosen
+
+
+def _found(method: MethodSpec, registry: Registry, problems: Problems) -> Registered | None:
+    if not method.use:
+        return None
+    if method.use.endswith((".yaml", ".yml")):
+        problems.add(method.place, f"{method.use!r}: a graph cannot be used as a node here")
+        return None
+    try:
+        return registry.find(method.use)
+    except UnknownNodeError as error:
+        message, _, instead = str(error).partition("; ")
+        problems.add(method.place, message, instead)
+        return None
+
+
+def _passing(sibling: Registered | None) -> Registered | None:
+    return Registered(PassNode(sibling.node), "nodegraph") if sibling else None
+
+
+def _chosen(spec: NodeSpec, method: MethodSpec, found: Registered | None) -> Chosen:
+    if found is None or method.use != PASS:
+        wiring = {**_by_port(spec.wiring, found), **_by_port(method.wiring, found)}
+        settings = {**spec.settings, **method.settings}
+        return Chosen(method.label, found, method.place, wiring, settings)
+    # the siblings' other ports and settings do not concern what only hands on
+    fed = {**_by_port(spec.wiring, found), **_by_port(method.wiring, found)}
+    first = found.node.inputs[0].name if found.node.inputs else ""
+    wiring = {port: one for port, one in fed.items() if port == first}
+    return Chosen(method.label, found, method.place, wiring, method.settings)
+
+
+def _by_port(wiring: Wiring, found: Registered | None) -> Wiring:
+    """Name the first port, so that a method's own wiring replaces the shared one."""
+    if found is None or not found.node.inputs or "" not in wiring:
+        return wiring
+    return {port or found.node.inputs[0].name: one for port, one in wiring.items()}
+
+
+def _check_family(
+    spec: NodeSpec, made: Mapping[str, Registered | None], problems: Problems
+) -> None:
+    if not any(one.use.endswith(".*") for one in spec.methods):
+        return
+    nodes = [one.node for one in made.values() if one is not None]
+    for node in nodes[1:]:
+        if _promise(node) != _promise(nodes[0]):
+            message = f"{node.name!r} cannot stand beside {nodes[0].name!r}"
+            shapes = f"{_shape(node)} differs from {_shape(nodes[0])}"
+            problems.add(spec.place, message, f"{shapes}; list the methods by name instead")
+
+
+def _promise(node: Node) -> tuple[object, ...]:
+    required = {port.name: port for port in node.inputs if not port.optional}
+    return (*sorted(required.items()), node.outputs[0].truth, node.outputs[0].type)
+
+
+def _shape(node: Node) -> str:
+    required = ", ".join(str(port) for port in node.inputs if not port.optional)
+    return f"({required}) -> {node.outputs[0].type.__name__}"
+
+
+def _identity(**inputs: Any) -> Any:
+    return next(iter(inputs.values()))

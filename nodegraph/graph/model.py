@@ -1,0 +1,204 @@
+"""The typed graph: every node with its methods, what feeds them, and the axes it has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from nodegraph.errors import Place
+from nodegraph.node import Node
+from nodegraph.ports import Label
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+    from nodegraph.registry import Registry
+    from nodegraph.spec import GraphSpec
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis as it will be run.
+
+    Attributes
+    ----------
+    labels : tuple of label
+        Those that are run, in order.
+    values : mapping of label to value
+        What ``$axis`` stands for; empty for the axis of a node's alternatives.
+    removed : frozenset of label
+        Labels of the file that the command has taken away.
+    """
+
+    name: str
+    labels: tuple[Label, ...]
+    values: Mapping[Label, Any] = field(default_factory=dict)
+    removed: frozenset[Label] = frozenset()
+
+
+@dataclass(frozen=True)
+class Source:
+    """One output of a node, with some of its axes fixed; an empty port is the first output."""
+
+    node: str
+    port: str
+    place: Place
+    at: Mapping[str, Label] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return f"{self.node}.{self.port}" if self.port else self.node
+
+
+@dataclass(frozen=True)
+class Gather:
+    """What a gathering port takes: one source, or labelled ones along an axis of their own.
+
+    Attributes
+    ----------
+    axis : str
+        The port's name where the sources are labelled, else empty.
+    sources : mapping of label to Source
+        The one source of an unlabelled gathering has the empty label.
+    """
+
+    axis: str
+    sources: Mapping[str, Source]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The settings of a method for every combination of the axes that they depend on.
+
+    Attributes
+    ----------
+    axes : tuple of str
+    values : mapping of labels to settings
+        Checked, with defaults, files resolved: what the function is called with.
+    shown : mapping of labels to settings
+        The same as a reader wrote them, defaults included.
+    """
+
+    axes: tuple[str, ...]
+    values: Mapping[tuple[Label, ...], Mapping[str, Any]]
+    shown: Mapping[tuple[Label, ...], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to compute a node.
+
+    Attributes
+    ----------
+    label : str
+        Its label among the alternatives; empty where there are none.
+    node : Node
+    plugin, distribution : str
+        Who brought it.
+    inputs : mapping of port to Source or Gather
+    settings : Settings
+    """
+
+    label: str
+    node: Node
+    plugin: str
+    distribution: str
+    inputs: Mapping[str, Source | Gather]
+    settings: Settings
+    place: Place
+
+
+@dataclass(frozen=True)
+class GraphNode:
+    """One node of the graph.
+
+    Attributes
+    ----------
+    methods : mapping of label to Method
+    has_alternatives : bool
+        Whether the node's name is an axis of its own.
+    axes : tuple of str
+        The axes along which it has values.
+    gathered : tuple of str
+        The axes that its gathering ports take together.
+    """
+
+    name: str
+    place: Place
+    methods: Mapping[str, Method]
+    has_alternatives: bool
+    axes: tuple[str, ...]
+    gathered: tuple[str, ...] = ()
+
+    @property
+    def first(self) -> Method:
+        """Any of the methods: what they have in common can be read from it."""
+        return next(iter(self.methods.values()))
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A node, or one source of a gathering port, that the command has left without a label."""
+
+    node: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Graph:
+    """A graph in which every check has been made.
+
+    Attributes
+    ----------
+    spec : GraphSpec
+    registry : Registry
+        Where its nodes, and how their values appear, come from.
+    axes : mapping of name to Axis
+    nodes : mapping of name to GraphNode
+        In an order in which each comes after what feeds it.
+    inputs : mapping of name to value
+        With what the command has set.
+    left_out : tuple of LeftOut
+    """
+
+    spec: GraphSpec
+    registry: Registry
+    axes: Mapping[str, Axis]
+    nodes: Mapping[str, GraphNode]
+    inputs: Mapping[str, Any]
+    left_out: tuple[LeftOut, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """The title of the file, or its name."""
+        return self.spec.title or self.spec.file
+
+    @cached_property
+    def network(self) -> nx.MultiDiGraph[str]:
+        """The typed graph itself: an edge per wire, keyed by source and target port."""
+        import networkx as nx
+
+        network: nx.MultiDiGraph[str] = nx.MultiDiGraph()
+        for node in self.nodes.values():
+            network.add_node(node.name, node=node)
+        for target, port, source, gathers in self.wires():
+            key = f"{source.port}->{port}"
+            network.add_edge(source.node, target, key, source=source, port=port, gathers=gathers)
+        return network
+
+    def wires(self) -> tuple[tuple[str, str, Source, bool], ...]:
+        """Return every wire once: target node, its port, the source, whether it gathers."""
+        found: dict[tuple[str, str, str, str], tuple[str, str, Source, bool]] = {}
+        for node in self.nodes.values():
+            for method in node.methods.values():
+                for port, fed in method.inputs.items():
+                    for source in sources_of(fed):
+                        wire = (node.name, port, source, isinstance(fed, Gather))
+                        found.setdefault((node.name, port, source.node, source.port), wire)
+        return tuple(found.values())
+
+
+def sources_of(fed: Source | Gather) -> tuple[Source, ...]:
+    """Return the sources of whatever feeds a port."""
+    return tuple(fed.sources.values()) if isinstance(fed, Gather) else (fed,)

@@ -1,0 +1,152 @@
+"""Settings as written -> settings checked, for every combination of the axes they name."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nodegraph.describe import setting_kind
+from nodegraph.errors import NodegraphError, Problems, nearest
+from nodegraph.graph.choices import Names
+from nodegraph.graph.methods import Chosen
+from nodegraph.graph.model import Settings
+from nodegraph.node import Node
+from nodegraph.ports import Label
+from nodegraph.registry import Registry
+from nodegraph.spec.parts import Variable, Written
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+
+_ADVICE = {
+    "missing": "must be given",
+    "extra_forbidden": "is not a setting of this node",
+}
+
+
+class SettingsReader:
+    """Checks settings and notes every mistake with its place."""
+
+    def __init__(self, names: Names, registry: Registry, problems: Problems) -> None:
+        self._names = names
+        self._registry = registry
+        self._problems = problems
+
+    def read(self, where: str, chosen: Chosen, node: Node) -> Settings:
+        """Return the settings of one method; `where` names it in messages."""
+        known = {
+            n: one for n, one in chosen.settings.items() if self._is_known(where, n, one, node)
+        }
+        axes = self._axes(known)
+        variables = {one for written in known.values() for one in written.variables()}
+        if variables & self._names.unknown:
+            return Settings((), {(): {}}, {(): {}})
+        values: dict[tuple[Label, ...], Mapping[str, Any]] = {}
+        shown: dict[tuple[Label, ...], Mapping[str, Any]] = {}
+        for labels in itertools.product(*(self._names.axes[axis].labels for axis in axes)):
+            given = {
+                name: self._substituted(one.value, dict(zip(axes, labels, strict=True)))
+                for name, one in known.items()
+            }
+            checked = self._checked(where, chosen, node, given)
+            values[labels] = {**checked, **self._files(where, node, known, checked)}
+            shown[labels] = {**checked, **given}
+        return Settings(axes, values, shown)
+
+    def _is_known(self, where: str, name: str, written: Written, node: Node) -> bool:
+        if name in node.settings:
+            return True
+        hint = nearest(name, node.settings, what="settings")
+        self._problems.add(written.place, f"{where}: {node.name} has no setting {name!r}", hint)
+        for variable in written.variables():
+            self._names.axis_of(variable)
+        return False
+
+    def _axes(self, known: Mapping[str, Written]) -> tuple[str, ...]:
+        variables = [one for written in known.values() for one in written.variables()]
+        named = {self._names.axis_of(variable) for variable in variables}
+        return tuple(axis for axis in self._names.axes if axis in named)
+
+    def _substituted(self, value: Any, labels: Mapping[str, Label]) -> Any:
+        if isinstance(value, Variable):
+            return self._names.value(value, labels)
+        if isinstance(value, dict):
+            return {key: self._substituted(one, labels) for key, one in value.items()}
+        if isinstance(value, list):
+            return [self._substituted(one, labels) for one in value]
+        return value
+
+    def _checked(
+        self, where: str, chosen: Chosen, node: Node, given: Mapping[str, Any]
+    ) -> Mapping[str, Any]:
+        from pydantic import ValidationError
+
+        if not node.settings:
+            return {}
+        try:
+            model = node.model.model_validate_json(json.dumps(given, default=str))
+        except ValidationError as error:
+            for message, place, hint in _complaints(where, chosen, node, error):
+                self._problems.add(place, message, hint)
+            return {}
+        return {name: getattr(model, name) for name in node.settings}
+
+    def _files(
+        self, where: str, node: Node, known: Mapping[str, Written], checked: Mapping[str, Any]
+    ) -> Mapping[str, Path]:
+        found: dict[str, Path] = {}
+        for name, setting in node.settings.items():
+            if setting.is_file and checked.get(name) is not None and name in known:
+                path = self._file(where, known[name], str(checked[name]))
+                if path is not None:
+                    found[name] = path
+        return found
+
+    def _file(self, where: str, written: Written, text: str) -> Path | None:
+        try:
+            placed = self._registry.place(text)
+        except NodegraphError as error:
+            self._problems.add(written.place, f"{where}: {error}")
+            return None
+        path = placed or self._folder(written) / text
+        if path.exists():
+            return path.resolve()
+        hint = nearest(path.name, _names_beside(path), what="in that folder there is")
+        self._problems.add(written.place, f"{where}: no such file: {text}", hint)
+        return None
+
+    def _folder(self, written: Written) -> Path:
+        if isinstance(written.value, Variable):
+            return self._names.folder(written.value)
+        return self._names.graph_folder
+
+
+def _complaints(
+    where: str, chosen: Chosen, node: Node, error: ValidationError
+) -> Iterator[tuple[str, Any, str]]:
+    for one in error.errors():
+        name = str(one["loc"][0]) if one["loc"] else ""
+        written = chosen.settings.get(name)
+        said = _ADVICE.get(one["type"]) or f"{_lower(one['msg'])}, got {one['input']!r}"
+        setting = node.settings.get(name)
+        unit = f" {setting.unit}" if setting is not None and setting.unit else ""
+        hint = f"it is {setting_kind(node, name)}{unit}" if setting is not None else ""
+        yield (
+            f"{where}: setting {name!r} of {node.name} {said}",
+            written.place if written else chosen.place,
+            hint,
+        )
+
+
+def _lower(message: str) -> str:
+    return message.removeprefix("Input ") if message.startswith("Input ") else message.lower()
+
+
+def _names_beside(path: Path) -> list[str]:
+    try:
+        return sorted(one.name for one in path.parent.iterdir())
+    except OSError:
+        return []

@@ -1,0 +1,73 @@
+"""Everything that a plugin can add, on one screen.
+
+A plugin is a module, named in the entry point group ``nodegraph``, that implements any of these
+hooks with `hookimpl`. Each is called once, when the plugin is first needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pluggy
+
+GROUP = "nodegraph"
+hookspec = pluggy.HookspecMarker(GROUP)
+hookimpl = pluggy.HookimplMarker(GROUP)
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """How a value appears: HTML for the report, text for a terminal, files beside the report.
+
+    Attributes
+    ----------
+    html : str
+        A fragment, complete in itself; what came from users is already escaped.
+    text : str
+        A few plain lines; empty when the value is a picture.
+    files : mapping of suffix to bytes
+        For instance ``{".csv": ..., ".tex": ...}``.
+    """
+
+    html: str
+    text: str = ""
+    files: Mapping[str, bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Renderer:
+    """Shows the values of one type. ``render(value, title)`` returns a `Rendered`."""
+
+    type: type
+    render: Callable[[Any, str], Rendered]
+
+
+@hookspec
+def nodegraph_nodes() -> Iterable[Callable[..., Any]]:  # type: ignore[empty-body]
+    """Return the plugin's nodes: functions decorated with `nodegraph.node`."""
+
+
+@hookspec
+def nodegraph_bibtex() -> str:  # type: ignore[empty-body]
+    """Return the BibTeX entries that the plugin's nodes cite."""
+
+
+@hookspec
+def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types appear in a report."""
+
+
+@hookspec
+def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:  # type: ignore[empty-body]
+    """Return, for ``scheme`` in a path ``scheme:name``, what finds the file or folder.
+
+    The function raises `nodegraph.errors.NodegraphError` for a name that it does not have.
+    """
+
+
+@hookspec
+def nodegraph_graphs() -> Iterable[Path]:  # type: ignore[empty-body]
+    """Return the example graphs that the plugin ships."""

@@ -1,0 +1,293 @@
+"""A node is a function: its signature says what goes in, what is set and what comes out."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from nodegraph.errors import NodeError
+from nodegraph.ports import Across, FileMark, Port, TruthMark, Unit
+from nodegraph.values import Value
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
+_ATTRIBUTE = "__nodegraph_node__"
+_REQUIRED = inspect.Parameter.empty
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One setting of a node.
+
+    Attributes
+    ----------
+    name : str
+    annotation : Any
+        Its type with bounds and choices, as pydantic reads it.
+    default : Any
+        `inspect.Parameter.empty` when it must be given.
+    unit : str
+    is_file : bool
+        Whether it names a file to read.
+    """
+
+    name: str
+    annotation: Any
+    default: Any
+    unit: str
+    is_file: bool
+
+    @property
+    def required(self) -> bool:
+        """Whether a graph must give it."""
+        return self.default is _REQUIRED
+
+
+@dataclass(frozen=True)
+class Node:
+    """What a function's signature promises.
+
+    Attributes
+    ----------
+    name : str
+        ``family.method``.
+    function : callable
+        The function itself, unchanged.
+    cite : tuple of str
+        Keys of BibTeX entries that its plugin ships.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    cite: tuple[str, ...]
+
+    @property
+    def family(self) -> str:
+        """The part before the point."""
+        return self.name.partition(".")[0]
+
+    @property
+    def method(self) -> str:
+        """The part after the point, the label among alternatives."""
+        return self.name.partition(".")[2]
+
+    @property
+    def doc(self) -> str:
+        """The whole docstring, without its indentation."""
+        return inspect.getdoc(self.function) or ""
+
+    @property
+    def summary(self) -> str:
+        """The docstring's first line."""
+        return self.doc.partition("\n")[0]
+
+    @cached_property
+    def inputs(self) -> tuple[Port, ...]:
+        """Input ports, in the order of the arguments."""
+        return tuple(
+            _input_port(self.name, argument, self._hints[argument.name])
+            for argument in self._arguments
+            if argument.kind is not argument.KEYWORD_ONLY
+        )
+
+    @cached_property
+    def outputs(self) -> tuple[Port, ...]:
+        """Output ports; the first is the one most often wanted."""
+        return _output_ports(self.name, self._hints["return"])
+
+    @cached_property
+    def settings(self) -> Mapping[str, Setting]:
+        """Settings by name."""
+        return {
+            argument.name: _setting(argument, self._hints[argument.name])
+            for argument in self._arguments
+            if argument.kind is argument.KEYWORD_ONLY
+        }
+
+    @cached_property
+    def model(self) -> type[BaseModel]:
+        """The pydantic model that checks the settings; nothing is converted in silence."""
+        from pydantic import ConfigDict, create_model
+
+        given: dict[str, Any] = {
+            one.name: (one.annotation, ... if one.required else one.default)
+            for one in self.settings.values()
+        }
+        config = ConfigDict(extra="forbid", strict=True, arbitrary_types_allowed=True)
+        return create_model(self.name, __config__=config, **given)
+
+    @property
+    def splits(self) -> bool:
+        """Whether the function returns several outputs in one record."""
+        return _is_record(_plain(self._hints["return"]))
+
+    def check(self) -> Node:
+        """Read the whole signature now, so that what it lacks is told now; return the node."""
+        if not self.outputs:
+            raise NodeError(f"{self.name}: the record that it returns has no field")
+        clash = {port.name for port in self.inputs} & self.settings.keys()
+        if clash:
+            raise NodeError(f"{self.name}: {', '.join(clash)} is both a port and a setting")
+        return self
+
+    def port(self, name: str) -> Port | None:
+        """Return the input port of that name, if there is one."""
+        return next((port for port in self.inputs if port.name == name), None)
+
+    def output(self, name: str) -> Port | None:
+        """Return the output port of that name, if there is one."""
+        return next((port for port in self.outputs if port.name == name), None)
+
+    @cached_property
+    def _arguments(self) -> tuple[inspect.Parameter, ...]:
+        arguments = tuple(inspect.signature(self.function).parameters.values())
+        for argument in arguments:
+            _check_argument(self.name, argument)
+        return arguments
+
+    @cached_property
+    def _hints(self) -> dict[str, Any]:
+        try:
+            hints = get_type_hints(self.function, include_extras=True)
+        except (NameError, AttributeError, TypeError) as error:
+            raise NodeError(f"{self.name}: an annotation cannot be read: {error}") from error
+        wanted = [argument.name for argument in self._arguments] + ["return"]
+        missing = [name for name in wanted if name not in hints]
+        if missing:
+            raise NodeError(f"{self.name}: {', '.join(missing)} has no annotation")
+        return hints
+
+
+def node(name: str, *, cite: str | tuple[str, ...] = "none") -> Callable[[F], F]:
+    """Make a function a node; it stays callable as it is.
+
+    Positional arguments are input ports, keyword-only arguments are settings, the return
+    annotation is the output: one type, or a NamedTuple (or frozen dataclass) of several.
+
+    Parameters
+    ----------
+    name
+        ``family.method``, in lower case.
+    cite
+        Keys of BibTeX entries that the plugin ships, or ``"none"``.
+
+    Raises
+    ------
+    NodeError
+        If the name is not of that form. What the signature lacks is told when the node is used.
+
+    Examples
+    --------
+    >>> from nodegraph_mocap import Trajectories
+    >>> @node("fill.nothing")
+    ... def nothing(recording: Trajectories) -> Trajectories:
+    ...     \"\"\"Leave every gap open.\"\"\"
+    ...     return recording
+    """
+    if not _NAME.fullmatch(name):
+        raise NodeError(f"{name!r} is not a node's name; write family.method, in lower case")
+    keys = (cite,) if isinstance(cite, str) else tuple(cite)
+
+    def mark(function: F) -> F:
+        described = Node(name, function, tuple(key for key in keys if key != "none"))
+        setattr(function, _ATTRIBUTE, described)
+        return function
+
+    return mark
+
+
+def node_of(function: object) -> Node | None:
+    """Return what a decorated function promises, or None for any other object."""
+    found = getattr(function, _ATTRIBUTE, None)
+    return found if isinstance(found, Node) else None
+
+
+def _check_argument(name: str, argument: inspect.Parameter) -> None:
+    if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
+        raise NodeError(f"{name}: *{argument.name} is neither a port nor a setting; name each one")
+
+
+def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
+    inner, optional = _without_none(hint)
+    truth = _has_mark(hint, TruthMark) or _has_mark(inner, TruthMark)
+    inner, also = _without_none(_plain(inner))
+    across = get_origin(inner) is Across
+    held = _plain(get_args(inner)[0]) if across else inner
+    if not isinstance(held, type):
+        raise NodeError(f"{node_name}: port {argument.name!r} needs one type, not {held}")
+    has_default = argument.default is not _REQUIRED
+    if has_default and not (optional or also):
+        raise NodeError(
+            f"{node_name}: port {argument.name!r} has a default; write {held.__name__} | None"
+        )
+    return Port(argument.name, held, truth, across, optional or also)
+
+
+def _output_ports(node_name: str, hint: Any) -> tuple[Port, ...]:
+    returned = _plain(hint)
+    if _is_record(returned):
+        hints = get_type_hints(returned, include_extras=True)
+        return tuple(_output_port(node_name, one, hints[one]) for one in _field_names(returned))
+    return (_output_port(node_name, "output", hint),)
+
+
+def _output_port(node_name: str, name: str, hint: Any) -> Port:
+    held = _plain(hint)
+    if not isinstance(held, type):
+        raise NodeError(f"{node_name}: output {name!r} needs one type, not {held}")
+    return Port(name, held, truth=_has_mark(hint, TruthMark))
+
+
+def _setting(argument: inspect.Parameter, hint: Any) -> Setting:
+    units = [mark.name for mark in _marks(hint) if isinstance(mark, Unit)]
+    inner, _ = _without_none(hint)
+    is_file = _has_mark(hint, FileMark) or _has_mark(inner, FileMark)
+    return Setting(argument.name, hint, argument.default, units[0] if units else "", is_file)
+
+
+def _is_record(hint: Any) -> bool:
+    if not isinstance(hint, type) or issubclass(hint, Value):
+        return False
+    return is_dataclass(hint) or (issubclass(hint, tuple) and hasattr(hint, "_fields"))
+
+
+def _field_names(record: type) -> tuple[str, ...]:
+    named: tuple[str, ...] | None = getattr(record, "_fields", None)
+    return named if named is not None else tuple(field.name for field in fields(record))
+
+
+def _plain(hint: Any) -> Any:
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
+
+
+def _marks(hint: Any) -> tuple[Any, ...]:
+    return tuple(hint.__metadata__) if get_origin(hint) is Annotated else ()
+
+
+def _has_mark(hint: Any, kind: type) -> bool:
+    return any(isinstance(mark, kind) for mark in _marks(hint))
+
+
+def _without_none(hint: Any) -> tuple[Any, bool]:
+    if get_origin(hint) not in (Union, UnionType):
+        return hint, False
+    kept = [one for one in get_args(hint) if one is not NoneType]
+    return (kept[0] if len(kept) == 1 else hint), len(kept) < len(get_args(hint))

@@ -1,0 +1,125 @@
+"""Annotations of a node's signature, and when one port fits another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Generic, TypeVar
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+Label = str | int | float | bool
+"""A label on an axis. The empty text stands where a gathered value does not have the axis."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """The unit of a setting, shown wherever the setting is: ``Annotated[float, Unit("mm")]``."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class TruthMark:
+    """Marks a port that takes or gives the answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileMark:
+    """Marks a setting that names a file to read."""
+
+
+Truth = Annotated[T, TruthMark()]
+"""A port that takes or gives the answer. A plain value may feed it, never the other way round."""
+
+InputFile = Annotated[Path, FileMark()]
+"""A setting that names a file to read; in a graph file, relative to that file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """A combination without a value, and why: ``refused``, ``failed`` or ``skipped``."""
+
+    labels: Mapping[str, Label]
+    kind: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Across(Generic[T_co]):
+    """The values of a source over the axes that are gathered, each with its labels.
+
+    Attributes
+    ----------
+    axes : tuple of str
+        The gathered axes.
+    entries : tuple of (mapping of axis to label, value)
+        In the order in which the graph lists the labels.
+    absent : tuple of Absent
+        Combinations that were refused, failed or skipped.
+    """
+
+    axes: tuple[str, ...]
+    entries: tuple[tuple[Mapping[str, Label], T_co], ...]
+    absent: tuple[Absent, ...] = ()
+
+    @staticmethod
+    def of(values: Mapping[Any, T], *, axis: str) -> Across[T]:
+        """Gather values along one axis by hand, to call a node directly."""
+        return Across((axis,), tuple(({axis: label}, value) for label, value in values.items()))
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __iter__(self) -> Iterator[tuple[Mapping[str, Label], T_co]]:
+        return iter(self.entries)
+
+    def values(self) -> tuple[T_co, ...]:
+        """Return the values alone, in order."""
+        return tuple(value for _, value in self.entries)
+
+    def names(self) -> tuple[str, ...]:
+        """Return one text per value: its labels that are not empty, joined by commas."""
+        return tuple(label_text(labels) for labels, _ in self.entries)
+
+
+def label_text(labels: Mapping[str, Label]) -> str:
+    """Return labels as one text, for legends: ``muscle, 45``."""
+    return ", ".join(str(label) for label in labels.values() if label != "")
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """One input or output of a node.
+
+    Attributes
+    ----------
+    name : str
+    type : type
+        What one value is; for a gathering port, what each gathered value is.
+    truth, across, optional : bool
+        Whether the port holds the answer, gathers over axes, may be left open.
+    """
+
+    name: str
+    type: type
+    truth: bool = False
+    across: bool = False
+    optional: bool = False
+
+    def __str__(self) -> str:
+        text = self.type.__name__
+        text = f"Across[{text}]" if self.across else text
+        text = f"Truth[{text}]" if self.truth else text
+        return f"{self.name}: {text}" + (" | None" if self.optional else "")
+
+
+def misfit(source: Port, target: Port) -> str | None:
+    """Return why a source cannot feed a target, or None if it can."""
+    if source.truth and not target.truth:
+        return f"{source.name!r} gives the truth and {target.name!r} must not see it"
+    if not issubclass(source.type, target.type):
+        return f"{target.name!r} takes {target.type.__name__}, not {source.type.__name__}"
+    return None

@@ -1,0 +1,203 @@
+"""Names and the nodes behind them, whoever brought them."""
+
+from __future__ import annotations
+
+import warnings
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nodegraph import plugins
+from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, nearest
+from nodegraph.node import Node, node_of
+from nodegraph.plugins import BrokenPlugin, Plugin
+
+if TYPE_CHECKING:
+    import pluggy
+
+    from nodegraph.hooks import Renderer
+
+
+@dataclass(frozen=True)
+class Registered:
+    """A node and the plugin that brought it."""
+
+    node: Node
+    plugin: str
+    distribution: str = ""
+
+    @property
+    def full_name(self) -> str:
+        """The name that always works: ``plugin:family.method``."""
+        return f"{self.plugin}:{self.node.name}"
+
+
+@dataclass
+class Registry:
+    """Everything that the plugins bring."""
+
+    loaded: list[Plugin] = field(default_factory=list)
+    broken: list[BrokenPlugin] = field(default_factory=list)
+    _by_name: dict[str, list[Registered]] = field(default_factory=lambda: defaultdict(list))
+
+    @classmethod
+    def installed(cls, files: Iterable[Path] = ()) -> Registry:
+        """Return the registry of all installed plugins and of the named files."""
+        good, broken = plugins.installed()
+        registry = cls(broken=broken)
+        for plugin in [*good, *(plugins.from_file(Path(file)) for file in files)]:
+            registry._add_plugin(plugin)
+        for one in registry.broken:
+            warnings.warn(f"plugin {one.name!r} is left out: {one.reason}", stacklevel=2)
+        return registry
+
+    @classmethod
+    def of(cls, functions: Iterable[Callable[..., Any]], *, plugin: str = "given") -> Registry:
+        """Return a registry of these nodes alone, for tests."""
+        registry = cls()
+        registry._add_nodes(plugin, "", functions)
+        return registry
+
+    def __iter__(self) -> Iterator[Registered]:
+        for name in sorted(self._by_name):
+            yield from self._by_name[name]
+
+    def find(self, name: str) -> Registered:
+        """Return the node of that name.
+
+        Raises
+        ------
+        UnknownNodeError
+            If no plugin has it, or several do; the message says which.
+        """
+        plugin, _, bare = name.rpartition(":")
+        claimed = self._by_name.get(bare, [])
+        found = [one for one in claimed if not plugin or one.plugin == plugin]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise UnknownNodeError(
+                f"node {bare!r} is claimed by {_full_names(found)}; write one of these"
+            )
+        raise UnknownNodeError(
+            f"no node {name!r}; {nearest(name, self._near(bare))}{self._excuse()}"
+        )
+
+    def family(self, family: str) -> Mapping[str, Registered]:
+        """Return every method of a family by its label.
+
+        Two methods of one name are labelled ``plugin:method``.
+        """
+        methods: dict[str, Registered] = {}
+        for name in sorted(self._by_name):
+            if name.partition(".")[0] == family:
+                claimed = self._by_name[name]
+                for one in claimed:
+                    method = one.node.method
+                    methods[method if len(claimed) == 1 else f"{one.plugin}:{method}"] = one
+        return methods
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families that there are."""
+        return tuple(sorted({name.partition(".")[0] for name in self._by_name}))
+
+    @cached_property
+    def hooks(self) -> pluggy.PluginManager:
+        """The pluggy manager of the loaded plugins."""
+        return plugins.manager(self.loaded)
+
+    @cached_property
+    def renderers(self) -> tuple[Renderer, ...]:
+        """How values appear in a report; the last plugin comes first."""
+        return tuple(one for many in self.hooks.hook.nodegraph_renderers() for one in many)
+
+    @cached_property
+    def bibtex(self) -> str:
+        """All BibTeX entries that the plugins ship."""
+        return "\n".join(self.hooks.hook.nodegraph_bibtex())
+
+    @cached_property
+    def graphs(self) -> Mapping[str, Path]:
+        """Example graphs by name."""
+        paths = [path for many in self.hooks.hook.nodegraph_graphs() for path in many]
+        return {path.stem: path for path in sorted(paths)}
+
+    def place(self, path: str) -> Path | None:
+        """Return where ``scheme:name`` lies, or None when no plugin has the scheme."""
+        scheme, _, name = path.partition(":")
+        finder = self._places.get(scheme) if name else None
+        return finder(name) if finder else None
+
+    @cached_property
+    def _places(self) -> Mapping[str, Callable[[str], Path]]:
+        places: dict[str, Callable[[str], Path]] = {}
+        for one in self.hooks.hook.nodegraph_places():
+            places.update(one)
+        return places
+
+    def _add_plugin(self, plugin: Plugin) -> None:
+        hook = getattr(plugin.module, "nodegraph_nodes", None)
+        try:
+            self._add_nodes(plugin.name, plugin.distribution, hook() if hook else ())
+        except Exception as error:
+            self.broken.append(BrokenPlugin(plugin.name, f"{type(error).__name__}: {error}"))
+        else:
+            self.loaded.append(plugin)
+
+    def _add_nodes(
+        self, plugin: str, distribution: str, functions: Iterable[Callable[..., Any]]
+    ) -> None:
+        described = [_described(function) for function in functions]
+        for one in described:
+            self._by_name[one.name].append(Registered(one, plugin, distribution))
+
+    def _near(self, name: str) -> list[str]:
+        family = name.partition(".")[0]
+        return [one for one in sorted(self._by_name) if one.startswith(f"{family}.")] or sorted(
+            self._by_name
+        )
+
+    def _excuse(self) -> str:
+        if not self.broken:
+            return ""
+        return "; left out because it does not import: " + ", ".join(
+            f"plugin {one.name!r} ({one.reason})" for one in self.broken
+        )
+
+
+@lru_cache(maxsize=1)
+def default_registry() -> Registry:
+    """Return the registry of what is installed, made once."""
+    return Registry.installed()
+
+
+def get_node(name: str) -> Callable[..., Any]:
+    """Return an installed node's function, to be called as it is.
+
+    Raises
+    ------
+    UnknownNodeError
+        If no plugin has it, or several do.
+    """
+    return default_registry().find(name).node.function
+
+
+def _described(function: Callable[..., Any]) -> Node:
+    described = node_of(function)
+    if described is None:
+        name = getattr(function, "__name__", repr(function))
+        raise NodegraphError(f"{name} is not a node; decorate it with @node(...)")
+    try:
+        return described.check()
+    except NodeError:
+        raise
+    except Exception as error:
+        raise NodeError(f"{described.name}: {error}") from error
+
+
+def _full_names(found: Iterable[Registered]) -> str:
+    return " and ".join(one.full_name for one in found)

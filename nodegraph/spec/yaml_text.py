@@ -1,0 +1,213 @@
+"""YAML text -> values that remember where they were written.
+
+The words mean what YAML 1.2 says: ``1e-3`` is a number, ``no`` is a word. Keys that repeat, tags,
+endless aliases and bottomless nesting are refused. Reading never calls itself, so that no file
+can exhaust the stack.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from nodegraph.errors import GraphError, Place, Problem
+
+_MOST_DEPTH = 100
+_MOST_VALUES = 1_000_000
+_INTEGER = re.compile(r"[-+]?[0-9]+")
+_OCTAL_OR_HEX = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INFINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)")
+_WORDS = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+}
+
+Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(slots=True)
+class Located:
+    """A value and the place where it was written.
+
+    Attributes
+    ----------
+    value : Any
+        A scalar, a list of `Located`, or a mapping of scalars to `Located`.
+    place : Place
+    keys : dict
+        For a mapping, where each key was written.
+    """
+
+    value: Any
+    place: Place
+    keys: dict[Any, Place] = field(default_factory=dict)
+
+    def plain(self) -> Any:
+        """Return the value without its places."""
+        if isinstance(self.value, dict):
+            return {key: one.plain() for key, one in self.value.items()}
+        if isinstance(self.value, list):
+            return [one.plain() for one in self.value]
+        return self.value
+
+
+def read_yaml(text: str, file: str) -> Located:
+    """Return what the text says, every value with its place.
+
+    Raises
+    ------
+    GraphError
+        If the text is not YAML, or says something twice; with file, line and column.
+    """
+    try:
+        return _Reader(file).read(text)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
+        said = ", ".join(part for part in (error.context, error.problem) if part)
+        raise GraphError([Problem(place, f"this is not YAML: {said}")]) from error
+    except yaml.YAMLError as error:
+        raise GraphError([Problem(Place(file, 1, 1), f"this is not YAML: {error}")]) from error
+
+
+def scalar(text: str) -> Any:
+    """Return what an unquoted word means in YAML 1.2: null, a boolean, a number, or itself."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text):
+        return int(text) if len(text) < 4000 else text
+    if _OCTAL_OR_HEX.fullmatch(text):
+        return int(text, 0)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    infinite = _INFINITE.fullmatch(text)
+    return float(f"{infinite[1]}inf") if infinite else text
+
+
+@dataclass(slots=True)
+class _Open:
+    """A list or mapping that is being read."""
+
+    item: Located
+    anchor: str | None
+    key: Any = None
+    has_key: bool = False
+    size: int = 1
+
+
+class _Reader:
+    def __init__(self, file: str) -> None:
+        self._file = file
+        self._open: list[_Open] = []
+        self._anchors: dict[str, tuple[Located, int]] = {}
+        self._problems: list[Problem] = []
+        self._root: Located | None = None
+
+    def read(self, text: str) -> Located:
+        for event in _events(text):
+            self._take(event)
+        if self._problems:
+            raise GraphError(self._problems)
+        return self._root or Located(None, Place(self._file, 1, 1))
+
+    def _take(self, event: Any) -> None:
+        if isinstance(event, yaml.ScalarEvent):
+            self._scalar(event)
+        elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
+            self._start(event)
+        elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
+            self._end()
+        elif isinstance(event, yaml.AliasEvent):
+            self._alias(event)
+        elif isinstance(event, yaml.DocumentStartEvent) and self._root is not None:
+            self._fail(self._place(event), "a second document; a graph file holds one")
+
+    def _scalar(self, event: Any) -> None:
+        place = self._place(event)
+        self._refuse_tag(event, place)
+        item = Located(scalar(event.value) if event.implicit[0] else event.value, place)
+        self._add(item, 1)
+        self._remember(event.anchor, item, 1)
+
+    def _start(self, event: Any) -> None:
+        place = self._place(event)
+        self._refuse_tag(event, place)
+        if len(self._open) >= _MOST_DEPTH:
+            self._fail(place, f"nested more than {_MOST_DEPTH} deep")
+        kind: dict[Any, Any] | list[Any] = {} if isinstance(event, yaml.MappingStartEvent) else []
+        self._open.append(_Open(Located(kind, place), event.anchor))
+
+    def _end(self) -> None:
+        done = self._open.pop()
+        self._add(done.item, done.size)
+        self._remember(done.anchor, done.item, done.size)
+
+    def _alias(self, event: Any) -> None:
+        place = self._place(event)
+        if event.anchor not in self._anchors:
+            self._fail(place, f"alias *{event.anchor} stands before, or inside, what it repeats")
+        item, size = self._anchors[event.anchor]
+        self._add(Located(item.value, place, item.keys), size)
+
+    def _add(self, item: Located, size: int) -> None:
+        if not self._open:
+            self._root = item
+            return
+        parent = self._open[-1]
+        parent.size += size
+        if parent.size > _MOST_VALUES:
+            self._fail(item.place, f"aliases unfold to more than {_MOST_VALUES:,} values")
+        if isinstance(parent.item.value, list):
+            parent.item.value.append(item)
+        elif parent.has_key:
+            parent.item.value.setdefault(parent.key, item)
+            parent.has_key = False
+        else:
+            self._key(parent, item)
+
+    def _key(self, parent: _Open, item: Located) -> None:
+        if isinstance(item.value, (list, dict)):
+            self._fail(item.place, "a key must be one word or number")
+        first = parent.item.keys.get(item.value)
+        if first is not None:
+            message = f"key {item.value!r} is there twice; first in line {first.line}"
+            self._problems.append(Problem(item.place, message))
+        parent.item.keys.setdefault(item.value, item.place)
+        parent.key, parent.has_key = item.value, True
+
+    def _remember(self, anchor: str | None, item: Located, size: int) -> None:
+        if anchor is not None:
+            self._anchors[anchor] = (item, size)
+
+    def _refuse_tag(self, event: Any, place: Place) -> None:
+        if event.tag is not None and event.tag != "!":
+            self._fail(place, f"tag {event.tag!r} has no meaning in a graph file; leave it out")
+
+    def _place(self, event: Any) -> Place:
+        return Place(self._file, event.start_mark.line + 1, event.start_mark.column + 1)
+
+    def _fail(self, place: Place, message: str) -> None:
+        raise GraphError([*self._problems, Problem(place, message)])
+
+
+def _events(text: str) -> Iterator[Any]:
+    parser = Parser(text)
+    while (event := parser.get_event()) is not None:
+        yield event
+
+
+def located(value: Any, place: Place) -> Located:
+    """Return plain data as if it had all been written at one place."""
+    if isinstance(value, dict):
+        items = {key: located(one, place) for key, one in value.items()}
+        return Located(items, place, dict.fromkeys(items, place))
+    if isinstance(value, (list, tuple, range)):
+        return Located([located(one, place) for one in value], place)
+    return Located(value, place)

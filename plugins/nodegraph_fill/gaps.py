@@ -1,0 +1,136 @@
+"""Gaps of a recording as arrays, and the account of what a fill left missing."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Unit
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+MaxGap = Annotated[int | None, Field(ge=1), Unit("frames")]
+"""The setting ``max_gap``: longer gaps stay missing; None fills gaps of any length."""
+
+LONG = "longer than max_gap"
+NEVER = "never measured"
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Every run of missing samples of one marker, by marker and then by time.
+
+    Attributes
+    ----------
+    marker, start, stop : (G,) arrays of int
+        Frames ``start`` to ``stop - 1`` of the marker are missing, the frames around are not.
+    shape : (frames, markers)
+    """
+
+    marker: NDArray[np.intp]
+    start: NDArray[np.intp]
+    stop: NDArray[np.intp]
+    shape: tuple[int, int]
+
+    @staticmethod
+    def of(recording: Trajectories) -> Gaps:
+        """Return the gaps of a recording."""
+        frames, markers = recording.origin.shape
+        missing = np.zeros((markers, frames + 2), dtype=np.bool_)
+        missing[:, 1:-1] = (recording.origin == Origin.MISSING).T
+        edges = np.flatnonzero(missing[:, 1:] != missing[:, :-1])
+        marker, start = np.divmod(edges[::2], frames + 1)
+        return Gaps(marker, start, edges[1::2] % (frames + 1), (frames, markers))
+
+    @property
+    def length(self) -> NDArray[np.intp]:
+        """(G,) frames."""
+        return self.stop - self.start
+
+    @property
+    def at_start(self) -> NDArray[np.bool_]:
+        """(G,), True where the marker is measured after the gap only."""
+        return (self.start == 0) & (self.stop < self.shape[0])
+
+    @property
+    def at_end(self) -> NDArray[np.bool_]:
+        """(G,), True where the marker is measured before the gap only."""
+        return (self.start > 0) & (self.stop == self.shape[0])
+
+    @property
+    def never(self) -> NDArray[np.bool_]:
+        """(G,), True where the gap is the whole take."""
+        return self.length == self.shape[0]
+
+    @property
+    def inner(self) -> NDArray[np.bool_]:
+        """(G,), True where the marker is measured before and after the gap."""
+        return (self.start > 0) & (self.stop < self.shape[0])
+
+    def longer_than(self, frames: int | None) -> NDArray[np.bool_]:
+        """(G,), True where the gap is longer; nowhere when there is no limit."""
+        return np.zeros(len(self.start), dtype=np.bool_) if frames is None else self.length > frames
+
+    def chosen(self, which: NDArray[np.bool_]) -> Gaps:
+        """Return some of the gaps."""
+        return Gaps(self.marker[which], self.start[which], self.stop[which], self.shape)
+
+    def mask(self) -> NDArray[np.bool_]:
+        """(frames, markers), True where a sample lies in one of the gaps."""
+        inside = np.zeros(self.shape, dtype=np.bool_)
+        _, frame, marker, _ = self.samples()
+        inside[frame, marker] = True
+        return inside
+
+    def samples(
+        self,
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
+        """Return, for every sample in a gap, its gap, frame, marker and share of the way.
+
+        The share is j / (L + 1) at the j-th of a gap's L frames, counted from 1.
+        """
+        gap = np.repeat(np.arange(len(self.start)), self.length)
+        first = np.cumsum(self.length) - self.length
+        step = np.arange(len(gap)) - first[gap]
+        share = (step + 1) / (self.length[gap] + 1)
+        return gap, self.start[gap] + step, self.marker[gap], share
+
+
+def warn_left(
+    filled: Trajectories, reasons: Iterable[tuple[Gaps, str]], otherwise: str, *, stacklevel: int
+) -> None:
+    """Warn how many samples a fill has left missing, and why.
+
+    Parameters
+    ----------
+    filled
+        What the fill returns.
+    reasons
+        Gaps, none of them twice, with the reason why they were not filled.
+    otherwise
+        The reason for every other sample that is still missing.
+    stacklevel
+        As for `warnings.warn`, counted from the caller of this function.
+    """
+    missing = filled.origin == Origin.MISSING
+    left = int(np.count_nonzero(missing))
+    if not left:
+        return
+    counts = [(reason, int(gaps.length.sum())) for gaps, reason in reasons]
+    counts.append((otherwise, left - sum(count for _, count in counts)))
+    told = ", ".join(f"{reason} {count}" for reason, count in counts if count)
+    markers = _counted(np.count_nonzero(missing.any(axis=0)), "marker")
+    warnings.warn(
+        f"{_counted(left, 'sample')} of {markers} left missing: {told}", stacklevel=stacklevel + 1
+    )
+
+
+def _counted(count: int | np.intp, what: str) -> str:
+    return f"{count} {what}" + ("" if count == 1 else "s")

@@ -1,0 +1,96 @@
+"""Checks that several values share, each with a message that says what is wrong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph import read_only
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+
+def set_fields(record: object, **values: Any) -> None:
+    """Set fields of a frozen record while it is being made; arrays become read-only."""
+    for name, value in values.items():
+        locked = read_only(value) if isinstance(value, np.ndarray) else value
+        object.__setattr__(record, name, locked)
+
+
+def numbers(what: str, array: ArrayLike, shape: Sequence[int | str]) -> NDArray[np.float64]:
+    """Return the array as float64, of that shape and without infinities.
+
+    Parameters
+    ----------
+    what
+        What the message calls the array.
+    array
+        The numbers; NaN stays.
+    shape
+        A length per axis, or a word for an axis of any length.
+
+    Raises
+    ------
+    ValueError
+        If the shape differs or a number is infinite.
+    """
+    checked = np.asarray(array, dtype=np.float64)
+    _check_shape(what, checked.shape, shape)
+    if np.isinf(checked).any():
+        place = tuple(int(index) for index in np.argwhere(np.isinf(checked))[0])
+        raise ValueError(f"{what}: infinite at {place}")
+    return checked
+
+
+def finite(what: str, array: ArrayLike, shape: Sequence[int | str]) -> NDArray[np.float64]:
+    """Return the array as float64, of that shape; a missing number is an error as well."""
+    checked = numbers(what, array, shape)
+    if np.isnan(checked).any():
+        place = tuple(int(index) for index in np.argwhere(np.isnan(checked))[0])
+        raise ValueError(f"{what}: missing (NaN) at {place}; every number is needed here")
+    return checked
+
+
+def indices(
+    what: str, array: ArrayLike, shape: Sequence[int | str], *, count: int
+) -> NDArray[np.int64]:
+    """Return the array as whole numbers from 0 to `count` - 1."""
+    given = np.asarray(array)
+    _check_shape(what, given.shape, shape)
+    if given.size and not np.issubdtype(given.dtype, np.integer):
+        raise ValueError(f"{what}: must be whole numbers, got {given.dtype}")
+    if given.size and (given.min() < 0 or given.max() >= count):
+        raise ValueError(
+            f"{what}: must lie in 0 to {count - 1}, got {given.min()} to {given.max()}"
+        )
+    return given.astype(np.int64)
+
+
+def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names as a tuple in which each occurs once."""
+    listed = tuple(str(name) for name in names)
+    repeated = sorted({name for name in listed if listed.count(name) > 1})
+    if repeated:
+        raise ValueError(f"{what}: named twice: {', '.join(repeated)}")
+    return listed
+
+
+def positive_rate(rate: float) -> float:
+    """Return the rate in frames per second, which is positive."""
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"rate must be a positive number of frames per second, got {rate}")
+    return float(rate)
+
+
+def _check_shape(what: str, got: tuple[int, ...], wanted: Sequence[int | str]) -> None:
+    fits = len(got) == len(wanted) and all(
+        isinstance(length, str) or length == found
+        for length, found in zip(wanted, got, strict=True)
+    )
+    if not fits:
+        text = ", ".join(str(length) for length in wanted)
+        raise ValueError(f"{what}: must be ({text}), got {got}")

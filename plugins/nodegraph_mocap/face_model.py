@@ -1,0 +1,140 @@
+"""A face in few numbers: where the head is, what shapes it has, how much of each it shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Value
+from nodegraph_mocap.checks import distinct, finite, numbers, positive_rate, set_fields
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_ORTHONORMAL = 1e-3
+"""How far R R^T may be from the identity; rotations stored as float32 stay far below it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeadMotion(Value):
+    """Where the head is in each frame: ``captured = s R aligned + t``.
+
+    Attributes
+    ----------
+    rotations : (T, 3, 3) array of float64
+        R, applied to points as columns.
+    translations : (T, 3) array of float64
+        t, millimetres.
+    scales : (T,) array of float64
+        s, positive; 1 where the head keeps its size.
+
+    Raises
+    ------
+    ValueError
+        If shapes disagree, a number is missing or infinite, a scale is not positive, or a
+        rotation is not orthonormal.
+    """
+
+    rotations: NDArray[np.float64]
+    translations: NDArray[np.float64]
+    scales: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        rotations = finite("rotations", self.rotations, ("frames", 3, 3))
+        frames = len(rotations)
+        translations = finite("translations", self.translations, (frames, 3))
+        scales = finite("scales", self.scales, (frames,))
+        if np.any(scales <= 0):
+            frame = int(np.argmax(scales <= 0))
+            raise ValueError(f"scales: must be positive, got {scales[frame]} in frame {frame}")
+        _check_orthonormal(rotations)
+        set_fields(self, rotations=rotations, translations=translations, scales=scales)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames, T."""
+        return len(self.rotations)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BlendshapeModel(Value):
+    """A face at rest and named ways in which it moves, at the markers.
+
+    A pose is ``neutral + sum(weight * shape)``.
+
+    Attributes
+    ----------
+    neutral : (M, 3) array of float64
+        Millimetres.
+    shapes : (K, M, 3) array of float64
+        Offsets from the neutral at weight 1, millimetres.
+    names : tuple of K str
+    markers : tuple of M str
+
+    Raises
+    ------
+    ValueError
+        If shapes disagree, a number is missing or infinite, or a name is listed twice.
+    """
+
+    neutral: NDArray[np.float64]
+    shapes: NDArray[np.float64]
+    names: tuple[str, ...]
+    markers: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        names = distinct("shape names", self.names)
+        markers = distinct("markers", self.markers)
+        set_fields(
+            self,
+            neutral=finite("neutral", self.neutral, (len(markers), 3)),
+            shapes=finite("shapes", self.shapes, (len(names), len(markers), 3)),
+            names=names,
+            markers=markers,
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Weights(Value):
+    """How much of each shape a face shows over time.
+
+    Attributes
+    ----------
+    values : (T, K) array of float64
+        0 is none of the shape and 1 all of it; NaN where a weight is not known.
+    names : tuple of K str
+    rate : float
+        Frames per second.
+
+    Raises
+    ------
+    ValueError
+        If shapes disagree, a weight is infinite, or a name is listed twice.
+    """
+
+    values: NDArray[np.float64]
+    names: tuple[str, ...]
+    rate: float
+
+    def __post_init__(self) -> None:
+        names = distinct("shape names", self.names)
+        values = numbers("weights", self.values, ("frames", len(names)))
+        set_fields(self, values=values, names=names, rate=positive_rate(self.rate))
+
+    @property
+    def frames(self) -> int:
+        """Number of frames, T."""
+        return len(self.values)
+
+
+def _check_orthonormal(rotations: NDArray[np.float64]) -> None:
+    errors = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(
+        axis=(1, 2), initial=0.0
+    )
+    if np.any(errors > _ORTHONORMAL):
+        frame = int(np.argmax(errors > _ORTHONORMAL))
+        raise ValueError(
+            f"rotations: frame {frame} is not orthonormal (off by {errors[frame]:.3g})"
+        )

@@ -1,0 +1,207 @@
+"""Recordings: marker trajectories, where each sample came from, and masks over samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph import Value, read_only
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap.marker_set import MarkerSet
+
+
+_FROM_POSITIONS: Any = None
+
+
+class Origin(IntEnum):
+    """Where a sample came from."""
+
+    MISSING = 0
+    MEASURED = 1
+    FILLED = 2
+    REPAIRED = 3
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectories(Value):
+    """A recording: the positions of named markers over time.
+
+    A set of scans with corresponding points is a recording of one frame per scan.
+
+    Attributes
+    ----------
+    positions : (T, M, 3) array of float64
+        Millimetres; a missing sample is NaN in all three coordinates.
+    markers : tuple of M str
+    rate : float
+        Frames per second.
+    marker_set : MarkerSet or None
+    origin : (T, M) array of uint8
+        An `Origin` per sample; made from the missing samples when it is not given.
+    sigma : (T, M) array of float64, or None
+        Standard deviation of each sample in millimetres, where a method knows it.
+
+    Raises
+    ------
+    ValueError
+        If shapes disagree, names repeat, a sample is partly missing or infinite, or `origin`
+        does not call exactly the missing samples missing.
+    """
+
+    positions: NDArray[np.float64]
+    markers: tuple[str, ...]
+    rate: float
+    marker_set: MarkerSet | None = None
+    origin: NDArray[np.uint8] = _FROM_POSITIONS
+    sigma: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        positions = np.asarray(self.positions, dtype=np.float64)
+        _check_shape(positions, self.markers)
+        missing = _missing(positions, self.markers)
+        made = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
+        origin = made if self.origin is None else np.asarray(self.origin, dtype=np.uint8)
+        _check_origin(origin, missing)
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise ValueError(
+                f"rate must be a positive number of frames per second, got {self.rate}"
+            )
+        _set(self, "positions", read_only(positions))
+        _set(self, "markers", tuple(self.markers))
+        _set(self, "rate", float(self.rate))
+        _set(self, "origin", read_only(origin))
+        if self.sigma is not None:
+            _set(self, "sigma", read_only(_checked_sigma(self.sigma, missing.shape)))
+
+    @property
+    def frames(self) -> int:
+        """Number of frames, T."""
+        return int(self.positions.shape[0])
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """(T, M), True where a sample is not missing."""
+        return np.asarray(self.origin != Origin.MISSING)
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """(T, M), True where a sample was measured or repaired: what no fill may change."""
+        return np.asarray((self.origin == Origin.MEASURED) | (self.origin == Origin.REPAIRED))
+
+    def with_samples(
+        self,
+        positions: NDArray[np.float64],
+        *,
+        changed: NDArray[np.bool_],
+        origin: Origin,
+        sigma: NDArray[np.float64] | None = None,
+    ) -> Trajectories:
+        """Return the recording with other positions; what was changed gets that origin.
+
+        Parameters
+        ----------
+        positions
+            (T, M, 3) millimetres.
+        changed
+            (T, M), True where a sample was written. One that is NaN in `positions` is missing.
+        origin
+            What the written samples are called.
+        sigma
+            (T, M) millimetres, or None to keep what the recording has.
+        """
+        marked = np.where(changed, np.uint8(origin), self.origin)
+        marked[np.isnan(positions[..., 0])] = Origin.MISSING
+        kept = self.sigma if sigma is None else sigma
+        return replace(self, positions=positions, origin=marked, sigma=kept)
+
+    def keep(self, names: Iterable[str]) -> Trajectories:
+        """Return the recording with these markers only, in this order.
+
+        Raises
+        ------
+        ValueError
+            If the recording lacks one of them.
+        """
+        chosen = tuple(names)
+        absent = [name for name in chosen if name not in self.markers]
+        if absent:
+            raise ValueError(f"no marker {', '.join(absent)}; there are {', '.join(self.markers)}")
+        columns = [self.markers.index(name) for name in chosen]
+        return replace(
+            self,
+            positions=self.positions[:, columns],
+            markers=chosen,
+            marker_set=self.marker_set.keep(chosen) if self.marker_set else None,
+            origin=self.origin[:, columns],
+            sigma=None if self.sigma is None else self.sigma[:, columns],
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mask(Value):
+    """Samples that a cut has hidden, or that an impulse has hit.
+
+    Attributes
+    ----------
+    hidden : (T, M) array of bool
+    markers : tuple of M str
+    """
+
+    hidden: NDArray[np.bool_]
+    markers: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        hidden = np.asarray(self.hidden, dtype=np.bool_)
+        if hidden.ndim != 2 or hidden.shape[1] != len(self.markers):
+            raise ValueError(f"a mask is (frames, {len(self.markers)} markers), got {hidden.shape}")
+        _set(self, "hidden", read_only(hidden))
+        _set(self, "markers", tuple(self.markers))
+
+
+def _set(record: object, name: str, value: Any) -> None:
+    object.__setattr__(record, name, value)
+
+
+def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> None:
+    if positions.ndim != 3 or positions.shape[1:] != (len(markers), 3):
+        raise ValueError(
+            f"positions must be (frames, {len(markers)} markers, 3), got {positions.shape}"
+        )
+    repeated = sorted({name for name in markers if tuple(markers).count(name) > 1})
+    if repeated:
+        raise ValueError(f"markers named twice: {', '.join(repeated)}")
+
+
+def _missing(positions: NDArray[np.float64], markers: tuple[str, ...]) -> NDArray[np.bool_]:
+    nan = np.isnan(positions)
+    missing = np.asarray(nan.any(axis=2))
+    bad = np.isinf(positions).any(axis=2) | (missing & ~nan.all(axis=2))
+    if bad.any():
+        frame, marker = np.argwhere(bad)[0]
+        raise ValueError(
+            f"frame {frame}, marker {markers[marker]!r}: {positions[frame, marker]} is neither a "
+            f"position nor wholly missing ({np.count_nonzero(bad)} such samples)"
+        )
+    return missing
+
+
+def _check_origin(origin: NDArray[np.uint8], missing: NDArray[np.bool_]) -> None:
+    if origin.shape != missing.shape:
+        raise ValueError(f"origin must be {missing.shape}, got {origin.shape}")
+    if np.any((origin == Origin.MISSING) != missing) or np.any(origin > max(Origin)):
+        raise ValueError("origin must call exactly the missing samples missing (0), others 1 to 3")
+
+
+def _checked_sigma(sigma: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    sigma = np.asarray(sigma, dtype=np.float64)
+    if sigma.shape != shape:
+        raise ValueError(f"sigma must be {shape}, got {sigma.shape}")
+    return sigma

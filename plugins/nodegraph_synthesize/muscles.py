@@ -1,0 +1,157 @@
+"""Muscles of Waters' kinds: linear ones that pull towards a bone, and one that narrows the mouth.
+
+A linear muscle runs from its attachment on the bone to its insertion in the skin. A point of the
+skin at distance D from the attachment, at an angle A from the muscle's direction, is pulled
+towards the attachment by ``pull * cos(A / zone * pi / 2) * r(D)``, with
+
+    r(D) = cos((1 - D / Rs) pi / 2)               for D <= Rs,
+    r(D) = cos((D - Rs) / (Rf - Rs) pi / 2)       for Rs < D <= Rf, 0 beyond
+
+(Waters 1987). Waters takes cos(A) inside the zone, which ends in a step; here the pull reaches
+zero at the zone's edge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_synthesize.proportions import MOUTH_HEIGHT, Proportions
+from nodegraph_synthesize.surface import on_face
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+
+@dataclass(frozen=True)
+class LinearMuscle:
+    """One muscle of the left side, or of the midline; places on the average face in mm.
+
+    Attributes
+    ----------
+    attachment, insertion : (u, v)
+    full, end : float
+        Rs, where the pull is largest, and Rf, where it ends, mm from the attachment.
+    zone : float
+        Degrees to each side of the muscle's direction.
+    pull : float
+        Of a point at Rs on the muscle's line, at full activation, mm.
+    """
+
+    attachment: tuple[float, float]
+    insertion: tuple[float, float]
+    full: float
+    end: float
+    zone: float
+    pull: float
+
+    def mirrored(self) -> LinearMuscle:
+        """Return the muscle of the other side."""
+        (au, av), (iu, iv) = self.attachment, self.insertion
+        return LinearMuscle((-au, av), (-iu, iv), self.full, self.end, self.zone, self.pull)
+
+
+PAIRED = {
+    "frontalisInner": LinearMuscle((15.0, 90.0), (15.0, 46.0), 42.0, 64.0, 24.0, 6.0),
+    "frontalisOuter": LinearMuscle((42.0, 86.0), (42.0, 49.0), 38.0, 58.0, 25.0, 6.0),
+    "corrugator": LinearMuscle((3.0, 36.0), (26.0, 48.0), 24.0, 42.0, 35.0, 5.0),
+    "orbicularisOculi": LinearMuscle((31.0, 21.0), (31.0, 34.0), 12.0, 23.0, 75.0, 8.0),
+    "levatorLabii": LinearMuscle((20.0, 18.0), (14.0, -29.0), 44.0, 60.0, 22.0, 6.0),
+    "zygomaticMajor": LinearMuscle((54.0, 8.0), (27.0, -36.0), 52.0, 80.0, 30.0, 11.0),
+    "platysma": LinearMuscle((63.0, -38.0), (27.0, -37.0), 38.0, 58.0, 30.0, 7.0),
+    "depressorAnguliOris": LinearMuscle((33.0, -86.0), (27.0, -38.0), 46.0, 62.0, 24.0, 7.0),
+    "depressorLabii": LinearMuscle((16.0, -84.0), (12.0, -45.0), 38.0, 51.0, 26.0, 5.0),
+}
+CENTRAL = {"mentalis": LinearMuscle((0.0, -48.0), (0.0, -73.0), 22.0, 38.0, 50.0, 5.0)}
+JAW, SPHINCTER = "jawOpen", "orbicularisOris"
+
+CHANNELS = (
+    JAW,
+    SPHINCTER,
+    *CENTRAL,
+    *(f"{name}{side}" for name in PAIRED for side in ("Left", "Right")),
+)
+"""What is activated, in the order of the weights."""
+
+
+@dataclass(frozen=True)
+class Pull:
+    """What one muscle does to points of the neutral face.
+
+    Attributes
+    ----------
+    points : (n,) array
+        Which points it moves at all.
+    attachment : (3,) array
+        Where to, mm.
+    amounts : (n,) array
+        How far at full activation, mm.
+    """
+
+    points: NDArray[np.intp]
+    attachment: NDArray[np.float64]
+    amounts: NDArray[np.float64]
+
+
+def linear_muscles() -> dict[str, LinearMuscle]:
+    """Return every linear muscle by the name of its channel."""
+    muscles = dict(CENTRAL)
+    for name, muscle in PAIRED.items():
+        muscles[f"{name}Left"] = muscle
+        muscles[f"{name}Right"] = muscle.mirrored()
+    return muscles
+
+
+def pull_of(
+    muscle: LinearMuscle, points: NDArray[np.float64], proportions: Proportions
+) -> Pull:
+    """Return what a linear muscle does to (N, 3) points of the neutral face."""
+    ends = np.array([muscle.attachment, muscle.insertion])
+    attachment, insertion = on_face(ends, proportions)
+    reached = insertion - attachment
+    rays = points - attachment
+    distances = np.linalg.norm(rays, axis=1)
+    # Radii and pull grow with the muscle, from the average face to this one.
+    growth = np.linalg.norm(reached) / _length_on_average_face(muscle)
+    cosines = rays @ reached / np.maximum(distances * np.linalg.norm(reached), 1e-12)
+    angles = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
+    sideways = np.cos(np.minimum(angles / muscle.zone, 1.0) * np.pi / 2)
+    amounts = growth * muscle.pull * sideways * _along(muscle, distances / growth)
+    moved = np.flatnonzero(amounts > 1e-6)
+    return Pull(moved, attachment, amounts[moved])
+
+
+def sphincter_offsets(
+    points: NDArray[np.float64], proportions: Proportions
+) -> NDArray[np.float64]:
+    """Return (N, 3) mm by which the muscle around the mouth, fully active, moves each point.
+
+    An ellipse on the lips: points on it move furthest, inwards and forwards (Waters' sphincter
+    muscle, with his radial term for both directions and the pouting of the lips on top).
+    """
+    corner = on_face(np.array([[27.0, MOUTH_HEIGHT]]), proportions)[0]
+    across = points[:, 0] / corner[0]
+    along = (points[:, 1] - corner[1]) / (12.0 * proportions.height)
+    radius = np.hypot(across, along)
+    strength = np.where(
+        radius <= 1.0,
+        np.sin(radius * np.pi / 2),
+        np.cos(np.minimum(radius - 1.0, 1.0) * np.pi / 2),
+    )
+    inwards = strength / np.maximum(radius, 1e-12)
+    pout = np.cos(np.minimum(radius / 2.0, 1.0) * np.pi / 2) ** 2
+    return np.stack([-8.0 * inwards * across, -2.5 * inwards * along, 8.0 * pout], axis=1)
+
+
+def _along(muscle: LinearMuscle, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    rising = np.cos((1.0 - distances / muscle.full) * np.pi / 2)
+    beyond = np.clip((distances - muscle.full) / (muscle.end - muscle.full), 0.0, 1.0)
+    return np.where(distances <= muscle.full, rising, np.cos(beyond * np.pi / 2))
+
+
+def _length_on_average_face(muscle: LinearMuscle) -> float:
+    ends = on_face(np.array([muscle.attachment, muscle.insertion]), Proportions())
+    return float(np.linalg.norm(ends[1] - ends[0]))
