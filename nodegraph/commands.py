@@ -23,7 +23,7 @@ def run(arguments: Namespace) -> int:
     from nodegraph.execute import HowToRun, execute
     from nodegraph.folder import RunFolder
     from nodegraph.plan import plan
-    from nodegraph.report.write import write
+    from nodegraph.report.write import report_files, summary
 
     graph = _graph(arguments)
     how = HowToRun(arguments.executor, arguments.jobs)
@@ -34,8 +34,9 @@ def run(arguments: Namespace) -> int:
     with progress() as listener:
         kept = reported(graph)
         done = execute(plan(graph), how=how, keep=kept, listeners=[listener, folder.hear])
-    text = write(done, folder, command=_command(arguments))
-    print(text)
+    files, record, study = report_files(done, command=_command(arguments))
+    folder.finish(files, record)
+    print(f"{summary(study)}\n\n{folder.path / 'report.html'}")
     return 0 if done.ok else 1
 
 

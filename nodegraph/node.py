@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
@@ -131,8 +132,13 @@ class Node:
             one.name: (one.annotation, ... if one.required else one.default)
             for one in self.settings.values()
         }
-        config = ConfigDict(extra="forbid", strict=True, arbitrary_types_allowed=True)
-        return create_model(self.name, __config__=config, **given)
+        config = ConfigDict(
+            extra="forbid", strict=True, arbitrary_types_allowed=True, protected_namespaces=()
+        )
+        with warnings.catch_warnings():
+            # a setting may have any name, also one that pydantic's own methods have
+            warnings.simplefilter("ignore", UserWarning)
+            return create_model(self.name, __config__=config, **given)
 
     @property
     def splits(self) -> bool:
@@ -143,9 +149,9 @@ class Node:
         """Read the whole signature now, so that what it lacks is told now; return the node."""
         if not self.outputs:
             raise NodeError(f"{self.name}: the record that it returns has no field")
-        clash = {port.name for port in self.inputs} & self.settings.keys()
-        if clash:
-            raise NodeError(f"{self.name}: {', '.join(clash)} is both a port and a setting")
+        hidden = [name for name in self.settings if name.startswith("_")]
+        if hidden:
+            raise NodeError(f"{self.name}: setting {hidden[0]!r} begins with an underscore")
         return self
 
     def port(self, name: str) -> Port | None:
@@ -223,6 +229,8 @@ def node_of(function: object) -> Node | None:
 def _check_argument(name: str, argument: inspect.Parameter) -> None:
     if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
         raise NodeError(f"{name}: *{argument.name} is neither a port nor a setting; name each one")
+    if argument.kind is argument.POSITIONAL_ONLY:
+        raise NodeError(f"{name}: {argument.name!r} must take its name; leave out the '/'")
 
 
 def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
@@ -230,14 +238,13 @@ def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
     truth = _has_mark(hint, TruthMark) or _has_mark(inner, TruthMark)
     inner, also = _without_none(_plain(inner))
     across = get_origin(inner) is Across
-    held = _plain(get_args(inner)[0]) if across else inner
-    if not isinstance(held, type):
-        raise NodeError(f"{node_name}: port {argument.name!r} needs one type, not {held}")
-    has_default = argument.default is not _REQUIRED
-    if has_default and not (optional or also):
-        raise NodeError(
-            f"{node_name}: port {argument.name!r} has a default; write {held.__name__} | None"
-        )
+    if across:
+        inner = get_args(inner)[0]
+        truth = truth or _has_mark(inner, TruthMark)
+    held = _one_type(node_name, f"port {argument.name!r}", _plain(inner))
+    if (argument.default is not _REQUIRED) != (optional or also):
+        form = f"{argument.name}: {held.__name__} | None = None"
+        raise NodeError(f"{node_name}: a port that may be left open is written {form}")
     return Port(argument.name, held, truth, across, optional or also)
 
 
@@ -250,10 +257,14 @@ def _output_ports(node_name: str, hint: Any) -> tuple[Port, ...]:
 
 
 def _output_port(node_name: str, name: str, hint: Any) -> Port:
-    held = _plain(hint)
-    if not isinstance(held, type):
-        raise NodeError(f"{node_name}: output {name!r} needs one type, not {held}")
+    held = _one_type(node_name, f"output {name!r}", _plain(hint))
     return Port(name, held, truth=_has_mark(hint, TruthMark))
+
+
+def _one_type(node_name: str, what: str, hint: Any) -> type:
+    if isinstance(hint, type) and hint is not Any:
+        return hint
+    raise NodeError(f"{node_name}: {what} needs one type, not {hint}")
 
 
 def _setting(argument: inspect.Parameter, hint: Any) -> Setting:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from nodegraph.collection import no_collection
 from nodegraph.graph import Gather, Graph, GraphNode, Method, Source
 from nodegraph.ports import Absent, Label
 
@@ -94,6 +95,7 @@ class Plan:
     skipped: Mapping[str, Mapping[Combination, str]]
 
 
+@no_collection()
 def plan(graph: Graph) -> Plan:
     """Return the steps that compute every node of a graph at every combination."""
     planner = _Planner(graph)

@@ -8,7 +8,7 @@ from nodegraph.draw.text import escaped
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
-_STRANDS = (-6.0, 6.0, 0.0)
+_STRANDS = (-5.0, 5.0, 0.0)
 _MEETING = 14.0
 
 Point = tuple[float, float]
@@ -44,16 +44,11 @@ def smooth(points: Sequence[Point]) -> str:
 
 
 def fan(points: Sequence[Point]) -> str:
-    """Return several lines that leave side by side and meet shortly before the tip."""
+    """Return several lines that run side by side and meet shortly before the tip."""
     tip_x, tip_y = points[-1]
-    meeting = (tip_x, tip_y - _MEETING)
-    paths = []
-    for strand in _STRANDS:
-        last = len(points) - 1
-        shares = [1.0 - index // 2 * 2 / (last + 1) for index in range(last)]
-        shifted = [(x + strand * share, y) for (x, y), share in zip(points, shares, strict=False)]
-        paths.append(smooth([*shifted, meeting, (tip_x, tip_y)]))
-    return "".join(paths)
+    end = [(tip_x, tip_y - _MEETING), (tip_x, tip_y)]
+    strands = [[(x + strand, y) for x, y in points[:-1]] for strand in _STRANDS]
+    return "".join(smooth([*strand, *end]) for strand in strands)
 
 
 def head(x: float, y: float) -> str:

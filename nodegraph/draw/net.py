@@ -33,6 +33,8 @@ class Net:
     widths : list of float
     gaps : list of list of Segment
         The segments below each layer.
+    chains : list of list of int
+        Bends of long arrows, each list from the top.
     routes : list of list of int
         For each arrow its cells: the source, bends, the target.
     """
@@ -40,6 +42,7 @@ class Net:
     layers: list[list[int]]
     widths: list[float]
     gaps: list[list[Segment]]
+    chains: list[list[int]] = field(default_factory=list)
     routes: list[list[int]] = field(default_factory=list)
 
     def bend(self, layer: int) -> int:
@@ -72,6 +75,7 @@ def net(picture: Picture, shapes: Sequence[Shape]) -> Net:
         weight = 1.0 if len(route) == 2 else 2.0
         made.gaps[last - 1].append(Segment(route[-2], target, offset, ends, weight))
         made.routes.append(route)
+    made.chains = [chain[1:] for chain in chains.values() if len(chain) > 1]
     return made
 
 

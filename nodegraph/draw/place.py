@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from nodegraph.draw.net import BEND_WIDTH, Net
+from nodegraph.draw.straight import straighten
 
-_ROUNDS = 12
+_Pulls = list[list[tuple[int, float, float]]]
+
+_ROUNDS = 10
+_ALIGNMENTS = 3
 _BOX_GAP = 44.0
 _BEND_GAP = 22.0
+_LOOSE = 0.01
 
 
 def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
     """Return the middle of each cell, counted from the leftmost edge.
 
     Layer by layer, down and up in turn, each cell is pulled to its neighbours; within a layer
-    the least squares solution that keeps order and distance is exact (`spread`).
+    the least squares solution that keeps order and distance is exact (`spread`). Then boxes are
+    lined up with one of their neighbours each, and long arrows made straight.
     """
-    distances = [_distances(layer, net.widths) for layer in layers]
+    apart = [_distances(layer, net.widths) for layer in layers]
     middles = [0.0] * len(net.widths)
-    for layer, apart in zip(layers, distances, strict=True):
-        _set(middles, layer, spread([0.0] * len(layer), [1.0] * len(layer), apart))
+    for layer, distances in zip(layers, apart, strict=True):
+        _set(middles, layer, spread([0.0] * len(layer), [1.0] * len(layer), distances))
     above, below = _neighbours(net)
-    for round_number in range(_ROUNDS):
-        last = round_number >= _ROUNDS - 3
-        for down in (True, False):
-            for number in range(len(layers)) if down else range(len(layers) - 1, -1, -1):
-                pulls = [above, below] if last else [above if down else below]
-                _settle(middles, layers[number], distances[number], pulls)
+    both = [ups + downs for ups, downs in zip(above, below, strict=True)]
+    for number, pulls in [*_tour(len(layers), above, below) * _ROUNDS, *_tour(len(layers), both, both)]:
+        _settle(middles, layers[number], apart[number], pulls, _mean)
+    for _ in range(_ALIGNMENTS):
+        for number, pulls in _tour(len(layers), both, both):
+            _settle(middles, layers[number], apart[number], pulls, _median)
+        straighten(net, layers, apart, middles)
     left = min((x - w / 2 for x, w in zip(middles, net.widths, strict=True)), default=0.0)
     return [x - left for x in middles]
 
 
-_Pulls = list[list[tuple[int, float, float]]]
+def _tour(count: int, down: _Pulls, up: _Pulls) -> list[tuple[int, _Pulls]]:
+    """Return the layers downwards and upwards, with what pulls on the way."""
+    return [(one, down) for one in range(count)] + [(one, up) for one in range(count)][::-1]
 
 
 def _neighbours(net: Net) -> tuple[_Pulls, _Pulls]:
@@ -63,16 +72,29 @@ def _set(middles: list[float], layer: Sequence[int], values: Sequence[float]) ->
 
 
 def _settle(
-    middles: list[float], layer: Sequence[int], apart: Sequence[float], pulls: Sequence[_Pulls]
+    middles: list[float],
+    layer: Sequence[int],
+    apart: Sequence[float],
+    pulls: _Pulls,
+    choose: Callable[[Sequence[tuple[float, float]], float], float],
 ) -> None:
     wished, weights = [], []
     for cell in layer:
-        pulling = [pull for one in pulls for pull in one[cell]]
-        weight = sum(pull[2] for pull in pulling)
-        total = sum((middles[other] + shift) * strength for other, shift, strength in pulling)
-        wished.append(total / weight if weight else middles[cell])
-        weights.append(weight or 0.01)
+        pulling = [(middles[other] + shift, weight) for other, shift, weight in pulls[cell]]
+        wished.append(choose(pulling, middles[cell]) if pulling else middles[cell])
+        weights.append(sum(weight for _, weight in pulling) or _LOOSE)
     _set(middles, layer, spread(wished, weights, apart))
+
+
+def _mean(pulling: Sequence[tuple[float, float]], now: float) -> float:
+    return sum(x * weight for x, weight in pulling) / sum(weight for _, weight in pulling)
+
+
+def _median(pulling: Sequence[tuple[float, float]], now: float) -> float:
+    """Return the middle one of the places, or of two the nearer: there one arrow is straight."""
+    places = sorted(x for x, _ in pulling)
+    middle = (len(places) - 1) // 2
+    return min(places[middle], places[len(places) // 2], key=lambda x: abs(x - now))
 
 
 def spread(

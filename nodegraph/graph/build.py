@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
+from nodegraph.collection import no_collection
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.axes import check_fixed, spread
 from nodegraph.graph.choices import Choices, Names
@@ -18,6 +19,7 @@ from nodegraph.registry import Registry
 from nodegraph.spec.parts import GraphSpec, NodeSpec, Reference
 
 
+@no_collection()
 def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -> Graph:
     """Return the typed graph that a spec describes.
 
@@ -137,6 +139,8 @@ class _Builder:
                 self._problems.add(place, f"skip: axis {axis!r} has no label {label!r}", hint)
 
     def _check_requires(self) -> None:
+        if not self._spec.requires:
+            return
         from packaging.requirements import InvalidRequirement, Requirement
 
         for text, place in self._spec.requires:

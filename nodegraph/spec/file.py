@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from nodegraph.collection import no_collection
 from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
 from nodegraph.spec.axes import read_axis
 from nodegraph.spec.node import NodeReader, read_reference
@@ -34,6 +35,7 @@ def read_graph_file(path: Path) -> GraphSpec:
     return read_graph_text(_text_of(path), str(path), path.parent)
 
 
+@no_collection()
 def read_graph_text(text: str, file: str, folder: Path) -> GraphSpec:
     """Return what the text of a graph file says; relative paths start at `folder`."""
     root = read_yaml(text, file)

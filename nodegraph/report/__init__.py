@@ -1,0 +1,1 @@
+"""Results -> one HTML file, and the tables and figures beside it."""
