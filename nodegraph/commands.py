@@ -21,6 +21,7 @@ def run(arguments: Namespace) -> int:
     """Check, plan and run a graph; write the report; print its tables."""
     from nodegraph.api import reported
     from nodegraph.execute import HowToRun, execute
+    from nodegraph.execute.record import record
     from nodegraph.folder import RunFolder
     from nodegraph.plan import plan
     from nodegraph.report.write import report_files, summary
@@ -34,9 +35,9 @@ def run(arguments: Namespace) -> int:
     with progress() as listener:
         kept = reported(graph)
         done = execute(plan(graph), how=how, keep=kept, listeners=[listener, folder.hear])
-    files, record, study = report_files(done, command=_command(arguments))
-    folder.finish(files, record)
-    print(f"{summary(study)}\n\n{folder.path / 'report.html'}")
+    files, study = report_files(done, command=_command(arguments))
+    folder.finish(files, record(done))
+    print(f"{summary(study, done.counts())}\n\n{folder.path / 'report.html'}")
     return 0 if done.ok else 1
 
 

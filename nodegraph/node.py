@@ -149,9 +149,10 @@ class Node:
         """Read the whole signature now, so that what it lacks is told now; return the node."""
         if not self.outputs:
             raise NodeError(f"{self.name}: the record that it returns has no field")
-        hidden = [name for name in self.settings if name.startswith("_")]
-        if hidden:
-            raise NodeError(f"{self.name}: setting {hidden[0]!r} begins with an underscore")
+        names = [*(port.name for port in self.inputs), *self.settings]
+        for name in names:
+            if name.startswith("_"):
+                raise NodeError(f"{self.name}: {name!r} begins with an underscore; users write it")
         return self
 
     def port(self, name: str) -> Port | None:

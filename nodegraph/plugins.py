@@ -50,7 +50,7 @@ def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
     for entry in sorted(entry_points(group=hooks.GROUP), key=lambda one: one.name):
         try:
             good.append(Plugin(entry.name, entry.load(), _distribution(entry)))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             broken.append(BrokenPlugin(entry.name, _reason(error, entry.value)))
     return good, broken
 
@@ -72,7 +72,9 @@ def from_file(path: Path) -> Plugin:
     sys.modules.setdefault(path.stem, module)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        if sys.modules.get(path.stem) is module:
+            del sys.modules[path.stem]
         raise NodegraphError(f"{path}: the plugin does not import: {_reason(error)}") from error
     return Plugin(path.stem, _with_nodes(module))
 
@@ -104,7 +106,7 @@ def _distribution(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
 
 
-def _reason(error: Exception, where: str = "") -> str:
+def _reason(error: BaseException, where: str = "") -> str:
     place = ""
     last = error.__traceback__
     while last is not None and last.tb_next is not None:

@@ -45,13 +45,24 @@ class Registry:
 
     @classmethod
     def installed(cls, files: Iterable[Path] = ()) -> Registry:
-        """Return the registry of all installed plugins and of the named files."""
+        """Return the registry of all installed plugins and of the named files.
+
+        Raises
+        ------
+        NodegraphError
+            If a named file cannot be used; an installed plugin that cannot is left out.
+        """
         good, broken = plugins.installed()
         registry = cls(broken=broken)
-        for plugin in [*good, *(plugins.from_file(Path(file)) for file in files)]:
-            registry._add_plugin(plugin)
-        for one in registry.broken:
+        for plugin in good:
+            try:
+                registry._add_plugin(plugin)
+            except Exception as error:
+                broken.append(BrokenPlugin(plugin.name, f"{type(error).__name__}: {error}"))
+        for one in broken:
             warnings.warn(f"plugin {one.name!r} is left out: {one.reason}", stacklevel=2)
+        for file in {Path(one).resolve(): Path(one) for one in files}.values():
+            registry._add_file(file)
         return registry
 
     @classmethod
@@ -139,14 +150,19 @@ class Registry:
             places.update(one)
         return places
 
-    def _add_plugin(self, plugin: Plugin) -> None:
-        hook = getattr(plugin.module, "nodegraph_nodes", None)
+    def _add_file(self, file: Path) -> None:
+        plugin = plugins.from_file(file)
         try:
-            self._add_nodes(plugin.name, plugin.distribution, hook() if hook else ())
+            self._add_plugin(plugin)
         except Exception as error:
-            self.broken.append(BrokenPlugin(plugin.name, f"{type(error).__name__}: {error}"))
-        else:
-            self.loaded.append(plugin)
+            raise NodegraphError(f"{file}: {error}") from error
+
+    def _add_plugin(self, plugin: Plugin) -> None:
+        if any(one.name == plugin.name for one in self.loaded):
+            raise NodegraphError(f"a plugin {plugin.name!r} is there already; give it another name")
+        hook = getattr(plugin.module, "nodegraph_nodes", None)
+        self._add_nodes(plugin.name, plugin.distribution, hook() if hook else ())
+        self.loaded.append(plugin)
 
     def _add_nodes(
         self, plugin: str, distribution: str, functions: Iterable[Callable[..., Any]]

@@ -1,1 +1,25 @@
-"""Results -> one HTML file, and the tables and figures beside it."""
+"""A study that ran, as one page that needs nothing else."""
+
+from nodegraph.report.page import page
+from nodegraph.report.study import (
+    AxisRow,
+    Link,
+    MethodRow,
+    Section,
+    SettingRow,
+    StepNote,
+    Study,
+    TimingRow,
+)
+
+__all__ = [
+    "AxisRow",
+    "Link",
+    "MethodRow",
+    "Section",
+    "SettingRow",
+    "StepNote",
+    "Study",
+    "TimingRow",
+    "page",
+]

@@ -1,57 +1,85 @@
-"""A study -> one HTML file that needs nothing else."""
+"""A study as one HTML file: offline, without a way to the network, readable everywhere."""
 
 from __future__ import annotations
 
-from importlib.resources import files
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
+from nodegraph.report.group import note_kinds, titled
+from nodegraph.report.policy import policy
 from nodegraph.report.study import Study
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from markupsafe import Markup
 
 
 def page(study: Study) -> str:
-    """Return the report as HTML; texts of users are shown, never run."""
-    from markupsafe import Markup
+    """Return the report of a study.
 
-    template = _environment().get_template("page.html")
-    trusted = {name: Markup(_text(name)) for name in ("page.css", "page.js")}
-    return template.render(
+    The HTML of its sections and its drawing are taken as they are; every other text is escaped.
+    The page fetches nothing, and its policy forbids it to: only scripts that were in the trusted
+    parts when the page was made may run.
+    """
+    environment = _environment()
+    script = _source(environment, "page.js")
+    trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
+    return environment.get_template("page.html").render(
         study=study,
-        notes=Markup(_markdown(study.notes)),
-        drawing=Markup(study.drawing),
-        css=trusted["page.css"],
-        js=trusted["page.js"],
+        results=titled(study.sections),
+        kinds=note_kinds(study),
+        notes=_markdown(study.notes_markdown),
+        policy=policy(trusted, script),
+        script=_trusted(script),
+        style=_trusted(_source(environment, "page.css")),
     )
 
 
 def _environment() -> Environment:
-    from jinja2 import DictLoader, Environment, StrictUndefined
+    from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=DictLoader({"page.html": _text("page.html")}),
+        loader=PackageLoader("nodegraph.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["duration"] = _duration
+    environment.filters |= {"trusted": _trusted, "path": _path, "duration": duration}
     return environment
 
 
-def _text(name: str) -> str:
-    return (files("nodegraph.report") / "templates" / name).read_text(encoding="utf-8")
+def _source(environment: Environment, name: str) -> str:
+    assert environment.loader is not None
+    return environment.loader.get_source(environment, name)[0]
 
 
-def _markdown(text: str) -> str:
+def _trusted(html: str) -> Markup:
+    from markupsafe import Markup
+
+    return Markup(html)
+
+
+def _path(path: str) -> str:
+    """Return a file's path as a link that can only lead to a place beside the report."""
+    return "./" + quote(path.replace("\\", "/").lstrip("/"))
+
+
+def _markdown(text: str) -> Markup:
+    """Return notes as HTML; raw HTML and pictures, which could fetch something, stay text."""
     from markdown_it import MarkdownIt
 
-    made: str = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
-    return made
+    reader = MarkdownIt("commonmark", {"html": False, "typographer": False})
+    return _trusted(reader.enable("table").disable("image").render(text))
 
 
-def _duration(seconds: float) -> str:
-    if seconds >= 60:
-        return f"{seconds / 60:.1f} min"
-    return f"{seconds:.1f} s" if seconds >= 1 else f"{seconds * 1000:.1f} ms"
+def duration(seconds: float) -> str:
+    """Return a time as people say it: ``0.3 s``, ``42 s``, ``3 min 20 s``, ``2 h 5 min``."""
+    if seconds < 10:
+        return f"{seconds:.2g} s" if seconds >= 0.095 else f"{seconds * 1000:.0f} ms"
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

@@ -1,121 +1,174 @@
-"""What a report says, as plain data, before it becomes a page."""
+"""What a report shows, as plain data: nothing here knows where it came from."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Literal
 
-from nodegraph.describe import SettingText
 from nodegraph.hooks import Rendered
 
+Kind = Literal["failed", "refused", "left out", "warning"]
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A file beside the report: what it is called, and its path from the report's folder."""
+
+    text: str
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
 class Section:
-    """One value that the report shows.
+    """One result.
 
     Attributes
     ----------
     title : str
-        The node, and its combination where it has several.
-    name : str
-        For file names and links.
+        Sections that follow each other with one title are shown together.
     rendered : Rendered
+        Its HTML is taken as it is; without HTML, its text is shown.
+    labels : str
+        Which combination, if the node still has axes: ``length=5``.
+    files : tuple of Link
     """
 
     title: str
-    name: str
     rendered: Rendered
-
-    @property
-    def files(self) -> Mapping[str, bytes]:
-        """File name -> content."""
-        return {f"{self.name}{suffix}": one for suffix, one in self.rendered.files.items()}
+    labels: str = ""
+    files: tuple[Link, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
+class SettingRow:
+    """A setting as it was used; several values are written as one text."""
+
+    name: str
+    value: str
+    unit: str = ""
+    default: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class MethodRow:
-    """One method that took part.
+    """A method that ran.
 
     Attributes
     ----------
-    node, use, plugin, summary : str
-    settings : tuple of (SettingText, value)
-        The value as it was used; several values are joined.
-    references : tuple of str
+    node, label, use : str
+        The node in the graph, the alternative's label if it is one, the method's full name.
+    summary : str
+        The first sentence of the method's documentation.
+    settings : tuple of SettingRow
+    citation : str
+        The source to cite, as it is printed.
     """
 
     node: str
     use: str
-    plugin: str
-    summary: str
-    settings: tuple[tuple[SettingText, str], ...]
-    references: tuple[str, ...]
+    summary: str = ""
+    label: str = ""
+    settings: tuple[SettingRow, ...] = ()
+    citation: str = ""
 
 
-@dataclass(frozen=True)
-class Note:
-    """Something that happened to some steps of a node, for one reason."""
+@dataclass(frozen=True, slots=True)
+class AxisRow:
+    """An axis with its labels."""
 
-    node: str
-    reason: str
-    combinations: tuple[str, ...]
-    trace: str = ""
+    name: str
+    labels: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Timing:
-    """How long the steps of one node took."""
-
-    node: str
-    use: str
-    steps: int
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Study:
-    """Everything that a report says.
+@dataclass(frozen=True, slots=True)
+class StepNote:
+    """Something that the reader must know about a step.
 
     Attributes
     ----------
-    title, notes : str
-        As the graph file has them; notes are Markdown.
+    node, labels : str
+        The node and the combination: ``fill=muscle, trial=3``.
+    reason : str
+    kind : {"failed", "refused", "left out", "warning"}
+    count : int
+        For how many combinations the note stands.
+    repeat : str
+        The command that runs this step alone.
+    """
+
+    node: str
+    labels: str
+    reason: str
+    kind: Kind
+    count: int = 1
+    repeat: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TimingRow:
+    """How long a node took: steps computed, steps whose result was stored before, seconds."""
+
+    node: str
+    computed: int
+    reused: int
+    seconds: float
+    longest: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Everything that a report shows, in the order in which it is shown.
+
+    Attributes
+    ----------
+    title : str
     answer : tuple of str
-        What the results say, in sentences.
+        The conclusions, a sentence each.
+    notes_markdown : str
+        The author's notes: the question. Raw HTML and pictures in it are shown as text.
     sections : tuple of Section
-    drawing : str
-        The graph as SVG.
-    axes : mapping of axis to labels, as text
-    inputs : mapping of input to value, as text
+    graph_svg : str
+        Taken as it is; see `nodegraph.draw.svg`.
+    axes : tuple of AxisRow
+    inputs : tuple of SettingRow
+        The graph's inputs as they were set.
     known : tuple of str
-        What methods were allowed to know.
+        What methods were allowed to know of the answer.
     methods : tuple of MethodRow
-    failed, refused, skipped, left_out, warned : tuple of Note
-    counts : mapping of state to number of steps
-    timings : tuple of Timing
+    notes : tuple of StepNote
+        Everything that failed, was refused, was left out, or warned.
+    timings : tuple of TimingRow
     seconds : float
-    versions : mapping of name to version
-    command, graph_text : str
-        How to run it again.
+        Wall-clock time of the run.
+    versions : tuple of (name, version)
+    seeds : tuple of (node, seeds)
+    command : str
+        Repeats the run, quoted for a shell.
+    graph_file, graph_text : str
+        The graph as it was run.
+    files : tuple of Link
+        Files of the whole run.
+    created, machine : str
+        When and where it ran.
     """
 
     title: str
-    notes: str = ""
     answer: tuple[str, ...] = ()
+    notes_markdown: str = ""
     sections: tuple[Section, ...] = ()
-    drawing: str = ""
-    axes: Mapping[str, str] = field(default_factory=dict)
-    inputs: Mapping[str, str] = field(default_factory=dict)
+    graph_svg: str = ""
+    axes: tuple[AxisRow, ...] = ()
+    inputs: tuple[SettingRow, ...] = ()
     known: tuple[str, ...] = ()
     methods: tuple[MethodRow, ...] = ()
-    failed: tuple[Note, ...] = ()
-    refused: tuple[Note, ...] = ()
-    skipped: tuple[Note, ...] = ()
-    left_out: tuple[Note, ...] = ()
-    warned: tuple[Note, ...] = ()
-    counts: Mapping[str, int] = field(default_factory=dict)
-    timings: tuple[Timing, ...] = ()
+    notes: tuple[StepNote, ...] = ()
+    timings: tuple[TimingRow, ...] = ()
     seconds: float = 0.0
-    versions: Mapping[str, str] = field(default_factory=dict)
+    versions: tuple[tuple[str, str], ...] = ()
+    seeds: tuple[tuple[str, str], ...] = ()
     command: str = ""
+    graph_file: str = ""
     graph_text: str = ""
+    files: tuple[Link, ...] = ()
+    created: str = ""
+    machine: str = ""

@@ -1,30 +1,27 @@
-"""A finished run -> its folder: report, tables, figures, record."""
+"""A finished run -> the files of its report, and what a terminal shows of it."""
 
 from __future__ import annotations
 
-from typing import Any
-
 from nodegraph.execute import Run
-from nodegraph.execute.record import record
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study
 
 
-def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], dict[str, Any], Study]:
-    """Return the files of a run by name, its record, and what its report says."""
-    study = compose(run, command=command)
-    files = {name: one for section in study.sections for name, one in section.files.items()}
-    files["report.html"] = page(study).encode()
-    return files, record(run), study
+def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
+    """Return the report, the tables and the figures of a run by file name, and its study."""
+    study, files = compose(run, command=command)
+    return {**files, "report.html": page(study).encode()}, study
 
 
-def summary(study: Study) -> str:
+def summary(study: Study, counts: dict[str, int]) -> str:
     """Return what a terminal shows of a study: its tables, its answer, what went wrong."""
-    parts = [f"{one.title}\n{one.rendered.text}" for one in study.sections if one.rendered.text]
+    parts = [
+        f"{f'{one.title} {one.labels}'.strip()}\n{one.rendered.text}"
+        for one in study.sections
+        if one.rendered.text
+    ]
     parts += ["\n".join(study.answer)] if study.answer else []
-    lost = {state: count for state, count in study.counts.items() if state != "done" and count}
-    if lost:
-        said = ", ".join(f"{count} {state}" for state, count in lost.items())
-        parts.append(f"{said}; the report says which and why")
+    lost = [f"{count} {state}" for state, count in counts.items() if state != "done" and count]
+    parts += [f"{', '.join(lost)}; the report says which and why"] if lost else []
     return "\n\n".join(parts)

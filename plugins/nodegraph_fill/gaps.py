@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -82,13 +83,15 @@ class Gaps:
         """Return some of the gaps."""
         return Gaps(self.marker[which], self.start[which], self.stop[which], self.shape)
 
+    @cached_property
     def mask(self) -> NDArray[np.bool_]:
         """(frames, markers), True where a sample lies in one of the gaps."""
         inside = np.zeros(self.shape, dtype=np.bool_)
-        _, frame, marker, _ = self.samples()
+        _, frame, marker, _ = self.samples
         inside[frame, marker] = True
         return inside
 
+    @cached_property
     def samples(
         self,
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:

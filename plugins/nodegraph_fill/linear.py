@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from nodegraph import node
 from nodegraph_fill.gaps import LONG, NEVER, Gaps, MaxGap, warn_left
 from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 @node("fill.linear")
@@ -38,7 +43,7 @@ def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     long = gaps.longer_than(max_gap) & ~gaps.never
     bridged = gaps.chosen(gaps.inner & ~long)
     filled = recording.with_samples(
-        _bridge(recording, bridged), changed=bridged.mask(), origin=Origin.FILLED
+        _bridge(recording, bridged), changed=bridged.mask, origin=Origin.FILLED
     )
     reasons = [
         (gaps.chosen(gaps.never), NEVER),
@@ -49,9 +54,9 @@ def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     return filled
 
 
-def _bridge(recording: Trajectories, gaps: Gaps) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _bridge(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
     positions = recording.positions.copy()
-    gap, frame, marker, share = gaps.samples()
+    gap, frame, marker, share = gaps.samples
     before = positions[gaps.start - 1, gaps.marker]
     after = positions[gaps.stop, gaps.marker]
     positions[frame, marker] = before[gap] + (after - before)[gap] * share[:, None]

@@ -1,44 +1,70 @@
 """The loop of the step-wise fills, compiled: import this module only when a fill runs.
 
 All that is compiled stays in this one file, because numba's cache does not notice an edited
-helper in another one.
+helper in another one. The helpers are inlined and take plain arrays, records of arrays being
+twice as slow: ``then`` and ``here`` are the positions (M, 3) at the frame that a prediction
+starts from and at the frame that it is for.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    compiled: Callable[[Any], Any]
-
-compiled = njit(cache=True, nogil=True)
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
+    cache=True, nogil=True, forceinline=True
+)
 
 MEAN, COSINE, MUSCLE, MUSCLE_NORMALIZED, WATERS = range(5)
-"""The rule by which the neighbours' displacements are weighted."""
+WEIGHTS = {
+    "mean": MEAN,
+    "cosine": COSINE,
+    "muscle": MUSCLE,
+    "muscle_normalized": MUSCLE_NORMALIZED,
+    "waters": WATERS,
+}
+"""The rules by which the neighbours' displacements are weighted."""
 
 MISSING, MEASURED, FILLED = range(3)
 """The state of a sample. Filled ones serve as neighbours after all measured ones."""
 
 
+class Rule(NamedTuple):
+    """What predicts a sample from the frame before it.
+
+    Attributes
+    ----------
+    weights : int
+        One of `WEIGHTS`.
+    neighbours : int
+        How many neighbours at most.
+    full_radius, falloff_radius : float
+        Millimetres, for `WATERS`.
+    allowed : (M, M) array of bool
+        Which marker may be a neighbour of which; False on the diagonal.
+    use_filled : bool
+        Whether filled samples serve as neighbours.
+    ring : int
+        0 to fill in the order of the markers, else the size of the ring by which the marker
+        with the most usable neighbours goes first.
+    """
+
+    weights: int
+    neighbours: int
+    full_radius: float
+    falloff_radius: float
+    allowed: Any
+    use_filled: bool
+    ring: int
+
+
 @compiled
-def run(
-    positions: Any,
-    state: Any,
-    wanted: Any,
-    backward: bool,
-    rule: int,
-    neighbours: int,
-    reach: Any,
-    allowed: Any,
-    use_filled: bool,
-    ring: int,
-) -> None:
+def run(positions: Any, state: Any, wanted: Any, backward: bool, rule: Rule) -> None:
     """Fill the wanted samples in place, frame by frame in one direction.
 
     Parameters
@@ -52,73 +78,59 @@ def run(
     backward
         Whether each frame is predicted from the one after it.
     rule
-        One of the rules above.
-    neighbours
-        How many neighbours at most.
-    reach : (2,) array of float64
-        Radii of the rule WATERS, millimetres.
-    allowed : (M, M) array of bool
-        Which marker may be a neighbour of which; False on the diagonal.
-    use_filled
-        Whether filled samples serve as neighbours.
-    ring
-        0 to fill in the order of the markers, else the size of the ring by which the one with
-        the most usable neighbours goes first.
+        What predicts a sample.
     """
+    kind, neighbours, full, end, allowed, use_filled, ring = rule
     frames, markers = state.shape
-    tier = np.empty(markers, np.uint8)
-    targets = np.empty(markers, np.int64)
-    rank = np.empty(neighbours, np.int64)
-    weight = np.empty(neighbours)
-    members = np.empty((markers, ring), np.int64)
-    order = np.empty((markers, 2))
+    targets, tier = np.empty(markers, np.int64), np.empty(markers, np.uint8)
+    places, who = np.empty((3, markers)), np.empty(markers, np.int64)
+    spare, spared = np.empty((3, markers)), np.empty(markers, np.int64)
+    ranks, rings = np.full((markers, neighbours), -1), np.full((markers, ring), -1)
+    weight, squared, distances = np.empty(neighbours), np.empty(ring), np.empty(markers)
+    usable, mean = np.empty(markers, np.int64), np.empty(markers)
     step = -1 if backward else 1
     for elapsed in range(1, frames):
         now = frames - 1 - elapsed if backward else elapsed
-        before = now - step
-        count = 0
-        for marker in range(markers):
-            if wanted[now, marker] and state[before, marker] != MISSING:
-                targets[count] = marker
-                count += 1
+        count = _find_targets(targets, wanted[now], state[now - step])
         if count == 0:
             continue
-        _set_tiers(tier, state[before], state[now], use_filled)
+        then, here, before = positions[now - step], positions[now], state[now - step]
+        _set_tiers(tier, before, state[now], use_filled)
         greedy = ring > 0 and count > 1
         if greedy:
-            _set_rings(members, order, targets[:count], tier, positions[before], state[before])
+            _set_rings(
+                rings, usable, mean, targets[:count], then, before, tier, allowed, spare, spared,
+                squared, distances,
+            )  # fmt: skip
+        size = _gather(places, who, then, tier, MEASURED, MEASURED)
         for turn in range(count):
             if greedy:
-                _bring_first(order, members, targets, turn, count)
+                _bring_first(targets, usable, mean, turn, count)
             marker = targets[turn]
-            if not _predict(
-                positions[before], positions[now], tier, marker, rule, reach, allowed, rank, weight,
-                positions[now, marker],
-            ):
+            rank = ranks[marker]
+            found = _find(
+                then, marker, tier, places, who, size, spare, spared, allowed, rank, weight,
+                distances,
+            )  # fmt: skip
+            if found == 0:
                 continue
+            _weigh(weight, found, kind, full, end)
+            _move(here[marker], then, here, marker, rank, weight, found)
             state[now, marker] = FILLED
             if use_filled:
                 tier[marker] = FILLED
                 if greedy:
-                    _count_usable(order, members, targets, turn, count, marker)
+                    _count_new(usable, rings, targets[turn + 1 : count], marker)
 
 
 @compiled
-def predict_returns(
-    positions: Any,
-    state: Any,
-    frame: Any,
-    marker: Any,
-    rule: int,
-    neighbours: int,
-    reach: Any,
-    allowed: Any,
-    use_filled: bool,
-) -> Any:
-    """Return where the rule would put samples that are measured, NaN where it cannot.
+def predict_returns(positions: Any, state: Any, frame: Any, marker: Any, rule: Rule) -> Any:
+    """Return where the rule would put samples that are present, NaN where it cannot.
 
     Parameters
     ----------
+    positions, state, rule
+        As for `run`.
     frame, marker : (G,) arrays of int
         The samples; each is predicted from the frame before it.
 
@@ -126,213 +138,311 @@ def predict_returns(
     -------
     (G, 3) array of float64
     """
+    kind, neighbours, full, end, allowed, use_filled, _ = rule
+    markers = state.shape[1]
     predicted = np.full((len(frame), 3), np.nan)
-    tier = np.empty(state.shape[1], np.uint8)
-    rank = np.empty(neighbours, np.int64)
-    weight = np.empty(neighbours)
+    tier = np.empty(markers, np.uint8)
+    places, who = np.empty((3, markers)), np.empty(markers, np.int64)
+    spare, spared = np.empty((3, markers)), np.empty(markers, np.int64)
+    rank, weight, distances = np.full(neighbours, -1), np.empty(neighbours), np.empty(markers)
     for gap in range(len(frame)):
-        now = frame[gap]
-        before = now - 1
-        if state[before, marker[gap]] != MISSING:
-            _set_tiers(tier, state[before], state[now], use_filled)
-            _predict(
-                positions[before], positions[now], tier, marker[gap], rule, reach, allowed, rank,
-                weight, predicted[gap],
-            )
+        now, target = frame[gap], marker[gap]
+        if state[now - 1, target] == MISSING:
+            continue
+        then, here = positions[now - 1], positions[now]
+        _set_tiers(tier, state[now - 1], state[now], use_filled)
+        size = _gather(places, who, then, tier, MEASURED, MEASURED)
+        found = _find(
+            then, target, tier, places, who, size, spare, spared, allowed, rank, weight, distances
+        )
+        if found > 0:
+            _weigh(weight, found, kind, full, end)
+            _move(predicted[gap], then, here, target, rank, weight, found)
     return predicted
 
 
-@compiled
+@inlined
+def _find_targets(targets: Any, wanted: Any, before: Any) -> int:
+    """List the markers to fill that have a last position, in their order."""
+    count = 0
+    for marker in range(len(wanted)):
+        targets[count] = marker
+        count += wanted[marker] and before[marker] != MISSING
+    return count
+
+
+@inlined
 def _set_tiers(tier: Any, before: Any, now: Any, use_filled: bool) -> None:
     """Tell which markers are usable: present at both frames, MEASURED only if at both."""
     for marker in range(len(tier)):
         worse = max(before[marker], now[marker])
-        either_missing = before[marker] == MISSING or now[marker] == MISSING
-        unusable = either_missing or (worse == FILLED and not use_filled)
+        either_missing = (before[marker] == MISSING) | (now[marker] == MISSING)
+        unusable = either_missing | ((worse == FILLED) & (not use_filled))
         tier[marker] = MISSING if unusable else worse
 
 
-@compiled
-def _predict(
-    before: Any,
-    now: Any,
-    tier: Any,
+@inlined
+def _gather(places: Any, who: Any, then: Any, tier: Any, lowest: int, highest: int) -> int:
+    """Pack the markers of some tiers, in their order: the search is fast among packed ones."""
+    size = 0
+    for marker in range(len(tier)):
+        places[0, size] = then[marker, 0]
+        places[1, size] = then[marker, 1]
+        places[2, size] = then[marker, 2]
+        who[size] = marker
+        size += (tier[marker] >= lowest) & (tier[marker] <= highest)
+    return size
+
+
+@inlined
+def _find(
+    then: Any,
     marker: int,
-    rule: int,
-    reach: Any,
-    allowed: Any,
-    rank: Any,
-    weight: Any,
-    predicted: Any,
-) -> bool:
-    """Write the marker's last position plus its neighbours' weighted displacement."""
-    found = _nearest(before, tier, MEASURED, marker, allowed[marker], rank, weight, 0)
-    if found < len(rank):
-        found = _nearest(before, tier, FILLED, marker, allowed[marker], rank, weight, found)
-    if found == 0:
-        return False
-    for index in range(found):
-        weight[index] = math.sqrt(weight[index])
-    _weigh(weight[:found], rule, reach)
-    x, y, z = before[marker, 0], before[marker, 1], before[marker, 2]
-    for index in range(found):
-        other, share = rank[index], weight[index]
-        x += share * (now[other, 0] - before[other, 0])
-        y += share * (now[other, 1] - before[other, 1])
-        z += share * (now[other, 2] - before[other, 2])
-    predicted[0], predicted[1], predicted[2] = x, y, z
-    return True
-
-
-@compiled
-def _nearest(
+    tier: Any,
     places: Any,
-    tier: Any,
-    wanted: int,
-    marker: int,
+    who: Any,
+    size: int,
+    spare: Any,
+    spared: Any,
     allowed: Any,
     rank: Any,
     squared: Any,
-    found: int,
+    distances: Any,
 ) -> int:
-    """Append the nearest markers of one tier to `rank`; equally near ones in marker order."""
-    room = len(rank)
-    first = found
-    x, y, z = places[marker, 0], places[marker, 1], places[marker, 2]
-    for other in range(len(tier)):
-        if tier[other] != wanted or not allowed[other]:
-            continue
-        dx, dy, dz = places[other, 0] - x, places[other, 1] - y, places[other, 2] - z
-        distance = dx * dx + dy * dy + dz * dz
-        if found == room and distance >= squared[room - 1]:
-            continue
-        slot = found if found < room else room - 1
-        while slot > first and squared[slot - 1] > distance:
-            squared[slot] = squared[slot - 1]
-            rank[slot] = rank[slot - 1]
-            slot -= 1
-        squared[slot] = distance
-        rank[slot] = other
-        found = min(found + 1, room)
+    """Rank a marker's neighbours: the nearest measured ones, a pack, and then filled ones."""
+    bound = _bound(then, marker, rank, tier, MEASURED, MEASURED)
+    found = _nearest(then, marker, places, who, size, allowed, rank, squared, distances, 0, bound)
+    if found == len(rank):
+        return found
+    others = _gather(spare, spared, then, tier, FILLED, FILLED)
+    return _nearest(
+        then, marker, spare, spared, others, allowed, rank, squared, distances, found, np.inf
+    )
+
+
+@inlined
+def _nearest(
+    then: Any,
+    marker: int,
+    places: Any,
+    who: Any,
+    size: int,
+    allowed: Any,
+    rank: Any,
+    squared: Any,
+    distances: Any,
+    first: int,
+    bound: float,
+) -> int:
+    """Rank the nearest of a pack behind the `first` ranked; equally near ones in marker order.
+
+    Parameters
+    ----------
+    then, marker
+        Where each marker is, and which one's neighbours are looked for.
+    places, who, size
+        The pack.
+    allowed
+        Which marker may be a neighbour of which.
+    rank, squared : (K,) arrays
+        The neighbours and their squared distances.
+    distances : (M,) array
+        Scratch.
+    first
+        How many are ranked already and stay.
+    bound
+        A squared distance within which there are enough, or infinity.
+
+    Returns
+    -------
+    int
+        How many are ranked now.
+    """
+    x, y, z = then[marker, 0], then[marker, 1], then[marker, 2]
+    for index in range(size):
+        dx, dy, dz = places[0, index] - x, places[1, index] - y, places[2, index] - z
+        distances[index] = dx * dx + dy * dy + dz * dz
+    last = len(rank) - 1
+    squared[first:] = bound
+    found = first
+    for index in range(size):
+        distance = distances[index]
+        if distance < squared[last] and allowed[marker, who[index]]:
+            slot = last
+            while slot > first and squared[slot - 1] > distance:
+                squared[slot] = squared[slot - 1]
+                rank[slot] = rank[slot - 1]
+                slot -= 1
+            squared[slot] = distance
+            rank[slot] = who[index]
+            found += 1
+    found = min(found, last + 1)
+    rank[found:] = -1
     return found
 
 
-@compiled
-def _weigh(distance: Any, rule: int, reach: Any) -> None:
-    """Replace the neighbours' distances by their weights."""
-    if rule == MEAN:
-        distance[:] = 1.0 / len(distance)
-    elif rule == COSINE:
-        _weigh_cosine(distance)
-    elif rule == WATERS:
-        distance[0] = _fall_off(distance[0], reach[0], reach[1])
-    elif len(distance) < 3:
-        _weigh_inverse(distance)
+@inlined
+def _bound(then: Any, marker: int, rank: Any, tier: Any, lowest: int, highest: int) -> float:
+    """Return a squared distance that the neighbours ranked last time lie within.
+
+    A face changes little from frame to frame, so this bound spares most of the search. Without
+    a full rank of markers that still are of these tiers it is infinite.
+    """
+    farthest = 0.0
+    for other in rank:
+        if other < 0 or tier[other] < lowest or tier[other] > highest:
+            return np.inf
+        dx, dy, dz = (
+            then[other, 0] - then[marker, 0],
+            then[other, 1] - then[marker, 1],
+            then[other, 2] - then[marker, 2],
+        )
+        farthest = max(farthest, dx * dx + dy * dy + dz * dz)
+    return farthest * (1.0 + 1e-9) + 1e-300
+
+
+@inlined
+def _move(
+    place: Any, then: Any, here: Any, marker: int, rank: Any, weight: Any, found: int
+) -> None:
+    """Write the marker's last position plus its neighbours' weighted displacements."""
+    x, y, z = then[marker, 0], then[marker, 1], then[marker, 2]
+    for index in range(found):
+        other, share = rank[index], weight[index]
+        x += share * (here[other, 0] - then[other, 0])
+        y += share * (here[other, 1] - then[other, 1])
+        z += share * (here[other, 2] - then[other, 2])
+    place[0], place[1], place[2] = x, y, z
+
+
+@inlined
+def _weigh(weight: Any, found: int, kind: int, full: float, end: float) -> None:
+    """Replace the neighbours' squared distances by their weights."""
+    for index in range(found):
+        weight[index] = math.sqrt(weight[index])
+    if kind == MEAN:
+        weight[:found] = 1.0 / found
+    elif kind == COSINE:
+        _weigh_cosine(weight, found)
+    elif kind == WATERS:
+        weight[0] = _fall_off(weight[0], full, end)
+    elif found < 3:
+        _weigh_inverse(weight, found)
     else:
-        _weigh_muscle(distance, rule == MUSCLE_NORMALIZED)
+        _weigh_muscle(weight, kind == MUSCLE_NORMALIZED)
 
 
-@compiled
-def _weigh_cosine(distance: Any) -> None:
-    nearest, farthest = distance.min(), distance.max()
+@inlined
+def _weigh_cosine(weight: Any, found: int) -> None:
+    nearest, farthest = np.inf, 0.0
+    for index in range(found):
+        nearest, farthest = min(nearest, weight[index]), max(farthest, weight[index])
     if farthest == nearest:
-        distance[:] = 1.0 / len(distance)
+        weight[:found] = 1.0 / found
         return
     scale = math.pi / 2.5 / (farthest - nearest)
     total = 0.0
-    for index in range(len(distance)):
-        distance[index] = math.cos((distance[index] - nearest) * scale)
-        total += distance[index]
-    for index in range(len(distance)):
-        distance[index] /= total
+    for index in range(found):
+        weight[index] = math.cos((weight[index] - nearest) * scale)
+        total += weight[index]
+    for index in range(found):
+        weight[index] /= total
 
 
-@compiled
-def _weigh_muscle(distance: Any, normalize: bool) -> None:
-    every = distance[0] + distance[1] + distance[2]
+@inlined
+def _weigh_muscle(weight: Any, normalize: bool) -> None:
+    every = weight[0] + weight[1] + weight[2]
     if every == 0.0:
-        distance[:] = 1.0 / 3.0
+        weight[:3] = 1.0 / 3.0
         return
     for index in range(3):
-        half = 0.5 * (1.0 + math.cos(distance[index] / every * math.pi))
-        distance[index] = (half * half) * (half * half)
+        half = 0.5 * (1.0 + math.cos(weight[index] / every * math.pi))
+        weight[index] = (half * half) * (half * half)
     if normalize:
-        total = distance[0] + distance[1] + distance[2]
+        total = weight[0] + weight[1] + weight[2]
         for index in range(3):
-            distance[index] /= total
+            weight[index] /= total
 
 
-@compiled
-def _weigh_inverse(distance: Any) -> None:
+@inlined
+def _weigh_inverse(weight: Any, found: int) -> None:
     """Weight one or two neighbours by the inverse of their distance, the sum being 1."""
-    if len(distance) == 1:
-        distance[0] = 1.0
+    if found == 1:
+        weight[0] = 1.0
         return
-    every = distance[0] + distance[1]
-    first = 0.5 if every == 0.0 else distance[1] / every
-    distance[0], distance[1] = first, 1.0 - first
+    every = weight[0] + weight[1]
+    nearer = 0.5 if every == 0.0 else weight[1] / every
+    weight[0], weight[1] = nearer, 1.0 - nearer
 
 
-@compiled
+@inlined
 def _fall_off(distance: float, full: float, end: float) -> float:
     if distance <= full:
         return math.cos((1.0 - distance / full) * math.pi / 2.0)
-    if distance < end:
+    if distance <= end:
         return math.cos((distance - full) / (end - full) * math.pi / 2.0)
     return 0.0
 
 
-@compiled
+@inlined
 def _set_rings(
-    members: Any, order: Any, targets: Any, tier: Any, places: Any, state: Any
+    rings: Any,
+    usable: Any,
+    mean: Any,
+    targets: Any,
+    then: Any,
+    before: Any,
+    tier: Any,
+    allowed: Any,
+    places: Any,
+    who: Any,
+    squared: Any,
+    distances: Any,
 ) -> None:
-    """Find each target's nearest markers, whatever their state, and count the usable ones."""
-    ring = members.shape[1]
-    squared = np.empty(ring)
-    present = np.empty(len(tier), np.uint8)
-    for marker in range(len(tier)):
-        present[marker] = state[marker] != MISSING
-    for index in range(len(targets)):
-        present[targets[index]] = 0
+    """Find the ring of each target, its mean distance and how many in it are usable."""
+    size = _gather(places, who, then, before, MEASURED, FILLED)
+    for marker in targets:
+        ring = rings[marker]
+        bound = _bound(then, marker, ring, before, MEASURED, FILLED)
         found = _nearest(
-            places, present, 1, targets[index], present, members[index], squared, 0
+            then, marker, places, who, size, allowed, ring, squared, distances, 0, bound
         )
-        present[targets[index]] = 1
-        members[index, found:] = -1
-        order[index, 0] = 0.0
-        order[index, 1] = 0.0 if found else np.inf
-        for slot in range(found):
-            order[index, 0] += tier[members[index, slot]] != MISSING
-            order[index, 1] += math.sqrt(squared[slot]) / found
+        mean[marker] = _mean_distance(squared, found)
+        usable[marker] = _count_usable(ring, found, tier)
 
 
-@compiled
-def _bring_first(order: Any, members: Any, targets: Any, turn: int, count: int) -> None:
-    """Move the target whose turn it is to place `turn`; the others keep their order."""
-    best = turn
+@inlined
+def _mean_distance(squared: Any, found: int) -> float:
+    total = 0.0
+    for index in range(found):
+        total += math.sqrt(squared[index])
+    return total / found if found > 0 else np.inf
+
+
+@inlined
+def _count_usable(ring: Any, found: int, tier: Any) -> int:
+    count = 0
+    for slot in range(found):
+        count += tier[ring[slot]] != MISSING
+    return count
+
+
+@inlined
+def _count_new(usable: Any, rings: Any, targets: Any, filled: int) -> None:
+    """Count a sample just filled for those yet to come whose ring it is in."""
+    for marker in targets:
+        for slot in range(rings.shape[1]):
+            usable[marker] += rings[marker, slot] == filled
+
+
+@inlined
+def _bring_first(targets: Any, usable: Any, mean: Any, turn: int, count: int) -> None:
+    """Move the target that goes first to place `turn`; the others keep their order."""
+    first = turn
     for index in range(turn + 1, count):
-        more = order[index, 0] > order[best, 0]
-        equal = order[index, 0] == order[best, 0]
-        if more or (equal and order[index, 1] < order[best, 1]):
-            best = index
-    marker = targets[best]
-    usable, mean = order[best, 0], order[best, 1]
-    ring = members[best].copy()
-    for index in range(best, turn, -1):
-        targets[index] = targets[index - 1]
-        order[index] = order[index - 1]
-        members[index] = members[index - 1]
-    targets[turn] = marker
-    order[turn, 0], order[turn, 1] = usable, mean
-    members[turn] = ring
-
-
-@compiled
-def _count_usable(
-    order: Any, members: Any, targets: Any, turn: int, count: int, filled: int
-) -> None:
-    """Count a sample just filled for those whose ring it is in."""
-    for index in range(turn + 1, count):
-        for slot in range(members.shape[1]):
-            if members[index, slot] == filled:
-                order[index, 0] += 1.0
+        marker, best = targets[index], targets[first]
+        equal = usable[marker] == usable[best]
+        if usable[marker] > usable[best] or (equal and mean[marker] < mean[best]):
+            first = index
+    for index in range(first, turn, -1):
+        targets[index], targets[index - 1] = targets[index - 1], targets[index]

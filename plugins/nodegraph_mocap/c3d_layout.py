@@ -1,249 +1,215 @@
-"""What a C3D file says about itself, checked before the library reads it.
+"""Where the samples of a C3D file lie, and how they are to be read.
 
-The library trusts a file: one with a broken parameter section ends the whole process, one that
-was cut short comes back shorter, and one whose header and parameters disagree comes back with
-shifted numbers, all without a word. The layout is that of the C3D file format user guide
-(https://www.c3d.org): a header of one block, a parameter section, then the samples.
+A C3D file says most things twice, in its header and in its parameters, and writers do not
+always keep the two equal. The size of the file settles which is right; where it does not, the
+file is refused, because a wrong guess would shift every number.
 """
 
 from __future__ import annotations
 
-import math
+import itertools
 import struct
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-BLOCK = 512
-INTEL, DEC, MIPS = 84, 85, 86
-ENTRY_SIZES = {-1: 1, 1: 1, 2: 2, 4: 4}
-COUNT_LIMIT = 0xFFFF
+import numpy as np
+
+from nodegraph_mocap.c3d_parameters import BLOCK, Parameters, Processor, read_parameters
+
+LARGEST_COUNT = 0xFFFF
 LARGEST_SECTION = 256 * BLOCK
-NEEDED = {
-    "POINT": ("USED", "SCALE", "RATE", "DATA_START", "FRAMES"),
-    "ANALOG": ("USED", "GEN_SCALE", "RATE"),
-    "ROTATION": ("USED", "RATIO", "RATE", "DATA_START"),
-    "FORCE_PLATFORM": ("USED",),
-}
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One entry of the parameter section: its kind (-1 text, 1, 2, 4), shape and raw bytes."""
-
-    kind: int
-    shape: tuple[int, ...]
-    data: bytes
-
-    def number(self, processor: int) -> float:
-        """Return the first number; the parameter holds one."""
-        if self.kind == 4:
-            return _float(self.data[:4], processor)
-        return float(int.from_bytes(self.data[: ENTRY_SIZES[self.kind]], "little"))
 
 
 @dataclass(frozen=True)
 class Layout:
-    """How many samples a file announces, and where they lie.
+    """One account of how many samples a file holds and where they lie.
 
     Attributes
     ----------
-    points, frames : int
+    frames, points : int
     values : int
         Analog values per frame.
-    data_start : int
+    start : int
         Byte at which the samples start.
     width : int
-        Bytes per number, 2 or 4.
+        Bytes per number: 2, integers to be scaled, or 4.
     """
 
-    points: int
     frames: int
+    points: int
     values: int
-    data_start: int
+    start: int
     width: int
 
     @property
     def end(self) -> int:
         """Byte after the last sample."""
-        per_frame = (4 * self.points + self.values) * self.width
-        return self.data_start + self.frames * per_frame
+        return self.start + self.frames * (4 * self.points + self.values) * self.width
+
+    def __str__(self) -> str:
+        return (
+            f"{self.frames} frames x ({self.points} points, {self.values} analog values) of "
+            f"{self.width} bytes from byte {self.start}"
+        )
 
 
-def check_layout(path: Path) -> None:
-    """Refuse a C3D file that the library would not read as it was written.
+@dataclass(frozen=True)
+class Description:
+    """What a C3D file says of itself: layout, parameters, processor, rate (Hz) and scale."""
+
+    layout: Layout
+    parameters: Parameters
+    processor: Processor
+    rate: float
+    scale: float
+
+
+@dataclass(frozen=True)
+class _Header:
+    points: int
+    values: int
+    frames: int
+    scale: float
+    start_block: int
+    rate: float
+
+
+def read_description(path: Path) -> Description:
+    """Read header and parameters, and settle what they tell differently.
 
     Raises
     ------
     ValueError
-        With the path and the reason.
+        If the file is no C3D file, is damaged, or is shorter than it says.
     """
     size = path.stat().st_size
     with path.open("rb") as stream:
-        top = stream.read(BLOCK + LARGEST_SECTION + BLOCK)
-    try:
-        _check(top, size)
-    except ValueError as error:
-        raise ValueError(f"{path}: not a readable C3D file: {error}") from None
-
-
-def _check(top: bytes, size: int) -> None:
-    if len(top) < BLOCK or top[1] != 0x50:
+        content = stream.read(LARGEST_SECTION)
+    if len(content) < BLOCK or content[1] != 0x50:
         raise ValueError("it does not start with a C3D header")
-    start = (top[0] - 1) * BLOCK
-    if start < BLOCK or start + BLOCK > len(top):
-        raise ValueError("it ends before its parameter section")
-    processor = top[start + 3]
-    if processor not in (INTEL, DEC):
-        kind = "big-endian (MIPS)" if processor == MIPS else f"of unknown kind {processor}"
-        raise ValueError(f"its numbers are {kind}; convert it to little-endian (Intel)")
-    parameters = _parameters(top, start)
-    _check_needed(parameters)
-    header = _header_layout(top, processor)
-    announced = _announced_layout(parameters, header, processor)
-    _check_counts(announced, header, parameters, processor)
-    _check_size(announced, header, size)
-    _check_rotations(parameters, announced, size, processor)
-
-
-def _header_layout(top: bytes, processor: int) -> Layout:
-    points, values, first, last, _ = struct.unpack("<5H", top[2:12])
-    scale = _float(top[12:16], processor)
-    block = int.from_bytes(top[16:18], "little")
-    frames = max(0, last - first + 1)
-    return Layout(points, frames, values, (block - 1) * BLOCK, 4 if scale < 0 else 2)
-
-
-def _announced_layout(
-    parameters: Mapping[tuple[str, str], Parameter], header: Layout, processor: int
-) -> Layout:
-    def number(group: str, name: str, otherwise: float) -> float:
-        found = parameters.get((group, name))
-        return otherwise if found is None else found.number(processor)
-
-    rate = number("POINT", "RATE", 0.0)
-    analog_rate = number("ANALOG", "RATE", 0.0)
-    steps = round(analog_rate / rate) if rate > 0 and 0 <= analog_rate / rate < 1e6 else 0
-    scale = number("POINT", "SCALE", -1.0 if header.width == 4 else 1.0)
-    return Layout(
-        points=int(number("POINT", "USED", header.points)),
-        frames=int(number("POINT", "FRAMES", header.frames)),
-        values=int(number("ANALOG", "USED", 0)) * steps,
-        data_start=header.data_start,
-        width=4 if scale < 0 else 2,
+    section = (content[0] - 1) * BLOCK
+    if section < BLOCK or section + 4 > len(content):
+        raise ValueError("it ends before its parameters, or they are not where it says")
+    processor = Processor(content[section + 3])
+    parameters = read_parameters(content, section)
+    header = _header(content, processor)
+    layout = _settle(list(_accounts(header, parameters)), size)
+    return Description(
+        layout=layout,
+        parameters=parameters,
+        processor=processor,
+        rate=_rate(header, parameters),
+        scale=abs(_number(parameters, "POINT", "SCALE") or header.scale),
     )
 
 
-def _check_counts(
-    announced: Layout,
-    header: Layout,
-    parameters: Mapping[tuple[str, str], Parameter],
-    processor: int,
-) -> None:
-    if ("POINT", "USED") not in parameters:
-        raise ValueError("it has no POINT:USED")
-    longer = parameters.get(("POINT", "LONG_FRAMES"))
-    frames = longer.number(processor) if longer and longer.data else announced.frames
-    if max(frames, header.frames) >= COUNT_LIMIT:
+def _header(content: bytes, processor: Processor) -> _Header:
+    order = processor.order
+    points, values, first, last = struct.unpack(f"{order}4H", content[2:10])
+    scale, rate = processor.floats(content[12:16] + content[20:24])
+    start = processor.integer(content[16:18])
+    return _Header(points, values, last - first + 1, float(scale), start, float(rate))
+
+
+def _accounts(header: _Header, parameters: Parameters) -> Iterable[Layout]:
+    """Yield every combination of what header and parameters say, the parameters' first."""
+
+    def told(group: str, name: str, also: float) -> list[float]:
+        return _unlike(_number(parameters, group, name), also)
+
+    claims = itertools.product(
+        _frames(header, parameters),
+        told("POINT", "USED", header.points),
+        _unlike(_analog_values(parameters), header.values),
+        told("POINT", "DATA_START", header.start_block),
+        _unlike(*(_width(scale) for scale in told("POINT", "SCALE", header.scale))),
+    )
+    for frames, points, values, block, width in claims:
+        start = (int(block) - 1) * BLOCK
+        if start >= 2 * BLOCK:
+            yield Layout(int(frames), int(points), int(values), start, int(width))
+
+
+def _frames(header: _Header, parameters: Parameters) -> list[float]:
+    first = _whole(parameters, "TRIAL", "ACTUAL_START_FIELD")
+    last = _whole(parameters, "TRIAL", "ACTUAL_END_FIELD")
+    trial = last - first + 1 if first is not None and last is not None else None
+    longer = _number(parameters, "POINT", "LONG_FRAMES")
+    counted = _number(parameters, "POINT", "FRAMES")
+    told = _unlike(longer, trial, counted, header.frames)
+    if max(told) > LARGEST_COUNT:
+        # The old counters cannot hold so many; that they are full is no disagreement.
+        told = [count for count in told if count != LARGEST_COUNT]
+    return [count for count in told if 0 <= count < 2**31] or [0]
+
+
+def _analog_values(parameters: Parameters) -> float:
+    """Return the analog values per frame: channels times samples per frame."""
+    used = _number(parameters, "ANALOG", "USED") or 0
+    rate = _number(parameters, "POINT", "RATE") or 0
+    analog_rate = _number(parameters, "ANALOG", "RATE") or 0
+    return used * round(analog_rate / rate) if rate > 0 else 0
+
+
+def _settle(accounts: list[Layout], size: int) -> Layout:
+    if not accounts:
+        raise ValueError("it does not say where its samples start")
+    if len(accounts) == 1:
+        return _checked(accounts[0], size)
+    fitting = [one for one in accounts if 0 <= size - one.end < BLOCK]
+    exact = [one for one in fitting if one.end == size] or fitting
+    if not exact:
+        told = "; ".join(str(one) for one in (accounts[0], accounts[-1]))
         raise ValueError(
-            f"it may hold more frames than the {COUNT_LIMIT - 1} that can be counted; "
-            "cut it into shorter takes, or export CSV"
+            f"its header and its parameters disagree ({told}), and its {size} bytes do not "
+            "show which is right: it was cut short, or is damaged"
         )
-    if header.data_start < BLOCK + BLOCK:
-        raise ValueError(f"its samples would start at byte {header.data_start}")
-    if header.width != announced.width:
-        raise ValueError("its header and POINT:SCALE disagree whether samples are integers")
+    warnings.warn(
+        f"the file's header and parameters disagree; by its size it holds {exact[0]}", stacklevel=2
+    )
+    return exact[0]
 
 
-def _check_size(announced: Layout, header: Layout, size: int) -> None:
-    """Compare with the size, which also decides where header and parameters disagree."""
-    if announced.end > size:
+def _checked(layout: Layout, size: int) -> Layout:
+    if layout.end > size:
         raise ValueError(
-            f"it announces {announced.frames} frames of {announced.points} points, which end at "
-            f"byte {announced.end}, but it has {size} bytes: cut short, or damaged"
+            f"it announces {layout}, which end at byte {layout.end}, but the file ends at byte "
+            f"{size}: it was cut short, or is damaged"
         )
-    if announced != header and size - announced.end >= BLOCK:
+    if layout.frames == LARGEST_COUNT and size - layout.end >= BLOCK:
         raise ValueError(
-            f"its header tells of {_told(header)}, its parameters of {_told(announced)}, and "
-            f"its {size} bytes do not show which is right"
+            f"it counts {LARGEST_COUNT} frames, the most that its counter can hold, and goes on "
+            "after them; cut it into shorter takes"
         )
+    return layout
 
 
-def _told(layout: Layout) -> str:
-    return f"{layout.frames} frames x ({layout.points} points, {layout.values} analog values)"
+def _rate(header: _Header, parameters: Parameters) -> float:
+    """Return the rate as the shortest decimal number that the file's 32 bits stand for."""
+    rate = _number(parameters, "POINT", "RATE") or header.rate
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"its rate is {rate}; it must be a positive number of frames per second")
+    return float(str(np.float32(rate)))
 
 
-def _check_rotations(
-    parameters: Mapping[tuple[str, str], Parameter], layout: Layout, size: int, processor: int
-) -> None:
-    used = parameters.get(("ROTATION", "USED"))
-    ratio = parameters.get(("ROTATION", "RATIO"))
-    if used and ratio:
-        count = used.number(processor) * ratio.number(processor) * layout.frames
-        if count * 17 * layout.width > size:
-            raise ValueError("it announces more rotations than it has bytes")
+def _number(parameters: Parameters, group: str, name: str) -> float | None:
+    found = parameters.get((group, name))
+    numbers = found.numbers if found else ()
+    return numbers[0] if numbers and np.isfinite(numbers[0]) else None
 
 
-def _check_needed(parameters: Mapping[tuple[str, str], Parameter]) -> None:
-    for group, names in NEEDED.items():
-        for name in names:
-            found = parameters.get((group, name))
-            if found is not None and (found.kind == -1 or not found.data):
-                raise ValueError(f"{group}:{name} holds no number")
+def _whole(parameters: Parameters, group: str, name: str) -> float | None:
+    """Return a count that is stored as two 16-bit words, the lower first."""
+    found = parameters.get((group, name))
+    numbers = found.numbers if found else ()
+    return numbers[0] + 65536 * numbers[1] if len(numbers) == 2 else None
 
 
-def _parameters(top: bytes, start: int) -> dict[tuple[str, str], Parameter]:
-    """Walk the parameter section; every entry must lie inside the file."""
-    groups: dict[int, str] = {}
-    found: dict[tuple[int, str], Parameter] = {}
-    for number, name, body in _entries(top, start + 4):
-        if number < 0:
-            groups[-number] = name
-        else:
-            found[number, name] = _parameter(name, body)
-    orphans = sorted({name for number, name in found if number not in groups})
-    if orphans:
-        raise ValueError(f"parameters without a group: {', '.join(orphans)}")
-    return {(groups[number], name): value for (number, name), value in found.items()}
+def _width(scale: float) -> float:
+    return 4 if scale < 0 else 2
 
 
-def _entries(top: bytes, place: int) -> Iterator[tuple[int, str, bytes]]:
-    while True:
-        if place + 2 > len(top):
-            raise ValueError("its parameter section has no end")
-        length, number = struct.unpack("<bb", top[place : place + 2])
-        if length == 0:
-            return
-        after_name = place + 2 + abs(length)
-        body = after_name + 2
-        step = int.from_bytes(top[after_name:body], "little")
-        end = after_name + step if step else len(top)
-        if number == 0 or body > len(top) or end > len(top) or 0 < step < 3:
-            raise ValueError(f"its parameter section is damaged at byte {place}")
-        yield number, top[place + 2 : after_name].decode("latin-1").upper(), top[body:end]
-        if step == 0:
-            return
-        place = end
-
-
-def _parameter(name: str, body: bytes) -> Parameter:
-    kind = struct.unpack("<b", body[:1])[0] if body else 0
-    rank = body[1] if len(body) > 1 else 0
-    shape = tuple(body[2 : 2 + rank])
-    data_start = 2 + rank
-    length = math.prod(shape) * ENTRY_SIZES.get(kind, 0)
-    if kind not in ENTRY_SIZES or len(shape) < rank or data_start + length > len(body):
-        raise ValueError(f"parameter {name} is damaged")
-    return Parameter(kind, shape, body[data_start : data_start + length])
-
-
-def _float(data: bytes, processor: int) -> float:
-    if processor == DEC:
-        # DEC stores the two halves the other way round, and an exponent that is larger by two.
-        return float(_unpacked(data[2:] + data[:2])) / 4
-    return float(_unpacked(data))
-
-
-def _unpacked(data: bytes) -> Any:
-    return struct.unpack("<f", data)[0]
+def _unlike(*claims: float | None) -> list[float]:
+    return list(dict.fromkeys(claim for claim in claims if claim is not None))

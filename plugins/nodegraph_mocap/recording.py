@@ -181,10 +181,11 @@ def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> No
 
 
 def _missing(positions: NDArray[np.float64], markers: tuple[str, ...]) -> NDArray[np.bool_]:
+    # Over an axis of three, `any` takes twenty times as long as two bitwise operations.
     nan = np.isnan(positions)
-    missing = np.asarray(nan.any(axis=2))
-    bad = np.isinf(positions).any(axis=2) | (missing & ~nan.all(axis=2))
-    if bad.any():
+    missing = np.asarray(nan[..., 0] | nan[..., 1] | nan[..., 2])
+    if np.count_nonzero(nan) != 3 * np.count_nonzero(missing) or np.isinf(positions).any():
+        bad = np.isinf(positions).any(axis=2) | (missing & ~nan.all(axis=2))
         frame, marker = np.argwhere(bad)[0]
         raise ValueError(
             f"frame {frame}, marker {markers[marker]!r}: {positions[frame, marker]} is neither a "

@@ -2,83 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph_mocap import MarkerSet
+from nodegraph_synthesize.spots import MIDLINE, PAIRS, Spot
 from nodegraph_synthesize.surface import HALF_COLUMNS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import NDArray
 
 FEWEST, MOST = 10, 150
 
 
-@dataclass(frozen=True)
-class Spot:
-    """A place for one marker on the midline, or for a pair of markers.
-
-    Attributes
-    ----------
-    region : str
-    place : (u, v)
-        On the average face, mm; for a pair that of the left one, u > 0.
-    stable : bool
-        Whether the muscles hardly move it.
-    """
-
-    region: str
-    place: tuple[float, float]
-    stable: bool = False
-
-
-_MIDLINE = (
-    # The first are kept the longest when markers are few.
-    Spot("nose", (0.0, 30.0), stable=True),
-    Spot("jaw", (0.0, -74.0)),
-    Spot("forehead", (0.0, 88.0), stable=True),
-    Spot("mouth", (0.0, -44.0)),
-    Spot("mouth", (0.0, -29.0)),
-    Spot("nose", (0.0, -2.0), stable=True),
-    Spot("forehead", (0.0, 64.0)),
-    Spot("nose", (0.0, 13.0), stable=True),
-)
-_PAIRS = (
-    # The first two are always kept, the others by how well they spread.
-    Spot("mouth", (27.0, -36.0)),
-    Spot("temple", (63.0, 40.0), stable=True),
-    Spot("brow", (10.0, 45.0)),
-    Spot("brow", (22.0, 48.0)),
-    Spot("brow", (35.0, 50.0)),
-    Spot("brow", (48.0, 47.0)),
-    Spot("eyelid", (26.0, 34.0)),
-    Spot("eyelid", (37.0, 34.0)),
-    Spot("eyelid", (31.0, 17.0)),
-    Spot("eyelid", (49.0, 26.0)),
-    Spot("nose", (10.0, 13.0)),
-    Spot("nose", (14.0, -5.0)),
-    Spot("cheek", (24.0, 3.0)),
-    Spot("cheek", (45.0, 5.0)),
-    Spot("cheek", (27.0, -16.0)),
-    Spot("cheek", (42.0, -15.0)),
-    Spot("cheek", (58.0, -18.0)),
-    Spot("mouth", (10.0, -28.5)),
-    Spot("mouth", (19.0, -31.5)),
-    Spot("mouth", (13.0, -43.5)),
-    Spot("jaw", (14.0, -59.0)),
-    Spot("jaw", (32.0, -58.0)),
-    Spot("jaw", (50.0, -47.0)),
-    Spot("jaw", (21.0, -80.0)),
-    Spot("forehead", (28.0, 84.0), stable=True),
-    Spot("forehead", (52.0, 68.0), stable=True),
-)
-_USUAL = len(_MIDLINE) + 2 * len(_PAIRS)
-_LONGEST_EDGE = 2.5
-"""Times the median length: longer lines only span the hollows of the outline."""
+_USUAL = len(MIDLINE) + 2 * len(PAIRS)
 
 
 @dataclass(frozen=True)
@@ -120,63 +60,23 @@ def make_layout(count: int, places: NDArray[np.float64]) -> Layout:
     return _named(midline, pairs, places)
 
 
-def edges_between(marker_set: MarkerSet, points: NDArray[np.float64]) -> MarkerSet:
-    """Return the marker set with lines to draw: its frontal projection, triangulated.
-
-    Parameters
-    ----------
-    marker_set
-    points
-        (M, 3) mm; z is left out.
-    """
-    from scipy.spatial import Delaunay
-
-    triangles = Delaunay(points[:, :2]).simplices
-    lines = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, ::2]]))
-    lines = np.unique(lines, axis=0)
-    lengths = np.linalg.norm(points[lines[:, 0], :2] - points[lines[:, 1], :2], axis=1)
-    lines = lines[lengths <= _LONGEST_EDGE * np.median(lengths)]
-    # A line without its mirror is one of two equally good diagonals, taken by rounding.
-    mirror = _mirror(marker_set)
-    known = {(int(one), int(other)) for one, other in lines}
-    kept = [line for line in sorted(known) if _mirrored(line, mirror) in known]
-    names = marker_set.markers
-    return MarkerSet(
-        markers=names,
-        pairs=marker_set.pairs,
-        midline=marker_set.midline,
-        stable=marker_set.stable,
-        edges=tuple((names[one], names[other]) for one, other in kept),
-    )
-
-
-def _mirror(marker_set: MarkerSet) -> list[int]:
-    other = {left: right for left, right in marker_set.pairs}
-    other |= {right: left for left, right in marker_set.pairs}
-    return [marker_set.markers.index(other.get(name, name)) for name in marker_set.markers]
-
-
-def _mirrored(line: tuple[int, int], mirror: list[int]) -> tuple[int, int]:
-    one, other = sorted(mirror[end] for end in line)
-    return one, other
-
-
 def _thinned(count: int) -> tuple[list[Spot], list[Spot]]:
     odd = count % 2
-    on_midline = odd + 2 * round((len(_MIDLINE) * count / _USUAL - odd) / 2)
-    places = np.array([spot.place for spot in _PAIRS])
-    chosen = _spread(places, places[:2], (count - on_midline) // 2 - 2)
+    on_midline = odd + 2 * round((len(MIDLINE) * count / _USUAL - odd) / 2)
+    places = np.array([spot.place for spot in PAIRS])
+    taken = np.array([spot.place for spot in MIDLINE[:on_midline]] + [*places[:2].tolist()])
+    chosen = _spread(places, taken, (count - on_midline) // 2 - 2)
     kept = sorted({0, 1, *chosen})
-    return list(_MIDLINE[:on_midline]), [_PAIRS[index] for index in kept]
+    return list(MIDLINE[:on_midline]), [PAIRS[index] for index in kept]
 
 
 def _denser(count: int, places: NDArray[np.float64]) -> tuple[list[Spot], list[Spot]]:
-    usual = np.array([spot.place for spot in (*_MIDLINE, *_PAIRS)])
+    usual = np.array([spot.place for spot in (*MIDLINE, *PAIRS)])
     on_midline, on_left = _free(places)
     more = on_midline[_spread(on_midline, usual, count % 2)]
-    taken = np.concatenate([usual, more, usual[len(_MIDLINE) :] * [-1.0, 1.0]])
+    taken = np.concatenate([usual, more, usual[len(MIDLINE) :] * [-1.0, 1.0]])
     left = on_left[_spread(on_left, taken, (count - _USUAL) // 2)]
-    return [*_MIDLINE, *_like_nearest(more)], [*_PAIRS, *_like_nearest(left)]
+    return [*MIDLINE, *_like_nearest(more)], [*PAIRS, *_like_nearest(left)]
 
 
 def _free(places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -187,9 +87,7 @@ def _free(places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.
     return grid[:, HALF_COLUMNS], left[left[:, 0] > 4.0]
 
 
-def _spread(
-    candidates: NDArray[np.float64], taken: NDArray[np.float64], count: int
-) -> list[int]:
+def _spread(candidates: NDArray[np.float64], taken: NDArray[np.float64], count: int) -> list[int]:
     """Return `count` candidates, each the farthest from all that were taken before it."""
     nearest = np.linalg.norm(candidates[:, None] - taken[None], axis=2).min(axis=1)
     chosen = []
@@ -201,7 +99,7 @@ def _spread(
 
 
 def _like_nearest(places: NDArray[np.float64]) -> list[Spot]:
-    usual = (*_MIDLINE, *_PAIRS)
+    usual = (*MIDLINE, *PAIRS)
     known = np.array([spot.place for spot in usual])
     nearest = np.linalg.norm(places[:, None] - known[None], axis=2).argmin(axis=1)
     return [
@@ -211,8 +109,8 @@ def _like_nearest(places: NDArray[np.float64]) -> list[Spot]:
 
 
 def _named(midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]) -> Layout:
-    middle = _numbered(midline, "M", _MIDLINE)
-    left, right = _numbered(pairs, "L", _PAIRS), _numbered(pairs, "R", _PAIRS)
+    middle = [f"M_{name}" for name in _numbered(midline, MIDLINE)]
+    left, right = ([f"{side}_{name}" for name in _numbered(pairs, PAIRS)] for side in "LR")
     stable = [name for name, spot in zip(middle, midline, strict=True) if spot.stable]
     for one, other, spot in zip(left, right, pairs, strict=True):
         stable += [one, other] if spot.stable else []
@@ -226,6 +124,28 @@ def _named(midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]) 
     return Layout(marker_set, _vertices(midline, pairs, places))
 
 
-def _numbered(spots: Iterable[Spot], side: str, usual: tuple[Spot, ...]) -> list[str]:
-    """Return names like ``L_brow1``; a usual spot has its number in every layout."""
-    return []
+def _numbered(spots: list[Spot], usual: tuple[Spot, ...]) -> list[str]:
+    """Return names like ``brow1``; a usual spot has the same number in every layout."""
+    names: dict[Spot, str] = {}
+    used: Counter[str] = Counter()
+    for spot in dict.fromkeys((*usual, *spots)):
+        used[spot.region] += 1
+        names[spot] = f"{spot.region}{used[spot.region]}"
+    return [names[spot] for spot in spots]
+
+
+def _vertices(
+    midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    grid = np.arange(len(places)).reshape(-1, 2 * HALF_COLUMNS + 1)
+    mirror = grid[:, ::-1].ravel()
+    on_midline = grid[:, HALF_COLUMNS]
+    middle = on_midline[_nearest(midline, places[on_midline])]
+    left = _nearest(pairs, places)
+    sides = np.stack([left, mirror[left]], axis=1)
+    return np.concatenate([middle, sides.ravel()]).astype(np.int64)
+
+
+def _nearest(spots: list[Spot], places: NDArray[np.float64]) -> NDArray[np.intp]:
+    wanted = np.array([spot.place for spot in spots])
+    return np.asarray(np.linalg.norm(wanted[:, None] - places[None], axis=2).argmin(axis=1))

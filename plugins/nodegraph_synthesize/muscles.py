@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-
 @dataclass(frozen=True)
 class LinearMuscle:
     """One muscle of the left side, or of the midline; places on the average face in mm.
@@ -34,7 +33,8 @@ class LinearMuscle:
     ----------
     attachment, insertion : (u, v)
     full, end : float
-        Rs, where the pull is largest, and Rf, where it ends, mm from the attachment.
+        Rs, where the pull is largest, and Rf, where it ends, in lengths of the muscle from the
+        attachment.
     zone : float
         Degrees to each side of the muscle's direction.
     pull : float
@@ -55,17 +55,17 @@ class LinearMuscle:
 
 
 PAIRED = {
-    "frontalisInner": LinearMuscle((15.0, 90.0), (15.0, 46.0), 42.0, 64.0, 24.0, 6.0),
-    "frontalisOuter": LinearMuscle((42.0, 86.0), (42.0, 49.0), 38.0, 58.0, 25.0, 6.0),
-    "corrugator": LinearMuscle((3.0, 36.0), (26.0, 48.0), 24.0, 42.0, 35.0, 5.0),
-    "orbicularisOculi": LinearMuscle((31.0, 21.0), (31.0, 34.0), 12.0, 23.0, 75.0, 8.0),
-    "levatorLabii": LinearMuscle((20.0, 18.0), (14.0, -29.0), 44.0, 60.0, 22.0, 6.0),
-    "zygomaticMajor": LinearMuscle((54.0, 8.0), (27.0, -36.0), 52.0, 80.0, 30.0, 11.0),
-    "platysma": LinearMuscle((63.0, -38.0), (27.0, -37.0), 38.0, 58.0, 30.0, 7.0),
-    "depressorAnguliOris": LinearMuscle((33.0, -86.0), (27.0, -38.0), 46.0, 62.0, 24.0, 7.0),
-    "depressorLabii": LinearMuscle((16.0, -84.0), (12.0, -45.0), 38.0, 51.0, 26.0, 5.0),
+    "frontalisInner": LinearMuscle((15.0, 90.0), (15.0, 46.0), 0.95, 1.45, 24.0, 6.0),
+    "frontalisOuter": LinearMuscle((42.0, 86.0), (42.0, 49.0), 0.95, 1.5, 26.0, 6.0),
+    "corrugator": LinearMuscle((3.0, 36.0), (26.0, 48.0), 0.9, 1.6, 35.0, 5.0),
+    "orbicularisOculi": LinearMuscle((31.0, 17.5), (31.0, 34.0), 0.95, 1.5, 60.0, 8.0),
+    "levatorLabii": LinearMuscle((20.0, 18.0), (14.0, -29.0), 0.95, 1.28, 22.0, 6.0),
+    "zygomaticMajor": LinearMuscle((54.0, 8.0), (27.0, -36.0), 0.95, 1.5, 30.0, 11.0),
+    "platysma": LinearMuscle((60.0, -44.0), (27.0, -37.0), 0.95, 1.5, 32.0, 7.0),
+    "depressorAnguliOris": LinearMuscle((33.0, -86.0), (27.0, -38.0), 0.95, 1.3, 24.0, 7.0),
+    "depressorLabii": LinearMuscle((16.0, -84.0), (12.0, -45.0), 0.95, 1.3, 26.0, 5.0),
 }
-CENTRAL = {"mentalis": LinearMuscle((0.0, -48.0), (0.0, -73.0), 22.0, 38.0, 50.0, 5.0)}
+CENTRAL = {"mentalis": LinearMuscle((0.0, -48.0), (0.0, -73.0), 0.9, 1.5, 50.0, 5.0)}
 JAW, SPHINCTER = "jawOpen", "orbicularisOris"
 
 CHANNELS = (
@@ -105,28 +105,23 @@ def linear_muscles() -> dict[str, LinearMuscle]:
     return muscles
 
 
-def pull_of(
-    muscle: LinearMuscle, points: NDArray[np.float64], proportions: Proportions
-) -> Pull:
+def pull_of(muscle: LinearMuscle, points: NDArray[np.float64], proportions: Proportions) -> Pull:
     """Return what a linear muscle does to (N, 3) points of the neutral face."""
     ends = np.array([muscle.attachment, muscle.insertion])
     attachment, insertion = on_face(ends, proportions)
-    reached = insertion - attachment
+    line = insertion - attachment
+    length = np.linalg.norm(line)
     rays = points - attachment
     distances = np.linalg.norm(rays, axis=1)
-    # Radii and pull grow with the muscle, from the average face to this one.
-    growth = np.linalg.norm(reached) / _length_on_average_face(muscle)
-    cosines = rays @ reached / np.maximum(distances * np.linalg.norm(reached), 1e-12)
+    cosines = rays @ line / np.maximum(distances * length, 1e-12)
     angles = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
     sideways = np.cos(np.minimum(angles / muscle.zone, 1.0) * np.pi / 2)
-    amounts = growth * muscle.pull * sideways * _along(muscle, distances / growth)
+    amounts = muscle.pull * sideways * _along(muscle, distances / length)
     moved = np.flatnonzero(amounts > 1e-6)
     return Pull(moved, attachment, amounts[moved])
 
 
-def sphincter_offsets(
-    points: NDArray[np.float64], proportions: Proportions
-) -> NDArray[np.float64]:
+def sphincter_offsets(points: NDArray[np.float64], proportions: Proportions) -> NDArray[np.float64]:
     """Return (N, 3) mm by which the muscle around the mouth, fully active, moves each point.
 
     An ellipse on the lips: points on it move furthest, inwards and forwards (Waters' sphincter
@@ -150,8 +145,3 @@ def _along(muscle: LinearMuscle, distances: NDArray[np.float64]) -> NDArray[np.f
     rising = np.cos((1.0 - distances / muscle.full) * np.pi / 2)
     beyond = np.clip((distances - muscle.full) / (muscle.end - muscle.full), 0.0, 1.0)
     return np.where(distances <= muscle.full, rising, np.cos(beyond * np.pi / 2))
-
-
-def _length_on_average_face(muscle: LinearMuscle) -> float:
-    ends = on_face(np.array([muscle.attachment, muscle.insertion]), Proportions())
-    return float(np.linalg.norm(ends[1] - ends[0]))

@@ -1,0 +1,63 @@
+"""What a reader must know about the steps of a run: failures, refusals, gaps in it, warnings."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Iterator, Mapping
+
+from nodegraph.execute import Run
+from nodegraph.plan import Step
+from nodegraph.ports import Label
+from nodegraph.report.study import Kind, StepNote
+
+_KINDS: dict[str, Kind] = {"failed": "failed", "refused": "refused", "skipped": "left out"}
+
+
+def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
+    """Return a note for everything in a run that did not simply go well."""
+    return tuple(
+        (
+            *_settled(run, command),
+            *_left_out_by_plan(run),
+            *_left_out_by_command(run),
+            *_warned(run),
+        )
+    )
+
+
+def repeating(command: str, labels: Mapping[str, Label]) -> str:
+    """Return the command that runs one combination alone."""
+    only = (f" --only {shlex.quote(f'{axis}={label}')}" for axis, label in labels.items())
+    return command + "".join(only)
+
+
+def _settled(run: Run, command: str) -> Iterator[StepNote]:
+    for step, outcome in run.settled(*_KINDS):
+        repeat = repeating(command, step.labels) if outcome.state == "failed" else ""
+        kind = _KINDS[outcome.state]
+        yield StepNote(_name(step), _text(step.labels), outcome.reason, kind, repeat=repeat)
+
+
+def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
+    for name, cells in run.plan.skipped.items():
+        axes = run.plan.graph.nodes[name].axes
+        for at, reason in cells.items():
+            yield StepNote(name, _text(dict(zip(axes, at, strict=True))), reason, "left out")
+
+
+def _left_out_by_command(run: Run) -> Iterable[StepNote]:
+    return (StepNote(one.node, "", one.reason, "left out") for one in run.plan.graph.left_out)
+
+
+def _warned(run: Run) -> Iterator[StepNote]:
+    for step, outcome in run.settled():
+        for said in outcome.warnings:
+            yield StepNote(_name(step), _text(step.labels), said, "warning")
+
+
+def _name(step: Step) -> str:
+    return f"{step.node} ({step.method.node.name})"
+
+
+def _text(labels: Mapping[str, Label]) -> str:
+    return ", ".join(f"{axis}={label}" for axis, label in labels.items())

@@ -1,0 +1,25 @@
+"""Compare methods over many trials: paired tables, intervals and figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nodegraph import hookimpl
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+
+@hookimpl
+def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+    """Return the plugin's nodes."""
+    from nodegraph_compare.table import table
+
+    return (table,)
+
+
+@hookimpl
+def nodegraph_bibtex() -> str:
+    """Return the BibTeX entries that the plugin's nodes cite."""
+    return (Path(__file__).parent / "references.bib").read_text(encoding="utf-8")

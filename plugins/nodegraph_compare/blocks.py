@@ -1,0 +1,202 @@
+"""From gathered tables to blocks: what is compared, within what, and the value of each block."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_compare.labels import label_order
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from numpy.typing import NDArray
+
+    from nodegraph import Across, Label
+    from nodegraph_compare.question import Question
+    from nodegraph_mocap import Table
+
+
+@dataclass(frozen=True)
+class Group:
+    """What is compared under one combination of the labels of `within`.
+
+    Attributes
+    ----------
+    labels : tuple of W labels
+        Of the columns of `within`.
+    methods : tuple of K labels
+        Of the compared column, in their order; one empty label where nothing is compared.
+    values : (B, K) array of float64
+        The metric averaged over the rows of each block; NaN where a row of the block has no
+        finite number, or the method has no such block.
+    missing : (K,) array of float64
+        Share of the method's rows without a finite number; NaN for a method without rows.
+    refused : (K,) array of float64
+        Share of the method's combinations that were refused or failed.
+    """
+
+    labels: tuple[Label, ...]
+    methods: tuple[Label, ...]
+    values: NDArray[np.float64]
+    missing: NDArray[np.float64]
+    refused: NDArray[np.float64]
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """(K,), True for a method that has a number in some block."""
+        return np.asarray(np.isfinite(self.values).any(axis=0))
+
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """(B,), True for a block in which every usable method has a number."""
+        chosen = np.isfinite(self.values[:, self.usable])
+        return np.asarray(chosen.all(axis=1) & self.usable.any())
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Columns of all rows as whole numbers: places in their lists of labels."""
+
+    labels: tuple[tuple[Label, ...], ...]
+    codes: tuple[NDArray[np.intp], ...]
+    rows: int
+
+    def combined(self) -> NDArray[np.intp]:
+        """Return one number per row, ordered as the labels of the columns, the last fastest."""
+        number = np.zeros(self.rows, dtype=np.intp)
+        for labels, codes in zip(self.labels, self.codes, strict=True):
+            number = number * len(labels) + codes
+        return number
+
+    def number(self, chosen: tuple[Label, ...]) -> int:
+        """Return the number of one combination of labels."""
+        number = 0
+        for labels, label in zip(self.labels, chosen, strict=True):
+            number = number * len(labels) + labels.index(label)
+        return number
+
+    def decoded(self, number: int) -> tuple[Label, ...]:
+        """Return the labels that a number stands for."""
+        found: list[Label] = []
+        for labels in reversed(self.labels):
+            number, place = divmod(number, len(labels))
+            found.append(labels[place])
+        return tuple(reversed(found))
+
+
+def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
+    """Return the groups of the gathered tables, in the order of the labels of `within`."""
+    within = _columns(scores, question.within)
+    compare = _columns(scores, question.compared)
+    block = _columns(scores, question.blocks).combined()
+    value = _values(scores, question.metric)
+    rows_of = _split(within.combined())
+    methods = compare.combined()
+    empty = _without_rows(scores, question, within, compare)
+    shares = _Shares(scores, question)
+    made = []
+    for number in sorted({*rows_of, *empty}):
+        rows = rows_of.get(number, np.empty(0, dtype=np.intp))
+        kinds = sorted({*methods[rows].tolist(), *empty.get(number, ())})
+        labels, names = within.decoded(number), [compare.decoded(kind) for kind in kinds]
+        place = np.searchsorted(kinds, methods[rows])
+        values, missing = _block_means(block[rows], place, value[rows], len(kinds))
+        refused = np.array([shares.of(labels + name) for name in names])
+        made.append(Group(labels, tuple((*n, "")[0] for n in names), values, missing, refused))
+    return tuple(made)
+
+
+def _columns(scores: Across[Table], names: tuple[str, ...]) -> _Columns:
+    lengths = [len(table) for table in scores.values()]
+    both = [
+        _axis(scores, name, lengths) if name in scores.axes else _column(scores, name)
+        for name in names
+    ]
+    return _Columns(tuple(one[0] for one in both), tuple(one[1] for one in both), sum(lengths))
+
+
+def _axis(
+    scores: Across[Table], name: str, lengths: list[int]
+) -> tuple[tuple[Label, ...], NDArray[np.intp]]:
+    order = label_order(scores, name)
+    place = {label: code for code, label in enumerate(order)}
+    codes = np.array([place[labels.get(name, "")] for labels, _ in scores], dtype=np.intp)
+    return order, np.repeat(codes, lengths)
+
+
+def _column(scores: Across[Table], name: str) -> tuple[tuple[Label, ...], NDArray[np.intp]]:
+    from pandas import concat, factorize
+
+    joined = concat([table[name] for table in scores.values()], ignore_index=True)
+    codes, labels = factorize(joined, use_na_sentinel=False)
+    return tuple(labels.tolist()), np.asarray(codes, dtype=np.intp)
+
+
+def _values(scores: Across[Table], metric: str) -> NDArray[np.float64]:
+    parts = [table[metric].to_numpy(dtype=np.float64) for table in scores.values()]
+    joined = np.concatenate(parts)
+    return np.where(np.isfinite(joined), joined, np.nan)
+
+
+def _split(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
+    """Return, for each number that occurs, the rows in which it does."""
+    order = np.argsort(numbers, kind="stable")
+    found, starts = np.unique(numbers[order], return_index=True)
+    return dict(zip(found.tolist(), np.split(order, starts[1:]), strict=False))
+
+
+def _block_means(
+    block: NDArray[np.intp], method: NDArray[np.intp], value: NDArray[np.float64], methods: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the (B, K) means of the rows of each block and the (K,) shares without a number."""
+    found, place = np.unique(block, return_inverse=True)
+    cell, size = place * methods + method, len(found) * methods
+    count = np.bincount(cell, minlength=size).reshape(-1, methods)
+    total = np.bincount(cell, weights=value, minlength=size).reshape(-1, methods)
+    wanting = np.bincount(method, weights=np.isnan(value), minlength=methods)
+    rows = count.sum(axis=0)
+    means = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return means, np.where(rows > 0, wanting / np.maximum(rows, 1), np.nan)
+
+
+def _without_rows(
+    scores: Across[Table], question: Question, within: _Columns, compare: _Columns
+) -> dict[int, set[int]]:
+    """Return the methods that were refused or failed, by group, where only axes tell them apart."""
+    if not set(question.within + question.compared).issubset(scores.axes):
+        return {}
+    found: dict[int, set[int]] = {}
+    for labels in _wanting(scores):
+        group = within.number(_pick(labels, question.within))
+        method = compare.number(_pick(labels, question.compared))
+        found.setdefault(group, set()).add(method)
+    return found
+
+
+class _Shares:
+    """Counts the combinations that were refused or failed, by the axes that tell groups apart."""
+
+    def __init__(self, scores: Across[Table], question: Question) -> None:
+        names = question.within + question.compared
+        self._places = [place for place, name in enumerate(names) if name in scores.axes]
+        axes = tuple(names[place] for place in self._places)
+        self._wanting = Counter(_pick(labels, axes) for labels in _wanting(scores))
+        self._there = Counter(_pick(labels, axes) for labels, _ in scores)
+
+    def of(self, labels: tuple[Label, ...]) -> float:
+        """Return the share for the labels of a group and of a method."""
+        key = tuple(labels[place] for place in self._places)
+        total = self._wanting[key] + self._there[key]
+        return self._wanting[key] / total if total else 0.0
+
+
+def _wanting(scores: Across[Table]) -> Iterable[Mapping[str, Label]]:
+    return (one.labels for one in scores.absent if one.kind != "skipped")
+
+
+def _pick(labels: Mapping[str, Label], axes: tuple[str, ...]) -> tuple[Label, ...]:
+    return tuple(labels.get(axis, "") for axis in axes)

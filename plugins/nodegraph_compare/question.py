@@ -1,0 +1,113 @@
+"""What a comparison asks: which number, of what, within what, in which blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from nodegraph import Across
+    from nodegraph_mocap import Table
+
+
+@dataclass(frozen=True)
+class Question:
+    """A comparison's columns; each is a gathered axis or a column of the tables.
+
+    Attributes
+    ----------
+    metric : str
+        A column of numbers.
+    compare : str or None
+    within, blocks : tuple of str
+    averaged : tuple of str
+        Gathered axes that are none of these: a block's value is the mean over them.
+    """
+
+    metric: str
+    compare: str | None
+    within: tuple[str, ...]
+    blocks: tuple[str, ...]
+    averaged: tuple[str, ...]
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """`compare` as a tuple of one name or none."""
+        return () if self.compare is None else (self.compare,)
+
+
+def ask(
+    scores: Across[Table],
+    *,
+    metric: str | None,
+    compare: str | None,
+    within: tuple[str, ...],
+    blocks: tuple[str, ...],
+) -> Question:
+    """Return the question with its defaults filled in and every name checked.
+
+    Raises
+    ------
+    ValueError
+        If there is no table, a name is unknown or is used twice, or the metric is no number.
+    """
+    if not len(scores):
+        raise ValueError("there is no table to compare")
+    used = (*within, *blocks)
+    free = [axis for axis in scores.axes if axis not in used]
+    compared = compare if compare is not None or not free else free[-1]
+    chosen = blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
+    named = (*within, *filter(None, [compared]), *chosen)
+    _check_names(scores, named)
+    averaged = tuple(axis for axis in scores.axes if axis not in named)
+    return Question(_metric(scores, metric), compared, tuple(within), chosen, averaged)
+
+
+def _default_blocks(scores: Across[Table], taken: set[str]) -> tuple[str, ...]:
+    first = scores.values()[0]
+    unit = [
+        str(name)
+        for name in first.columns[:1]
+        if first[name].dtype.kind != "f" and name != "frame" and name not in scores.axes
+    ]
+    return tuple(name for name in (*scores.axes, *unit) if name not in taken)
+
+
+def _check_names(scores: Across[Table], named: tuple[str, ...]) -> None:
+    repeated = sorted({name for name in named if named.count(name) > 1})
+    if repeated:
+        raise ValueError(f"compare, within and blocks share a name: {', '.join(repeated)}")
+    for name in named:
+        if name not in scores.axes:
+            _check_column(scores, name, "axis or column")
+
+
+def _metric(scores: Across[Table], metric: str | None) -> str:
+    first = scores.values()[0]
+    numbers = [str(name) for name in first.columns if first[name].dtype.kind in "iuf"]
+    floats = [name for name in numbers if first[name].dtype.kind == "f"]
+    if metric is None and not floats:
+        raise ValueError(f"the tables have no column of floats; columns: {_list(first.columns)}")
+    chosen = floats[0] if metric is None else metric
+    _check_column(scores, chosen, "metric")
+    for names, table in zip(scores.names(), scores.values(), strict=True):
+        if table[chosen].dtype.kind not in "iuf":
+            where = f" in the table of {names}" if names else ""
+            raise ValueError(
+                f"metric {chosen!r} is no column of numbers{where}; there are: {_list(numbers)}"
+            )
+    return chosen
+
+
+def _check_column(scores: Across[Table], name: str, what: str) -> None:
+    for names, table in zip(scores.names(), scores.values(), strict=True):
+        if name not in table.columns:
+            where = f" in the table of {names}" if names else ""
+            axes = "" if what == "metric" else f"axes: {_list(scores.axes)}; "
+            raise ValueError(f"no {what} {name!r}{where}; {axes}columns: {_list(table.columns)}")
+
+
+def _list(names: Iterable[object]) -> str:
+    return ", ".join(str(name) for name in names) or "none"

@@ -1,0 +1,71 @@
+"""Displacements of many neighbours, weighted by a cosine of their distance."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_fill.gaps import MaxGap
+from nodegraph_fill.one_ring import one_ring
+from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise
+from nodegraph_mocap import Trajectories
+
+
+@node("fill.lin_ouhyoung", cite=("lin_ouhyoung2005", "zhang_scattered"))
+def lin_ouhyoung(
+    recording: Trajectories,
+    *,
+    neighbours: Annotated[int, Field(ge=1)] | Literal["one_ring"] = 8,
+    use_filled: bool = True,
+    close_gap: CloseGap = "none",
+    max_gap: MaxGap = None,
+) -> Trajectories:
+    """Fill gaps with a cosine-weighted mean of many neighbours' displacements (Lin & Ouhyoung).
+
+    As formulated in Zhang et al., equations 6 and 7:
+    ``w_i = cos((d_i - R_s) / (R_f - R_s) * pi / 2.5)`` and
+    ``P'[t, m] = P[t-1, m] + sum(w_i (P[t, i] - P[t-1, i])) / sum(w_i)``, where d_i is the
+    distance of neighbour i at t-1 and R_s, R_f are the nearest and the farthest of them. The
+    weights lie between 0.309017 and 1; where R_f = R_s, equation 6 is 0/0 and all are 1.
+
+    Markers missing in one frame are filled in marker order. A gap at the start of the take is
+    filled backward from the marker's first sample. What has no usable neighbour stays missing,
+    as does the rest of that gap, counted in a warning. Samples that are present come out bit
+    for bit; those an earlier fill made count as filled.
+
+    Looks ahead 0 frames, but for gaps at the start of the take, and up to the gap's end with
+    `close_gap` ramp or blend. The one ring is found once, in the most complete frame.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    neighbours
+        How many of the nearest usable markers are weighted, fewer where there are fewer; or
+        one_ring: the usable ones among those joined to the marker by a Delaunay triangulation.
+        It is made in the most complete frame, seen from the front: projected on the plane of
+        the first two principal axes of the markers, of which a face's depth is the third.
+    use_filled
+        Whether samples filled earlier serve as neighbours, after all measured ones.
+    close_gap
+        none: a jump stays where the marker reappears. ramp: that sample is predicted too and
+        its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
+        forward and a backward pass, cross-faded linearly; where one is missing, the other.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+    """
+    if neighbours == "one_ring":
+        allowed = one_ring(recording)
+        count = max(1, int(allowed.sum(axis=1).max(initial=1)))
+        rule = Rule(weights="cosine", neighbours=count, use_filled=use_filled, allowed=allowed)
+    else:
+        rule = Rule(weights="cosine", neighbours=neighbours, use_filled=use_filled)
+    return fill_stepwise(recording, rule, close_gap=close_gap, max_gap=max_gap)

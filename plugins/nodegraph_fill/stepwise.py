@@ -1,0 +1,174 @@
+"""What the step-wise neighbour fills share: passes over the take, and how a gap is closed.
+
+A missing sample is the marker's last position plus a displacement made from its neighbours':
+``P'[t, m] = P[t-1, m] + sum(w_i (P[t, i] - P[t-1, i]))``. Each method's file says the weights.
+
+The neighbours are the nearest to ``P[t-1, m]`` among the markers that are usable at both t-1
+and t, equally near ones in marker order. Measured (and repaired) samples are usable; with
+`use_filled` so are samples filled earlier, by this fill or before it, but they come after all
+measured ones. The pass runs forward over the whole take, so that a gap of many frames goes on
+from its own fills. Where there is no usable neighbour, or the last position is missing, the
+sample stays missing, and so does the rest of the gap. Gaps at the start of the take are then
+filled by the same rule backward in time, from the marker's first sample.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph_fill import stepwise_kernel
+
+CloseGap = Literal["none", "ramp", "blend"]
+"""How a fill meets the sample that ends the gap.
+
+``none``: it does not, and a jump stays. ``ramp``: the sample that ends the gap is predicted too;
+its mismatch e is spread, ``e j / (L + 1)`` at the j-th of L frames, where both ends and that
+prediction are there. ``blend``: a forward and a backward pass, each by itself, cross-faded
+linearly; where one is missing, the other.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """How one method predicts a sample.
+
+    Attributes
+    ----------
+    weights : str
+        One of the kernel's rules: mean, cosine, muscle, muscle_normalized, waters.
+    neighbours : int
+        How many neighbours at most.
+    use_filled : bool
+        Whether filled samples serve as neighbours.
+    allowed : (M, M) array of bool, or None
+        Which marker may be a neighbour of which; None: any of any other.
+    ring : int
+        0 to fill a frame's markers in their order, else the size of the ring of the greedy order.
+    full_radius, falloff_radius : float
+        Millimetres, for Waters' rule.
+    """
+
+    weights: str
+    neighbours: int
+    use_filled: bool
+    allowed: NDArray[np.bool_] | None = None
+    ring: int = 0
+    full_radius: float = 0.0
+    falloff_radius: float = 0.0
+
+
+@dataclass
+class _Pass:
+    """Positions and states of samples while a pass writes them."""
+
+    positions: NDArray[np.float64]
+    state: NDArray[np.uint8]
+
+    @staticmethod
+    def over(recording: Trajectories) -> _Pass:
+        states = np.zeros(len(Origin), dtype=np.uint8)
+        states[[Origin.MEASURED, Origin.REPAIRED]] = 1
+        states[Origin.FILLED] = 2
+        return _Pass(recording.positions.copy(), states[recording.origin])
+
+    def until(self, frame: int) -> _Pass:
+        """Return the frames before `frame`, in the same memory."""
+        return _Pass(self.positions[:frame], self.state[:frame])
+
+    def run(self, wanted: NDArray[np.bool_], rule: stepwise_kernel.Rule, *, backward: bool) -> None:
+        from nodegraph_fill import stepwise_kernel
+
+        stepwise_kernel.run(self.positions, self.state, wanted, backward, rule)
+
+
+def fill_stepwise(
+    recording: Trajectories, rule: Rule, *, close_gap: CloseGap, max_gap: int | None
+) -> Trajectories:
+    """Fill a recording's gaps by a rule, and warn of what is left; called by a node.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    rule
+        How a sample is predicted.
+    close_gap
+        See `CloseGap`.
+    max_gap
+        Longer gaps stay missing.
+
+    Returns
+    -------
+    Trajectories
+        The recording; present samples bit for bit as they were, written ones called filled.
+    """
+    gaps = Gaps.of(recording)
+    long = gaps.longer_than(max_gap) & ~gaps.never
+    wanted = gaps.chosen(~(long | gaps.never))
+    compiled = _compiled(rule, len(recording.markers))
+    positions = _blended if close_gap == "blend" else _chained
+    made = positions(recording, wanted, compiled)
+    if close_gap == "ramp":
+        _ramp(made, wanted.chosen(wanted.inner), compiled)
+    filled = recording.with_samples(made.positions, changed=wanted.mask, origin=Origin.FILLED)
+    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
+    warn_left(filled, reasons, "no usable neighbour", stacklevel=3)
+    return filled
+
+
+def _compiled(rule: Rule, markers: int) -> stepwise_kernel.Rule:
+    from nodegraph_fill import stepwise_kernel
+
+    others = ~np.eye(markers, dtype=np.bool_)
+    return stepwise_kernel.Rule(
+        weights=stepwise_kernel.WEIGHTS[rule.weights],
+        neighbours=rule.neighbours,
+        full_radius=float(rule.full_radius),
+        falloff_radius=float(rule.falloff_radius),
+        allowed=others if rule.allowed is None else rule.allowed & others,
+        use_filled=rule.use_filled,
+        ring=rule.ring,
+    )
+
+
+def _chained(recording: Trajectories, gaps: Gaps, rule: stepwise_kernel.Rule) -> _Pass:
+    made = _Pass.over(recording)
+    made.run(gaps.mask, rule, backward=False)
+    starting = gaps.chosen(gaps.at_start)
+    until = starting.stop.max(initial=0) + 1
+    made.until(until).run(starting.mask[:until], rule, backward=True)
+    return made
+
+
+def _blended(recording: Trajectories, gaps: Gaps, rule: stepwise_kernel.Rule) -> _Pass:
+    forward, backward = _Pass.over(recording), _Pass.over(recording)
+    forward.run(gaps.mask, rule, backward=False)
+    backward.run(gaps.mask, rule, backward=True)
+    _, frame, marker, share = gaps.samples
+    ahead, back = forward.positions[frame, marker], backward.positions[frame, marker]
+    mixed = ahead + (back - ahead) * share[:, None]
+    mixed = np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed))
+    forward.positions[frame, marker] = mixed
+    return forward
+
+
+def _ramp(made: _Pass, gaps: Gaps, rule: stepwise_kernel.Rule) -> None:
+    """Spread each gap's mismatch over it, all from the positions before any is spread."""
+    from nodegraph_fill import stepwise_kernel
+
+    predicted = stepwise_kernel.predict_returns(
+        made.positions, made.state, gaps.stop, gaps.marker, rule
+    )
+    mismatch = made.positions[gaps.stop, gaps.marker] - predicted
+    gap, frame, marker, share = gaps.samples
+    correction = np.where(np.isnan(mismatch), 0.0, mismatch)[gap] * share[:, None]
+    made.positions[frame, marker] += correction

@@ -1,0 +1,235 @@
+"""Errors of filled gaps, a row per gap."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Truth, node
+from nodegraph_mocap import Mask, Table, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+UNITS = {
+    "start": "frame",
+    "frames": "frames",
+    "rmse": "mm",
+    "mae": "mm",
+    "max": "mm",
+    "jump": "mm",
+    "velocity": "mm/frame",
+    "acceleration": "mm/frame^2",
+    "filled": "share",
+}
+
+
+@node("score.gaps")
+def gaps(estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask) -> Table:
+    """Errors of an estimate in the gaps that a mask has hidden, a row per gap.
+
+    A gap is a run of hidden frames of one marker. With the frames ``a`` to ``b`` of a gap, the
+    error ``e[t] = estimate[t] - truth[t]`` of its marker and ``|.|`` the Euclidean length:
+
+    ============ =========================================================================
+    gap          0, 1, ... in the order of the first frame, then of the truth's markers
+    marker       its name
+    start        its first frame, ``a``
+    frames       its length, ``b - a + 1``
+    rmse         mm, root of the mean of ``|e[t]|^2`` over ``t = a .. b``
+    mae          mm, mean of ``|e[t]|`` over ``t = a .. b``
+    max          mm, largest ``|e[t]|`` over ``t = a .. b``
+    jump         mm, ``|e[b+1] - e[b]|``: by how much the estimate's step from the gap to the
+                 next sample differs from the true step; NaN where ``b`` is the last frame
+    velocity     mm/frame, root mean square of ``|e[t] - e[t-1]|`` over ``t = a .. b+1``: every
+                 step that has an end in the gap
+    acceleration mm/frame^2, root mean square of ``|e[t+1] - 2 e[t] + e[t-1]|`` over
+                 ``t = a-1 .. b+1``: every second difference that has a sample in the gap
+    filled       share of the gap's samples that the estimate has
+    ============ =========================================================================
+
+    Differences that reach beyond the take, or to a sample beside the gap that the estimate or
+    the truth lacks, are left out; where none is left the value is NaN.
+
+    A gap that is not wholly filled has no error: its six errors are NaN, whatever samples it
+    has, so that a method does not gain by leaving difficult samples missing. How many gaps that
+    concerns is in a warning and in the table's notes.
+
+    Markers are matched by name.
+
+    Parameters
+    ----------
+    estimate
+        T frames of M markers, as a method has filled them.
+    truth
+        The same frames and markers, present wherever `hidden` is true.
+    hidden
+        The samples to score, (T, M).
+
+    Returns
+    -------
+    Table
+        As above; empty when nothing is hidden.
+
+    Raises
+    ------
+    ValueError
+        If frame counts or markers differ, or the truth lacks a hidden sample.
+    """
+    _check(estimate, truth, hidden)
+    mask = hidden.hidden[:, _columns(hidden.markers, truth.markers)].T
+    made = estimate.positions[:, _columns(estimate.markers, truth.markers)].transpose(1, 0, 2)
+    error = made - truth.positions.transpose(1, 0, 2)
+    _check_truth(truth, mask)
+    return _table(_find(mask), error, np.isfinite(made[..., 0]), truth.markers)
+
+
+@dataclass(frozen=True)
+class _Gaps:
+    """Runs of hidden frames, ordered by first frame, then marker.
+
+    Attributes
+    ----------
+    marker, first, last : (G,) arrays of int
+        The marker's column, and the first and last frame.
+    """
+
+    marker: NDArray[np.intp]
+    first: NDArray[np.intp]
+    last: NDArray[np.intp]
+
+
+def _find(mask: NDArray[np.bool_]) -> _Gaps:
+    """Return the runs of True along the frames of a (M, T) mask."""
+    edges = np.diff(np.pad(mask.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    marker, first = np.nonzero(edges == 1)
+    last = np.nonzero(edges == -1)[1] - 1
+    order = np.lexsort((marker, first))
+    return _Gaps(marker[order], first[order], last[order])
+
+
+def _table(
+    found: _Gaps,
+    error: NDArray[np.float64],
+    has: NDArray[np.bool_],
+    markers: tuple[str, ...],
+) -> Table:
+    from pandas import DataFrame
+
+    frames = found.last - found.first + 1
+    present = np.rint(_means(has.astype(np.float64), found, 0, 0) * frames)
+    whole = present == frames
+    errors = {name: np.where(whole, one, np.nan) for name, one in _errors(found, error).items()}
+    table = DataFrame(
+        {
+            "gap": np.arange(len(frames)),
+            "marker": np.array(markers, dtype=object)[found.marker],
+            "start": found.first,
+            "frames": frames,
+            **errors,
+            "filled": present / frames,
+        }
+    )
+    notes = _notes(whole, int(frames.sum() - present.sum()), int(frames.sum()))
+    table.attrs.update(title="Errors in gaps", notes=notes, units=dict(UNITS))
+    return table
+
+
+def _errors(found: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return each error of each gap; `error` is (M, T, 3)."""
+    distance = np.linalg.norm(error, axis=2)
+    step = _lengths(np.diff(error, axis=1), before=1, after=0)
+    bend = _lengths(np.diff(error, n=2, axis=1), before=1, after=1)
+    return {
+        "rmse": np.sqrt(_means(distance**2, found, 0, 0)),
+        "mae": _means(distance, found, 0, 0),
+        "max": _maxima(distance, found),
+        "jump": np.append(step, np.full((len(step), 1), np.nan), axis=1)[
+            found.marker, found.last + 1
+        ],
+        "velocity": np.sqrt(_means(step**2, found, 0, 1)),
+        "acceleration": np.sqrt(_means(bend**2, found, 1, 1)),
+    }
+
+
+def _lengths(difference: NDArray[np.float64], *, before: int, after: int) -> NDArray[np.float64]:
+    """Return the lengths of differences at the frames they belong to; NaN where there is none."""
+    lengths = np.linalg.norm(difference, axis=2)
+    return np.pad(lengths, ((0, 0), (before, after)), constant_values=np.nan)
+
+
+def _means(
+    values: NDArray[np.float64], found: _Gaps, before: int, after: int
+) -> NDArray[np.float64]:
+    """Return the mean of the numbers from `before` a gap to `after` it; NaN where none is."""
+    samples, starts = _samples(values, found, before, after)
+    if not len(starts):
+        return np.empty(0)
+    known = ~np.isnan(samples)
+    total = np.add.reduceat(np.where(known, samples, 0.0), starts)
+    count = np.add.reduceat(known.astype(np.intp), starts)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _maxima(values: NDArray[np.float64], found: _Gaps) -> NDArray[np.float64]:
+    samples, starts = _samples(values, found, 0, 0)
+    return np.maximum.reduceat(samples, starts) if len(starts) else np.empty(0)
+
+
+def _samples(
+    values: NDArray[np.float64], found: _Gaps, before: int, after: int
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """Return the samples of a (M, T) array, gap after gap, and where each gap starts."""
+    first = np.maximum(found.first - before, 0)
+    last = np.minimum(found.last + after, values.shape[1] - 1)
+    lengths = last - first + 1
+    starts = np.cumsum(lengths) - lengths
+    frame = np.arange(lengths.sum()) + np.repeat(first - starts, lengths)
+    return values[np.repeat(found.marker, lengths), frame], starts
+
+
+def _notes(whole: NDArray[np.bool_], missing: int, samples: int) -> list[str]:
+    if not len(whole):
+        warnings.warn("nothing is hidden: there is no gap to score", stacklevel=4)
+        return ["Nothing is hidden: there is no gap to score."]
+    if whole.all():
+        return []
+    told = (
+        f"{np.count_nonzero(~whole)} of {len(whole)} gaps are not wholly filled ({missing} of "
+        f"{samples} samples missing); their errors are NaN"
+    )
+    warnings.warn(told, stacklevel=4)
+    return [f"{told}."]
+
+
+def _columns(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
+    place = {name: column for column, name in enumerate(names)}
+    return [place[name] for name in wanted]
+
+
+def _check(estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
+    for what, frames, markers in (
+        ("estimate", estimate.frames, estimate.markers),
+        ("hidden", hidden.hidden.shape[0], hidden.markers),
+    ):
+        if frames != truth.frames:
+            raise ValueError(f"{what} has {frames} frames, the truth has {truth.frames}")
+        lacks = [name for name in truth.markers if name not in set(markers)]
+        adds = [name for name in markers if name not in set(truth.markers)]
+        if lacks or adds:
+            lists = (("lacks", lacks), ("has besides", adds))
+            told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
+            raise ValueError(f"{what} and truth differ in their markers: {what} {told}")
+
+
+def _check_truth(truth: Trajectories, mask: NDArray[np.bool_]) -> None:
+    unknown = mask & ~truth.present.T
+    if unknown.any():
+        marker, frame = np.argwhere(unknown)[0]
+        raise ValueError(
+            f"frame {frame}, marker {truth.markers[marker]!r}: hidden, but the truth has no "
+            f"sample there ({np.count_nonzero(unknown)} such samples)"
+        )

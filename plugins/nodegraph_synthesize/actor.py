@@ -1,0 +1,82 @@
+"""One actor: its proportions, the strength of its muscles and its habits, all from a seed."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
+from nodegraph_synthesize.activation import Habits, draw_habits
+from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
+from nodegraph_synthesize.edges import edges_between
+from nodegraph_synthesize.layout import make_layout
+from nodegraph_synthesize.muscles import CHANNELS
+from nodegraph_synthesize.proportions import Proportions, draw_proportions
+from nodegraph_synthesize.surface import make_surface
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Actor:
+    """What makes an actor.
+
+    Attributes
+    ----------
+    proportions : Proportions
+    strengths : mapping of channel to float
+    habits : Habits
+    """
+
+    proportions: Proportions
+    strengths: Mapping[str, float]
+    habits: Habits
+
+    def anatomy(self, points: NDArray[np.float64]) -> Anatomy:
+        """Return what moves (N, 3) points of the neutral face."""
+        return make_anatomy(points, self.proportions, self.strengths)
+
+
+def random_for(purpose: str, seed: int) -> np.random.Generator:
+    """Return a generator for one purpose, so that no purpose disturbs another."""
+    return np.random.default_rng([seed, zlib.crc32(purpose.encode())])
+
+
+def draw_actor(seed: int) -> Actor:
+    """Return the actor of a seed."""
+    return Actor(
+        draw_proportions(random_for("proportions", seed)),
+        draw_strengths(random_for("strengths", seed)),
+        draw_habits(random_for("habits", seed)),
+    )
+
+
+def head_of(actor: Actor, markers: int) -> tuple[Head, MarkerSet]:
+    """Return the actor's head with so many markers, and what is known of these."""
+    surface = make_surface(actor.proportions)
+    layout = make_layout(markers, surface.places)
+    head = Head(
+        vertices=surface.vertices,
+        faces=surface.faces,
+        morphs=actor.anatomy(surface.vertices).offsets(np.eye(len(CHANNELS))),
+        names=CHANNELS,
+        markers=layout.marker_set.markers,
+        marker_vertices=layout.vertices,
+    )
+    return head, edges_between(layout.marker_set, surface.vertices[layout.vertices])
+
+
+def model_of(head: Head) -> BlendshapeModel:
+    """Return the head's morph targets at its markers."""
+    return BlendshapeModel(
+        neutral=head.vertices[head.marker_vertices],
+        shapes=head.morphs[:, head.marker_vertices],
+        names=head.names,
+        markers=head.markers,
+    )

@@ -1,0 +1,118 @@
+"""What spoils a recording: measurement noise, impulses, occlusions, and points without names."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_mocap import Detections
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap import Trajectories
+
+SMALLEST_IMPULSE, LARGEST_IMPULSE = 4.0, 10.0
+"""Millimetres."""
+LONGEST_GAP = 40
+"""Frames of one occlusion."""
+_TOGETHER = 0.3
+"""Share of occlusions that hide a few neighbours as well."""
+_MOST_TOGETHER = 5
+
+
+def occlusions(
+    random: np.random.Generator, share: float, frames: int, points: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return (T, M), True where a marker is not seen.
+
+    Each occlusion hides a marker, or a few neighbours about together, for 1 to 40 frames, short
+    ones more often than long ones. Two of them may run together.
+
+    Parameters
+    ----------
+    random
+    share
+        Of all samples that are hidden, below 1; exact to one sample.
+    frames
+    points
+        (M, 3) mm, the neutral: who is whose neighbour.
+    """
+    wanted = round(share * frames * len(points))
+    marker, start, length = _occlusion_events(random, share, frames, points)
+    event = np.repeat(np.arange(len(length)), length)
+    within = np.arange(len(event)) - np.repeat(np.cumsum(length) - length, length)
+    frame = start[event] + within
+    inside = (frame >= 0) & (frame < frames)
+    samples = (frame * len(points) + marker[event])[inside]
+    # In the order of the events, so that the last one is cut short where the share is reached.
+    _, first = np.unique(samples, return_index=True)
+    hidden = np.zeros(frames * len(points), dtype=np.bool_)
+    hidden[samples[np.sort(first)[:wanted]]] = True
+    return hidden.reshape(frames, len(points))
+
+
+def impulses(
+    random: np.random.Generator, share: float, present: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Return which samples an impulse hits, (T, M), and by how much, (T, M, 3) mm.
+
+    Single frames: no marker is hit in two frames in a row, nor in the first or last frame. Each
+    is off by 4 to 10 mm in a direction of its own.
+    """
+    frames, markers = present.shape
+    keys = random.random((frames, markers))
+    sizes = random.uniform(SMALLEST_IMPULSE, LARGEST_IMPULSE, (frames, markers))
+    directions = random.standard_normal((frames, markers, 3))
+    directions *= (sizes / np.linalg.norm(directions, axis=2))[..., None]
+    # A sample whose key is lower than those before and after it: never two in a row.
+    single = np.zeros_like(present)
+    single[1:-1] = (keys[1:-1] < keys[:-2]) & (keys[1:-1] < keys[2:]) & present[1:-1]
+    wanted = round(share * np.count_nonzero(present))
+    possible = np.flatnonzero(single)
+    if len(possible) < wanted:
+        warnings.warn(
+            f"{len(possible)} impulses instead of {wanted}: single frames leave room for no more",
+            stacklevel=3,
+        )
+    hit = np.zeros_like(present)
+    hit.ravel()[possible[np.argsort(keys.ravel()[possible])[:wanted]]] = True
+    return hit, np.where(hit[..., None], directions, 0.0)
+
+
+def unlabelled(random: np.random.Generator, captured: Trajectories) -> Detections:
+    """Return the present samples of a recording without names, in random order per frame."""
+    frame, marker = np.nonzero(captured.present)
+    order = np.lexsort((random.random(len(frame)), frame))
+    counts = np.count_nonzero(captured.present, axis=1)
+    return Detections(
+        points=captured.positions[frame[order], marker[order]],
+        offsets=np.concatenate([[0], np.cumsum(counts)]),
+        rate=captured.rate,
+    )
+
+
+def _occlusion_events(
+    random: np.random.Generator,
+    share: float,
+    frames: int,
+    points: NDArray[np.float64],
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    """Return marker, first frame and length of more than enough occlusions."""
+    # An event hides 18 samples on average; twice as many as needed, for those that coincide, and
+    # more where occlusions are longer than the recording.
+    visible = -np.log1p(-share) * frames * len(points)
+    count = 20 + round(visible / 9.0 * (1.0 + LONGEST_GAP / frames))
+    lengths = np.exp(random.uniform(0.0, np.log(LONGEST_GAP + 1.0), count)).astype(np.intp)
+    starts = random.integers(-lengths + 1, frames)
+    together = np.where(
+        random.random(count) < _TOGETHER, random.integers(2, _MOST_TOGETHER + 1, count), 1
+    )
+    near = np.linalg.norm(points[:, None] - points[None], axis=2).argsort(axis=1, kind="stable")
+    which = np.repeat(np.arange(count), together)
+    rank = np.arange(len(which)) - np.repeat(np.cumsum(together) - together, together)
+    markers = near[random.integers(0, len(points), count)[which], rank]
+    delays = np.where(rank > 0, random.integers(-3, 4, len(which)), 0)
+    return markers, starts[which] + delays, lengths[which]

@@ -1,0 +1,186 @@
+"""A made face: everything about it is known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Truth, Unit, node
+from nodegraph_mocap import (
+    BlendshapeModel,
+    Detections,
+    Head,
+    HeadMotion,
+    MarkerSet,
+    Mask,
+    Origin,
+    Trajectories,
+    Weights,
+)
+from nodegraph_synthesize.activation import activations
+from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of, random_for
+from nodegraph_synthesize.damage import impulses as impulses_on
+from nodegraph_synthesize.damage import occlusions, unlabelled
+from nodegraph_synthesize.movement import head_motion as motion_of_head
+from nodegraph_synthesize.movement import moved, no_head_motion, skin_movement
+from nodegraph_synthesize.muscles import CHANNELS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class SyntheticFace(NamedTuple):
+    """What `synthesize.face` gives."""
+
+    captured: Trajectories
+    detections: Detections
+    neutral: Trajectories
+    marker_set: MarkerSet
+    model: BlendshapeModel
+    head: Head
+    truth: Truth[Trajectories]
+    weights: Truth[Weights]
+    head_motion: Truth[HeadMotion]
+    impulses: Truth[Mask]
+
+
+@node("synthesize.face", cite="waters1987")
+def synthesize_face(
+    *,
+    seconds: Annotated[float, Field(gt=0, le=3600), Unit("s")] = 10.0,
+    rate: Annotated[float, Field(gt=0, le=1000), Unit("Hz")] = 60.0,
+    markers: Annotated[int, Field(ge=10, le=150)] = 60,
+    noise: Annotated[float, Field(ge=0, le=100), Unit("mm")] = 0.1,
+    missing: Annotated[float, Field(ge=0, le=0.5)] = 0.05,
+    impulses: Annotated[float, Field(ge=0, le=0.2)] = 0.005,
+    head_motion: bool = True,
+    seed: Annotated[int, Field(ge=0)] = 0,
+) -> SyntheticFace:
+    """Make a face that speaks, blinks and moves its head, and record it with known damage.
+
+    A symmetric face with muscles of Waters' kinds [1]_ and a jaw that turns, driven by smooth
+    random activations. The pull of a muscle follows the moving skin, the skin stiffens and
+    slides over the skull, and moves a little by itself, so the recording is not exactly
+    low-rank. Every seed is another actor: other proportions, strengths and habits.
+
+    Parameters
+    ----------
+    seconds
+        Length of the recording; rounded to whole frames, two at least.
+    rate
+        Frames per second.
+    markers
+        Number of markers. The usual 60 are brows, eyelids, nose, cheeks, lips, jaw, forehead
+        and temples; fewer are a part of these, more fill the spaces between them.
+    noise
+        Standard deviation of the measurement noise of each coordinate.
+    missing
+        Share of all samples that are hidden: occlusions of 1 to 40 frames, some of them of
+        several neighbours together.
+    impulses
+        Share of the present samples that are off by 4 to 10 mm for a single frame.
+    head_motion
+        Whether the head moves: turns of less than 5 degrees, shifts of less than 1/20 of the
+        head's length.
+    seed
+        Of the actor, the performance and the damage, each drawn by itself: another `noise`
+        changes neither the performance nor the gaps.
+
+    Returns
+    -------
+    captured : Trajectories
+        Truth with noise, impulses and gaps.
+    detections : Detections
+        The present samples of `captured` without names, in random order.
+    neutral : Trajectories
+        One frame: the face at rest, where the head is at rest.
+    marker_set : MarkerSet
+        Pairs, midline, stable markers (temples, nose, upper forehead) and edges to draw.
+    model : BlendshapeModel
+        A shape per activation: the displacement when it alone is 1.
+    head : Head
+        The whole face with the same shapes.
+    truth : Trajectories
+        Complete, without noise; ``R aligned + t`` of `head_motion`.
+    weights : Weights
+        The activations, in [0, 1].
+    head_motion : HeadMotion
+        Scales are 1; starts at rest.
+    impulses : Mask
+        Samples that an impulse has hit.
+
+    Raises
+    ------
+    ValueError
+        If the recording would have fewer than two frames.
+
+    References
+    ----------
+    .. [1] K. Waters, A muscle model for animating three-dimensional facial expression,
+       SIGGRAPH '87, 17-24.
+    """
+    frames = _frames(seconds, rate)
+    actor = draw_actor(seed)
+    head, marker_set = head_of(actor, markers)
+    points = head.vertices[head.marker_vertices]
+    weights = activations(random_for("activations", seed), actor.habits, frames, rate)
+    motion = _motion(seed, actor, frames, rate) if head_motion else no_head_motion(frames)
+    aligned = _aligned(seed, actor, points, weights, rate)
+    truth = _recording(moved(aligned, motion), marker_set, rate)
+    hidden = occlusions(random_for("occlusions", seed), missing, frames, points)
+    hit, jumps = impulses_on(random_for("impulses", seed), impulses, ~hidden)
+    shaken = noise * random_for("noise", seed).standard_normal(jumps.shape)
+    captured = _captured(truth, shaken + jumps, hidden)
+    return SyntheticFace(
+        captured=captured,
+        detections=unlabelled(random_for("order", seed), captured),
+        neutral=_recording(points[None], marker_set, rate),
+        marker_set=marker_set,
+        model=model_of(head),
+        head=head,
+        truth=truth,
+        weights=Weights(values=weights, names=CHANNELS, rate=rate),
+        head_motion=motion,
+        impulses=Mask(hidden=hit, markers=marker_set.markers),
+    )
+
+
+def _frames(seconds: float, rate: float) -> int:
+    frames = round(seconds * rate)
+    if frames < 2:
+        raise ValueError(
+            f"{seconds} s at {rate} Hz are {frames} frames; a recording needs two at least"
+        )
+    return frames
+
+
+def _motion(seed: int, actor: Actor, frames: int, rate: float) -> HeadMotion:
+    length = actor.proportions.face_length
+    return motion_of_head(random_for("head motion", seed), frames, rate, length)
+
+
+def _aligned(
+    seed: int,
+    actor: Actor,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    rate: float,
+) -> NDArray[np.float64]:
+    """Return (T, M, 3) mm of the face without its head motion."""
+    skin = skin_movement(random_for("skin", seed), points, len(weights), rate)
+    return np.asarray(points + actor.anatomy(points).offsets(weights) + skin)
+
+
+def _captured(
+    truth: Trajectories, errors: NDArray[np.float64], hidden: NDArray[np.bool_]
+) -> Trajectories:
+    positions = np.where(hidden[..., None], np.nan, truth.positions + errors)
+    return truth.with_samples(positions, changed=~hidden, origin=Origin.MEASURED)
+
+
+def _recording(positions: NDArray[np.float64], marker_set: MarkerSet, rate: float) -> Trajectories:
+    return Trajectories(
+        positions=positions, markers=marker_set.markers, rate=rate, marker_set=marker_set
+    )

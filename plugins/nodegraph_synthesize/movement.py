@@ -1,0 +1,96 @@
+"""What moves besides the muscles: the head as a whole, and the skin a little by itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_mocap import HeadMotion
+from nodegraph_synthesize.smooth_noise import smooth_noise
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+LARGEST_TURN = 4.9
+"""Degrees; the head turns by less."""
+LARGEST_SHIFT = 0.049
+"""Of the head's length; the head shifts by less."""
+_TURN = np.array([2.0, 2.5, 1.2])
+"""Typical nod, turn and tilt, degrees."""
+_SHIFT = np.array([0.012, 0.012, 0.015])
+"""Typical shift to the side, up and forward, of the head's length."""
+_SKIN = 0.13
+"""Standard deviation of the skin's own movement in each direction, mm."""
+_PATTERNS = 40
+_PATTERN_LENGTH = 60.0
+"""Typical wavelength of the skin's patterns, mm."""
+
+
+def head_motion(
+    random: np.random.Generator, frames: int, rate: float, head_length: float
+) -> HeadMotion:
+    """Return a smooth motion that starts at rest.
+
+    Parameters
+    ----------
+    random
+    frames, rate
+        Number of frames, frames per second.
+    head_length
+        Millimetres.
+    """
+    curves = smooth_noise(random, frames, [0.35] * 3 + [0.25] * 3, rate)
+    curves -= curves[0]
+    turns = _limited(curves[:, :3] * _TURN, LARGEST_TURN)
+    shifts = _limited(curves[:, 3:] * _SHIFT, LARGEST_SHIFT) * head_length
+    return HeadMotion(
+        rotations=rotations_of(np.radians(turns)), translations=shifts, scales=np.ones(frames)
+    )
+
+
+def no_head_motion(frames: int) -> HeadMotion:
+    """Return the motion of a head that is held still."""
+    return HeadMotion(
+        rotations=np.tile(np.eye(3), (frames, 1, 1)),
+        translations=np.zeros((frames, 3)),
+        scales=np.ones(frames),
+    )
+
+
+def moved(aligned: NDArray[np.float64], motion: HeadMotion) -> NDArray[np.float64]:
+    """Return (T, M, 3) ``s R aligned + t``."""
+    turned = aligned @ motion.rotations.transpose(0, 2, 1)
+    return np.asarray(motion.scales[:, None, None] * turned + motion.translations[:, None])
+
+
+def rotations_of(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (T, 3, 3) rotations about (T, 3) axes by their lengths in radians (Rodrigues)."""
+    angles = np.linalg.norm(vectors, axis=1)
+    x, y, z = (vectors / np.maximum(angles, 1e-300)[:, None]).T
+    zero = np.zeros_like(x)
+    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    sine, versine = np.sin(angles)[:, None, None], (1.0 - np.cos(angles))[:, None, None]
+    return np.asarray(np.eye(3) + sine * cross + versine * (cross @ cross))
+
+
+def skin_movement(
+    random: np.random.Generator, points: NDArray[np.float64], frames: int, rate: float
+) -> NDArray[np.float64]:
+    """Return (T, N, 3) mm of small smooth movement that no muscle explains.
+
+    Many waves of random direction over the face, each with a course of its own, so that no few
+    components describe the recording exactly.
+    """
+    directions = random.standard_normal((3, _PATTERNS)) * (2 * np.pi / _PATTERN_LENGTH / 1.7)
+    phases = random.uniform(0.0, 2 * np.pi, (3, 1, _PATTERNS))
+    waves = np.cos(points @ directions + phases)
+    courses = smooth_noise(random, frames, [1.5] * _PATTERNS, rate)
+    courses *= _SKIN * np.sqrt(2.0 / _PATTERNS)
+    return np.asarray(np.einsum("tp,cnp->tnc", courses, waves))
+
+
+def _limited(vectors: NDArray[np.float64], largest: float) -> NDArray[np.float64]:
+    """Return the vectors shortened smoothly, none as long as `largest`."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.sqrt(1.0 + (lengths / largest) ** 2))

@@ -1,0 +1,49 @@
+"""Smooth random curves, of which everything that moves by chance is made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+def smooth_noise(
+    random: np.random.Generator, frames: int, cutoffs: ArrayLike, rate: float
+) -> NDArray[np.float64]:
+    """Return (T, n) smooth random curves of mean 0 and standard deviation 1.
+
+    White noise through a Gaussian low-pass, ``exp(-(f / cutoff)^2)``, over a span longer than
+    the recording, so that its end knows nothing of its start.
+
+    Parameters
+    ----------
+    random
+    frames
+        T.
+    cutoffs
+        (n,) Hz, one per curve.
+    rate
+        Frames per second.
+    """
+    lowest = np.asarray(cutoffs, dtype=np.float64)
+    span = _power_of_two(frames + 2.0 * rate / lowest.min())
+    frequencies = np.fft.rfftfreq(span, 1.0 / rate)
+    kept = np.exp(-((frequencies[:, None] / lowest) ** 2))
+    spectrum = random.standard_normal((2, len(frequencies), len(lowest)))
+    curves = np.fft.irfft((spectrum[0] + 1j * spectrum[1]) * kept, n=span, axis=0)
+    # The expected deviation, not this curve's own: a short piece of a slow curve is nearly flat.
+    power = 4.0 * np.sum(kept[1:-1] ** 2, axis=0) + kept[0] ** 2 + kept[-1] ** 2
+    return np.asarray(curves[:frames] * (span / np.sqrt(power)))
+
+
+def rising(curve: NDArray[np.float64], start: float, end: float) -> NDArray[np.float64]:
+    """Return 0 up to `start`, 1 from `end` on, and a smooth step between."""
+    share = np.clip((curve - start) / (end - start), 0.0, 1.0)
+    return np.asarray(share**2 * (3.0 - 2.0 * share))
+
+
+def _power_of_two(length: float) -> int:
+    return 1 << int(np.ceil(np.log2(length)))

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import pytest
+
+from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
+
+
+def test_a_problem_says_place_mistake_and_way_out() -> None:
+    problem = Problem(Place("a.yaml", 3, 7), "no node 'x'", "there is: y")
+    assert str(problem) == "a.yaml:3:7: no node 'x'\n    there is: y"
+
+
+def test_a_place_without_a_line_is_the_file() -> None:
+    assert str(Problem(Place("--set k"), "wrong")) == "--set k: wrong"
+
+
+def test_problems_are_told_once_each_in_reading_order() -> None:
+    problems = Problems()
+    for line, column in ((2, 9), (1, 5), (2, 1), (1, 5)):
+        problems.add(Place("a", line, column), "wrong")
+    with pytest.raises(GraphError) as caught:
+        problems.raise_any()
+    assert [str(one.place) for one in caught.value.problems] == ["a:1:5", "a:2:1", "a:2:9"]
+
+
+def test_nothing_noted_raises_nothing() -> None:
+    problems = Problems()
+    problems.raise_any()
+    assert not problems
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "hint"),
+    [
+        ("lenght", ["length", "seed"], "did you mean 'length'? there is: length, seed"),
+        ("zzz", ["length"], "there is: length"),
+        ("zzz", [], "there is none"),
+        (9, [0, 1], "there is: 0, 1"),
+    ],
+)
+def test_nearest_guesses_only_what_is_close(name: object, known: list[object], hint: str) -> None:
+    assert nearest(name, known) == hint
+
+
+def test_nearest_cuts_a_long_list() -> None:
+    assert nearest("x", range(30)).endswith("18, 19, and 10 more")

@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nodegraph import read_only
+
+
+def test_an_array_of_its_own_is_locked_without_a_copy() -> None:
+    array = np.arange(3.0)
+    locked = read_only(array)
+    assert locked is array
+    with pytest.raises(ValueError, match="read-only"):
+        array[0] = 9
+
+
+def test_a_view_into_open_memory_is_copied() -> None:
+    array = np.arange(6.0)
+    locked = read_only(array[::2])
+    array[:] = -1
+    assert locked.tolist() == [0, 2, 4]
+    assert not locked.flags.writeable
+
+
+def test_a_locked_view_into_open_memory_is_copied_too() -> None:
+    array = np.arange(6.0)
+    view = array[:3]
+    view.flags.writeable = False
+    locked = read_only(view)
+    array[:] = -1
+    assert locked.tolist() == [0, 1, 2]
+
+
+def test_a_view_into_locked_memory_is_passed_on() -> None:
+    view = read_only(np.arange(6.0))[1:4]
+    assert read_only(view) is view

@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph.node import node_of
+from nodegraph_mocap import Mask, Origin, Trajectories
+from nodegraph_score.gaps import gaps
+
+NAMES = ("brow", "cheek", "chin")
+ERRORS = ["rmse", "mae", "max", "jump", "velocity", "acceleration"]
+
+
+def recording(seed: int, frames: int = 20) -> Trajectories:
+    positions = np.random.default_rng(seed).normal(size=(frames, len(NAMES), 3))
+    return Trajectories(positions=positions, markers=NAMES, rate=60.0)
+
+
+def mask(*runs: tuple[int, int, int], frames: int = 20) -> Mask:
+    hidden = np.zeros((frames, len(NAMES)), dtype=bool)
+    for marker, first, last in runs:
+        hidden[first : last + 1, marker] = True
+    return Mask(hidden=hidden, markers=NAMES)
+
+
+def without(kept: Trajectories, samples: list[tuple[int, int]]) -> Trajectories:
+    positions = kept.positions.copy()
+    for frame, marker in samples:
+        positions[frame, marker] = np.nan
+    return Trajectories(positions=positions, markers=kept.markers, rate=kept.rate)
+
+
+def plainly(estimate: Any, truth: Any, marker: int, first: int, last: int) -> dict[str, float]:
+    """State the docstring's formulas with loops over frames."""
+    error = estimate.positions[:, marker] - truth.positions[:, marker]
+    frames = range(len(error))
+    distance = [float(np.sqrt((error[t] ** 2).sum())) for t in range(first, last + 1)]
+    steps = [
+        np.linalg.norm(error[t] - error[t - 1])
+        for t in range(first, last + 2)
+        if t in frames and t - 1 in frames
+    ]
+    bends = [
+        np.linalg.norm(error[t + 1] - 2 * error[t] + error[t - 1])
+        for t in range(first - 1, last + 2)
+        if t - 1 in frames and t + 1 in frames
+    ]
+    made, true = estimate.positions[:, marker], truth.positions[:, marker]
+    after = last + 1
+    return {
+        "rmse": float(np.sqrt(np.mean(np.square(distance)))),
+        "mae": float(np.mean(distance)),
+        "max": max(distance),
+        "jump": float(np.linalg.norm((made[after] - made[last]) - (true[after] - true[last])))
+        if after in frames
+        else np.nan,
+        "velocity": float(np.sqrt(np.mean(np.square(steps)))) if steps else np.nan,
+        "acceleration": float(np.sqrt(np.mean(np.square(bends)))) if bends else np.nan,
+    }
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 99),
+    hidden=st.lists(
+        st.lists(st.booleans(), min_size=12, max_size=12), min_size=3, max_size=3
+    ).filter(lambda rows: any(map(any, rows))),
+)
+def test_every_error_is_the_documented_formula(seed: int, hidden: list[list[bool]]) -> None:
+    estimate, truth = recording(seed, 12), recording(seed + 100, 12)
+    table = gaps(estimate, truth, Mask(hidden=np.array(hidden).T, markers=NAMES))
+    assert table["frames"].sum() == np.count_nonzero(hidden)
+    for row in table.to_dict("records"):
+        marker, first, last = NAMES.index(row["marker"]), row["start"], 0
+        last = first + row["frames"] - 1
+        assert all(hidden[marker][first : last + 1])
+        assert first == 0 or not hidden[marker][first - 1]
+        assert last == 11 or not hidden[marker][last + 1]
+        for name, value in plainly(estimate, truth, marker, first, last).items():
+            assert row[name] == pytest.approx(value, rel=1e-12, nan_ok=True), name
+
+
+def test_a_known_offset_by_hand() -> None:
+    truth = recording(0)
+    positions = truth.positions.copy()
+    positions[5:8, 1] += [[3, 4, 0], [0, 0, 0], [0, 0, 1]]
+    estimate = replace(truth, positions=positions)
+    row = gaps(estimate, truth, mask((1, 5, 7))).iloc[0]
+    assert row["rmse"] == pytest.approx(np.sqrt(26 / 3))
+    assert row["mae"] == pytest.approx(2.0)
+    assert row["max"] == pytest.approx(5.0)
+    assert row["jump"] == pytest.approx(1.0)
+    assert row["velocity"] == pytest.approx(np.sqrt((25 + 25 + 1 + 1) / 4))
+    assert row["acceleration"] == pytest.approx(np.sqrt((25 + 4 * 25 + 26 + 4 + 1) / 5))
+
+
+def test_gaps_are_numbered_by_first_frame_then_marker() -> None:
+    table = gaps(recording(0), recording(1), mask((2, 3, 4), (0, 9, 9), (1, 3, 6), (2, 6, 6)))
+    assert table["gap"].tolist() == [0, 1, 2, 3]
+    assert table["marker"].tolist() == ["cheek", "chin", "chin", "brow"]
+    assert table["start"].tolist() == [3, 3, 6, 9]
+    assert table["frames"].tolist() == [4, 2, 1, 1]
+
+
+def test_the_first_column_of_floats_is_the_rmse() -> None:
+    table = gaps(recording(0), recording(1), mask((0, 3, 4)))
+    assert next(name for name in table if table[name].dtype.kind == "f") == "rmse"
+    assert set(table.attrs["units"]) == set(table.columns) - {"gap", "marker"}
+
+
+def test_markers_are_matched_by_name() -> None:
+    estimate, truth, hidden = recording(0), recording(1), mask((0, 3, 4), (2, 6, 9))
+    shuffled = ("chin", "brow", "cheek")
+    columns = [NAMES.index(name) for name in shuffled]
+    moved = Mask(hidden=hidden.hidden[:, columns], markers=shuffled)
+    expected = gaps(estimate, truth, hidden)
+    assert gaps(estimate.keep(shuffled), truth, moved).equals(expected)
+
+
+def test_a_gap_left_open_in_part_has_no_error_and_is_told() -> None:
+    truth = recording(1)
+    estimate = without(recording(0), [(4, 0)])
+    with pytest.warns(UserWarning, match=r"1 of 2 gaps .* \(1 of 5 samples missing\)"):
+        table = gaps(estimate, truth, mask((0, 3, 5), (1, 3, 4)))
+    assert table["filled"].tolist() == [pytest.approx(2 / 3), 1.0]
+    assert table.loc[0, ERRORS].isna().all()
+    assert table.loc[1, ERRORS].notna().all()
+    assert "1 of 2 gaps" in table.attrs["notes"][0]
+
+
+def test_missing_samples_beside_a_gap_only_take_differences_away() -> None:
+    estimate, truth = recording(0), recording(1)
+    cut = without(estimate, [(6, 0)])
+    whole, row = (gaps(one, truth, mask((0, 4, 5))).iloc[0] for one in (estimate, cut))
+    error = estimate.positions[:, 0] - truth.positions[:, 0]
+    assert row["rmse"] == whole["rmse"]
+    assert np.isnan(row["jump"])
+    steps = np.linalg.norm(np.diff(error[3:6], axis=0), axis=1)
+    assert row["velocity"] == pytest.approx(np.sqrt(np.mean(steps**2)))
+
+
+def test_a_gap_at_the_end_has_no_jump() -> None:
+    row = gaps(recording(0), recording(1), mask((0, 18, 19))).iloc[0]
+    assert np.isnan(row["jump"])
+    assert np.isfinite(row["velocity"])
+
+
+def test_the_truth_itself_has_no_error() -> None:
+    truth = recording(0)
+    table = gaps(truth, truth, mask((0, 3, 4), (1, 0, 19)))
+    assert np.nansum(table[ERRORS].to_numpy()) == 0.0
+
+
+def test_nothing_hidden_gives_an_empty_table_and_says_so() -> None:
+    with pytest.warns(UserWarning, match="nothing is hidden"):
+        table = gaps(recording(0), recording(1), mask())
+    assert len(table) == 0
+    assert "rmse" in table
+
+
+@pytest.mark.parametrize(
+    ("estimate", "hidden", "told"),
+    [
+        (recording(0, 19), mask(), "estimate has 19 frames, the truth has 20"),
+        (recording(0), mask(frames=21), "hidden has 21 frames, the truth has 20"),
+        (recording(0).keep(("brow", "chin")), mask(), "estimate lacks cheek"),
+        (
+            replace(recording(0), markers=("brow", "cheek", "ear")),
+            mask(),
+            "estimate lacks chin; has besides ear",
+        ),
+    ],
+)
+def test_what_does_not_match_is_named(estimate: Trajectories, hidden: Mask, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        gaps(estimate, recording(1), hidden)
+
+
+def test_a_hidden_sample_without_a_truth_is_no_gap_to_score() -> None:
+    truth = without(recording(1), [(4, 2)])
+    with pytest.raises(ValueError, match="frame 4, marker 'chin': hidden, but the truth"):
+        gaps(recording(0), truth, mask((2, 3, 5)))
+
+
+def test_inputs_stay_as_they_are() -> None:
+    estimate = recording(0)
+    before = estimate.positions.copy()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        gaps(estimate, recording(1), mask((0, 3, 4)))
+    assert np.array_equal(before, estimate.positions)
+    assert (estimate.origin == Origin.MEASURED).all()
+
+
+def test_the_ports_are_those_of_a_score() -> None:
+    described = node_of(gaps)
+    assert described is not None
+    assert [str(port) for port in described.inputs] == [
+        "estimate: Trajectories",
+        "truth: Truth[Trajectories]",
+        "hidden: Mask",
+    ]

@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nodegraph_synthesize.activation import Habits, activations, draw_habits
+from nodegraph_synthesize.muscles import CHANNELS
+
+_RATE = 60.0
+
+
+def _habits(**changes: float) -> Habits:
+    drawn = draw_habits(np.random.default_rng(0))
+    return Habits(**{**vars(drawn), **changes})
+
+
+def _played(seconds: float = 60.0, seed: int = 0, **changes: float) -> dict[str, np.ndarray]:
+    random = np.random.default_rng(seed)
+    values = activations(random, _habits(**changes), round(seconds * _RATE), _RATE)
+    return dict(zip(CHANNELS, values.T, strict=True))
+
+
+def test_activations_lie_between_0_and_1_and_all_muscles_act() -> None:
+    for values in _played().values():
+        assert values.min() >= 0.0
+        assert 0.15 < values.max() <= 1.0
+
+
+def test_activations_are_smooth() -> None:
+    for name, values in _played().items():
+        fastest = np.abs(np.diff(values)).max() * _RATE
+        assert fastest < (25.0 if name.startswith("orbicularisOculi") else 12.0)
+
+
+def _peaks(values: np.ndarray, height: float) -> int:
+    inner = values[1:-1]
+    return int(np.count_nonzero((inner > values[:-2]) & (inner >= values[2:]) & (inner > height)))
+
+
+@pytest.mark.parametrize("syllables", [2.5, 4.0])
+def test_the_jaw_opens_once_a_syllable(syllables: float) -> None:
+    jaw = _played(syllables=syllables, silence=0.0)["jawOpen"]
+    assert _peaks(jaw, 0.0) / 60.0 == pytest.approx(syllables, rel=0.2)
+
+
+def test_speech_has_pauses() -> None:
+    jaw = _played(seconds=300.0, silence=0.3)["jawOpen"]
+    assert 0.1 < np.mean(jaw < 1e-6) < 0.5
+
+
+def test_blinks_are_short_and_mostly_of_both_eyes() -> None:
+    played = _played(seconds=300.0, blinks=0.4)
+    left, right = played["orbicularisOculiLeft"] > 0.01, played["orbicularisOculiRight"] > 0.01
+    starts = np.flatnonzero(np.diff(left.astype(int)) == 1)
+    ends = np.flatnonzero(np.diff(left.astype(int)) == -1)
+    lengths = (ends[: len(starts)] - starts[: len(ends)]) / _RATE
+    assert 80 < len(starts) < 160
+    assert lengths.min() > 0.1
+    assert lengths.max() < 0.3
+    assert np.mean(right[left]) > 0.85
+
+
+def test_the_sides_differ_a_little_when_lopsided() -> None:
+    played = _played(lopsided=0.2)
+    left, right = played["zygomaticMajorLeft"], played["zygomaticMajorRight"]
+    assert np.abs(left - right).max() > 0.01
+    assert np.corrcoef(left, right)[0, 1] > 0.85
+    even = _played(lopsided=0.0)
+    np.testing.assert_allclose(
+        even["zygomaticMajorLeft"], even["zygomaticMajorRight"], rtol=0, atol=1e-12
+    )
+
+
+def test_actors_have_other_habits() -> None:
+    assert draw_habits(np.random.default_rng(1)) != draw_habits(np.random.default_rng(2))
+
+
+@pytest.mark.parametrize(("frames", "rate"), [(2, 60.0), (3, 1000.0), (5, 0.5)])
+def test_the_shortest_recordings(frames: int, rate: float) -> None:
+    values = activations(np.random.default_rng(0), _habits(), frames, rate)
+    assert values.shape == (frames, len(CHANNELS))
+    assert np.isfinite(values).all()

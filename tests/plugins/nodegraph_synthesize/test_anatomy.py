@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
+from nodegraph_synthesize.muscles import CHANNELS
+from nodegraph_synthesize.proportions import Proportions
+from nodegraph_synthesize.surface import on_face
+
+_PLACES = np.array([[0.0, -74.0], [0.0, -29.0], [0.0, -44.0], [27.0, -36.0], [24.0, 48.0]])
+_CHIN, _UPPER_LIP, _LOWER_LIP, _CORNER, _BROW = range(5)
+
+
+def _anatomy() -> Anatomy:
+    strengths = dict.fromkeys(CHANNELS, 1.0)
+    return make_anatomy(on_face(_PLACES, Proportions()), Proportions(), strengths)
+
+
+def _offsets(**levels: float) -> np.ndarray:
+    return np.asarray(_anatomy().offsets(_activations(**levels))[0])
+
+
+def _activations(**levels: float) -> np.ndarray:
+    return np.array([[levels.get(name, 0.0) for name in CHANNELS]])
+
+
+def test_a_face_at_rest_does_not_move() -> None:
+    np.testing.assert_allclose(_offsets(), 0.0, rtol=0, atol=1e-12)
+
+
+def test_the_jaw_lowers_the_chin_and_the_lower_lip_only() -> None:
+    offsets = _offsets(jawOpen=1.0)
+    assert -18.0 < offsets[_CHIN, 1] < -10.0
+    assert offsets[_CHIN, 2] < -2.0
+    assert offsets[_LOWER_LIP, 1] < -8.0
+    np.testing.assert_allclose(offsets[[_UPPER_LIP, _BROW]], 0.0, rtol=0, atol=0.1)
+
+
+def test_the_jaw_turns_the_chin_about_its_joint() -> None:
+    joint = np.array([0.0, 15.0, -45.0])
+    chin = on_face(_PLACES[:1], Proportions())[0] - joint
+    turned = chin + _offsets(jawOpen=1.0)[_CHIN]
+    assert np.linalg.norm(turned) == pytest.approx(np.linalg.norm(chin))
+    cosine = turned @ chin / (chin @ chin)
+    assert np.degrees(np.arccos(cosine)) == pytest.approx(7.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("muscle", "point", "direction"),
+    [
+        ("zygomaticMajorLeft", _CORNER, (1, 1)),
+        ("depressorAnguliOrisLeft", _CORNER, (0, -1)),
+        ("platysmaLeft", _CORNER, (1, 0)),
+        ("frontalisInnerLeft", _BROW, (0, 1)),
+        ("corrugatorLeft", _BROW, (-1, -1)),
+    ],
+)
+def test_muscles_pull_where_they_should(
+    muscle: str, point: int, direction: tuple[int, int]
+) -> None:
+    x, y, _ = _offsets(**{muscle: 1.0})[point]
+    assert 2.0 < np.hypot(x, y) < 15.0
+    for moved, sign in zip((x, y), direction, strict=True):
+        assert sign == 0 or moved * sign > 0.5
+
+
+def test_muscles_of_the_left_leave_the_right_alone() -> None:
+    mirrored = on_face(_PLACES * [-1.0, 1.0], Proportions())
+    anatomy = make_anatomy(mirrored, Proportions(), dict.fromkeys(CHANNELS, 1.0))
+    offsets = anatomy.offsets(_activations(frontalisInnerLeft=1.0))
+    np.testing.assert_allclose(offsets[0, _BROW], 0.0, rtol=0, atol=1e-9)
+
+
+def test_displacement_is_not_linear_in_the_activation() -> None:
+    whole, half = (_offsets(zygomaticMajorLeft=level)[_CORNER] for level in (1.0, 0.5))
+    assert np.linalg.norm(whole - 2 * half) > 0.1
+
+
+def test_muscles_together_are_not_the_sum_of_each() -> None:
+    both = _offsets(jawOpen=1.0, zygomaticMajorLeft=1.0)[_CORNER]
+    summed = (_offsets(jawOpen=1.0) + _offsets(zygomaticMajorLeft=1.0))[_CORNER]
+    assert 0.2 < np.linalg.norm(both - summed) < 5.0
+
+
+def test_each_frame_is_posed_by_itself() -> None:
+    random = np.random.default_rng(0)
+    activations = random.random((6, len(CHANNELS)))
+    anatomy = _anatomy()
+    one_by_one = np.concatenate([anatomy.offsets(frame[None]) for frame in activations])
+    np.testing.assert_allclose(anatomy.offsets(activations), one_by_one, rtol=0, atol=1e-12)
+
+
+def test_strengths_are_those_of_an_actor() -> None:
+    one, other = (draw_strengths(np.random.default_rng(seed)) for seed in (1, 2))
+    assert one != other
+    assert one["zygomaticMajorLeft"] == one["zygomaticMajorRight"]
+    assert all(0.7 < strength < 1.4 for strength in one.values())

@@ -1,0 +1,257 @@
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pydantic
+import pytest
+from scipy.spatial.transform import Rotation
+
+from nodegraph.node import Node, node_of
+from nodegraph.values import Value
+from nodegraph_mocap import Origin
+from nodegraph_synthesize import nodegraph_bibtex, nodegraph_nodes
+from nodegraph_synthesize.face import SyntheticFace, synthesize_face
+
+
+@cache
+def _face(**settings: Any) -> SyntheticFace:
+    return synthesize_face(**settings)
+
+
+def _node() -> Node:
+    found = node_of(synthesize_face)
+    assert found is not None
+    return found
+
+
+def _bytes(value: Value) -> list[bytes]:
+    arrays = [getattr(value, field.name) for field in fields(value)]  # type: ignore[arg-type]
+    return [array.tobytes() for array in arrays if isinstance(array, np.ndarray)]
+
+
+def test_ports_and_settings_are_as_promised() -> None:
+    described = _node()
+    assert [str(port) for port in described.outputs] == [
+        "captured: Trajectories",
+        "detections: Detections",
+        "neutral: Trajectories",
+        "marker_set: MarkerSet",
+        "model: BlendshapeModel",
+        "head: Head",
+        "truth: Truth[Trajectories]",
+        "weights: Truth[Weights]",
+        "head_motion: Truth[HeadMotion]",
+        "impulses: Truth[Mask]",
+    ]
+    assert {name: setting.default for name, setting in described.settings.items()} == {
+        "seconds": 10.0,
+        "rate": 60.0,
+        "markers": 60,
+        "noise": 0.1,
+        "missing": 0.05,
+        "impulses": 0.005,
+        "head_motion": True,
+        "seed": 0,
+    }
+
+
+def test_the_plugin_gives_its_node_and_its_citation() -> None:
+    assert synthesize_face in tuple(nodegraph_nodes())
+    assert all(f"{{{key}," in nodegraph_bibtex() for key in _node().cite)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"seconds": 0.0},
+        {"rate": -60.0},
+        {"markers": 9},
+        {"markers": 151},
+        {"noise": -0.1},
+        {"missing": 0.6},
+        {"impulses": -0.1},
+        {"impulses": 0.5},
+        {"head_motion": "no"},
+        {"seed": -1},
+        {"seed": 0.5},
+    ],
+)
+def test_bad_settings_are_refused(bad: dict[str, Any]) -> None:
+    with pytest.raises(pydantic.ValidationError):
+        _node().model(**bad)
+
+
+def test_a_recording_of_one_frame_is_refused() -> None:
+    with pytest.raises(ValueError, match="are 1 frames; a recording needs two at least"):
+        synthesize_face(seconds=0.02, rate=60.0)
+
+
+def test_what_is_recorded() -> None:
+    face = _face(seconds=2.5, rate=50.0, markers=40)
+    assert face.captured.frames == face.truth.frames == face.weights.frames == 125
+    assert face.head_motion.frames == face.detections.frames == 125
+    assert face.captured.rate == face.detections.rate == face.weights.rate == 50.0
+    assert face.captured.markers == face.truth.markers == face.marker_set.markers
+    assert face.captured.marker_set == face.neutral.marker_set == face.marker_set
+    assert face.impulses.markers == face.marker_set.markers
+    assert face.neutral.frames == 1
+    assert set(face.marker_set.stable) <= set(face.marker_set.markers)
+
+
+@pytest.mark.parametrize("markers", [10, 35, 61, 150])
+def test_any_number_of_markers(markers: int) -> None:
+    face = _face(seconds=0.5, markers=markers)
+    assert face.captured.positions.shape == (30, markers, 3)
+    assert face.marker_set.edges
+
+
+def test_the_neutral_face_is_symmetric() -> None:
+    face = _face()
+    position = dict(zip(face.neutral.markers, face.neutral.positions[0], strict=True))
+    for left, right in face.marker_set.pairs:
+        np.testing.assert_array_equal(position[right], position[left] * [-1.0, 1.0, 1.0])
+
+
+def test_noise_is_as_asked() -> None:
+    face = _face(noise=0.3, missing=0.0, impulses=0.0)
+    errors = face.captured.positions - face.truth.positions
+    assert errors.std() == pytest.approx(0.3, rel=0.02)
+    assert abs(errors.mean()) < 0.01
+    without = _face(noise=0.0, missing=0.0, impulses=0.0)
+    np.testing.assert_array_equal(without.captured.positions, without.truth.positions)
+
+
+def test_shares_of_damage_are_as_asked() -> None:
+    face = _face(missing=0.08, impulses=0.02)
+    present = face.captured.present
+    assert 1.0 - present.mean() == pytest.approx(0.08, abs=1e-4)
+    assert face.impulses.hidden.sum() / present.sum() == pytest.approx(0.02, abs=1e-4)
+    assert not (face.impulses.hidden & ~present).any()
+    assert set(np.unique(face.captured.origin)) == {Origin.MISSING, Origin.MEASURED}
+
+
+def test_impulses_are_where_they_are_said_to_be() -> None:
+    face = _face(noise=0.05)
+    errors = np.linalg.norm(face.captured.positions - face.truth.positions, axis=2)
+    hit = face.impulses.hidden
+    assert hit.any()
+    assert errors[hit].min() > 3.5
+    assert errors[face.captured.present & ~hit].max() < 0.5
+
+
+@pytest.mark.parametrize(
+    "damage", [{"noise": 0.0}, {"missing": 0.3}, {"impulses": 0.1}, {"noise": 2.0, "missing": 0.0}]
+)
+def test_damage_leaves_the_truth_and_other_damage_as_it_was(damage: dict[str, Any]) -> None:
+    plain, damaged = _face(), _face(**damage)
+    for port in ("truth", "weights", "head_motion", "neutral", "model", "head"):
+        assert _bytes(getattr(plain, port)) == _bytes(getattr(damaged, port))
+    if "missing" not in damage:
+        np.testing.assert_array_equal(plain.captured.present, damaged.captured.present)
+    if set(damage) == {"noise"}:
+        assert _bytes(plain.impulses) == _bytes(damaged.impulses)
+
+
+def _aligned(face: SyntheticFace) -> np.ndarray:
+    motion = face.head_motion
+    shifted = face.truth.positions - motion.translations[:, None]
+    return np.asarray(np.einsum("tij,tmi->tmj", motion.rotations, shifted))
+
+
+def test_truth_is_the_still_face_moved_by_the_head_motion() -> None:
+    moving, still = _face(), _face(head_motion=False)
+    np.testing.assert_allclose(_aligned(moving), still.truth.positions, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(still.head_motion.rotations, np.tile(np.eye(3), (600, 1, 1)))
+    np.testing.assert_array_equal(still.head_motion.translations, 0.0)
+    assert _bytes(moving.weights) == _bytes(still.weights)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_head_motion_is_within_bounds(seed: int) -> None:
+    face = _face(seed=seed)
+    angles = np.degrees(Rotation.from_matrix(face.head_motion.rotations).magnitude())
+    length = np.ptp(face.head.vertices[:, 1])
+    assert 0.5 < angles.max() < 5.0
+    assert np.linalg.norm(face.head_motion.translations, axis=1).max() < length / 20
+    np.testing.assert_array_equal(face.head_motion.scales, 1.0)
+
+
+def test_the_model_explains_the_face_but_for_a_small_rest() -> None:
+    face = _face()
+    posed = face.model.neutral + np.einsum("tk,kmc->tmc", face.weights.values, face.model.shapes)
+    rest = np.sqrt(np.mean(np.sum((_aligned(face) - posed) ** 2, axis=2)))
+    moved = np.sqrt(np.mean(np.sum((_aligned(face) - face.model.neutral) ** 2, axis=2)))
+    assert 0.1 < rest < 0.25 * moved
+
+
+def test_the_model_gives_back_a_small_activation_alone() -> None:
+    """Close to rest each muscle is nearly linear: 5 % of it is nearly 5 % of its shape."""
+    from nodegraph_synthesize.actor import draw_actor
+
+    face = _face()
+    anatomy = draw_actor(0).anatomy(face.model.neutral)
+    small = anatomy.offsets(0.05 * np.eye(len(face.model.names)))
+    scale = np.linalg.norm(face.model.shapes, axis=2).max(axis=1)
+    error = np.linalg.norm(small / 0.05 - face.model.shapes, axis=2).max(axis=1)
+    assert (error < 0.25 * scale).all()
+    assert (error > 0.001 * scale).all()
+
+
+def test_the_head_has_the_models_shapes_at_its_markers() -> None:
+    face = _face()
+    at = face.head.marker_vertices
+    assert face.head.names == face.model.names == face.weights.names
+    np.testing.assert_array_equal(face.head.vertices[at], face.model.neutral)
+    np.testing.assert_array_equal(face.head.morphs[:, at], face.model.shapes)
+    np.testing.assert_array_equal(face.neutral.positions[0], face.model.neutral)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_recording_is_not_low_rank(seed: int) -> None:
+    """98 % of the variance needs about as many components as in real optical recordings."""
+    points = _aligned(_face(seed=seed)).reshape(600, -1)
+    values = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) ** 2
+    explained = np.cumsum(values) / values.sum()
+    assert 7 <= 1 + int(np.searchsorted(explained, 0.98)) <= 14
+    assert 1 + int(np.searchsorted(explained, 0.999)) > 21
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_stable_markers_hardly_move(seed: int) -> None:
+    face = _face(seed=seed)
+    aligned = _aligned(face) - face.neutral.positions
+    stable = np.isin(face.truth.markers, face.marker_set.stable)
+    travelled = np.sqrt(np.mean(np.sum(aligned**2, axis=2), axis=0))
+    assert travelled[stable].max() < 0.7
+    assert travelled[~stable].max() > 3.0
+
+
+def test_the_face_moves_as_far_as_faces_do() -> None:
+    face = _face()
+    farthest = np.linalg.norm(_aligned(face) - face.neutral.positions, axis=2).max(axis=0)
+    reached = dict(zip(face.truth.markers, farthest, strict=True))
+    assert 6.0 < reached["M_jaw1"] < 20.0
+    assert 4.0 < reached["L_mouth1"] < 18.0
+    assert 1.0 < reached["L_brow2"] < 8.0
+    assert 4.0 < reached["L_eyelid1"] < 12.0
+
+
+def test_the_same_seed_gives_the_same_face_and_another_seed_another() -> None:
+    one, again, other = synthesize_face(), synthesize_face(), synthesize_face(seed=7)
+    for value, same in zip(one, again, strict=True):
+        assert _bytes(value) == _bytes(same)
+    assert one.marker_set == again.marker_set
+    for port in ("captured", "truth", "neutral", "weights", "head_motion", "impulses", "model"):
+        assert _bytes(getattr(one, port)) != _bytes(getattr(other, port))
+
+
+def test_markers_watch_the_same_performance() -> None:
+    few, many = _face(markers=30), _face(markers=100)
+    assert _bytes(few.weights) == _bytes(many.weights)
+    shared = [name for name in few.truth.markers if name in many.truth.markers]
+    np.testing.assert_allclose(
+        few.truth.keep(shared).positions, many.truth.keep(shared).positions, rtol=0, atol=1e-9
+    )

@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from nodegraph_synthesize.movement import (
+    head_motion,
+    moved,
+    no_head_motion,
+    rotations_of,
+    skin_movement,
+)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_head_moves_within_bounds_from_rest(seed: int) -> None:
+    motion = head_motion(np.random.default_rng(seed), 1800, 60.0, 190.0)
+    angles = np.degrees(Rotation.from_matrix(motion.rotations).magnitude())
+    shifts = np.linalg.norm(motion.translations, axis=1)
+    assert 1.0 < angles.max() < 5.0
+    assert 1.0 < shifts.max() < 190.0 / 20
+    np.testing.assert_array_equal(motion.rotations[0], np.eye(3))
+    np.testing.assert_array_equal(motion.translations[0], 0.0)
+    assert np.abs(np.diff(motion.translations, axis=0)).max() < 0.5
+    np.testing.assert_array_equal(motion.scales, 1.0)
+
+
+def test_rotations_are_rodrigues() -> None:
+    vectors = np.random.default_rng(0).standard_normal((20, 3))
+    vectors[0] = 0.0
+    expected = Rotation.from_rotvec(vectors).as_matrix()
+    np.testing.assert_allclose(rotations_of(vectors), expected, rtol=0, atol=1e-12)
+
+
+def test_moved_points_are_turned_then_shifted() -> None:
+    motion = head_motion(np.random.default_rng(3), 30, 60.0, 190.0)
+    points = np.random.default_rng(0).standard_normal((30, 4, 3))
+    expected = motion.rotations[7] @ points[7, 2] + motion.translations[7]
+    np.testing.assert_allclose(moved(points, motion)[7, 2], expected, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(moved(points, no_head_motion(30)), points)
+
+
+def test_the_skin_moves_little_and_neighbours_alike() -> None:
+    points = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [90.0, 50.0, 0.0]])
+    movement = skin_movement(np.random.default_rng(0), points, 20000, 60.0)
+    assert np.sqrt(np.mean(movement**2)) == pytest.approx(0.13, rel=0.25)
+    one, near, far = movement[..., 1].T
+    assert np.corrcoef(one, near)[0, 1] > 0.9
+    assert abs(np.corrcoef(one, far)[0, 1]) < 0.6
