@@ -140,7 +140,7 @@ class Node:
             warnings.simplefilter("ignore", UserWarning)
             return create_model(self.name, __config__=config, **given)
 
-    @property
+    @cached_property
     def splits(self) -> bool:
         """Whether the function returns several outputs in one record."""
         return _is_record(_plain(self._hints["return"]))

@@ -55,7 +55,7 @@ class PassNode(Node):
         """None."""
         return {}
 
-    @property
+    @cached_property
     def splits(self) -> bool:
         """One value comes out as it went in."""
         return False

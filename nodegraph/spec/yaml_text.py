@@ -18,6 +18,10 @@ from nodegraph.errors import GraphError, Place, Problem
 
 _MOST_DEPTH = 100
 _MOST_VALUES = 1_000_000
+_MOST_DIGITS = 3000  # Python shows no number of more than 4300
+_UNPRINTABLE = re.compile(
+    "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+)
 _INTEGER = re.compile(r"[-+]?[0-9]+")
 _OCTAL_OR_HEX = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -66,6 +70,7 @@ def read_yaml(text: str, file: str) -> Located:
     GraphError
         If the text is not YAML, or says something twice; with file, line and column.
     """
+    _refuse_unprintable(text, file)
     try:
         return _Reader(file).read(text)
     except yaml.MarkedYAMLError as error:
@@ -82,31 +87,41 @@ def scalar(text: str) -> Any:
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text):
-        return int(text) if len(text) < 4000 else text
+        return int(text) if len(text) < _MOST_DIGITS else text
     if _OCTAL_OR_HEX.fullmatch(text):
-        return int(text, 0)
+        return int(text, 0) if len(text) < _MOST_DIGITS else text
     if _FLOAT.fullmatch(text):
         return float(text)
     infinite = _INFINITE.fullmatch(text)
     return float(f"{infinite[1]}inf") if infinite else text
 
 
+def _refuse_unprintable(text: str, file: str) -> None:
+    found = _UNPRINTABLE.search(text)
+    if found:
+        line = text.count("\n", 0, found.start()) + 1
+        place = Place(file, line, found.start() - text.rfind("\n", 0, found.start()))
+        message = f"this is not YAML: the character {found[0]!r} is not allowed"
+        raise GraphError([Problem(place, message)])
+
+
 @dataclass(slots=True)
 class _Open:
-    """A list or mapping that is being read."""
+    """A list or mapping that is being read; size and height count what aliases repeat."""
 
     item: Located
     anchor: str | None
     key: Any = None
     has_key: bool = False
     size: int = 1
+    height: int = 1
 
 
 class _Reader:
     def __init__(self, file: str) -> None:
         self._file = file
         self._open: list[_Open] = []
-        self._anchors: dict[str, tuple[Located, int]] = {}
+        self._anchors: dict[str, tuple[Located, int, int]] = {}
         self._problems: list[Problem] = []
         self._root: Located | None = None
 
@@ -133,35 +148,40 @@ class _Reader:
         place = self._place(event)
         self._refuse_tag(event, place)
         item = Located(scalar(event.value) if event.implicit[0] else event.value, place)
-        self._add(item, 1)
-        self._remember(event.anchor, item, 1)
+        self._add(item, 1, 0)
+        self._remember(event.anchor, item, 1, 0)
 
     def _start(self, event: Any) -> None:
         place = self._place(event)
         self._refuse_tag(event, place)
-        if len(self._open) >= _MOST_DEPTH:
-            self._fail(place, f"nested more than {_MOST_DEPTH} deep")
+        self._refuse_depth(place, len(self._open) + 1)
         kind: dict[Any, Any] | list[Any] = {} if isinstance(event, yaml.MappingStartEvent) else []
         self._open.append(_Open(Located(kind, place), event.anchor))
 
     def _end(self) -> None:
         done = self._open.pop()
-        self._add(done.item, done.size)
-        self._remember(done.anchor, done.item, done.size)
+        self._add(done.item, done.size, done.height)
+        self._remember(done.anchor, done.item, done.size, done.height)
 
     def _alias(self, event: Any) -> None:
         place = self._place(event)
         if event.anchor not in self._anchors:
             self._fail(place, f"alias *{event.anchor} stands before, or inside, what it repeats")
-        item, size = self._anchors[event.anchor]
-        self._add(Located(item.value, place, item.keys), size)
+        item, size, height = self._anchors[event.anchor]
+        self._refuse_depth(place, len(self._open) + height)
+        self._add(Located(item.value, place, item.keys), size, height)
 
-    def _add(self, item: Located, size: int) -> None:
+    def _refuse_depth(self, place: Place, depth: int) -> None:
+        if depth > _MOST_DEPTH:
+            self._fail(place, f"nested more than {_MOST_DEPTH} deep")
+
+    def _add(self, item: Located, size: int, height: int) -> None:
         if not self._open:
             self._root = item
             return
         parent = self._open[-1]
         parent.size += size
+        parent.height = max(parent.height, height + 1)
         if parent.size > _MOST_VALUES:
             self._fail(item.place, f"aliases unfold to more than {_MOST_VALUES:,} values")
         if isinstance(parent.item.value, list):
@@ -182,9 +202,9 @@ class _Reader:
         parent.item.keys.setdefault(item.value, item.place)
         parent.key, parent.has_key = item.value, True
 
-    def _remember(self, anchor: str | None, item: Located, size: int) -> None:
+    def _remember(self, anchor: str | None, item: Located, size: int, height: int) -> None:
         if anchor is not None:
-            self._anchors[anchor] = (item, size)
+            self._anchors[anchor] = (item, size, height)
 
     def _refuse_tag(self, event: Any, place: Place) -> None:
         if event.tag is not None and event.tag != "!":

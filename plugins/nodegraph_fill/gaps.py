@@ -58,22 +58,22 @@ class Gaps:
     @property
     def at_start(self) -> NDArray[np.bool_]:
         """(G,), True where the marker is measured after the gap only."""
-        return (self.start == 0) & (self.stop < self.shape[0])
+        return np.asarray((self.start == 0) & (self.stop < self.shape[0]))
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
         """(G,), True where the marker is measured before the gap only."""
-        return (self.start > 0) & (self.stop == self.shape[0])
+        return np.asarray((self.start > 0) & (self.stop == self.shape[0]))
 
     @property
     def never(self) -> NDArray[np.bool_]:
         """(G,), True where the gap is the whole take."""
-        return self.length == self.shape[0]
+        return np.asarray(self.length == self.shape[0])
 
     @property
     def inner(self) -> NDArray[np.bool_]:
         """(G,), True where the marker is measured before and after the gap."""
-        return (self.start > 0) & (self.stop < self.shape[0])
+        return np.asarray((self.start > 0) & (self.stop < self.shape[0]))
 
     def longer_than(self, frames: int | None) -> NDArray[np.bool_]:
         """(G,), True where the gap is longer; nowhere when there is no limit."""

@@ -108,10 +108,25 @@ def run(positions: Any, state: Any, wanted: Any, backward: bool, rule: Rule) -> 
                 _bring_first(targets, usable, mean, turn, count)
             marker = targets[turn]
             rank = ranks[marker]
-            found = _find(
-                then, marker, tier, places, who, size, spare, spared, allowed, rank, weight,
-                distances,
-            )  # fmt: skip
+            bound = _bound(then, marker, rank, tier, MEASURED, MEASURED)
+            found = _nearest(
+                then, marker, places, who, size, allowed, rank, weight, distances, 0, bound
+            )
+            if found < neighbours:
+                others = _gather(spare, spared, then, tier, FILLED, FILLED)
+                found = _nearest(
+                    then,
+                    marker,
+                    spare,
+                    spared,
+                    others,
+                    allowed,
+                    rank,
+                    weight,
+                    distances,
+                    found,
+                    np.inf,
+                )
             if found == 0:
                 continue
             _weigh(weight, found, kind, full, end)
@@ -143,7 +158,6 @@ def predict_returns(positions: Any, state: Any, frame: Any, marker: Any, rule: R
     predicted = np.full((len(frame), 3), np.nan)
     tier = np.empty(markers, np.uint8)
     places, who = np.empty((3, markers)), np.empty(markers, np.int64)
-    spare, spared = np.empty((3, markers)), np.empty(markers, np.int64)
     rank, weight, distances = np.full(neighbours, -1), np.empty(neighbours), np.empty(markers)
     for gap in range(len(frame)):
         now, target = frame[gap], marker[gap]
@@ -151,10 +165,13 @@ def predict_returns(positions: Any, state: Any, frame: Any, marker: Any, rule: R
             continue
         then, here = positions[now - 1], positions[now]
         _set_tiers(tier, state[now - 1], state[now], use_filled)
-        size = _gather(places, who, then, tier, MEASURED, MEASURED)
-        found = _find(
-            then, target, tier, places, who, size, spare, spared, allowed, rank, weight, distances
-        )
+        found = 0
+        for level in (MEASURED, FILLED):
+            if found < neighbours:
+                size = _gather(places, who, then, tier, level, level)
+                found = _nearest(
+                    then, target, places, who, size, allowed, rank, weight, distances, found, np.inf
+                )
         if found > 0:
             _weigh(weight, found, kind, full, end)
             _move(predicted[gap], then, here, target, rank, weight, found)
@@ -192,32 +209,6 @@ def _gather(places: Any, who: Any, then: Any, tier: Any, lowest: int, highest: i
         who[size] = marker
         size += (tier[marker] >= lowest) & (tier[marker] <= highest)
     return size
-
-
-@inlined
-def _find(
-    then: Any,
-    marker: int,
-    tier: Any,
-    places: Any,
-    who: Any,
-    size: int,
-    spare: Any,
-    spared: Any,
-    allowed: Any,
-    rank: Any,
-    squared: Any,
-    distances: Any,
-) -> int:
-    """Rank a marker's neighbours: the nearest measured ones, a pack, and then filled ones."""
-    bound = _bound(then, marker, rank, tier, MEASURED, MEASURED)
-    found = _nearest(then, marker, places, who, size, allowed, rank, squared, distances, 0, bound)
-    if found == len(rank):
-        return found
-    others = _gather(spare, spared, then, tier, FILLED, FILLED)
-    return _nearest(
-        then, marker, spare, spared, others, allowed, rank, squared, distances, found, np.inf
-    )
 
 
 @inlined
@@ -377,11 +368,12 @@ def _weigh_inverse(weight: Any, found: int) -> None:
 
 @inlined
 def _fall_off(distance: float, full: float, end: float) -> float:
+    factor = 0.0
     if distance <= full:
-        return math.cos((1.0 - distance / full) * math.pi / 2.0)
-    if distance <= end:
-        return math.cos((distance - full) / (end - full) * math.pi / 2.0)
-    return 0.0
+        factor = math.cos((1.0 - distance / full) * math.pi / 2.0)
+    elif distance <= end:
+        factor = math.cos((distance - full) / (end - full) * math.pi / 2.0)
+    return factor
 
 
 @inlined

@@ -115,7 +115,7 @@ def test_a_key_that_repeats_is_told_with_the_first() -> None:
         ("a: &a [1, *a]", "t.yaml:1:11: alias *a stands before, or inside"),
         ("a: &a {b: *a}", "t.yaml:1:11: alias *a"),
         ("a: 1\n---\nb: 2", "t.yaml:2:1: a second document"),
-        ("a: [1, 2", "t.yaml:1:9: this is not YAML"),
+        ("a: [1, 2", "t.yaml:2:1: this is not YAML"),
         ("a: 1\n\tb: 2", "t.yaml:2:1: this is not YAML"),
         ("a: b: c", "t.yaml:1:5: this is not YAML"),
         ("a: 'open", "t.yaml:1:9: this is not YAML"),

@@ -1,0 +1,101 @@
+"""A study says what the run came to: results, methods, and everything that did not go well."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from nodegraph.execute import Run
+from nodegraph.report.compose import compose
+from nodegraph.report.notes import repeating
+from nodegraph.report.study import StepNote, Study
+from nodegraph.report.write import report_files, summary
+
+COMMAND = "nodegraph run toy.yaml"
+TEXT = """
+    title: A toy
+    inputs: {start: 3}
+    axes: {length: [5, 15], trial: {count: 2}}
+    nodes:
+      capture: {use: read.number, with: {start: $start}}
+      gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
+      fill: {in: gaps.gappy, alternatives: [fill.hold, strict.positive, strict.fails]}
+      text: {use: text.write, with: {number: $length}}
+    skip: [{fill: hold, trial: 1}]
+    report: [text, gaps.hidden]
+"""
+
+
+def _study(run: Run) -> Study:
+    return compose(run, command=COMMAND)[0]
+
+
+def _kinds(notes: tuple[StepNote, ...], kind: str) -> list[tuple[str, str]]:
+    return [(note.node, note.labels) for note in notes if note.kind == kind]
+
+
+def test_sections_are_what_the_report_lists_at_every_combination(
+    run_of: Callable[..., Run],
+) -> None:
+    study = _study(run_of(TEXT))
+    shown = [(one.title, one.labels, one.rendered.text) for one in study.sections]
+    assert shown == [
+        ("text", "length=5", "5"),
+        ("text", "length=15", "15"),
+        ("gaps hidden", "length=5, trial=0", "5"),
+        ("gaps hidden", "length=5, trial=1", "5"),
+        ("gaps hidden", "length=15, trial=0", "15"),
+        ("gaps hidden", "length=15, trial=1", "15"),
+    ]
+
+
+def test_without_a_list_the_nodes_that_nothing_reads_are_shown(
+    run_of: Callable[..., Run],
+) -> None:
+    text = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}, c: {use: text.write}}"
+    assert [one.title for one in _study(run_of(text)).sections] == ["b", "c"]
+
+
+def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
+    notes = _study(run_of(TEXT)).notes
+    below = ["length=5, trial=0", "length=5, trial=1", "length=15, trial=0", "length=15, trial=1"]
+    refused = [("fill (strict.positive)", f"{one}, fill=positive") for one in below]
+    failed = [("fill (strict.fails)", f"{one}, fill=fails") for one in below]
+    assert sorted(_kinds(notes, "refused")) == sorted(refused)
+    assert sorted(_kinds(notes, "failed")) == sorted(failed)
+    skipped = [("fill", "length=5, trial=1, fill=hold"), ("fill", "length=15, trial=1, fill=hold")]
+    assert _kinds(notes, "left out") == skipped
+    again = [note.repeat for note in notes if note.kind == "failed"]
+    assert f"{COMMAND} --only length=5 --only trial=0 --only fill=fails" in again
+
+
+def test_settings_show_every_value_and_whether_it_is_the_default(
+    run_of: Callable[..., Run],
+) -> None:
+    study = _study(run_of(TEXT))
+    gaps = next(one for one in study.methods if one.use == "gaps.cut")
+    rows = {row.name: (row.value, row.unit, row.default) for row in gaps.settings}
+    assert rows == {"length": ("5, 15", "frames", False), "seed": ("0, 1", "", False)}
+    hold = next(one for one in study.methods if one.use == "fill.hold")
+    assert [(row.value, row.default) for row in hold.settings] == [("null", True)]
+    assert hold.citation == "hold2001 (no BibTeX entry is installed)"
+    assert study.seeds == (("gaps", "0, 1"),)
+
+
+def test_every_computed_step_is_timed(run_of: Callable[..., Run]) -> None:
+    study = _study(run_of(TEXT))
+    computed = {row.node: row.computed for row in study.timings}
+    assert computed == {"capture": 1, "gaps": 4, "fill": 2, "text": 2}
+
+
+def test_a_word_of_a_command_is_quoted() -> None:
+    assert repeating("run", {"a": "two words"}) == "run --only 'a=two words'"
+
+
+def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..., Run]) -> None:
+    run = run_of(TEXT)
+    files, study = report_files(run, command=COMMAND)
+    assert list(files) == ["report.html"]
+    assert b"A toy" in files["report.html"]
+    text = summary(study, run.counts())
+    assert "text length=15\n15" in text
+    assert text.endswith("4 refused, 4 failed; the report says which and why")

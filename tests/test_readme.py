@@ -1,0 +1,69 @@
+"""What the README shows is true: its graph checks, its code runs, its table of nodes is whole."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import nodegraph as ng
+from nodegraph.registry import Registry
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+
+
+def table_of_nodes() -> str:
+    """Return the README's table of nodes as it should be now."""
+    nodes = [one.node for one in Registry.installed()]
+    rows = [f"| `{node.name}` | {node.summary} |" for node in nodes]
+    return "\n".join(["| node | what it does |", "|---|---|", *rows])
+
+
+def test_the_graph_is_a_good_one(tmp_path: Path) -> None:
+    (graph,) = blocks("yaml")
+    path = tmp_path / "graph.yaml"
+    path.write_text(graph)
+    assert list(ng.load(path).nodes) == ["capture", "gaps", "fill", "error", "table"]
+
+
+def test_the_method_that_it_adds_joins_the_comparison(tmp_path: Path) -> None:
+    code = next(block for block in blocks("python") if block.startswith("# my_fill.py"))
+    (tmp_path / "my_fill.py").write_text(code)
+    run = ng.run(
+        ROOT / "graphs" / "fill.yaml",
+        plugins=[tmp_path / "my_fill.py"],
+        axis={"trial": [0]},
+        only={"length": [5], "fill": ["first", "linear"]},
+    )
+    assert run.ok
+    table = run["table"].value
+    assert set(table["fill"]) == {"first", "linear"}
+    filled = run["fill"].at(fill="first", trial=0, length=5)
+    gappy = run["gaps"].at(trial=0, length=5)
+    assert filled.present.sum() > gappy.present.sum()
+
+
+def test_the_walk_from_python_runs_as_it_stands() -> None:
+    code = next(block for block in blocks("python") if "ng.run(" in block)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_table_of_nodes_is_that_of_the_installed_ones() -> None:
+    found = README.partition("<!-- nodes -->\n")[2].partition("\n<!-- end of nodes -->")[0]
+    assert found == table_of_nodes()
+
+
+def test_continuous_integration_runs_the_command_that_stands_here() -> None:
+    script = (ROOT / ".ci" / "run").read_text()
+    assert "<!-- the tests -->" in script
+    command = README.partition("<!-- the tests -->\n```sh\n")[2].partition("\n```")[0]
+    assert command.endswith("-m pytest -n 2")
