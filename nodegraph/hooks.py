@@ -45,6 +45,31 @@ class Renderer:
     render: Callable[[Any, str], Rendered]
 
 
+@dataclass(frozen=True)
+class Tried:
+    """One call of a node by its tests, as a contract sees it.
+
+    Attributes
+    ----------
+    inputs, outputs : mapping of port to value
+        What went in and what came out. An optional port that was left open is absent.
+    settings : mapping of setting to value
+        Those that were not left at their defaults.
+    again : callable
+        Calls the node again with other inputs, ``again(recording=moved)``, and returns its
+        outputs, or None where the node refuses these.
+    """
+
+    inputs: Mapping[str, Any]
+    outputs: Mapping[str, Any]
+    settings: Mapping[str, Any]
+    again: Callable[..., Mapping[str, Any] | None]
+
+
+Contract = Callable[[Tried], Iterable[str]]
+"""A promise of a family: its docstring says it, and it yields whatever breaks it."""
+
+
 @hookspec
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:  # type: ignore[empty-body]
     """Return the plugin's nodes: functions decorated with `nodegraph.node`."""
@@ -71,3 +96,16 @@ def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:  # type: ignore[e
 @hookspec
 def nodegraph_graphs() -> Iterable[Path]:  # type: ignore[empty-body]
     """Return the example graphs that the plugin ships."""
+
+
+@hookspec
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:  # type: ignore[empty-body]
+    """Return what makes small values of the plugin's types, to test nodes on.
+
+    Each has a name; values of several types that have one name belong together.
+    """
+
+
+@hookspec
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:  # type: ignore[empty-body]
+    """Return what every node of a family promises, whoever wrote it."""

@@ -27,7 +27,9 @@ def dot(picture: Picture) -> str:
 
 
 def _quoted(text: str) -> str:
-    return '"' + clean(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
+    """Return a quoted string that shows the text as it is: Graphviz reads entities in it too."""
+    plain = clean(text).replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{plain}"'
 
 
 def _table(box: Box) -> str:

@@ -22,7 +22,7 @@ def mermaid(picture: Picture) -> str:
     lines.append("flowchart TD")
     lines += [f"  {ids[box.name]}{_box(box)}" for box in picture.boxes]
     lines += [
-        f"  {ids[arrow.source]} {_line(arrow)}|\"{_label(arrow)}\"| {ids[arrow.target]}"
+        f'  {ids[arrow.source]} {_line(arrow)}|"{_label(arrow)}"| {ids[arrow.target]}'
         for arrow in picture.arrows
     ]
     return "\n".join(lines) + "\n"

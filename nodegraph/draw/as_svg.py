@@ -89,7 +89,9 @@ def _shapes(picture: Picture) -> list[Shape]:
     for (name, port), fixed in wired.items():
         by_box.setdefault(name, {})[port] = fixed
     found = [by_box.get(box.name, {}) for box in picture.boxes]
-    return [shape(box, frozenset(ports), ports) for box, ports in zip(picture.boxes, found, strict=True)]
+    return [
+        shape(box, frozenset(ports), ports) for box, ports in zip(picture.boxes, found, strict=True)
+    ]
 
 
 def _bands(

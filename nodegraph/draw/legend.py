@@ -20,7 +20,9 @@ def legend(picture: Picture, left: float, top: float) -> tuple[str, float, float
     parts = ['<g class="legend">']
     for sample, text in entries:
         parts.append(f'<g transform="translate({number(x)} {number(y)})">{sample}</g>')
-        parts.append(f'<text x="{number(x + _SAMPLE + 7)}" y="{number(y + 4)}">{escaped(text)}</text>')
+        parts.append(
+            f'<text x="{number(x + _SAMPLE + 7)}" y="{number(y + 4)}">{escaped(text)}</text>'
+        )
         x += _SAMPLE + 7 + width(text, _SIZE) + 18.0
     return "".join([*parts, "</g>"]), x - 18.0, top + _HEIGHT
 

@@ -57,7 +57,9 @@ def net(picture: Picture, shapes: Sequence[Shape]) -> Net:
     numbers = {box.name: index for index, box in enumerate(picture.boxes)}
     depths = depths_of(list(numbers), picture.arrows)
     count = max(depths.values(), default=-1) + 1
-    made = Net([[] for _ in range(count)], [one.width for one in shapes], [[] for _ in range(count)])
+    made = Net(
+        [[] for _ in range(count)], [one.width for one in shapes], [[] for _ in range(count)]
+    )
     for name, number in numbers.items():
         made.layers[depths[name]].append(number)
     chains: dict[tuple[str, str, bool], list[int]] = {}

@@ -32,7 +32,7 @@ class Box:
     alternatives : tuple of str
         Labels of the methods that are compared here.
     axes : tuple of str
-        Axes that begin at this node, with their counts: ``length ×3``.
+        Axes that begin at this node, with their counts: ``length x3``.
     kind : {"node", "input", "report"}
         An input gives what the user brought; a report node is shown in the report.
     """
@@ -91,7 +91,9 @@ class Picture:
     arrows: tuple[Arrow, ...] = ()
 
     def __post_init__(self) -> None:
-        twice = [name for name, count in Counter(box.name for box in self.boxes).items() if count > 1]
+        twice = [
+            name for name, count in Counter(box.name for box in self.boxes).items() if count > 1
+        ]
         if twice:
             raise ValueError(f"several boxes are named {twice[0]!r}; each needs its own name")
         outputs = {box.name: _names(box.outputs) for box in self.boxes}

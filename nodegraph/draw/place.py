@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 from nodegraph.draw.net import BEND_WIDTH, Net
 from nodegraph.draw.straight import straighten
@@ -29,7 +30,10 @@ def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
         _set(middles, layer, spread([0.0] * len(layer), [1.0] * len(layer), distances))
     above, below = _neighbours(net)
     both = [ups + downs for ups, downs in zip(above, below, strict=True)]
-    for number, pulls in [*_tour(len(layers), above, below) * _ROUNDS, *_tour(len(layers), both, both)]:
+    for number, pulls in [
+        *_tour(len(layers), above, below) * _ROUNDS,
+        *_tour(len(layers), both, both),
+    ]:
         _settle(middles, layers[number], apart[number], pulls, _mean)
     for _ in range(_ALIGNMENTS):
         for number, pulls in _tour(len(layers), both, both):
@@ -59,7 +63,7 @@ def _neighbours(net: Net) -> tuple[_Pulls, _Pulls]:
 def _distances(layer: Sequence[int], widths: Sequence[float]) -> list[float]:
     """Return how far the middles of neighbours in a layer must be apart."""
     apart = []
-    for left, right in zip(layer, layer[1:], strict=False):
+    for left, right in pairwise(layer):
         bend = min(widths[left], widths[right]) <= BEND_WIDTH
         gap = _BEND_GAP if bend else _BOX_GAP
         apart.append((widths[left] + widths[right]) / 2 + gap)

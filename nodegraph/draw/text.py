@@ -14,8 +14,8 @@ _BOLD = 1.1
 # measured with them holds its text in any of the others.
 _WIDTHS = {
     **dict.fromkeys("ijlIJ|!'.,:; ", 0.34),
-    **dict.fromkeys("frt()[]{}-/\\\"", 0.42),
-    **dict.fromkeys("mwMW@%&+=<>~×#", 0.92),
+    **dict.fromkeys('frt()[]{}-/\\"', 0.42),
+    **dict.fromkeys("mwMW@%&+=<>~\u00d7#", 0.92),
     **dict.fromkeys("ABCDEFGHKLNOPQRSTUVXYZ", 0.74),
 }
 

@@ -64,7 +64,7 @@ def perform(call: Call) -> Outcome:
     token = _heard.set(heard)
     began = time.perf_counter()
     try:
-        values = _values(call.node, call.node.function(**call.inputs, **call.settings))
+        values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
     except Refusal as refusal:
         state, values, reason, trace = "refused", (), str(refusal) or "no reason given", ""
     except Exception as error:
@@ -96,7 +96,14 @@ def warnings_heard() -> Iterator[None]:
         yield
 
 
-def _values(node: Node, returned: Any) -> tuple[Any, ...]:
+def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
+    """Return one value per output port of what a node's function returned.
+
+    Raises
+    ------
+    TypeError
+        If it is not what the node's signature promises.
+    """
     values = _split(node, returned) if node.splits else (returned,)
     for port, value in zip(node.outputs, values, strict=True):
         if not isinstance(value, port.type):

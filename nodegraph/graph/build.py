@@ -16,6 +16,7 @@ from nodegraph.graph.order import sorted_names
 from nodegraph.graph.settings import SettingsReader
 from nodegraph.graph.wiring import Wirer, dependencies
 from nodegraph.registry import Registry
+from nodegraph.spec.axes import is_label
 from nodegraph.spec.parts import GraphSpec, NodeSpec, Reference
 
 
@@ -52,6 +53,7 @@ class _Builder:
         self._nodes: dict[str, GraphNode] = {}
         self._wirer = Wirer(spec, self._nodes, problems)
         self._left_out: list[LeftOut] = []
+        self._incomplete: set[str] = set()  # nodes that may lack an axis because of a mistake
 
     def build(self) -> Graph:
         wires = {name: list(dependencies(self._chosen[name])) for name in self._spec.nodes}
@@ -71,7 +73,7 @@ class _Builder:
             tuple(self._left_out),
         )
 
-    def _node(self, spec: NodeSpec, chosen: Iterable[Chosen]) -> GraphNode:
+    def _node(self, spec: NodeSpec, chosen: list[Chosen]) -> GraphNode:
         kept = self._names.axes[spec.name].labels if spec.has_alternatives else ("",)
         methods = [self._method(spec, one) for one in chosen]
         found = {one.label: one for one in methods if one is not None and one.label in kept}
@@ -79,10 +81,26 @@ class _Builder:
             self._problems.add(spec.over[0][1], f"{spec.name}: 'over' needs a port that gathers")
         for method in found.values():
             self._check_fixed(spec.name, method)
-        axes = spread(spec, found.values(), self._nodes, self._names.axes, self._problems)
+        if not all(map(self._is_complete, chosen)):
+            self._incomplete.add(spec.name)
+        problems = Problems() if spec.name in self._incomplete else self._problems
+        axes = spread(spec, found.values(), self._nodes, self._names.axes, problems)
         return GraphNode(
             spec.name, spec.place, found, spec.has_alternatives, axes.axes, axes.gathered
         )
+
+    def _is_complete(self, chosen: Chosen) -> bool:
+        """Whether all that gives a method its axes could be read."""
+        if chosen.found is None:
+            return False
+        for name, written in chosen.settings.items():
+            variables = set(written.variables())
+            if variables and name not in chosen.found.node.settings:
+                return False
+            if variables & self._names.unknown:
+                return False
+        feeds = {name for name, _ in dependencies([chosen])}
+        return feeds <= self._nodes.keys() and not feeds & self._incomplete
 
     def _method(self, spec: NodeSpec, chosen: Chosen) -> Method | None:
         where = f"{spec.name} ({chosen.label})" if chosen.label else spec.name
@@ -105,7 +123,7 @@ class _Builder:
     def _check_fixed(self, name: str, method: Method) -> None:
         for fed in method.inputs.values():
             for source in sources_of(fed):
-                if self._names.unknown:  # the node that it fixes may lack an axis because of these
+                if source.node in self._incomplete:
                     continue
                 reason = check_fixed(source, self._nodes, self._names.axes, self._problems)
                 if reason:
@@ -127,14 +145,15 @@ class _Builder:
                 continue
             for axis, labels in item.labels.items():
                 self._check_skip_labels(item.place, axis, labels)
-            if not any(set(item.labels) <= set(node.axes) for node in self._nodes.values()):
+            fits = any(set(item.labels) <= set(node.axes) for node in self._nodes.values())
+            if not fits and not self._incomplete:
                 together = " and ".join(item.labels)
                 self._problems.add(item.place, f"skip: no node has the axes {together} together")
 
     def _check_skip_labels(self, place: Place, axis: str, labels: Iterable[object]) -> None:
         there = self._names.axes[axis]
         for label in labels:
-            if label not in there.labels and label not in there.removed:
+            if not is_label(label) or label not in {*there.labels, *there.removed}:
                 hint = nearest(label, there.labels, what="labels")
                 self._problems.add(place, f"skip: axis {axis!r} has no label {label!r}", hint)
 

@@ -64,7 +64,7 @@ class Names:
         self._check_known("--only", self._choices.only, tuple(self.axes))
         for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
             for name, part in parts.items():
-                if name not in self.used:
+                if name not in self.used and name.isidentifier():
                     message = f"nothing uses the {kind} {name!r}"
                     self._problems.add(part.place, message, f"write ${name} as a setting's value")
 

@@ -71,8 +71,8 @@ def choose(spec: NodeSpec, registry: Registry, problems: Problems) -> list[Chose
     found = list(_unfolded(spec, registry, problems))
     chosen = _replaced(found)
     siblings = [one for one in chosen.values() if one.use != PASS]
-    if not spec.has_alternatives and any(one.use == PASS for one in chosen.values()):
-        problems.add(spec.place, "'pass' stands only among alternatives")
+    if not spec.has_alternatives and spec.methods and spec.methods[0].use == PASS:
+        problems.add(spec.methods[0].place, "'pass' stands only among alternatives")
     made = {one.label: _found(one, registry, problems) for one in siblings}
     _check_family(spec, made, problems)
     first = next((one for one in made.values() if one is not None), None)

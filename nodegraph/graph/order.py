@@ -19,12 +19,8 @@ def sorted_names(wires: Mapping[str, Sequence[tuple[str, Place]]], problems: Pro
     wires
         For each node, what feeds it and where the file says so. Unknown names are passed over.
     problems
-        Where a cycle is noted, with the way around it.
-
-    Raises
-    ------
-    GraphError
-        If there is a cycle: nothing after it can be checked.
+        Where a cycle is noted, with the way around it. What is part of one comes in any order,
+        so that the rest can be checked.
     """
     import networkx as nx
 
@@ -33,9 +29,10 @@ def sorted_names(wires: Mapping[str, Sequence[tuple[str, Place]]], problems: Pro
     for name, feeds in wires.items():
         network.add_edges_from((source, name) for source, _ in feeds if source in wires)
     if not nx.is_directed_acyclic_graph(network):
-        for knot in nx.strongly_connected_components(network):
+        for knot in list(nx.strongly_connected_components(network)):
+            edges = list(network.subgraph(knot).edges)
             _note_cycle(network.subgraph(knot), wires, problems)
-        problems.raise_any()
+            network.remove_edges_from(edges)
     position = {name: index for index, name in enumerate(wires)}
     return list(nx.lexicographical_topological_sort(network, position.__getitem__))
 

@@ -112,7 +112,7 @@ class SettingsReader:
             self._problems.add(written.place, f"{where}: {error}")
             return None
         path = placed or self._folder(written) / text
-        if path.exists():
+        if _exists(path):
             return path.resolve()
         hint = nearest(path.name, _names_beside(path), what="in that folder there is")
         self._problems.add(written.place, f"{where}: no such file: {text}", hint)
@@ -143,6 +143,13 @@ def _complaints(
 
 def _lower(message: str) -> str:
     return message.removeprefix("Input ") if message.startswith("Input ") else message.lower()
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long, or a folder that may not be read
+        return False
 
 
 def _names_beside(path: Path) -> list[str]:

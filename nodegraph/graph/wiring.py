@@ -32,7 +32,7 @@ class Wirer:
         """Return what feeds each port of a method; mistakes are noted."""
         fed: dict[str, Source | Gather] = {}
         for name, written in chosen.wiring.items():
-            port = self._port(where, name, node, chosen.place)
+            port = self._port(where, name, node, written.place)
             if port is None:
                 continue
             if isinstance(written, Reference):

@@ -8,11 +8,35 @@ from itertools import groupby
 
 from nodegraph.report.study import Kind, Section, StepNote, Study
 
-KINDS: tuple[tuple[Kind, str, str], ...] = (
-    ("failed", "Failed", "An error stopped these steps; what depends on them was not run."),
-    ("refused", "Refused", "The method cannot do what is asked of this data, and says why."),
-    ("left out", "Left out", "These combinations were not asked for, or had nothing to work on."),
-    ("warning", "Warnings", "These steps ran, and have something to say about their result."),
+_KINDS: tuple[tuple[Kind, str, str, str, str], ...] = (
+    (
+        "failed",
+        "Failed",
+        "failed",
+        "failed",
+        "An error stopped these steps; what depends on them was not run.",
+    ),
+    (
+        "refused",
+        "Refused",
+        "refused",
+        "refused",
+        "The method cannot do what is asked of this data, and says why.",
+    ),
+    (
+        "left out",
+        "Left out",
+        "left out",
+        "left out",
+        "These combinations were not asked for, or had nothing to work on.",
+    ),
+    (
+        "warning",
+        "Warnings",
+        "warning",
+        "warnings",
+        "These steps ran, and have something to say about their result.",
+    ),
 )
 
 
@@ -34,6 +58,7 @@ class NoteGroup:
     count: int
     labels: tuple[str, ...]
     repeat: str
+    trace: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +67,8 @@ class NoteKind:
 
     kind: Kind
     title: str
+    one: str
+    many: str
     meaning: str
     anchor: str
     count: int
@@ -59,12 +86,12 @@ def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
 def note_kinds(study: Study) -> tuple[NoteKind, ...]:
     """Return the study's notes by kind, the gravest first; kinds without notes are left out."""
     kinds = []
-    for kind, title, meaning in KINDS:
+    for kind, title, one, many, meaning in _KINDS:
         notes = [note for note in study.notes if note.kind == kind]
         count = sum(note.count for note in notes)
         anchor = f"notes-{kind.replace(' ', '-')}"
         if notes:
-            kinds.append(NoteKind(kind, title, meaning, anchor, count, _groups(notes)))
+            kinds.append(NoteKind(kind, title, one, many, meaning, anchor, count, _groups(notes)))
     return tuple(kinds)
 
 
@@ -79,6 +106,7 @@ def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
             count=sum(note.count for note in same),
             labels=tuple(note.labels for note in same if note.labels),
             repeat=next((note.repeat for note in same if note.repeat), ""),
+            trace=next((note.trace for note in same if note.trace), ""),
         )
         for (node, reason), same in together.items()
     ]

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from jinja2 import Environment
     from markupsafe import Markup
 
+_SHOWN = 3
+_MANY = 24
+
 
 def page(study: Study) -> str:
     """Return the report of a study.
@@ -30,6 +33,9 @@ def page(study: Study) -> str:
         kinds=note_kinds(study),
         notes=_markdown(study.notes_markdown),
         policy=policy(trusted, script),
+        steps=sum(row.computed + row.reused for row in study.timings),
+        shown=_SHOWN,
+        many=_MANY,
         script=_trusted(script),
         style=_trusted(_source(environment, "page.css")),
     )

@@ -47,6 +47,7 @@ class SettingRow:
     value: str
     unit: str = ""
     default: bool = False
+    meaning: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +63,8 @@ class MethodRow:
     settings : tuple of SettingRow
     citation : str
         The source to cite, as it is printed.
+    plugin : str
+        Which package brought the method.
     """
 
     node: str
@@ -70,6 +73,7 @@ class MethodRow:
     label: str = ""
     settings: tuple[SettingRow, ...] = ()
     citation: str = ""
+    plugin: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +98,8 @@ class StepNote:
         For how many combinations the note stands.
     repeat : str
         The command that runs this step alone.
+    trace : str
+        Where an error happened, for the method's author.
     """
 
     node: str
@@ -102,6 +108,7 @@ class StepNote:
     kind: Kind
     count: int = 1
     repeat: str = ""
+    trace: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,20 +74,31 @@ def _from_range(item: Located, problems: Problems) -> list[tuple[Label, Any, Pla
         problems.add(item.place, "range must be [first, last, step] with a step towards the last")
         return None
     first, last, step = bounds
-    count = math.floor((last - first) / step + 1e-9) + 1
-    if count > _MOST_LABELS:
-        problems.add(item.place, f"range has {count:,} labels; at most {_MOST_LABELS:,}")
+    count = _count(first, last, step)
+    if count is None:
+        problems.add(item.place, f"range has more than {_MOST_LABELS:,} labels")
         return None
     return [(value, value, item.place) for value in (first + i * step for i in range(count))]
 
 
 def _is_range(bounds: Any) -> bool:
-    if not isinstance(bounds, list) or len(bounds) != 3:
+    if not isinstance(bounds, list) or len(bounds) != 3 or not all(map(_is_finite, bounds)):
         return False
-    numbers = all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in bounds)
-    if not numbers or not all(math.isfinite(one) for one in bounds) or bounds[2] == 0:
-        return False
-    return bool((bounds[1] - bounds[0]) / bounds[2] >= 0)
+    first, last, step = bounds
+    return bool(step and (first <= last if step > 0 else first >= last))
+
+
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < math.inf
+
+
+def _count(first: float, last: float, step: float) -> int | None:
+    """Return how many values a range has, or None for too many."""
+    try:
+        count = math.floor((last - first) / step + 1e-9) + 1
+    except OverflowError:
+        return None
+    return count if count <= _MOST_LABELS else None
 
 
 def _refuse_repeats(name: str, pairs: list[tuple[Label, Any, Place]], problems: Problems) -> None:

@@ -77,7 +77,7 @@ class _SpecReader:
             nodes=self._each("nodes", NodeReader(self._problems).read),
             skip=tuple(one for one in map(self._skip, self._items("skip")) if one),
             known=self._references("known"),
-            requires=tuple((str(one.value), one.place) for one in self._items("requires")),
+            requires=tuple((str(one.plain()), one.place) for one in self._items("requires")),
             outputs=self._each("outputs", lambda _, item: read_reference(item, self._problems)),
             report=self._references("report"),
         )
@@ -91,8 +91,10 @@ class _SpecReader:
             if key not in _KEYS:
                 self._problems.add(root.keys[key], f"unknown key {key!r}", nearest(key, _KEYS))
         self._check_format(root)
-        if "nodes" not in root.value:
-            self._problems.add(root.place, "no 'nodes': a graph needs at least one")
+        nodes = root.value.get("nodes")
+        if nodes is None or nodes.value in (None, {}):
+            place = root.keys.get("nodes", root.place)
+            self._problems.add(place, "no 'nodes': a graph needs at least one")
         return {key: one for key, one in root.value.items() if one.value is not None}
 
     def _check_format(self, root: Located) -> None:

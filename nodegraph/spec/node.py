@@ -63,6 +63,10 @@ class NodeReader:
             return self._alternatives(name, alternatives), True
         if use is None or not self._is_word(use, "'use' names a node"):
             return (), False
+        if use.value.endswith(".*"):
+            message = f"{use.value!r} stands only among alternatives"
+            self._problems.add(use.place, message, f"write alternatives: {use.value}")
+            return (), False
         return (MethodSpec("", use.value, use.place),), False
 
     def _alternatives(self, name: str, item: Located) -> tuple[MethodSpec, ...]:
@@ -143,12 +147,19 @@ class NodeReader:
         return {"": reference} if reference else {}
 
     def _feed(self, item: Located) -> Reference | Gathering | None:
-        if isinstance(item.value, dict) and "from" not in item.value:
-            sources = {
-                str(key): read_reference(one, self._problems) for key, one in item.value.items()
-            }
-            return Gathering({key: one for key, one in sources.items() if one}, item.place)
+        if isinstance(item.value, dict) and item.value and "from" not in item.value:
+            return self._gathering(item)
         return read_reference(item, self._problems)
+
+    def _gathering(self, item: Located) -> Gathering:
+        sources: dict[str, Reference] = {}
+        for key, one in item.value.items():
+            if str(key) in sources:
+                self._problems.add(item.keys[key], f"label {str(key)!r} is used twice")
+            found = read_reference(one, self._problems)
+            if found is not None:
+                sources[str(key)] = found
+        return Gathering(sources, item.place)
 
     def _settings(self, item: Located | None) -> dict[str, Written]:
         if item is None or item.value is None:
@@ -166,7 +177,7 @@ class NodeReader:
         if not isinstance(item.value, list):
             self._problems.add(item.place, "'over' is a list of axes: [trial]")
             return None
-        return tuple((str(one.value), one.place) for one in item.value)
+        return tuple((str(one.plain()), one.place) for one in item.value)
 
     def _is_mapping(self, item: Located, what: str, keys: tuple[str, ...]) -> bool:
         if not isinstance(item.value, dict):
@@ -207,7 +218,10 @@ def _fixed(item: Located, problems: Problems) -> Reference | None:
         problems.add(item.place, "a reference needs 'from'", _REFERENCE_FORMS)
         return None
     source = item.value["from"]
-    found = None if isinstance(source.value, dict) else read_reference(source, problems)
+    if isinstance(source.value, dict):
+        problems.add(source.place, "'from' holds another 'from'", _REFERENCE_FORMS)
+        return None
+    found = read_reference(source, problems)
     if found is None:
         return None
     return Reference(

@@ -14,8 +14,9 @@ filled by the same rule backward in time, from the marker's first sample.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -24,8 +25,6 @@ from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from nodegraph_fill import stepwise_kernel
 
 CloseGap = Literal["none", "ramp", "blend"]
 """How a fill meets the sample that ends the gap.
@@ -44,26 +43,40 @@ class Rule:
     Attributes
     ----------
     weights : str
-        One of the kernel's rules: mean, cosine, muscle, muscle_normalized, waters.
+        One of the kernel's `WEIGHTS`.
     neighbours : int
         How many neighbours at most.
     use_filled : bool
         Whether filled samples serve as neighbours.
-    allowed : (M, M) array of bool, or None
-        Which marker may be a neighbour of which; None: any of any other.
     ring : int
         0 to fill a frame's markers in their order, else the size of the ring of the greedy order.
     full_radius, falloff_radius : float
         Millimetres, for Waters' rule.
+    allowed : (M, M) array of bool, or None
+        Which marker may be a neighbour of which; None: any of any other.
     """
 
     weights: str
     neighbours: int
     use_filled: bool
-    allowed: NDArray[np.bool_] | None = None
     ring: int = 0
     full_radius: float = 0.0
     falloff_radius: float = 0.0
+    allowed: NDArray[np.bool_] | None = None
+
+    def arguments(self, markers: int) -> tuple[Any, ...]:
+        """Return what the kernel's functions take, from the kind of weights on."""
+        from nodegraph_fill import stepwise_kernel
+
+        others = ~np.eye(markers, dtype=np.bool_)
+        return (
+            stepwise_kernel.WEIGHTS[self.weights],
+            min(self.neighbours, max(markers, 1)),
+            float(self.full_radius),
+            float(self.falloff_radius),
+            others if self.allowed is None else self.allowed & others,
+            self.use_filled,
+        )
 
 
 @dataclass
@@ -72,6 +85,8 @@ class _Pass:
 
     positions: NDArray[np.float64]
     state: NDArray[np.uint8]
+    still: int = 0
+    """Predictions that left a marker where it was."""
 
     @staticmethod
     def over(recording: Trajectories) -> _Pass:
@@ -80,14 +95,15 @@ class _Pass:
         states[Origin.FILLED] = 2
         return _Pass(recording.positions.copy(), states[recording.origin])
 
-    def until(self, frame: int) -> _Pass:
-        """Return the frames before `frame`, in the same memory."""
-        return _Pass(self.positions[:frame], self.state[:frame])
-
-    def run(self, wanted: NDArray[np.bool_], rule: stepwise_kernel.Rule, *, backward: bool) -> None:
+    def run(self, gaps: Gaps, rule: Rule, *, backward: bool) -> None:
         from nodegraph_fill import stepwise_kernel
 
-        stepwise_kernel.run(self.positions, self.state, wanted, backward, rule)
+        markers = self.state.shape[1]
+        reach = gaps.stop.max(initial=0) + 1
+        samples = self.positions[:reach], self.state[:reach], gaps.mask[:reach]
+        self.still += stepwise_kernel.run(
+            *samples, backward, *rule.arguments(markers), min(rule.ring, markers)
+        )
 
 
 def fill_stepwise(
@@ -114,59 +130,48 @@ def fill_stepwise(
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
     wanted = gaps.chosen(~(long | gaps.never))
-    compiled = _compiled(rule, len(recording.markers))
     positions = _blended if close_gap == "blend" else _chained
-    made = positions(recording, wanted, compiled)
+    made = positions(recording, wanted, rule)
     if close_gap == "ramp":
-        _ramp(made, wanted.chosen(wanted.inner), compiled)
+        _ramp(made, wanted.chosen(wanted.inner), rule)
     filled = recording.with_samples(made.positions, changed=wanted.mask, origin=Origin.FILLED)
     reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
     warn_left(filled, reasons, "no usable neighbour", stacklevel=3)
+    if made.still:
+        warnings.warn(
+            f"{made.still} predictions left a marker where it was: its nearest neighbour lies "
+            "beyond falloff_radius, or where the marker itself does",
+            stacklevel=3,
+        )
     return filled
 
 
-def _compiled(rule: Rule, markers: int) -> stepwise_kernel.Rule:
-    from nodegraph_fill import stepwise_kernel
-
-    others = ~np.eye(markers, dtype=np.bool_)
-    return stepwise_kernel.Rule(
-        weights=stepwise_kernel.WEIGHTS[rule.weights],
-        neighbours=rule.neighbours,
-        full_radius=float(rule.full_radius),
-        falloff_radius=float(rule.falloff_radius),
-        allowed=others if rule.allowed is None else rule.allowed & others,
-        use_filled=rule.use_filled,
-        ring=rule.ring,
-    )
-
-
-def _chained(recording: Trajectories, gaps: Gaps, rule: stepwise_kernel.Rule) -> _Pass:
+def _chained(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
     made = _Pass.over(recording)
-    made.run(gaps.mask, rule, backward=False)
-    starting = gaps.chosen(gaps.at_start)
-    until = starting.stop.max(initial=0) + 1
-    made.until(until).run(starting.mask[:until], rule, backward=True)
+    made.run(gaps, rule, backward=False)
+    made.run(gaps.chosen(gaps.at_start), rule, backward=True)
     return made
 
 
-def _blended(recording: Trajectories, gaps: Gaps, rule: stepwise_kernel.Rule) -> _Pass:
+def _blended(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
     forward, backward = _Pass.over(recording), _Pass.over(recording)
-    forward.run(gaps.mask, rule, backward=False)
-    backward.run(gaps.mask, rule, backward=True)
+    forward.run(gaps, rule, backward=False)
+    backward.run(gaps, rule, backward=True)
     _, frame, marker, share = gaps.samples
     ahead, back = forward.positions[frame, marker], backward.positions[frame, marker]
     mixed = ahead + (back - ahead) * share[:, None]
     mixed = np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed))
     forward.positions[frame, marker] = mixed
+    forward.still += backward.still
     return forward
 
 
-def _ramp(made: _Pass, gaps: Gaps, rule: stepwise_kernel.Rule) -> None:
+def _ramp(made: _Pass, gaps: Gaps, rule: Rule) -> None:
     """Spread each gap's mismatch over it, all from the positions before any is spread."""
     from nodegraph_fill import stepwise_kernel
 
     predicted = stepwise_kernel.predict_returns(
-        made.positions, made.state, gaps.stop, gaps.marker, rule
+        made.positions, made.state, gaps.stop, gaps.marker, *rule.arguments(made.state.shape[1])
     )
     mismatch = made.positions[gaps.stop, gaps.marker] - predicted
     gap, frame, marker, share = gaps.samples

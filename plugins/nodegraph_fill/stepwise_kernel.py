@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -34,37 +34,20 @@ MISSING, MEASURED, FILLED = range(3)
 """The state of a sample. Filled ones serve as neighbours after all measured ones."""
 
 
-class Rule(NamedTuple):
-    """What predicts a sample from the frame before it.
-
-    Attributes
-    ----------
-    weights : int
-        One of `WEIGHTS`.
-    neighbours : int
-        How many neighbours at most.
-    full_radius, falloff_radius : float
-        Millimetres, for `WATERS`.
-    allowed : (M, M) array of bool
-        Which marker may be a neighbour of which; False on the diagonal.
-    use_filled : bool
-        Whether filled samples serve as neighbours.
-    ring : int
-        0 to fill in the order of the markers, else the size of the ring by which the marker
-        with the most usable neighbours goes first.
-    """
-
-    weights: int
-    neighbours: int
-    full_radius: float
-    falloff_radius: float
-    allowed: Any
-    use_filled: bool
-    ring: int
-
-
 @compiled
-def run(positions: Any, state: Any, wanted: Any, backward: bool, rule: Rule) -> None:
+def run(
+    positions: Any,
+    state: Any,
+    wanted: Any,
+    backward: bool,
+    kind: int,
+    neighbours: int,
+    full: float,
+    end: float,
+    allowed: Any,
+    use_filled: bool,
+    ring: int,
+) -> int:
     """Fill the wanted samples in place, frame by frame in one direction.
 
     Parameters
@@ -77,10 +60,25 @@ def run(positions: Any, state: Any, wanted: Any, backward: bool, rule: Rule) -> 
         Samples to fill.
     backward
         Whether each frame is predicted from the one after it.
-    rule
-        What predicts a sample.
+    kind
+        One of `WEIGHTS`.
+    neighbours
+        How many neighbours at most.
+    full, end
+        Radii in millimetres, for `WATERS`.
+    allowed : (M, M) array of bool
+        Which marker may be a neighbour of which; False on the diagonal.
+    use_filled
+        Whether filled samples serve as neighbours.
+    ring
+        0 to fill in the order of the markers, else the size of the ring by which the marker
+        with the most usable neighbours goes first.
+
+    Returns
+    -------
+    int
+        How many predictions left a marker where it was, no neighbour having any weight.
     """
-    kind, neighbours, full, end, allowed, use_filled, ring = rule
     frames, markers = state.shape
     targets, tier = np.empty(markers, np.int64), np.empty(markers, np.uint8)
     places, who = np.empty((3, markers)), np.empty(markers, np.int64)
@@ -88,7 +86,7 @@ def run(positions: Any, state: Any, wanted: Any, backward: bool, rule: Rule) -> 
     ranks, rings = np.full((markers, neighbours), -1), np.full((markers, ring), -1)
     weight, squared, distances = np.empty(neighbours), np.empty(ring), np.empty(markers)
     usable, mean = np.empty(markers, np.int64), np.empty(markers)
-    step = -1 if backward else 1
+    step, still = -1 if backward else 1, 0
     for elapsed in range(1, frames):
         now = frames - 1 - elapsed if backward else elapsed
         count = _find_targets(targets, wanted[now], state[now - step])
@@ -115,45 +113,48 @@ def run(positions: Any, state: Any, wanted: Any, backward: bool, rule: Rule) -> 
             if found < neighbours:
                 others = _gather(spare, spared, then, tier, FILLED, FILLED)
                 found = _nearest(
-                    then,
-                    marker,
-                    spare,
-                    spared,
-                    others,
-                    allowed,
-                    rank,
-                    weight,
-                    distances,
-                    found,
+                    then, marker, spare, spared, others, allowed, rank, weight, distances, found,
                     np.inf,
-                )
+                )  # fmt: skip
             if found == 0:
                 continue
             _weigh(weight, found, kind, full, end)
+            still += kind == WATERS and weight[0] < 1e-12
             _move(here[marker], then, here, marker, rank, weight, found)
             state[now, marker] = FILLED
             if use_filled:
                 tier[marker] = FILLED
                 if greedy:
                     _count_new(usable, rings, targets[turn + 1 : count], marker)
+    return still
 
 
 @compiled
-def predict_returns(positions: Any, state: Any, frame: Any, marker: Any, rule: Rule) -> Any:
+def predict_returns(
+    positions: Any,
+    state: Any,
+    frame: Any,
+    marker: Any,
+    kind: int,
+    neighbours: int,
+    full: float,
+    end: float,
+    allowed: Any,
+    use_filled: bool,
+) -> Any:
     """Return where the rule would put samples that are present, NaN where it cannot.
 
     Parameters
     ----------
-    positions, state, rule
-        As for `run`.
     frame, marker : (G,) arrays of int
         The samples; each is predicted from the frame before it.
+    positions, state, kind, neighbours, full, end, allowed, use_filled
+        As for `run`.
 
     Returns
     -------
     (G, 3) array of float64
     """
-    kind, neighbours, full, end, allowed, use_filled, _ = rule
     markers = state.shape[1]
     predicted = np.full((len(frame), 3), np.nan)
     tier = np.empty(markers, np.uint8)

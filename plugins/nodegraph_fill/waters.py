@@ -31,7 +31,7 @@ def waters(
 
     Waters measures D from the muscle's bony attachment, where nothing moves. With D the
     neighbour's distance, a neighbour that coincides with the marker gives R = 0, as does one
-    beyond R_f: the marker then stays where it was, for that step.
+    beyond R_f: the marker then stays where it was for that step, counted in a warning.
 
     Markers missing in one frame are filled in marker order. A gap at the start of the take is
     filled backward from the marker's first sample. What has no usable neighbour stays missing,

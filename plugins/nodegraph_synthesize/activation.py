@@ -102,7 +102,7 @@ def _phrases(
 ) -> NDArray[np.float64]:
     """Return 1 while the actor speaks and 0 in pauses, with soft ends."""
     curve = smooth_noise(random, frames, [0.7], rate)[:, 0]
-    # The share of a normal curve below -1.7 (1 / 2 - silence) is about `silence`.
+    # The share of a normal curve below -2.6 (1 / 2 - silence) is about `silence`.
     threshold = -2.6 * (0.5 - habits.silence)
     return rising(curve, threshold - 0.25, threshold + 0.25)
 
@@ -169,14 +169,13 @@ def _sided(
     shared = smooth_noise(random, frames, cutoffs, rate)
     own = smooth_noise(random, frames, cutoffs + cutoffs, rate).reshape(frames, 2, -1)
     apart = habits.lopsided
+    sides = np.sqrt(1.0 - apart**2) * shared[:, None] + apart * own
     curves = {}
     for index, name in enumerate(muscles):
-        for side, end in enumerate(("Left", "Right")):
-            mixed = np.sqrt(1.0 - apart**2) * shared[:, index] + apart * own[:, side, index]
-            if f"{name}{end}" in CHANNELS:
-                curves[f"{name}{end}"] = mixed
         if name in CHANNELS:
             curves[name] = shared[:, index]
+        else:
+            curves[f"{name}Left"], curves[f"{name}Right"] = sides[:, :, index].T
     return curves
 
 

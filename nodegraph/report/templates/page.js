@@ -1,32 +1,50 @@
 "use strict";
-// Tables sort by a click, or by Enter, on a column's name; numbers as numbers.
+// Tables sort by a click on a column's name, or by Enter or Space; empty cells stay last.
 for (const table of document.querySelectorAll("table.sortable")) {
-  const heads = [...table.tHead.rows[table.tHead.rows.length - 1].cells];
-  const value = (row, index) => {
-    const text = row.cells[index].dataset.value ?? row.cells[index].textContent.trim();
-    const number = Number(text);
-    return text === "" || Number.isNaN(number) ? text : number;
+  if (!table.tHead || table.tHead.rows.length !== 1) continue;
+  if (table.querySelector("[colspan], [rowspan]")) continue;
+  const heads = [...table.tHead.rows[0].cells];
+  const textOf = (row, index) => {
+    const cell = row.cells[index];
+    return cell ? (cell.dataset.value ?? cell.textContent).trim() : "";
   };
-  const order = (a, b) => {
-    const numbers = typeof a === "number" && typeof b === "number";
-    if (numbers) return a - b;
-    if (typeof a !== typeof b) return typeof a === "number" ? -1 : 1;
-    return a.localeCompare(b);
+  const numberOf = (text) => {
+    const found = text.replace(/\u2212/g, "-").match(/^[<>≤≥≈~\s]*([-+]?(?:\d[\d,]*\.?\d*|\.\d+)(?:e[-+]?\d+)?)/i);
+    return found ? Number(found[1].replaceAll(",", "")) : NaN;
+  };
+  const sort = (index, sign) => {
+    const rows = [...table.tBodies[0].rows].map((row) => ({ row, text: textOf(row, index) }));
+    const filled = rows.filter((one) => one.text !== "");
+    const numeric = filled.every((one) => !Number.isNaN(numberOf(one.text)));
+    const compare = numeric
+      ? (a, b) => numberOf(a.text) - numberOf(b.text)
+      : (a, b) => a.text.localeCompare(b.text, undefined, { numeric: true });
+    filled.sort((a, b) => sign * compare(a, b));
+    const empty = rows.filter((one) => one.text === "");
+    table.tBodies[0].append(...[...filled, ...empty].map((one) => one.row));
   };
   heads.forEach((head, index) => {
     const button = document.createElement("button");
     button.type = "button";
+    button.title = "Sort by this column";
     button.append(...head.childNodes);
     head.append(button);
     button.addEventListener("click", () => {
-      const up = head.getAttribute("aria-sort") !== "ascending";
+      const falling = head.getAttribute("aria-sort") === "ascending";
       heads.forEach((one) => one.removeAttribute("aria-sort"));
-      head.setAttribute("aria-sort", up ? "ascending" : "descending");
-      const body = table.tBodies[0];
-      const rows = [...body.rows];
-      rows.sort((a, b) => (up ? 1 : -1) * order(value(a, index), value(b, index)));
-      body.append(...rows);
+      head.setAttribute("aria-sort", falling ? "descending" : "ascending");
+      sort(index, falling ? -1 : 1);
     });
   });
 }
-for (const wide of document.querySelectorAll(".wide, figure.table")) wide.tabIndex = 0;
+// What is wider than the page scrolls in its own frame, with the arrow keys too.
+for (const frame of document.querySelectorAll("figure, .wide, .rendered")) {
+  if (frame.scrollWidth > frame.clientWidth) frame.tabIndex = 0;
+}
+// A link into something folded opens it.
+const unfold = () => {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  for (let fold = target?.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
+};
+addEventListener("hashchange", unfold);
+unfold();

@@ -1,0 +1,144 @@
+"""Whether a node keeps what nodes promise, and what its family promises."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from nodegraph.hooks import Contract, Tried
+from nodegraph.node import Node, node_of
+from nodegraph.registry import Registry, default_registry
+from nodegraph.testing.declaration import declaration_faults, unreadable
+from nodegraph.testing.faults import Faults
+from nodegraph.testing.specimens import cases, without_specimens
+from nodegraph.testing.trial import Trial
+
+
+def check_node(
+    node: Callable[..., Any],
+    *,
+    inputs: Mapping[str, Any] | None = None,
+    settings: Mapping[str, Any] | None = None,
+    registry: Registry | None = None,
+) -> None:
+    """Check everything that a node promises, and all that its family does.
+
+    Its name and signature can be read; it has a docstring, which says what each setting means;
+    its defaults lie within their own bounds. On every specimen that the plugins ship for its
+    ports' types (recordings with gaps, of one frame, all missing, ...) it returns what its
+    annotation says, or raises `nodegraph.Refusal` or ValueError and nothing else; it gives the
+    same answer twice, whatever the global random state, by keyword and by position; and it
+    leaves its inputs as they were. On each, the contracts of its family hold. It does something
+    on at least one of them.
+
+    Parameters
+    ----------
+    node
+        A function decorated with `nodegraph.node`.
+    inputs
+        Values for ports, instead of specimens: for types of which no plugin ships any.
+    settings
+        Values for settings: for those that have no default.
+    registry
+        Whose specimens and contracts; those of all installed plugins by default.
+
+    Raises
+    ------
+    AssertionError
+        With every fault: what is wrong, on which specimen it shows, and what to change.
+
+    Examples
+    --------
+    >>> from nodegraph import get_node
+    >>> check_node(get_node("fill.muscle"))  # doctest: +SKIP
+    """
+    described = node_of(node)
+    if described is None:
+        raise AssertionError(f"{node!r} is not a node: decorate it with @node('family.method')")
+    faults = Faults()
+    _find_faults(described, inputs or {}, settings or {}, registry or default_registry(), faults)
+    if faults:
+        raise AssertionError(f"{described.name} does not keep its promises:\n{faults.text()}")
+
+
+def _find_faults(
+    node: Node,
+    inputs: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    registry: Registry,
+    faults: Faults,
+) -> None:
+    reason = unreadable(node)
+    if reason:
+        faults.add(f"cannot be read as a node: {reason}")
+        return
+    for fault in declaration_faults(node, settings):
+        faults.add(fault)
+    uncallable = list(_uncallable(node, inputs, settings, registry))
+    for fault in uncallable:
+        faults.add(fault)
+    if not uncallable:
+        _try(node, inputs, settings, registry, faults)
+
+
+def _uncallable(
+    node: Node, inputs: Mapping[str, Any], settings: Mapping[str, Any], registry: Registry
+) -> Iterator[str]:
+    for port in without_specimens(node, inputs, registry):
+        yield (
+            f"port {port.name!r}: no installed plugin ships a specimen of {port.type.__name__}: "
+            "ship one by the hook nodegraph_specimens, or test with "
+            f"check_node(..., inputs={{{port.name!r}: ...}})"
+        )
+    for name in inputs.keys() - {port.name for port in node.inputs}:
+        ports = ", ".join(port.name for port in node.inputs) or "none"
+        yield f"inputs: there is no port {name!r}; there is {ports}"
+    for name in settings.keys() - node.settings.keys():
+        known = ", ".join(node.settings) or "none"
+        yield f"settings: there is no setting {name!r}; there is {known}"
+    for name, one in node.settings.items():
+        if one.required and name not in settings:
+            yield (
+                f"setting {name!r} has no default: test with "
+                f"check_node(..., settings={{{name!r}: ...}})"
+            )
+
+
+def _try(
+    node: Node,
+    inputs: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    registry: Registry,
+    faults: Faults,
+) -> None:
+    contracts = _contracts(node.family, registry)
+    declined: list[str] = []
+    done = 0
+    for specimen, values in cases(node, inputs, registry):
+        trial = Trial(node, specimen, values, settings, faults)
+        made = trial.outputs()
+        if isinstance(made, str):
+            declined.append(f"{specimen!r}: {made}")
+        elif made is not None:
+            done += 1
+            for contract in contracts:
+                _hold(contract, trial, made)
+    if not done and not faults:
+        faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
+
+
+def _contracts(family: str, registry: Registry) -> list[Contract]:
+    every = registry.hooks.hook.nodegraph_contracts()
+    return [one for promised in every for one in promised.get(family, ())]
+
+
+def _hold(contract: Contract, trial: Trial, outputs: Mapping[str, Any]) -> None:
+    promise = (inspect.getdoc(contract) or "").partition("\n")[0].rstrip(".")
+    tried = Tried(trial.inputs, outputs, trial.settings, trial.again)
+    try:
+        broken = list(contract(tried))
+    except Exception as error:
+        broken = [f"{type(error).__name__}: {error}"]
+    for detail in broken:
+        trial.fault(f"breaks a promise of every {trial.node.family}.* node: {promise}", detail)

@@ -1,0 +1,66 @@
+"""The values that a node is tried on: those that plugins ship for its ports' types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from nodegraph.node import Node
+from nodegraph.ports import Absent, Across, Port
+from nodegraph.registry import Registry
+
+Inputs = Mapping[str, Any]
+_AXIS = "method"
+_LABELS = ("one", "other")
+_LACKING = Absent({_AXIS: "third"}, "refused", "needs one complete frame")
+
+
+def specimens_of(kind: type, registry: Registry) -> dict[str, Any]:
+    """Return the specimens, by name, that a port of that type can take."""
+    made: dict[str, Any] = {}
+    for makers in registry.hooks.hook.nodegraph_specimens():
+        for held, make in makers.items():
+            if issubclass(held, kind):
+                made.update(make())
+    return made
+
+
+def without_specimens(node: Node, given: Inputs, registry: Registry) -> tuple[Port, ...]:
+    """Return the ports that must be fed and for whose type no plugin ships a specimen."""
+    return tuple(
+        port
+        for port in node.inputs
+        if not port.optional and port.name not in given and not specimens_of(port.type, registry)
+    )
+
+
+def cases(node: Node, given: Inputs, registry: Registry) -> Iterator[tuple[str, Inputs]]:
+    """Yield the name of a specimen and a value for every port.
+
+    A type that lacks a specimen of that name gives its first; `given` values are always taken.
+    The last case leaves the optional ports open.
+    """
+    known = {port: specimens_of(port.type, registry) for port in node.inputs}
+    fed = {port: made for port, made in known.items() if made and port.name not in given}
+    names = list(dict.fromkeys(name for made in fed.values() for name in made)) or [""]
+    for name in names:
+        yield name, {**_chosen(fed, name), **given}
+    optional = {port.name for port in fed if port.optional}
+    if optional:
+        first = {**_chosen(fed, names[0]), **given}
+        open_ports = {port: value for port, value in first.items() if port not in optional}
+        yield f"{names[0]}, optional ports open", open_ports
+
+
+def _chosen(fed: Mapping[Port, Mapping[str, Any]], name: str) -> Inputs:
+    return {port.name: _held(port, made.get(name, _first(made))) for port, made in fed.items()}
+
+
+def _held(port: Port, value: Any) -> Any:
+    if not port.across:
+        return value
+    return Across((_AXIS,), tuple(({_AXIS: label}, value) for label in _LABELS), (_LACKING,))
+
+
+def _first(made: Mapping[str, Any]) -> Any:
+    return next(iter(made.values()))

@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+import re
+
+from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
+
+HOSTILE = 'x"]\n click "javascript:alert(1)" <b>&#34; `a` \\" \\N --> y;'
+PORT = (Socket("out", "Table"),)
+
+
+def two(**how: object) -> Picture:
+    boxes = (
+        Box("a", ("read.x",), outputs=PORT, kind="input"),
+        Box("b", (), PORT, alternatives=("lin", "muscle"), axes=("k \u00d73",), kind="report"),
+    )
+    return Picture("Two", boxes, (Arrow("a", "out", "b", "out", **how),))  # type: ignore[arg-type]
+
+
+def hostile() -> Picture:
+    ports = (Socket(HOSTILE, HOSTILE),)
+    boxes = (
+        Box(HOSTILE, (HOSTILE,), ports, ports, (HOSTILE,), (HOSTILE,)),
+        Box("b", (), ports),
+    )
+    return Picture(HOSTILE, boxes, (Arrow(HOSTILE, HOSTILE, "b", HOSTILE, fixed=HOSTILE),))
+
+
+def test_mermaid() -> None:
+    assert mermaid(two()).splitlines() == [
+        "---",
+        'title: "Two"',
+        "---",
+        "flowchart TD",
+        '  n0(["a<br/>read.x"])',
+        '  n1[["b<br/>lin #124; muscle<br/>k #215;3"]]',
+        '  n0 -->|"out"| n1',
+    ]
+
+
+def test_mermaid_lines() -> None:
+    assert 'n0 -.->|"out"| n1' in mermaid(two(truth=True))
+    assert 'n0 ==>|"out"| n1' in mermaid(two(gathers=True))
+    assert 'n0 ==>|"out<br/>truth"| n1' in mermaid(two(gathers=True, truth=True))
+    assert 'n0 -->|"out<br/>at k=3"| n1' in mermaid(two(fixed="k=3"))
+
+
+def test_no_name_ends_a_mermaid_label() -> None:
+    drawn = mermaid(hostile()).splitlines()
+    assert drawn[1].startswith('title: "x\\"] click')
+    assert len(drawn) == 7
+    for line in drawn[4:]:
+        inside = line.split('"')
+        assert len(inside) == 3
+        text = inside[1].replace("<br/>", "")
+        assert re.fullmatch(r"(?:[\w .,:=-]|#\d+;)*", text)
+
+
+def test_dot() -> None:
+    drawn = dot(two(truth=True, gathers=True, fixed="k=3"))
+    assert drawn.startswith("digraph {\n")
+    assert 'graph [label="Two"' in drawn
+    assert '<TD PORT="o0" COLSPAN="1">out: Table</TD>' in drawn
+    assert 'n0:o0:s -> n1:i0:n [style=dashed, penwidth=3, label="at k=3"];' in drawn
+    assert "n0:o0:s -> n1:i0:n;" in dot(two())
+
+
+def test_no_name_ends_a_dot_label() -> None:
+    drawn = dot(hostile())
+    quoted = re.findall(r"label=(\"(?:[^\"\\]|\\.)*\")", drawn)
+    assert len(quoted) == 2
+    for text in quoted:
+        assert text.count("\\") % 2 == 0
+        assert "\\\\N" in text
+        assert "&amp;#34;" in text
+    markup = "".join(re.findall(r"label=<(<TABLE.*</TABLE>)>\];", drawn))
+    tags = set(re.findall(r"</?(\w+)", markup))
+    assert tags == {"TABLE", "TR", "TD", "B"}

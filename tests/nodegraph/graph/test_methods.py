@@ -1,0 +1,225 @@
+"""Alternatives: mapping, list, family, family with own labels, pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from nodegraph import Across, node
+from nodegraph.errors import Problem
+from nodegraph.execute import Run
+from nodegraph.graph import Graph
+from nodegraph.ports import Port
+
+Mistakes = Callable[..., list[Problem]]
+
+
+@node("fill.twice")
+def twice(recording: float, *, max_gap: int | None = None) -> float:
+    return 2 * recording
+
+
+@node("fill.needs")
+def needs(recording: float, reference: float) -> float:
+    return recording
+
+
+@node("fill.optional")
+def optional(recording: float, reference: float | None = None) -> float:
+    return recording
+
+
+@node("fill.words")
+def words(recording: float) -> str:
+    return ""
+
+
+@node("mean.all")
+def mean(parts: Across[float]) -> float:
+    return sum(parts.values()) / len(parts)
+
+
+def methods(graph: Graph, name: str = "fill") -> dict[str, str]:
+    return {label: one.node.name for label, one in graph.nodes[name].methods.items()}
+
+
+@pytest.mark.parametrize(
+    ("alternatives", "expected"),
+    [
+        ("{one: {use: fill.hold}, two: fill.scale}", {"one": "fill.hold", "two": "fill.scale"}),
+        ("[fill.scale, fill.hold]", {"scale": "fill.scale", "hold": "fill.hold"}),
+        ("[toys:fill.hold]", {"toys:hold": "fill.hold"}),
+        ("[fill.hold, pass]", {"hold": "fill.hold", "pass": "pass"}),
+        ("fill.*", {"hold": "fill.hold", "scale": "fill.scale"}),
+        ("[fill.*]", {"hold": "fill.hold", "scale": "fill.scale"}),
+        ("{fill.*: }", {"hold": "fill.hold", "scale": "fill.scale"}),
+        (
+            "{fill.*: {}, hold: {use: fill.scale, with: {power: 3}}, most: fill.scale, pass: {}}",
+            {"hold": "fill.scale", "scale": "fill.scale", "most": "fill.scale", "pass": "pass"},
+        ),
+        ("{without: {use: pass}, hold: fill.hold}", {"without": "pass", "hold": "fill.hold"}),
+    ],
+)
+def test_alternatives_have_every_form(
+    graph_of: Callable[..., Graph], alternatives: str, expected: dict[str, str]
+) -> None:
+    graph = graph_of(
+        f"nodes: {{n: {{use: read.number}}, fill: {{in: n, alternatives: {alternatives}}}}}"
+    )
+    assert methods(graph) == expected
+    assert graph.axes["fill"].labels == tuple(expected)
+    assert graph.nodes["fill"].axes == ("fill",)
+
+
+def test_a_stranger_joins_its_family(graph_of: Callable[..., Graph]) -> None:
+    text = "nodes: {n: {use: read.number}, fill: {in: n, alternatives: fill.*}}"
+    assert list(methods(graph_of(text, more=[twice]))) == ["hold", "scale", "twice"]
+    assert list(methods(graph_of(text, more=[optional]))) == ["hold", "optional", "scale"]
+
+
+@pytest.mark.parametrize(
+    ("stranger", "said"), [(needs, "reference: float"), (words, "-> str")]
+)
+def test_a_method_that_differs_from_its_family_is_named(
+    mistakes_of: Mistakes, stranger: Callable[..., object], said: str
+) -> None:
+    text = "nodes: {n: {use: read.number}, fill: @@{in: n, alternatives: fill.*}}"
+    told = mistakes_of(text, more=[stranger]) if stranger is words else None
+    if told is None:
+        marked = text.replace("fill.*", "@@fill.*")
+        told = mistakes_of(marked, more=[stranger])
+    assert "cannot stand beside" in told[0].message
+    assert said in told[0].instead
+
+
+def test_shared_wires_and_settings_hold_for_all_and_own_ones_come_on_top(
+    run_of: Callable[..., Run],
+) -> None:
+    run = run_of(
+        """
+        nodes:
+          n: {use: read.number, with: {start: 10}}
+          m: {use: read.number, with: {start: 20}}
+          fill:
+            in: n
+            with: {power: 3}
+            alternatives:
+              shared: fill.scale
+              own: {use: fill.scale, with: {power: 5}}
+              other: {use: fill.scale, in: m}
+              named: {use: fill.scale, in: {recording: m}}
+        """
+    )
+    found = {label["fill"]: value for label, value in run["fill"]}
+    assert found == {"shared": 30, "own": 50, "other": 60, "named": 60}
+
+
+def test_a_setting_for_the_whole_family(run_of: Callable[..., Run]) -> None:
+    text = "nodes: {n: {use: read.number}, fill: {in: n, alternatives: {text.*: {}}}}"
+    with pytest.raises(Exception, match="text"):
+        run_of(text)
+    text = text.replace("text.*: {}", "fill.*: {with: {max_gap: 3}}")
+    graph = run_of(text).plan.graph
+    assert [one.settings.values[()]["max_gap"] for one in graph.nodes["fill"].methods.values()] == [
+        3,
+        3,
+    ]
+
+
+def test_a_shared_setting_that_an_alternative_lacks_is_a_mistake(mistakes_of: Mistakes) -> None:
+    found = mistakes_of(
+        """
+        nodes:
+          n: {use: read.number}
+          fill: {in: n, with: {power: @@3}, alternatives: fill.*}
+        """
+    )
+    assert found[0].message == "fill (hold): fill.hold has no setting 'power'"
+
+
+def test_pass_hands_on_its_input_named_and_typed_as_its_siblings(run_of: Callable[..., Run]) -> None:
+    run = run_of(
+        """
+        nodes:
+          n: {use: read.number, with: {start: 5}}
+          cut: {in: n, with: {length: 2}, alternatives: {gaps.*: {}, pass: {}}}
+          after: {use: fill.hold, in: cut.gappy}
+        """
+    )
+    assert {at["cut"]: value for at, value in run["after"]} == {"cut": 4.0, "pass": 6.0}
+    passing = run.plan.graph.nodes["cut"].methods["pass"].node
+    assert passing.outputs == (Port("gappy", float),)
+    assert run["cut"].at(cut="pass") == 5.0
+
+
+def test_pass_may_have_a_wire_of_its_own_and_nothing_else(
+    run_of: Callable[..., Run], mistakes_of: Mistakes
+) -> None:
+    text = """
+        nodes:
+          n: {use: read.number, with: {start: 5}}
+          m: {use: read.number, with: {start: 7}}
+          fill: {in: n, with: {max_gap: 3}, alternatives: {fill.*: {}, pass: {in: m}}}
+        """
+    assert run_of(text)["fill"].at(fill="pass") == 7
+    mistakes_of(text.replace("{in: m}", "{in: {second: @@m}}"))
+    mistakes_of(text.replace("{in: m}", "{with: {max_gap: @@3}}"))
+
+
+def test_pass_must_get_what_its_siblings_give(mistakes_of: Mistakes) -> None:
+    found = mistakes_of(
+        """
+        nodes:
+          n: {use: read.number}
+          t: {use: text.write}
+          fill: {in: n, alternatives: {hold: fill.hold, pass: {in: @@t}}}
+        """
+    )
+    assert "fill (pass)" in found[0].message
+
+
+def test_pass_beside_methods_that_gather_is_a_mistake(mistakes_of: Mistakes) -> None:
+    text = """
+        nodes:
+          n: {alternatives: [read.number]}
+          all: {in: n, alternatives: {mean.*: {}, pass: @@{}}}
+        """
+    marked = text.replace("pass: @@{}", "@@pass: {}")
+    assert "'pass' hands on one value" in mistakes_of(marked, more=[mean])[0].message
+
+
+def test_pass_alone_has_no_sibling(mistakes_of: Mistakes) -> None:
+    found = mistakes_of(
+        "nodes: {n: {use: read.number}, p: {in: n, alternatives: {@@pass: {}}}}"
+    )
+    assert "'pass'" in found[0].message
+
+
+def test_alternatives_may_need_different_ports(run_of: Callable[..., Run]) -> None:
+    run = run_of(
+        """
+        axes: {k: [1, 2]}
+        nodes:
+          n: {use: read.number, with: {start: 10}}
+          m: {use: read.number, with: {start: $k}}
+          fill: {alternatives: {a: {use: fill.hold, in: n}, b: {use: fill.needs, in: {recording: n, reference: m}}}}
+        """,
+        more=[needs],
+    )
+    assert run["fill"].axes == ("k", "fill")
+    assert len(set(run.plan.cells["fill"].values())) == 3
+
+
+def test_a_number_as_a_label_is_found_again(run_of: Callable[..., Run]) -> None:
+    text = """
+        nodes:
+          n: {use: read.number, with: {start: 10}}
+          fill: {in: n, alternatives: {2: {use: fill.scale}, 3: {use: fill.scale, with: {power: 3}}}}
+          third: {use: fill.hold, in: {from: fill, at: {fill: 3}}}
+        """
+    run = run_of(text)
+    assert run["third"].value == 31
+    assert run["fill"].at(fill=3) == 30
+    assert run_of(text, only={"fill": (3,)})["fill"].value == 30
+    assert "fill = 2" in run_of(f"{text}\n        skip: [{{fill: 2}}]").plan.skipped["fill"]["2",]

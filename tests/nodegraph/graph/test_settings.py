@@ -1,0 +1,192 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Literal
+
+import pytest
+from pydantic import Field
+
+from nodegraph import InputFile, Unit, node
+from nodegraph.errors import NodegraphError, Problem
+from nodegraph.graph import Graph, build
+from nodegraph.registry import Registry
+from nodegraph.spec import read_graph_text
+
+Mistakes = Callable[..., list[Problem]]
+
+
+@node("set.all")
+def everything(
+    *,
+    whole: Annotated[int, Field(ge=1, le=9), Unit("frames")] = 1,
+    number: Annotated[float, Field(gt=0), Unit("mm")] = 0.5,
+    text: str = "",
+    flag: bool = True,
+    way: Literal["up", "down"] = "up",
+    many: tuple[int, ...] = (),
+    pair: tuple[float, float] = (0.0, 1.0),
+    names: list[str] | None = None,
+    path: InputFile | None = None,
+    settings: dict[str, float] | None = None,
+) -> float:
+    return 0.0
+
+
+def values(graph: Graph) -> dict[str, object]:
+    (found,) = graph.nodes["a"].first.settings.values.values()
+    return dict(found)
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ("whole: 9", {"whole": 9}),
+        ("number: 1e-3", {"number": 0.001}),
+        ("number: 2", {"number": 2.0}),
+        ("text: no", {"text": "no"}),
+        ("flag: false", {"flag": False}),
+        ("way: down", {"way": "down"}),
+        ("many: [1, 2]", {"many": (1, 2)}),
+        ("pair: [1, 2.5]", {"pair": (1.0, 2.5)}),
+        ("names: [a, no]", {"names": ["a", "no"]}),
+        ("names: ~", {"names": None}),
+        ("settings: {a: 1}", {"settings": {"a": 1.0}}),
+        ("many: [$k, 7]", {"many": (3, 7)}),
+        ("settings: {a: $k.part}", {"settings": {"a": 0.25}}),
+    ],
+)
+def test_a_setting_arrives_as_its_type(
+    graph_of: Callable[..., Graph], written: str, expected: dict[str, object]
+) -> None:
+    form = "{m: {part: 0.25}}" if ".part" in written else "[3]"
+    axes = f"axes: {{k: {form}}}\n" if "$" in written else ""
+    graph = graph_of(f"{axes}nodes: {{a: {{use: set.all, with: {{{written}}}}}}}", more=[everything])
+    found = {name: values(graph)[name] for name in expected}
+    assert found == expected
+    assert [type(one) for one in found.values()] == [type(one) for one in expected.values()]
+
+
+@pytest.mark.parametrize(
+    ("written", "said", "is_"),
+    [
+        ("whole: @@0", "should be greater than or equal to 1, got 0", "whole number >= 1 <= 9 frames"),
+        ("whole: @@10", "should be less than or equal to 9, got 10", "frames"),
+        ("whole: @@1.0", "should be a valid integer, got 1.0", "whole number"),
+        ("whole: @@'1'", "should be a valid integer, got '1'", "whole number"),
+        ("whole: @@true", "should be a valid integer, got True", "whole number"),
+        ("whole: @@~", "should be a valid integer, got None", "whole number"),
+        ("number: @@0", "should be greater than 0, got 0", "number > 0 mm"),
+        ("number: @@fast", "should be a valid number, got 'fast'", "number > 0 mm"),
+        ("text: @@5", "should be a valid string, got 5", "text"),
+        ("flag: @@no", "should be a valid boolean, got 'no'", "true or false"),
+        ("way: @@left", "should be 'up' or 'down', got 'left'", "one of up, down"),
+        ("many: @@3", "should be a valid", "list of whole numbers"),
+        ("many: @@[1, x]", "should be a valid integer, got 'x'", "list of whole numbers"),
+        ("names: @@a", "should be a valid list, got 'a'", "list of texts or null"),
+        ("path: @@none.c3d", "no such file: none.c3d", ""),
+        ("hole: @@3", "has no setting 'hole'", "did you mean 'whole'?"),
+        (f"whole: @@{'9' * 3500}", "setting 'whole' of set.all", "whole number"),
+        (f"text: @@{'9' * 2500}", "should be a valid string", "text"),
+    ],
+)
+def test_a_wrong_setting_is_told_with_what_it_is(
+    mistakes_of: Mistakes, written: str, said: str, is_: str
+) -> None:
+    (found,) = mistakes_of(
+        f"nodes: {{a: {{use: set.all, with: {{{written}}}}}}}", more=[everything]
+    )
+    assert said in found.message
+    assert is_ in found.instead
+
+
+def test_a_required_setting_must_be_given(mistakes_of: Mistakes) -> None:
+    (found,) = mistakes_of("nodes: {a: {use: @@read.file}}")
+    assert found.message == "a: setting 'path' of read.file must be given"
+
+
+def test_all_wrong_settings_of_a_node_are_told(mistakes_of: Mistakes) -> None:
+    text = "nodes: {a: {use: set.all, with: {whole: @@0, number: @@x, way: @@y}}}"
+    assert len(mistakes_of(text, more=[everything])) == 3
+
+
+def test_a_setting_is_checked_at_every_label(mistakes_of: Mistakes) -> None:
+    text = """
+        axes: {k: [1, 5, 10, 12]}
+        nodes: {a: {use: set.all, with: {whole: @@$k}}}
+        """
+    with pytest.raises(AssertionError, match="got 10"):
+        mistakes_of(text, more=[everything])
+    found = mistakes_of(text.replace("@@$k", "@@@@$k"), more=[everything])
+    assert [one.message[-2:] for one in found] == ["10", "12"]
+
+
+def test_settings_depend_on_the_axes_that_they_name(graph_of: Callable[..., Graph]) -> None:
+    graph = graph_of(
+        """
+        inputs: {n: 4}
+        axes: {j: [1, 2], k: {a: {w: 3, t: x}, b: {w: 4, t: y}}, other: [1]}
+        nodes:
+          a: {use: set.all, with: {text: $k.t, whole: $k.w, many: [$j, $n]}}
+          o: {use: read.number, with: {start: $other}}
+        """,
+        more=[everything],
+    )
+    settings = graph.nodes["a"].first.settings
+    assert settings.axes == ("j", "k")
+    assert settings.values[2, "b"]["many"] == (2, 4)
+    assert settings.values[2, "b"]["whole"] == 4
+    assert settings.shown[2, "b"]["text"] == "y"
+    assert settings.shown[2, "b"]["number"] == 0.5
+
+
+def test_a_field_that_a_label_lacks_is_named(mistakes_of: Mistakes) -> None:
+    found = mistakes_of(
+        """
+        axes: {k: {a: {whole: 3}, b: {hole: 4}}}
+        nodes: {a: {use: set.all, with: {whole: @@@@$k.whole}}}
+        """,
+        more=[everything],
+    )
+    assert "label 'b' has no field 'whole'" in found[0].message
+    assert found[0].instead == "did you mean 'hole'? there is: hole"
+
+
+def test_an_input_has_no_fields(mistakes_of: Mistakes) -> None:
+    (found,) = mistakes_of(
+        "inputs: {n: {a: 1}}\nnodes: {a: {use: set.all, with: {whole: @@$n.a}}}", more=[everything]
+    )
+    assert "only an axis has fields" in found.message
+
+
+def test_paths_start_at_the_graph_or_where_they_were_given(
+    graph_of: Callable[..., Graph], tmp_path: Path
+) -> None:
+    beside, given = tmp_path / "graphs", tmp_path
+    beside.mkdir()
+    for folder in (beside, given):
+        (folder / "take.txt").write_text("1")
+    text = "nodegraph: 1\ninputs: {p: take.txt}\nnodes: {a: {use: set.all, with: {path: $p}}}"
+    spec = read_graph_text(text, "g.yaml", beside)
+    registry = Registry.of([everything])
+    assert values(build(spec, registry))["path"] == (beside / "take.txt").resolve()
+    graph = graph_of(text.partition("\n")[2], more=[everything], inputs={"p": "take.txt"})
+    assert values(graph)["path"] == (given / "take.txt").resolve()
+
+
+def test_a_scheme_finds_a_place(tmp_path: Path) -> None:
+    (tmp_path / "face").mkdir()
+
+    def sample(name: str) -> Path:
+        if name != "face":
+            raise NodegraphError(f"no sample {name!r}")
+        return tmp_path / name
+
+    registry = Registry.of([everything])
+    registry.__dict__["_places"] = {"sample": sample}
+    text = "nodegraph: 1\nnodes: {a: {use: set.all, with: {path: 'sample:face'}}}"
+    graph = build(read_graph_text(text, "g.yaml", Path()), registry)
+    assert values(graph)["path"] == (tmp_path / "face").resolve()
+    assert graph.nodes["a"].first.settings.shown[()]["path"] == "sample:face"
+    with pytest.raises(NodegraphError, match=r"g\.yaml:2:39: a: no sample 'fase'"):
+        build(read_graph_text(text.replace("face", "fase"), "g.yaml", Path()), registry)

@@ -1,0 +1,148 @@
+"""Gaps lie where they may, as many as asked, the same for the same seed."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Literal, get_args
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_gaps.cut import Cut, cut
+from nodegraph_mocap import Origin, Trajectories
+
+Pattern = Literal["random", "contiguous", "region", "end"]
+PATTERNS: tuple[Pattern, ...] = get_args(Pattern)
+
+
+def recording(frames: int = 200, markers: int = 12, *, missing: float = 0.0) -> Trajectories:
+    random = np.random.default_rng(7)
+    positions = random.normal(size=(1, markers, 3)) * [60, 80, 20] + random.normal(
+        size=(frames, markers, 3)
+    )
+    positions[random.random((frames, markers)) < missing] = np.nan
+    names = tuple(f"m{index}" for index in range(markers))
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+def runs(hidden: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    """Return (marker, first frame, length) of every gap, found one sample after the other."""
+    found = []
+    for marker in range(hidden.shape[1]):
+        frame = 0
+        for is_hidden, same in itertools.groupby(hidden[:, marker]):
+            length = len(list(same))
+            if is_hidden:
+                found.append((marker, frame, length))
+            frame += length
+    return found
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+@pytest.mark.parametrize("simultaneous", [1, 3])
+@pytest.mark.parametrize("missing", [0.0, 0.02])
+def test_gaps_are_as_asked(pattern: Pattern, simultaneous: int, missing: float) -> None:
+    source = recording(missing=missing)
+    count = 3 if pattern == "end" else 8
+    made = cut(
+        source,
+        length=6,
+        count=count,
+        simultaneous=simultaneous,
+        pattern=pattern,
+        seed=3,
+    )
+    found = runs(made.hidden.hidden)
+    assert [length for *_, length in found] == [6] * (count * simultaneous)
+    starts = [start for _, start, _ in found]
+    assert len(found) == count * simultaneous
+    for marker, start, length in found:
+        assert source.measured[start - 1 : start + length, marker].all()
+        if pattern == "end":
+            assert start + length == source.frames
+        else:
+            assert made.gappy.present[start + length, marker]
+        assert made.gappy.present[start - 1, marker]
+    assert len(set(starts)) <= count
+
+
+def test_only_hidden_samples_differ() -> None:
+    source = recording(missing=0.05)
+    made = cut(source, length=5, count=10)
+    hidden = made.hidden.hidden
+    assert made.truth is source
+    assert np.array_equal(made.gappy.positions[~hidden], source.positions[~hidden], equal_nan=True)
+    assert np.isnan(made.gappy.positions[hidden]).all()
+    assert (made.gappy.origin[hidden] == Origin.MISSING).all()
+    assert np.array_equal(made.gappy.origin[~hidden], source.origin[~hidden])
+
+
+def test_the_seed_decides_and_nothing_else() -> None:
+    first, again, other = (cut(recording(), seed=seed, length=5) for seed in (1, 1, 2))
+    assert np.array_equal(first.hidden.hidden, again.hidden.hidden)
+    assert not np.array_equal(first.hidden.hidden, other.hidden.hidden)
+
+
+def test_every_place_can_be_drawn() -> None:
+    source = recording(frames=6, markers=2)
+    seen = {runs(cut(source, length=2, count=1, seed=seed).hidden.hidden)[0] for seed in range(200)}
+    assert seen == {(marker, start, 2) for marker in range(2) for start in (1, 2, 3)}
+
+
+def test_as_many_gaps_as_there_is_room_for() -> None:
+    # one marker, 21 frames: gaps of 4 need a sample between them, so four fit
+    source = recording(frames=21, markers=1)
+    for seed in range(20):
+        made = cut(source, length=4, count=4, seed=seed)
+        assert len(runs(made.hidden.hidden)) == 4
+
+
+@pytest.mark.parametrize(
+    ("length", "count", "fitting"), [(4, 5, 4), (19, 2, 1), (20, 1, 0), (50, 3, 0)]
+)
+def test_too_many_gaps_say_how_many_fit(length: int, count: int, fitting: int) -> None:
+    with pytest.raises(ValueError, match=rf"{count} gap events asked, {fitting} fit"):
+        cut(recording(frames=21, markers=1), length=length, count=count)
+
+
+def test_contiguous_gaps_hide_the_nearest_markers() -> None:
+    source = recording()
+    made = cut(source, length=5, count=6, simultaneous=3, pattern="contiguous")
+    shape = np.median(source.positions, axis=0)
+    for group in events(made):
+        groups = [set(np.argsort(np.linalg.norm(shape - shape[one], axis=1))[:3]) for one in group]
+        assert group in groups
+
+
+def test_a_region_is_the_outermost_in_one_direction() -> None:
+    source = recording(markers=20)
+    made = cut(source, length=5, count=6, simultaneous=4, pattern="region")
+    shape = np.median(source.positions, axis=0)
+    flat = (shape - shape.mean(axis=0)) @ np.linalg.svd(shape - shape.mean(axis=0))[2][:2].T
+    for group in events(made):
+        out = [
+            set(np.argsort(flat @ [np.cos(angle), np.sin(angle)])[-4:])
+            for angle in np.linspace(0, 2 * np.pi, 3600)
+        ]
+        assert group in out
+
+
+def events(made: Cut) -> list[set[int]]:
+    """Return the markers of each event; events of one start frame would be one."""
+    found: dict[int, set[int]] = {}
+    for marker, start, _ in runs(made.hidden.hidden):
+        found.setdefault(start, set()).add(marker)
+    return list(found.values())
+
+
+def test_what_cannot_be_done_is_said() -> None:
+    with pytest.raises(ValueError, match="5 markers at once asked, the recording has 3"):
+        cut(recording(markers=3), simultaneous=5)
+    empty = Trajectories(positions=np.zeros((0, 1, 3)), markers=("a",), rate=60.0)
+    with pytest.raises(ValueError, match="no samples"):
+        cut(empty)
+    lost = Trajectories(positions=np.full((30, 2, 3), np.nan), markers=("a", "b"), rate=60.0)
+    for pattern in PATTERNS:
+        with pytest.raises(ValueError, match="0 fit"):
+            cut(lost, length=2, count=1, simultaneous=2, pattern=pattern)
