@@ -17,9 +17,9 @@ def dot(picture: Picture) -> str:
     boxes = {box.name: box for box in picture.boxes}
     lines = [
         "digraph {",
-        f"  graph [label={_quoted(picture.title)}, labelloc=t, rankdir=TB, fontname=sans];",
-        "  node [shape=plain, fontname=sans, fontsize=11];",
-        "  edge [fontname=sans, fontsize=9];",
+        f"  graph [label={_quoted(picture.title)}, labelloc=t, rankdir=TB, fontname=Helvetica];",
+        "  node [shape=plain, fontname=Helvetica, fontsize=11];",
+        "  edge [fontname=Helvetica, fontsize=9];",
     ]
     lines += [f"  n{numbers[box.name]} [label=<{_table(box)}>];" for box in picture.boxes]
     lines += [_edge(arrow, numbers, boxes) for arrow in picture.arrows]
@@ -32,12 +32,17 @@ def _quoted(text: str) -> str:
     return f'"{plain}"'
 
 
+def _markup(text: str) -> str:
+    """Return text for a label of markup, where a backslash would begin an escape as well."""
+    return escaped(text.replace("\\", "\\\\"))
+
+
 def _table(box: Box) -> str:
     span = max(1, len(box.inputs)) * max(1, len(box.outputs))
     cell = f'<TR><TD COLSPAN="{span}">'
-    rows = [f"{cell}<B>{escaped(box.name)}</B></TD></TR>"]
+    rows = [f"{cell}<B>{_markup(box.name)}</B></TD></TR>"]
     lines = [*box.lines, " | ".join(box.alternatives), ", ".join(box.axes)]
-    rows += [f"{cell}{escaped(line)}</TD></TR>" for line in lines if clean(line)]
+    rows += [f"{cell}{_markup(line)}</TD></TR>" for line in lines if clean(line)]
     inputs, outputs = _ports(box.inputs, "i", span), _ports(box.outputs, "o", span)
     border = 2 if box.kind == "report" else 1
     style = ' STYLE="ROUNDED"' if box.kind == "input" else ""
@@ -47,7 +52,7 @@ def _table(box: Box) -> str:
 
 def _ports(sockets: Sequence[Socket], side: str, span: int) -> str:
     cells = [
-        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{escaped(_socket(one))}</TD>'
+        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{_markup(_socket(one))}</TD>'
         for index, one in enumerate(sockets)
     ]
     return f"<TR>{''.join(cells)}</TR>" if cells else ""

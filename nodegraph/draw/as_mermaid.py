@@ -18,8 +18,8 @@ def mermaid(picture: Picture) -> str:
     in a label is written as a Mermaid entity, so that no name can end its label.
     """
     ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
-    lines = ["---", f"title: {json.dumps(clean(picture.title), ensure_ascii=False)}", "---"]
-    lines.append("flowchart TD")
+    title = clean(picture.title).replace("<", "&lt;").replace(">", "&gt;")
+    lines = ["---", f"title: {json.dumps(title, ensure_ascii=False)}", "---", "flowchart TD"]
     lines += [f"  {ids[box.name]}{_box(box)}" for box in picture.boxes]
     lines += [
         f'  {ids[arrow.source]} {_line(arrow)}|"{_label(arrow)}"| {ids[arrow.target]}'

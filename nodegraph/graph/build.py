@@ -77,14 +77,16 @@ class _Builder:
         kept = self._names.axes[spec.name].labels if spec.has_alternatives else ("",)
         methods = [self._method(spec, one) for one in chosen]
         found = {one.label: one for one in methods if one is not None and one.label in kept}
-        if spec.over and not any(_gathers(one) for one in found.values()) and found:
+        gathers = any(_gathers(one) for one in found.values())
+        if spec.over and found and not gathers:
             self._problems.add(spec.over[0][1], f"{spec.name}: 'over' needs a port that gathers")
         for method in found.values():
             self._check_fixed(spec.name, method)
         if not all(map(self._is_complete, chosen)):
             self._incomplete.add(spec.name)
-        problems = Problems() if spec.name in self._incomplete else self._problems
-        axes = spread(spec, found.values(), self._nodes, self._names.axes, problems)
+        told = self._problems if gathers and spec.name not in self._incomplete else Problems()
+        axes = spread(spec, found.values(), self._nodes, self._names.axes, told)
+        self._check_stages(spec.name, found.values(), axes.gathered)
         return GraphNode(
             spec.name, spec.place, found, spec.has_alternatives, axes.axes, axes.gathered
         )
@@ -119,6 +121,15 @@ class _Builder:
             settings=self._settings.read(where, chosen, node),
             place=chosen.place,
         )
+
+    def _check_stages(
+        self, name: str, methods: Iterable[Method], gathered: tuple[str, ...]
+    ) -> None:
+        for fed in (fed for method in methods for fed in method.inputs.values()):
+            if isinstance(fed, Gather) and fed.axis in gathered:
+                message = f"{name}: port {fed.axis!r} is an axis here, and gathers another of its name"
+                place = next(iter(fed.sources.values())).place
+                self._problems.add(place, message, f"rename the axis {fed.axis!r}")
 
     def _check_fixed(self, name: str, method: Method) -> None:
         for fed in method.inputs.values():

@@ -82,6 +82,7 @@ class Names:
                 nearest(f"${variable.name}", there),
             )
         elif variable.field:
+            self.unknown.add(variable)
             message = f"{variable}: {variable.name!r} is an input; only an axis has fields"
             self._problems.add(variable.place, message)
         return None

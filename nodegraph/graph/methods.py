@@ -76,6 +76,9 @@ def choose(spec: NodeSpec, registry: Registry, problems: Problems) -> list[Chose
     made = {one.label: _found(one, registry, problems) for one in siblings}
     _check_family(spec, made, problems)
     first = next((one for one in made.values() if one is not None), None)
+    for one in chosen.values():
+        if one.use == PASS and spec.has_alternatives:
+            _check_passing(one, first, bool(siblings), problems)
     return [
         _chosen(spec, one, made[one.label] if one.use != PASS else _passing(first))
         for one in chosen.values()
@@ -117,6 +120,16 @@ def _found(method: MethodSpec, registry: Registry, problems: Problems) -> Regist
         return None
 
 
+def _check_passing(
+    passing: MethodSpec, sibling: Registered | None, has_siblings: bool, problems: Problems
+) -> None:
+    if not has_siblings:
+        problems.add(passing.place, "'pass' needs another alternative, whose ports it takes")
+    elif sibling is not None and any(port.across for port in sibling.node.inputs[:1]):
+        message = f"'pass' hands on one value, and {sibling.node.name} gathers several"
+        problems.add(passing.place, message)
+
+
 def _passing(sibling: Registered | None) -> Registered | None:
     return Registered(PassNode(sibling.node), "nodegraph") if sibling else None
 
@@ -127,9 +140,9 @@ def _chosen(spec: NodeSpec, method: MethodSpec, found: Registered | None) -> Cho
         settings = {**spec.settings, **method.settings}
         return Chosen(method.label, found, method.place, wiring, settings)
     # the siblings' other ports and settings do not concern what only hands on
-    fed = {**_by_port(spec.wiring, found), **_by_port(method.wiring, found)}
     first = found.node.inputs[0].name if found.node.inputs else ""
-    wiring = {port: one for port, one in fed.items() if port == first}
+    shared = {port: one for port, one in _by_port(spec.wiring, found).items() if port == first}
+    wiring = {**shared, **_by_port(method.wiring, found)}
     return Chosen(method.label, found, method.place, wiring, method.settings)
 
 

@@ -97,6 +97,9 @@ class NodeReader:
 
     def _labelled(self, key: Any, place: Place, item: Located) -> MethodSpec:
         label = str(key)
+        if not isinstance(key, str):
+            message = f"the label {label} of an alternative must be a word"
+            self._problems.add(place, message, f"write a name, such as order_{label}")
         is_family = label.endswith(".*")
         if item.value is None:
             item = Located({}, item.place)

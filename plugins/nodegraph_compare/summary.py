@@ -94,10 +94,11 @@ def differences(summary: Summary, baseline: int) -> Differences:
     values[:, baseline] = np.nan
     resampled = summary.resampled - summary.resampled[:, [baseline]]
     resampled[:, baseline] = np.nan
-    known = np.isfinite(values).any(axis=0)
+    known = np.asarray(np.isfinite(values).any(axis=0))
     low, high = interval(resampled)
-    p = np.array([signed_rank(one) if on else np.nan for one, on in zip(values.T, known)])
-    nothing = np.full(len(known), np.nan)
+    nothing = np.full(known.shape, np.nan)
+    p = nothing.copy()
+    p[known] = [signed_rank(one) for one in values.T[known]]
     return Differences(
         mean=values.mean(axis=0) if len(values) else nothing,
         low=low,

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -54,6 +54,11 @@ class Rule:
         Millimetres, for Waters' rule.
     allowed : (M, M) array of bool, or None
         Which marker may be a neighbour of which; None: any of any other.
+
+    Raises
+    ------
+    ValueError
+        If there is to be no neighbour.
     """
 
     weights: str
@@ -63,6 +68,10 @@ class Rule:
     full_radius: float = 0.0
     falloff_radius: float = 0.0
     allowed: NDArray[np.bool_] | None = None
+
+    def __post_init__(self) -> None:
+        if self.neighbours < 1:
+            raise ValueError(f"neighbours must be at least 1, got {self.neighbours}")
 
     def arguments(self, markers: int) -> tuple[Any, ...]:
         """Return what the kernel's functions take, from the kind of weights on."""
@@ -126,7 +135,14 @@ def fill_stepwise(
     -------
     Trajectories
         The recording; present samples bit for bit as they were, written ones called filled.
+
+    Raises
+    ------
+    ValueError
+        If `close_gap` is none of its choices.
     """
+    if close_gap not in get_args(CloseGap):
+        raise ValueError(f"close_gap must be none, ramp or blend, got {close_gap!r}")
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
     wanted = gaps.chosen(~(long | gaps.never))

@@ -1,4 +1,4 @@
-"""Damage of known place: gaps cut into a recording, with the truth beside it."""
+"""Hide samples of a recording, so that what a fill puts there can be compared with them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nodegraph import hookimpl
 
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
-    """Return the nodes of this package."""
+    """Return the nodes that make gaps."""
     from nodegraph_gaps.cut import cut
 
     return (cut,)

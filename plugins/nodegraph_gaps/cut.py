@@ -1,20 +1,36 @@
-"""Cut gaps of one length into a recording."""
+"""Gaps of known content: samples that were measured, hidden at random."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from nodegraph import Truth, Unit, node
-from nodegraph_gaps.events import Free, place_events
-from nodegraph_gaps.patterns import groups_of
+from nodegraph_gaps.groups import AnyMarkers, Groups, contiguous, region
+from nodegraph_gaps.places import free_places, place_events
 from nodegraph_mocap import Mask, Origin, Trajectories
+from nodegraph_mocap.reference_shape import reference_shape
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Pattern = Literal["random", "contiguous", "region", "end"]
 
 
 class Cut(NamedTuple):
-    """What a cut gives: the damaged recording, the whole one, and where they differ."""
+    """A recording with gaps, and what they hide.
+
+    Attributes
+    ----------
+    gappy : Trajectories
+        The recording without the hidden samples.
+    truth : Trajectories
+        The recording as it came.
+    hidden : Mask
+        The samples that were hidden.
+    """
 
     gappy: Trajectories
     truth: Truth[Trajectories]
@@ -28,55 +44,79 @@ def cut(
     length: Annotated[int, Field(ge=1), Unit("frames")] = 15,
     count: Annotated[int, Field(ge=1), Unit("gap events")] = 20,
     simultaneous: Annotated[int, Field(ge=1), Unit("markers")] = 1,
-    pattern: Literal["random", "contiguous", "region", "end"] = "random",
+    pattern: Pattern = "random",
     seed: Annotated[int, Field(ge=0)] = 0,
 ) -> Cut:
-    """Hide samples in gaps of one length, at places drawn at random.
+    """Hide measured samples in gap events, to ask a fill for them.
 
-    An event hides the same frames of one or more markers. Events never overlap or touch: each
-    gap keeps a present sample of its marker on both sides (``end``: on the left). Only measured
-    samples are hidden. The places depend on the seed and on the recording, never on a method.
+    An event hides the same frames of one or several markers. Only measured (or repaired)
+    samples are hidden, and a present sample stays on each side of every gap, so that no two
+    gaps touch. Events of different markers may lie at the same time.
+
+    Which samples are hidden follows from the seed, the recording's present samples and its
+    reference shape (the most complete frame) alone, so that all methods face the same gaps.
+    Events are drawn one after the other among the places that are still free. Where chance has
+    left too little room for all of them, they are drawn instead from a dense packing, which
+    begins at the take's start.
 
     Parameters
     ----------
     recording
-        The recording to damage; what it lacks already stays missing and is not counted.
+        Trajectories, with or without gaps of their own.
     length
-        Frames that each gap lasts.
+        Frames that an event hides.
     count
-        Number of events.
+        How many events.
     simultaneous
-        Markers that an event hides at once.
+        Markers that an event hides.
     pattern
-        Which markers an event hides. ``random``: any. ``contiguous``: one and those nearest to
-        it. ``region``: those farthest out in one direction, as when the head turns away.
-        ``end``: any, until the take ends.
+        Which markers an event hides. random: any. contiguous: a random marker and those
+        nearest to it. region: a random marker and those nearest to it on one side of it, in a
+        random direction, as when something covers the face from that side; markers of the
+        other side follow where that side has too few. end: any, and the event reaches the
+        take's last frame, with a present sample before it only.
     seed
-        Draws the places.
+        Same seed, same gaps.
 
     Returns
     -------
-    gappy
-        The recording without the hidden samples.
-    truth
-        The recording as it came.
-    hidden
-        The samples that were hidden.
+    Cut
+        gappy, truth, hidden.
 
     Raises
     ------
     ValueError
         If the events do not fit; the message says how many do.
     """
-    if recording.frames == 0 or not recording.markers:
-        raise ValueError("the recording has no samples to hide")
-    if simultaneous > len(recording.markers):
-        markers = len(recording.markers)
-        raise ValueError(f"{simultaneous} markers at once asked, the recording has {markers}")
     random = np.random.default_rng(seed)
-    free = Free(recording.measured, length, at_end=pattern == "end")
-    groups = groups_of(pattern, recording, simultaneous)
-    hidden = place_events(free, groups, count, simultaneous, random)
+    free = free_places(recording, length, at_end=pattern == "end")
+    groups = _groups(recording, pattern, simultaneous, random)
+    events, fitting = place_events(free, length, count, groups, random)
+    if fitting < count:
+        each = "" if simultaneous == 1 else f" on {simultaneous} markers at once"
+        raise ValueError(
+            f"{count} gaps of {length} frames{each} asked, {fitting} fit into {recording.frames} "
+            f"frames of {len(recording.markers)} markers ({pattern}): ask for fewer or shorter"
+        )
+    hidden = np.zeros(recording.origin.shape, dtype=np.bool_)
+    for start, markers in events:
+        hidden[start : start + length, markers] = True
+    return Cut(
+        _without(recording, hidden), recording, Mask(hidden=hidden, markers=recording.markers)
+    )
+
+
+def _groups(
+    recording: Trajectories, pattern: Pattern, size: int, random: np.random.Generator
+) -> AnyMarkers | Groups:
+    if pattern == "contiguous":
+        return contiguous(reference_shape(recording), size)
+    if pattern == "region":
+        return region(reference_shape(recording), size, random)
+    return AnyMarkers(size)
+
+
+def _without(recording: Trajectories, hidden: NDArray[np.bool_]) -> Trajectories:
     positions = np.where(hidden[..., None], np.nan, recording.positions)
-    gappy = recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)
-    return Cut(gappy, recording, Mask(hidden=hidden, markers=recording.markers))
+    sigma = None if recording.sigma is None else np.where(hidden, np.nan, recording.sigma)
+    return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING, sigma=sigma)

@@ -1,5 +1,10 @@
 """What travels between nodes that process motion capture, and how files become it."""
 
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from nodegraph import Renderer, hookimpl
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
@@ -22,3 +27,33 @@ __all__ = [
     "Weights",
     "sample_folder",
 ]
+
+
+@hookimpl
+def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+    """Return the nodes of this package."""
+    from nodegraph_mocap.read_recording import read_recording
+
+    return (read_recording,)
+
+
+@hookimpl
+def nodegraph_renderers() -> Iterable[Renderer]:
+    """Return how tables and figures appear in a report."""
+    from nodegraph_mocap.renderers import renderers
+
+    return renderers()
+
+
+@hookimpl
+def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:
+    """Return what finds ``sample:NAME``."""
+    return {"sample": sample_folder}
+
+
+@hookimpl
+def nodegraph_graphs() -> Iterable[Path]:
+    """Return the shipped graphs: beside this file in a wheel, at the top of a checkout."""
+    inside = Path(__file__).with_name("graphs")
+    folder = inside if inside.is_dir() else Path(__file__).parents[2] / "graphs"
+    return sorted(folder.glob("*.yaml"))

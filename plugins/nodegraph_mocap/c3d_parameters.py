@@ -67,9 +67,7 @@ class Parameter:
         if self.kind == TEXT:
             return ()
         pieces = range(0, len(self.data), self.kind)
-        return tuple(
-            float(self.processor.integer(self.data[at : at + self.kind])) for at in pieces
-        )
+        return tuple(float(self.processor.integer(self.data[at : at + self.kind])) for at in pieces)
 
     @property
     def texts(self) -> tuple[str, ...]:

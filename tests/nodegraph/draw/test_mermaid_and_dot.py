@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import json
 import re
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
+from nodegraph.draw.text import clean
 
 HOSTILE = 'x"]\n click "javascript:alert(1)" <b>&#34; `a` \\" \\N --> y;'
 PORT = (Socket("out", "Table"),)
@@ -46,7 +48,10 @@ def test_mermaid_lines() -> None:
 
 def test_no_name_ends_a_mermaid_label() -> None:
     drawn = mermaid(hostile()).splitlines()
-    assert drawn[1].startswith('title: "x\\"] click')
+    assert drawn[1].startswith("title: ")
+    assert json.loads(drawn[1].removeprefix("title: ")) == (
+        clean(HOSTILE).replace("<", "&lt;").replace(">", "&gt;")
+    )
     assert len(drawn) == 7
     for line in drawn[4:]:
         inside = line.split('"')
@@ -68,10 +73,10 @@ def test_no_name_ends_a_dot_label() -> None:
     drawn = dot(hostile())
     quoted = re.findall(r"label=(\"(?:[^\"\\]|\\.)*\")", drawn)
     assert len(quoted) == 2
-    for text in quoted:
-        assert text.count("\\") % 2 == 0
-        assert "\\\\N" in text
-        assert "&amp;#34;" in text
+    shown = [re.sub(r"\\(.)", r"\1", text[1:-1]).replace("&amp;", "&") for text in quoted]
+    assert shown == [clean(HOSTILE), f"at {clean(HOSTILE)}"]
     markup = "".join(re.findall(r"label=<(<TABLE.*</TABLE>)>\];", drawn))
+    assert "\\\\N" in markup
+    assert not re.search(r"(?<!\\)(?:\\\\)*\\(?!\\)", markup), "each backslash is doubled"
     tags = set(re.findall(r"</?(\w+)", markup))
     assert tags == {"TABLE", "TR", "TD", "B"}

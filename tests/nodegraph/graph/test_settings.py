@@ -83,7 +83,7 @@ def test_a_setting_arrives_as_its_type(
         ("way: @@left", "should be 'up' or 'down', got 'left'", "one of up, down"),
         ("many: @@3", "should be a valid", "list of whole numbers"),
         ("many: @@[1, x]", "should be a valid integer, got 'x'", "list of whole numbers"),
-        ("names: @@a", "should be a valid list, got 'a'", "list of texts or null"),
+        ("names: @@a", "should be a valid array, got 'a'", "list of texts or null"),
         ("path: @@none.c3d", "no such file: none.c3d", ""),
         ("hole: @@3", "has no setting 'hole'", "did you mean 'whole'?"),
         (f"whole: @@{'9' * 3500}", "setting 'whole' of set.all", "whole number"),
@@ -188,5 +188,5 @@ def test_a_scheme_finds_a_place(tmp_path: Path) -> None:
     graph = build(read_graph_text(text, "g.yaml", Path()), registry)
     assert values(graph)["path"] == (tmp_path / "face").resolve()
     assert graph.nodes["a"].first.settings.shown[()]["path"] == "sample:face"
-    with pytest.raises(NodegraphError, match=r"g\.yaml:2:39: a: no sample 'fase'"):
+    with pytest.raises(NodegraphError, match=r"g\.yaml:2:40: a: no sample 'fase'"):
         build(read_graph_text(text.replace("face", "fase"), "g.yaml", Path()), registry)

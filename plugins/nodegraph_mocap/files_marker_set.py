@@ -1,0 +1,94 @@
+"""Marker sets as YAML files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from nodegraph_mocap.marker_set import MarkerSet
+
+PARTS = tuple(field.name for field in fields(MarkerSet))
+_COUPLES = ("pairs", "edges")
+
+
+def read_marker_set(path: Path) -> MarkerSet:
+    """Read a marker set.
+
+    The file lists ``markers`` and, where they are known, ``pairs``, ``midline``, ``stable`` and
+    ``edges``.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of that form, with the place where it is not.
+    """
+    import yaml
+
+    # nothing is resolved, so that a marker may be called `no` or `1e3`
+    loader: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+    try:
+        found = yaml.load(path.read_text(encoding="utf-8"), Loader=loader)
+        return marker_set_of(found)
+    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError) as error:
+        raise ValueError(f"{path}: not a marker set: {error}") from None
+
+
+def marker_set_of(found: Any) -> MarkerSet:
+    """Return the marker set that plain data describe.
+
+    Raises
+    ------
+    ValueError
+        If they are not of its form.
+    """
+    if not isinstance(found, Mapping) or "markers" not in found:
+        raise ValueError(
+            f"it must be a mapping with 'markers', and may have {', '.join(PARTS[1:])}"
+        )
+    unknown = [str(key) for key in found if key not in PARTS]
+    if unknown:
+        raise ValueError(f"unknown key {unknown[0]!r}; there is {', '.join(PARTS)}")
+    return MarkerSet(**{part: _part(part, found[part]) for part in PARTS if part in found})
+
+
+def plain_marker_set(marker_set: MarkerSet) -> dict[str, list[Any]]:
+    """Return a marker set as plain data, empty parts left out."""
+    parts = {part: getattr(marker_set, part) for part in PARTS}
+    return {
+        part: [list(one) if part in _COUPLES else one for one in items]
+        for part, items in parts.items()
+        if items or part == "markers"
+    }
+
+
+def marker_set_text(marker_set: MarkerSet) -> str:
+    """Return a marker set as the text of its YAML file, which reads back equal."""
+    import json
+
+    # JSON is YAML, and quotes every name
+    lines = [
+        f"{part}: {json.dumps(items, ensure_ascii=False)}"
+        for part, items in plain_marker_set(marker_set).items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _part(part: str, items: Any) -> tuple[Any, ...]:
+    if items in ("", None):
+        return ()
+    if not isinstance(items, list):
+        raise ValueError(f"{part!r} must be a list")
+    if part in _COUPLES:
+        return tuple(_couple(part, one) for one in items)
+    bad = [one for one in items if not isinstance(one, str) or not one]
+    if bad:
+        raise ValueError(f"{part!r} must be a list of names, not {bad[0]!r}")
+    return tuple(items)
+
+
+def _couple(part: str, item: Any) -> tuple[str, str]:
+    if not isinstance(item, list) or len(item) != 2 or not all(isinstance(x, str) for x in item):
+        raise ValueError(f"{part!r} must be a list of two names each, not {item!r}")
+    return item[0], item[1]

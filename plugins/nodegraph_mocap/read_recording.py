@@ -1,0 +1,87 @@
+"""Read a recording, whatever its file form."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+from nodegraph import InputFile, node
+from nodegraph_mocap.files_csv import read_csv
+from nodegraph_mocap.files_marker_set import read_marker_set
+from nodegraph_mocap.files_npz import read_npz
+from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.paths import find_file
+from nodegraph_mocap.recording import Trajectories
+
+_RECORDINGS = ("recording.c3d", "recording.npz", "recording.csv")
+_MARKER_SETS = ("markers.yaml",)
+_TABLES = (".csv", ".tsv", ".txt")
+
+
+@node("read.recording")
+def read_recording(
+    *, path: InputFile, marker_set: InputFile | None = None, zeros_missing: bool = True
+) -> Trajectories:
+    """Read a recording: C3D, CSV, TSV or NPZ, told apart by content, then by suffix.
+
+    Parameters
+    ----------
+    path
+        A file, a folder that holds ``recording.c3d``, or ``sample:NAME``.
+    marker_set
+        A marker-set file (YAML). By default the recording's own, or ``markers.yaml`` of the
+        folder, or none.
+    zeros_missing
+        Whether a sample at exactly (0, 0, 0) counts as missing, as many systems mean it.
+
+    Returns
+    -------
+    Trajectories
+        In millimetres.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, holds no samples, or lacks a marker that the set names.
+    """
+    file = find_file(path, _RECORDINGS)
+    recording = _read(file, zeros_missing)
+    if not recording.frames or not recording.markers:
+        raise ValueError(f"{path}: the recording holds no samples")
+    if not recording.present.any():
+        warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=2)
+    found = _marker_set(Path(path), file, marker_set)
+    return recording if found is None else _with_set(recording, found, file)
+
+
+def _read(file: Path, zeros_missing: bool) -> Trajectories:
+    with file.open("rb") as opened:
+        start = opened.read(4)
+    if start[1:2] == b"\x50" and start[:2] != b"PP":
+        from nodegraph_mocap.files_c3d import read_c3d
+
+        return read_c3d(file, zeros_missing=zeros_missing)
+    if start == b"PK\x03\x04":
+        return read_npz(file)
+    if file.suffix.lower() in _TABLES:
+        return read_csv(file, zeros_missing=zeros_missing)
+    raise ValueError(f"{file}: neither C3D, NPZ nor a table ({', '.join(_TABLES)})")
+
+
+def _marker_set(path: Path, file: Path, given: Path | None) -> MarkerSet | None:
+    if given is not None:
+        return read_marker_set(find_file(given, _MARKER_SETS))
+    beside = file.parent / _MARKER_SETS[0]
+    asked_for_folder = path != file
+    return read_marker_set(beside) if asked_for_folder and beside.is_file() else None
+
+
+def _with_set(recording: Trajectories, found: MarkerSet, file: Path) -> Trajectories:
+    absent = [name for name in found.markers if name not in recording.markers]
+    if absent:
+        raise ValueError(
+            f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "
+            f"{', '.join(recording.markers)}"
+        )
+    return replace(recording, marker_set=found)

@@ -1,0 +1,194 @@
+"""No scored method may see the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from nodegraph import Truth, node
+from nodegraph.errors import Problem
+from nodegraph.graph import Graph
+
+Mistakes = Callable[..., list[Problem]]
+
+
+class Face(NamedTuple):
+    captured: float
+    neutral: float
+    truth: Truth[float]
+
+
+@node("synthesize.face")
+def face() -> Face:
+    return Face(1.0, 2.0, 3.0)
+
+
+@node("fill.two")
+def two(recording: float, reference: float | None = None) -> float:
+    return recording
+
+
+@node("peek.answer")
+def peek(truth: Truth[float]) -> float:
+    return truth
+
+
+@node("read.pair")
+def read_pair(*, first: Path, second: Path) -> float:
+    return 0.0
+
+
+MORE = (face, two, peek)
+TEXT = """
+axes: {k: [1, 2]}
+nodes:
+  capture: {use: read.number}
+  near: {use: fill.hold, in: capture}
+  gaps: {use: gaps.cut, in: near, with: {length: $k}}
+  fill: {use: fill.two, in: {recording: gaps.gappy, reference: REFERENCE}}
+  smooth: {use: fill.hold, in: fill}
+  error: {use: score.gaps, in: {estimate: ESTIMATE, truth: TRUTH, hidden: gaps.hidden}}
+  shown: {use: plot.faces, in: {recordings: capture, truth: {from: gaps.truth, at: {k: 1}}}}
+"""
+
+
+def text(reference: str = "gaps.gappy", estimate: str = "smooth", truth: str = "gaps.truth") -> str:
+    replaced = TEXT.replace("REFERENCE", reference)
+    return replaced.replace("ESTIMATE", estimate).replace("TRUTH", truth)
+
+
+def test_what_passes_the_hider_is_no_leak(graph_of: Callable[..., Graph]) -> None:
+    assert graph_of(text(), more=MORE)
+
+
+@pytest.mark.parametrize(
+    ("written", "way"),
+    [
+        (text(estimate="@@capture"), "capture.output -> error.estimate"),
+        (text(estimate="@@near"), "near.output -> error.estimate"),
+        (
+            text(reference="capture", estimate="@@smooth"),
+            "capture.output -> fill.output -> smooth.output -> error.estimate",
+        ),
+        (
+            text(reference="near", estimate="@@fill"),
+            "near.output -> fill.output -> error.estimate",
+        ),
+    ],
+)
+def test_a_way_around_the_hider_is_named(mistakes_of: Mistakes, written: str, way: str) -> None:
+    (found,) = mistakes_of(written, more=MORE)
+    assert found.message == f"error is scored against what gaps hides, and can see it: {way}"
+    assert "'known'" in found.instead
+
+
+def test_the_truth_itself_must_not_come_round(mistakes_of: Mistakes) -> None:
+    written = text(estimate="@@peeked") + "  peeked: {use: peek.answer, in: gaps.truth}\n"
+    found = mistakes_of(written, more=MORE)
+    assert found[0].message.endswith("gaps.truth -> peeked.output -> error.estimate")
+
+
+def test_a_truth_that_was_worked_on_is_still_the_truth(
+    mistakes_of: Mistakes, graph_of: Callable[..., Graph]
+) -> None:
+    more = "  peeked: {use: peek.answer, in: gaps.truth}\n"
+    assert graph_of(text(truth="peeked") + more, more=MORE)
+    mistakes_of(text(truth="peeked", estimate="@@near") + more, more=MORE)
+
+
+def test_a_port_that_only_draws_is_exempt(mistakes_of: Mistakes) -> None:
+    written = text(estimate="@@capture")
+    assert len(mistakes_of(written, more=MORE)) == 1  # and none for 'shown'
+
+
+@pytest.mark.parametrize(
+    ("known", "leaks"),
+    [
+        ("[capture]", False),
+        ("[capture.output]", False),
+        ("[near]", True),
+        ("[gaps]", True),
+        ("[capture, near]", False),
+    ],
+)
+def test_no_way_leads_through_what_is_known(
+    graph_of: Callable[..., Graph], mistakes_of: Mistakes, known: str, leaks: bool
+) -> None:
+    written = text(reference="capture") + f"known: {known}\n"
+    if leaks:
+        mistakes_of(written.replace("estimate: smooth", "estimate: @@smooth"), more=MORE)
+    else:
+        assert graph_of(written, more=MORE)
+
+
+FACE = """
+nodes:
+  face: {use: synthesize.face}
+  fill: {use: fill.two, in: {recording: face.captured, reference: face.neutral}}
+  gaps: {use: gaps.cut, in: face.captured}
+  again: {use: fill.two, in: {recording: gaps.gappy, reference: face.neutral}}
+  score: {use: score.gaps, in: {estimate: fill, truth: face.truth, hidden: gaps.hidden}}
+  error: {use: score.gaps, in: {estimate: @@again, truth: gaps.truth, hidden: gaps.hidden}}
+"""
+
+
+def test_one_output_of_a_node_may_be_known(
+    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+) -> None:
+    (found,) = mistakes_of(FACE, more=MORE)
+    assert found.message.endswith("face.neutral -> again.output -> error.estimate")
+    assert graph_of(FACE.replace("@@", "") + "known: [face.neutral]\n", more=MORE)
+    mistakes_of(FACE + "known: [face.captured]\n", more=MORE)
+
+
+FILES = """
+nodes:
+  capture: {use: read.file, with: {path: a.txt}}
+  other: {use: read.file, with: {path: OTHER}}
+  gaps: {use: gaps.cut, in: capture}
+  fill: {use: fill.two, in: {recording: gaps.gappy, reference: other}}
+  error: {use: score.gaps, in: {estimate: @@fill, truth: gaps.truth, hidden: gaps.hidden}}
+"""
+
+
+def test_a_file_read_twice_is_one_source(
+    graph_of: Callable[..., Graph], mistakes_of: Mistakes, tmp_path: Path
+) -> None:
+    for name in ("a.txt", "b.txt"):
+        (tmp_path / name).write_text("1")
+    (tmp_path / "link.txt").symlink_to(tmp_path / "a.txt")
+    assert graph_of(FILES.replace("OTHER", "b.txt").replace("@@", ""), more=MORE)
+    for same in ("a.txt", "./a.txt", "link.txt"):
+        (found,) = mistakes_of(FILES.replace("OTHER", same), more=MORE)
+        way = f"file {tmp_path / 'a.txt'} -> other.output -> fill.output -> error.estimate"
+        assert found.message.endswith(way)
+    assert graph_of(FILES.replace("OTHER", "a.txt").replace("@@", "") + "known: [other]", more=MORE)
+
+
+def test_one_leaking_alternative_is_enough(
+    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+) -> None:
+    written = """
+        nodes:
+          capture: {use: read.number}
+          gaps: {use: gaps.cut, in: capture}
+          fill: {in: gaps, alternatives: {a: fill.hold, b: {use: fill.hold, in: capture}}}
+          error: {use: score.gaps, in: {estimate: @@fill, truth: gaps.truth, hidden: gaps.hidden}}
+        """
+    mistakes_of(written)
+    assert graph_of(written.replace("@@", "").replace(", in: capture}}", "}}"))
+
+
+def test_a_graph_that_hides_nothing_has_no_leak(graph_of: Callable[..., Graph]) -> None:
+    assert graph_of(
+        """
+        nodes:
+          a: {use: read.number}
+          n: {use: gaps.cut, in: b}
+          b: {use: read.number}
+          e: {use: score.gaps, in: {estimate: a, truth: a, hidden: n.hidden}}
+        """
+    )

@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from nodegraph.draw import Box, Picture, svg
+from nodegraph.hooks import Rendered
+from nodegraph.report import AxisRow, MethodRow, Section, SettingRow, StepNote, Study, page
+from nodegraph.report.page import duration
+from tests.nodegraph.report.studies import Hostile, Page, refusals, study, timings
+
+
+def test_every_text_is_shown_and_none_is_run() -> None:
+    hostile = Hostile()
+    read = Page(page(hostile.make(Study)))
+    shown = read.text
+    links = [one["href"] for one in read.all("a")]
+    paths = [link for link in links if link.startswith("./")]
+    assert len(hostile.texts) > 40
+    assert len(paths) == 2
+    for number, text in enumerate(hostile.texts):
+        in_path = any(f"alert%28{number}%29" in path for path in paths)
+        assert in_path or text in shown, f"text {number} is not shown as it is"
+    assert len(list(read.all("script"))) == 1
+    assert not list(read.all("img"))
+    assert not [name for _, found in read.tags for name in found if name.startswith("on")]
+
+
+def test_all_of_a_study_is_in_its_page() -> None:
+    settings = (SettingRow("length", "5, 15", "frames", meaning="How long a gap is."),)
+    whole = study(
+        answer=("muscle is best.", "lin comes second."),
+        notes_markdown="Which method **restores** markers?\n\n| a | b |\n|---|---|\n| 1 | 2 |",
+        graph_svg=svg(Picture("drawn", (Box("capture"),))),
+        axes=(AxisRow("trial", tuple(str(one) for one in range(100))), AxisRow("k", ("3", "5"))),
+        inputs=(SettingRow("recording", "sample:face"),),
+        known=("face.neutral",),
+        methods=(MethodRow("gaps", "gaps.cut", "Hide samples.", "", settings, "Nobody (2001)."),),
+        notes=refusals(3),
+        timings=timings(),
+        seconds=131.0,
+        versions=(("numpy", "2.1.3"),),
+        seeds=(("gaps", "0, 1"),),
+        command="nodegraph run fill.yaml",
+        graph_file="fill.yaml",
+        graph_text="nodegraph: 1\n",
+        created="today",
+        machine="a computer",
+    )
+    html = page(whole)
+    read = Page(html)
+    for text in (
+        "muscle is best.|lin comes second.|4 steps done in 2 min 11 s|3 refused|Errors|drawn"
+        "|sample:face|0 \u2026 99|3, 5|face.neutral|Hide samples.|5, 15 frames|How long a gap is."
+        "|Nobody (2001).|numpy|2.1.3|0, 1|nodegraph run fill.yaml|nodegraph: 1|today|a computer"
+    ).split("|"):
+        assert text in read.text, text
+    assert "<strong>restores</strong>" in html
+    order = [html.index(text) for text in ("muscle is best", "restores", "Errors", "drawn</title>")]
+    order += [html.index(f'<h2 id="{one}"') for one in ("methods", "notes", "timings", "again")]
+    assert order == sorted(order)
+
+
+def test_what_happened_to_thousands_is_folded_but_whole() -> None:
+    read = Page(page(study(notes=refusals(5000))))
+    assert "5000 refused" in read.text
+    assert read.text.count("needs one complete frame") == 1
+    assert "5000 combinations" in read.text
+    assert "trial=4999" in read.text
+    folded = [index for index, (tag, _) in enumerate(read.tags) if tag == "details"]
+    listed = [
+        index for index, (_, one) in enumerate(read.tags) if one.get("class") == "combinations"
+    ]
+    assert folded[0] < listed[0]
+
+
+def test_a_failure_says_how_to_repeat_it_and_where_it_happened() -> None:
+    note = StepNote("fill", "k=3", "ValueError: no", "failed", repeat="run --only k=3", trace="L 1")
+    read = Page(page(study(notes=(note,))))
+    for text in ("1 failed", "ValueError: no", "k=3", "run --only k=3", "L 1"):
+        assert text in read.text
+
+
+def test_a_run_without_notes_says_so() -> None:
+    assert "No step failed, was refused, was left out, or gave a warning." in page(study())
+
+
+def test_a_study_without_results_says_so() -> None:
+    assert "No step that the report shows has a result" in page(Study("Nothing"))
+
+
+def test_one_title_is_one_result_and_many_labels_fold() -> None:
+    sections = tuple(Section("curve", Rendered("<p>x</p>"), f"k={k}") for k in range(6))
+    html = page(Study("Many", sections=sections))
+    assert html.count('<section class="result"') == 1
+    assert html.count('<details class="fold">') == 3
+    assert all(f"k={k}" in html for k in range(6))
+
+
+def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:
+    notes = "![a](http://evil.example/x.png) <img src=http://evil.example/y> [b](javascript:c)"
+    read = Page(page(study(notes_markdown=notes)))
+    policy = next(one["content"] for one in read.all("meta") if "http-equiv" in one)
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "http" not in policy
+    for _, found in read.tags:
+        assert not re.match(r"https?:|//|javascript:", found.get("src", ""))
+    assert [one["href"] for one in read.all("link")] == ["data:,"]
+    assert not [one for one in read.all("a") if one["href"].startswith("javascript")]
+    style = "".join(text for tag, text in read.texts if tag == "style")
+    assert not re.search(r"url\(|@import", style)
+
+
+def test_it_can_be_read_without_eyes() -> None:
+    read = Page(page(study(notes=refusals(2), timings=timings())))
+    tags = [tag for tag, _ in read.tags]
+    assert [tags.count(one) for one in ("header", "nav", "main", "h1")] == [1, 1, 1, 1]
+    assert next(read.all("html"))["lang"] == "en"
+    assert all("scope" in one for one in read.all("th"))
+    ids = [one["id"] for _, one in read.tags if "id" in one]
+    assert len(ids) == len(set(ids))
+    for link in read.all("a"):
+        assert not link["href"].startswith("#") or link["href"][1:] in ids
+    for _, one in read.tags:
+        assert one.get("aria-labelledby", ids[0]) in ids
+
+
+def test_a_file_beside_the_page_stays_beside_it() -> None:
+    html = page(study())
+    assert '<a href="./table.csv">CSV</a>' in html
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.0, "0 ms"),
+        (0.0123, "12 ms"),
+        (0.3, "0.3 s"),
+        (9.84, "9.8 s"),
+        (42.4, "42 s"),
+        (200, "3 min 20 s"),
+        (59.7, "1 min 0 s"),
+        (7500, "2 h 5 min"),
+    ],
+)
+def test_durations(seconds: float, text: str) -> None:
+    assert duration(seconds) == text

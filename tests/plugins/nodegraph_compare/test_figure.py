@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.container import ErrorbarContainer
+
+from nodegraph import Across
+from nodegraph_compare.table import Compared, table
+from nodegraph_mocap.style import looks
+
+
+def compared(*, within: tuple[str, ...], scale: float = 1.0) -> Compared:
+    random = np.random.default_rng(0)
+    entries = []
+    for take in ("jaw", "cheeks"):
+        for length in (5, 45):
+            for place, fill in enumerate(("lin", "cubic", "akima")):
+                rmse = random.uniform(1, 2, size=8) * scale**place
+                labels = {"take": take, "length": length, "fill": fill}
+                entries.append((labels, pd.DataFrame({"gap": range(8), "rmse": rmse})))
+    return table(Across(("take", "length", "fill"), tuple(entries)), within=within)
+
+
+def points(axis: Any) -> dict[str, ErrorbarContainer]:
+    return {one.get_label(): one for one in axis.containers}
+
+
+def test_means_and_intervals_are_those_of_the_table() -> None:
+    made = compared(within=("length",))
+    (axis,) = made.figure.axes
+    for fill, container in points(axis).items():
+        rows = made.table[made.table["fill"] == fill]
+        line, _, (bars,) = container.lines
+        assert np.asarray(line.get_ydata()) == pytest.approx(rows["mean"].to_numpy())
+        ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+        assert ends == pytest.approx(rows[["low", "high"]].to_numpy())
+    assert [text.get_text() for text in axis.get_xticklabels()] == ["5", "45"]
+
+
+def test_a_panel_per_combination_and_one_look_per_method() -> None:
+    made = compared(within=("take", "length"))
+    assert [axis.get_title() for axis in made.figure.axes] == ["take jaw", "take cheeks"]
+    look = looks(["lin", "cubic", "akima"])
+    for axis in made.figure.axes:
+        for fill, container in points(axis).items():
+            line = container.lines[0]
+            assert to_hex(line.get_color()).upper() == look[fill].colour
+            assert line.get_marker() == look[fill].marker
+    (legend,) = made.figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["lin", "cubic", "akima"]
+
+
+def test_methods_stand_along_x_where_there_is_one_group() -> None:
+    made = compared(within=())
+    (axis,) = made.figure.axes
+    assert [text.get_text() for text in axis.get_xticklabels()] == ["lin", "cubic", "akima"]
+    assert [float(one.lines[0].get_xdata()[0]) for one in points(axis).values()] == [0, 1, 2]
+
+
+def test_a_wide_span_gets_a_logarithmic_scale() -> None:
+    assert compared(within=("length",)).figure.axes[0].get_yscale() == "linear"
+    assert compared(within=("length",), scale=10).figure.axes[0].get_yscale() == "log"
+
+
+def test_a_method_without_a_value_is_in_the_legend() -> None:
+    tables = {
+        name: pd.DataFrame({"gap": [0, 1], "side": ["l", "l"], "rmse": values})
+        for name, values in {"lin": [1.0, 2.0], "pca": [np.nan, np.nan]}.items()
+    }
+    with pytest.warns(UserWarning, match="not compared: pca"):
+        made = table(Across.of(tables, axis="fill"), within=("side",))
+    (legend,) = made.figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["lin", "pca (no value)"]
+
+
+@pytest.mark.parametrize("within", [(), ("length",), ("take", "length")])
+def test_the_figure_can_be_written(within: tuple[str, ...]) -> None:
+    buffer = io.BytesIO()
+    compared(within=within).figure.savefig(buffer, format="svg")
+    assert buffer.getvalue().lstrip().startswith(b"<?xml")

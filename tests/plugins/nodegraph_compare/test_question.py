@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from nodegraph import Across
+from nodegraph_compare.question import Question, ask
+
+
+def score(**columns: list[object]) -> pd.DataFrame:
+    return pd.DataFrame({"gap": [0, 1], "frames": [5, 5], "rmse": [1.0, 2.0], **columns})
+
+
+def across(*axes: str, **columns: list[object]) -> Across[pd.DataFrame]:
+    return Across(axes, ((dict.fromkeys(axes, "one"), score(**columns)),))
+
+
+def asked(scores: Across[pd.DataFrame], **given: object) -> Question:
+    defaults = {"metric": None, "compare": None, "within": (), "blocks": ()}
+    return ask(scores, **{**defaults, **given})  # type: ignore[arg-type]
+
+
+def test_defaults() -> None:
+    found = asked(across("trial", "length", "fill"), within=("length",))
+    assert found == Question("rmse", "fill", ("length",), ("trial", "gap"), ())
+
+
+def test_compare_is_the_last_axis_that_is_not_taken() -> None:
+    assert asked(across("fill", "trial"), blocks=("trial",)).compare == "fill"
+    assert asked(across("fill", "trial"), within=("trial", "fill")).compare is None
+
+
+def test_axes_named_nowhere_are_averaged_over() -> None:
+    found = asked(across("take", "trial", "fill"), blocks=("trial", "gap"))
+    assert found.averaged == ("take",)
+
+
+@pytest.mark.parametrize(
+    ("first", "blocks"),
+    [({"frame": [3, 4]}, ("trial",)), ({"height": [0.5, 1.5]}, ("trial",))],
+)
+def test_frames_and_floats_are_no_unit(first: dict[str, list[float]], blocks: object) -> None:
+    table = pd.DataFrame({**first, "rmse": [1.0, 2.0]})
+    scores = Across(("trial", "fill"), (({"trial": 0, "fill": "a"}, table),))
+    assert asked(scores).blocks == blocks
+
+
+def test_columns_can_be_compared_and_grouped_by() -> None:
+    found = asked(across("fill", side=["l", "r"]), compare="side", within=("fill",))
+    assert found == Question("rmse", "side", ("fill",), ("gap",), ())
+
+
+def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:
+    assert asked(across("fill"), metric="frames").metric == "frames"
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"metric": "rms"}, "no metric 'rms' in the table of one; columns: gap, frames, rmse"),
+        ({"metric": "name"}, "metric 'name' is no column of numbers .* there are: gap, frames"),
+        ({"compare": "file"}, "no axis or column 'file' .*; axes: fill; columns: gap, frames"),
+        ({"within": ("fil",)}, "no axis or column 'fil' .*; axes: fill"),
+        ({"blocks": ("trial",)}, "no axis or column 'trial'"),
+        ({"compare": "fill", "within": ("fill",)}, "share a name: fill"),
+    ],
+)
+def test_what_there_is_not_is_named_with_what_there_is(given: dict[str, object], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        asked(across("fill", name=["x", "y"]), **given)
+
+
+def test_tables_without_floats_and_no_tables() -> None:
+    table = pd.DataFrame({"gap": [0], "name": ["x"]})
+    with pytest.raises(ValueError, match="no column of floats; columns: gap, name"):
+        asked(Across.of({"a": table}, axis="fill"))
+    with pytest.raises(ValueError, match="no table to compare"):
+        asked(Across(("fill",), ()))
+
+
+def test_a_table_that_lacks_the_metric_is_named() -> None:
+    scores = Across.of({"a": score(), "b": score().drop(columns="rmse")}, axis="fill")
+    with pytest.raises(ValueError, match="no metric 'rmse' in the table of b"):
+        asked(scores)

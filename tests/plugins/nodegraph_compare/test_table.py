@@ -1,0 +1,228 @@
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import wilcoxon
+
+import nodegraph_compare
+from nodegraph import Absent, Across
+from nodegraph.node import node_of
+from nodegraph_compare.table import table
+
+NAN = np.nan
+
+
+def scored(values: Any) -> pd.DataFrame:
+    made = pd.DataFrame({"gap": np.arange(len(values)), "rmse": np.asarray(values, dtype=float)})
+    made.attrs["units"] = {"rmse": "mm"}
+    return made
+
+
+def trials(count: int = 6, gaps: int = 5, lengths: tuple[int, ...] = (5, 45)) -> Any:
+    """Three methods of known order: `near` lowest, then `far`; `twin` equals `near`."""
+    random = np.random.default_rng(0)
+    entries: list[Any] = []
+    for trial in range(count):
+        for length in lengths:
+            near = random.lognormal(size=gaps) * length
+            spread = {"far": near * random.uniform(1.5, 3, size=gaps), "near": near, "twin": near}
+            labels = {"trial": trial, "length": length}
+            entries += [({**labels, "fill": name}, scored(one)) for name, one in spread.items()]
+    return Across(("trial", "length", "fill"), tuple(entries))
+
+
+def plainly(scores: Any, length: int, fill: str) -> Any:
+    return np.concatenate(
+        [one["rmse"] for at, one in scores if at["length"] == length and at["fill"] == fill]
+    )
+
+
+def test_rows_are_the_statistics_of_the_blocks() -> None:
+    scores = trials()
+    made = table(scores, within=("length",), blocks=("trial", "gap"), baseline="near").table
+    assert list(zip(made["length"], made["fill"], strict=True)) == [
+        (length, fill) for length in (5, 45) for fill in ("far", "near", "twin")
+    ]
+    for row in made.to_dict("records"):
+        values = plainly(scores, row["length"], row["fill"])
+        assert row["blocks"] == 30
+        assert row["mean"] == pytest.approx(values.mean())
+        assert row["median"] == pytest.approx(np.median(values))
+        assert row["sd"] == pytest.approx(values.std(ddof=1))
+        assert row["low"] < row["mean"] < row["high"]
+        assert row["refused"] == row["left missing"] == 0
+    far, near, twin = made.iloc[:3].to_dict("records")
+    paired = plainly(scores, 5, "far") - plainly(scores, 5, "near")
+    assert far["difference"] == pytest.approx(paired.mean())
+    assert 0 < far["difference low"] < paired.mean() < far["difference high"]
+    assert far["p"] == pytest.approx(min(1.0, 2 * wilcoxon(paired).pvalue))
+    assert far["better in"] == 0
+    assert all(np.isnan(near[name]) for name in ("difference", "difference low", "p", "better in"))
+    assert [twin[name] for name in ("difference", "p", "better in")] == [0, 1, 0]
+
+
+def test_the_answer_names_the_lowest_and_those_that_are_not_apart() -> None:
+    short, long = table(trials(), within=("length",)).table.attrs["answer"]
+    assert re.match(
+        r"length 5: near has the lowest mean rmse \([\d.]+ mm, interval [\d.]+ to [\d.]+, 30 "
+        r"blocks\); not clearly apart from it: twin .* includes 0\), the other clearly behind\.$",
+        short,
+    )
+    assert long.startswith("length 45: near has the lowest")
+
+
+def test_an_answer_when_all_others_are_behind() -> None:
+    scores = Across.of({"a": scored([2, 3, 4]), "b": scored([1, 2, 3])}, axis="fill")
+    (told,) = table(scores).table.attrs["answer"]
+    assert told.startswith("b has the lowest mean rmse (2 mm, ")
+    assert "every other method's paired difference to it lies above 0" in told
+
+
+def test_the_draw_does_not_depend_on_anything_but_the_seed() -> None:
+    first, again, other = (table(trials(), seed=seed).table for seed in (1, 1, 2))
+    assert first.equals(again)
+    assert not first.equals(other)
+    assert first["mean"].equals(other["mean"])
+
+
+def test_incomplete_blocks_are_dropped_for_all_and_told() -> None:
+    scores = Across.of(
+        {"a": scored([1, 2, 3, 4]), "b": scored([1, NAN, 5, 6]), "c": scored([0, 9, 1])},
+        axis="fill",
+    )
+    with pytest.warns(UserWarning, match=r"2 of 4 blocks left out \(b lacks 1, c lacks 1\)"):
+        made = table(scores).table
+    assert made["blocks"].tolist() == [2, 2, 2]
+    assert made["mean"].tolist() == [2.0, 3.0, 0.5]
+    assert made["left missing"].tolist() == [0, 0.25, 0]
+    assert any("2 of 4 blocks" in note for note in made.attrs["notes"])
+
+
+def test_a_method_without_any_number_leaves_the_others_their_blocks() -> None:
+    scores = Across.of(
+        {"a": scored([1, 2]), "b": scored([NAN, NAN]), "c": scored([2, 4])}, axis="f"
+    )
+    with pytest.warns(UserWarning, match="without any number, not compared: b"):
+        made = table(scores, baseline="a").table
+    assert made["blocks"].tolist() == [2, 0, 2]
+    assert made.loc[1, ["mean", "sd", "low", "difference", "p", "better in"]].isna().all()
+    assert made.loc[2, "difference"] == 1.5
+    assert made.loc[2, "p"] == wilcoxon([1, 2]).pvalue
+
+
+def test_a_baseline_without_any_number_gives_no_differences() -> None:
+    scores = Across.of({"a": scored([1, 2]), "b": scored([NAN, NAN])}, axis="fill")
+    with pytest.warns(UserWarning, match="not compared: b"):
+        made = table(scores, baseline="b").table
+    assert made[["difference", "difference low", "p", "better in"]].isna().all(axis=None)
+
+
+def test_refused_combinations_are_counted_and_listed_with_their_reasons() -> None:
+    whole = trials(2)
+    entries = tuple(one for one in whole if one[0]["fill"] != "twin" or one[0]["length"] == 45)
+    absent = tuple(
+        Absent({"trial": trial, "length": 5, "fill": "twin"}, "refused", "needs a complete frame")
+        for trial in range(2)
+    )
+    scores = Across(whole.axes, entries, absent)
+    told = r"twin: 2 combinations refused \(needs a complete frame\)"
+    with pytest.warns(UserWarning, match=told):
+        made = table(scores, within=("length",)).table
+    assert made["fill"].tolist() == ["far", "near", "twin"] * 2
+    assert made["refused"].tolist() == [0, 0, 1, 0, 0, 0]
+    assert made["blocks"].tolist() == [10, 10, 0, 10, 10, 10]
+    assert any(re.search(told, note) for note in made.attrs["notes"])
+
+
+def test_skipped_combinations_are_a_note_and_no_warning() -> None:
+    whole = trials(2)
+    scores = Across(
+        whole.axes,
+        whole.entries,
+        (Absent({"trial": 0, "length": 99, "fill": "far"}, "skipped", ""),),
+    )
+    made = table(scores, within=("length",)).table
+    assert made["length"].tolist() == [5] * 3 + [45] * 3
+    assert "far: 1 combination skipped" in made.attrs["notes"]
+
+
+def test_one_method_has_a_mean_and_no_rival() -> None:
+    made = table(Across.of({"only": scored([1, 2, 3])}, axis="fill")).table
+    assert made["mean"].tolist() == [2.0]
+    assert made.attrs["answer"][0].startswith("only only has a mean rmse (2 mm, ")
+
+
+def test_one_block_has_no_spread() -> None:
+    scores = Across.of({"a": scored([1]), "b": scored([2])}, axis="fill")
+    made = table(scores, baseline="a").table
+    assert made["mean"].tolist() == [1, 2]
+    assert made[["sd", "low", "high", "difference low"]].isna().all(axis=None)
+    assert "one block says nothing" in made.attrs["answer"][0]
+
+
+def test_no_common_block_says_nothing() -> None:
+    scores = Across.of({"a": scored([1, NAN]), "b": scored([NAN, 2])}, axis="fill")
+    with pytest.warns(UserWarning, match=r"2 of 2 blocks left out"):
+        made = table(scores, baseline="a")
+    assert made.table["blocks"].tolist() == [0, 0]
+    assert made.table[["mean", "p", "difference"]].isna().all(axis=None)
+    assert "nothing can be said" in made.table.attrs["answer"][0]
+
+
+def test_tables_without_rows_are_told() -> None:
+    empty = Across.of({"a": scored([])}, axis="fill")
+    with pytest.warns(UserWarning, match="the tables have no rows"):
+        made = table(empty)
+    assert len(made.table) == 0
+    assert made.figure.axes
+
+
+def test_numbers_label_methods_as_well() -> None:
+    scores = Across.of({3: scored([1, 2]), 5: scored([2, 4])}, axis="order")
+    made = table(scores, baseline="3").table
+    assert made["order"].tolist() == [3, 5]
+    assert made["difference"].tolist()[1] == 1.5
+    with pytest.raises(ValueError, match="no baseline '4'; compared are: 3, 5"):
+        table(scores, baseline="4")
+
+
+def test_units_follow_the_metric() -> None:
+    units = table(trials(), baseline="far").table.attrs["units"]
+    assert units["mean"] == units["high"] == units["difference low"] == "mm"
+    assert units["refused"] == "share"
+    assert "p" not in units
+
+
+def test_gathered_tables_stay_as_they_are() -> None:
+    scores = trials(2)
+    before = [one.copy() for one in scores.values()]
+    table(scores)
+    assert all(one.equals(two) for one, two in zip(scores.values(), before, strict=True))
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(st.lists(st.floats(0.1, 100), min_size=4, max_size=4), min_size=2, max_size=4),
+    st.floats(0.5, 2),
+)
+def test_scaling_the_metric_scales_the_table(rows: list[list[float]], factor: float) -> None:
+    tables = {f"m{place}": scored(row) for place, row in enumerate(rows)}
+    larger = {name: scored(one["rmse"] * factor) for name, one in tables.items()}
+    one, two = (table(Across.of(each, axis="fill")).table for each in (tables, larger))
+    for name in ("mean", "median", "sd", "low", "high"):
+        assert two[name].to_numpy() == pytest.approx(one[name].to_numpy() * factor, abs=1e-9)
+
+
+def test_the_node_and_its_citations() -> None:
+    described = node_of(table)
+    assert described is not None
+    assert [str(port) for port in described.outputs] == ["table: Table", "figure: Figure"]
+    assert described.inputs[0].across
+    shipped = nodegraph_compare.nodegraph_bibtex()
+    assert all(f"{{{key}," in shipped for key in described.cite)
