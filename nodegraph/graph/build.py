@@ -59,7 +59,7 @@ class _Builder:
         wires = {name: list(dependencies(self._chosen[name])) for name in self._spec.nodes}
         for name in sorted_names(wires, self._problems):
             self._nodes[name] = self._node(self._spec.nodes[name], self._chosen[name])
-        self._names.check_choices(tuple(self._spec.nodes))
+        self._names.check_choices()
         self._check_references()
         self._check_skip()
         self._check_requires()

@@ -57,11 +57,11 @@ class Names:
         self.axes[node] = self._kept(node, Axis(node, labels))
         return self.axes[node]
 
-    def check_choices(self, nodes: tuple[str, ...]) -> None:
+    def check_choices(self) -> None:
         """Note choices that name nothing of the graph, and axes and inputs that nothing uses."""
-        self._check_known("--set", self._choices.inputs, tuple(self._spec.inputs))
-        self._check_known("--axis", self._choices.axes, (*self._spec.axes, *nodes))
-        self._check_known("--only", self._choices.only, tuple(self.axes))
+        self._check_known("--set", "input", self._choices.inputs, tuple(self._spec.inputs))
+        self._check_known("--axis", "axis", self._choices.axes, tuple(self.axes))
+        self._check_known("--only", "axis", self._choices.only, tuple(self.axes))
         for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
             for name, part in parts.items():
                 if name not in self.used and name.isidentifier():
@@ -130,6 +130,8 @@ class Names:
         if chosen is None:
             return axis
         place = Place(f"--only {name}")
+        if not chosen:
+            self._problems.add(place, "no label is kept", nearest("", axis.labels))
         for label in chosen:
             if label not in axis.labels:
                 self._problems.add(place, f"no label {label!r}", nearest(label, axis.labels))
@@ -137,9 +139,10 @@ class Names:
         removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
         return Axis(name, labels or axis.labels, axis.values, removed)
 
-    def _check_known(self, option: str, chosen: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    def _check_known(
+        self, option: str, what: str, chosen: Mapping[str, Any], known: tuple[str, ...]
+    ) -> None:
         for name in chosen:
             if name not in known:
-                self._problems.add(
-                    Place(f"{option} {name}"), f"the graph has no {name!r}", nearest(name, known)
-                )
+                message = f"the graph has no {what} {name!r}"
+                self._problems.add(Place(f"{option} {name}"), message, nearest(name, known))

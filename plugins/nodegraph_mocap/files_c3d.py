@@ -8,8 +8,6 @@ both can read is equal bit for bit.
 
 from __future__ import annotations
 
-import itertools
-import struct
 import tempfile
 import warnings
 from pathlib import Path
@@ -19,13 +17,17 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap.c3d_layout import LARGEST_COUNT, Description, read_description
 from nodegraph_mocap.c3d_parameters import Parameters
+from nodegraph_mocap.reading import millimetres_per, unique_names, whole_samples
 from nodegraph_mocap.recording import Trajectories
-from nodegraph_mocap.samples_missing import mark_missing
-from nodegraph_mocap.units import to_millimetres
+
+LONGEST_NAME = 127
 
 
 def read_c3d(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     """Read the points of a C3D file; analog channels and events are left out.
+
+    Warnings tell how many samples were partly missing or infinite, which markers lacked a name
+    or shared one, and that the unit of length is unknown.
 
     Parameters
     ----------
@@ -44,137 +46,103 @@ def read_c3d(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     ------
     ValueError
         If it is no C3D file, is damaged or cut short, or holds no frames or no points.
-
-    Warns
-    -----
-    UserWarning
-        If samples are partly missing or infinite, markers lack a name or share one, or the
-        unit of length is unknown.
     """
     try:
-        found = read_description(path)
-        return _recording(path, found, zeros_missing)
-    except (ValueError, struct.error) as error:
+        description = read_description(path)
+        samples = _samples(path, description)
+    except ValueError as error:
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
+    positions = np.array(samples[..., :3], dtype=np.float64)
+    positions[samples[..., 3] < 0] = np.nan
+    positions *= _factor(description.parameters)
+    return Trajectories(
+        positions=whole_samples(positions, zeros_missing=zeros_missing),
+        markers=unique_names(_labels(description.parameters), positions.shape[1]),
+        rate=description.rate,
+    )
 
 
 def write_c3d(recording: Trajectories, path: Path) -> None:
-    """Write a recording as C3D: 32-bit floating-point millimetres, missing as residual -1.
+    """Write a recording as a C3D file; see `c3d_bytes`."""
+    path.write_bytes(c3d_bytes(recording))
+
+
+def c3d_bytes(recording: Trajectories) -> bytes:
+    """Return a recording as C3D: millimetres in 32 bits, missing samples with residual -1.
 
     Raises
     ------
     ValueError
-        If it has more frames, or longer or more markers, than the format can count, or a
-        position beyond 32-bit numbers.
+        If it has more frames or longer names than the format can count, or a position that 32
+        bits cannot hold.
     """
+    import ezc3d
+
     _check_writable(recording)
-    with tempfile.TemporaryDirectory() as folder:
-        # The library adds ".c3d" to any other suffix, and reports no failure to write.
-        written = Path(folder) / "recording.c3d"
-        _write(recording, written)
-        content = written.read_bytes()
-    path.write_bytes(content)
-
-
-def c3d_bytes(recording: Trajectories) -> bytes:
-    """Return a recording as the bytes of a C3D file; see `write_c3d`."""
+    missing = ~recording.present
+    made = ezc3d.c3d()
+    point = made["parameters"]["POINT"]
+    point["RATE"]["value"] = np.array([recording.rate])
+    point["UNITS"]["value"] = ["mm"]
+    point["LABELS"]["value"] = list(recording.markers)
+    # Zeros, because many programs do not expect NaN in a file.
+    positions = np.where(missing[..., None], 0.0, recording.positions)
+    made["data"]["points"] = np.ascontiguousarray(positions.transpose(2, 1, 0))
+    made["data"]["meta_points"] = {"residuals": -missing.T[None].astype(np.float64)}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "recording.c3d"
-        write_c3d(recording, path)
+        made.write(str(path))
         return path.read_bytes()
 
 
-def _recording(path: Path, found: Description, zeros_missing: bool) -> Trajectories:
-    layout = found.layout
+def _samples(path: Path, description: Description) -> NDArray[np.float64]:
+    """Return (T, M, 4): x, y, z in the file's unit, and what is negative when missing."""
+    layout, processor = description.layout, description.processor
     if not layout.frames or not layout.points:
-        raise ValueError(f"it holds no samples: {layout.frames} frames of {layout.points} points")
-    points = _points(path, found)
-    positions, residuals = points[..., :3], points[..., 3]
-    positions = positions * to_millimetres(" ".join(_texts(found.parameters, "UNITS")[:1]))
-    positions = mark_missing(positions, residuals < 0, zeros_missing=zeros_missing)
-    markers = _markers(_texts(found.parameters, "LABELS"), layout.points)
-    return Trajectories(positions=positions, markers=markers, rate=found.rate)
+        raise ValueError(f"it holds {layout.frames} frames of {layout.points} points")
+    with path.open("rb") as stream:
+        stream.seek(layout.start)
+        content = stream.read(layout.end - layout.start)
+    frames = np.frombuffer(content, np.uint8).reshape(layout.frames, -1)
+    points = np.ascontiguousarray(frames[:, : 4 * layout.points * layout.width]).data
+    shape = (layout.frames, layout.points, 4)
+    if layout.width == 4:
+        return processor.floats(points).reshape(shape)
+    integers = np.frombuffer(points, f"{processor.order}i2").reshape(shape)
+    return integers * description.scale
 
 
-def _points(path: Path, found: Description) -> NDArray[np.float64]:
-    """Return x, y, z and the residual's word of every point, (T, M, 4), in the file's unit."""
-    layout = found.layout
-    columns = 4 * layout.points + layout.values
-    count = layout.frames * columns
-    if layout.width == 2:
-        order = found.processor.order
-        words = np.fromfile(path, f"{order}i2", count, offset=layout.start).astype(np.float64)
-        scale = np.array([found.scale, found.scale, found.scale, 1.0])
-    else:
-        with path.open("rb") as stream:
-            stream.seek(layout.start)
-            words = found.processor.floats(stream.read(4 * count))
-        scale = np.ones(4)
-    frames = words.reshape(layout.frames, columns)[:, : 4 * layout.points]
-    return np.asarray(frames.reshape(layout.frames, layout.points, 4) * scale)
+def _factor(parameters: Parameters) -> float:
+    units = parameters.get(("POINT", "UNITS"))
+    unit = next(iter(units.texts), "") if units else ""
+    factor = millimetres_per(unit)
+    if factor is None:
+        told = f"the unit {unit!r} is unknown" if unit else "the file names no unit of length"
+        warnings.warn(f"{told}; taken as mm", stacklevel=3)
+    return factor or 1.0
 
 
-def _texts(parameters: Parameters, name: str) -> list[str]:
-    """Return the texts of a parameter of the points, continued in NAME2, NAME3 and so on."""
-    numbered = itertools.chain([name], (f"{name}{number}" for number in itertools.count(2)))
-    entries = itertools.takewhile(
-        lambda entry: entry is not None, (parameters.get(("POINT", one)) for one in numbered)
-    )
-    return [text for entry in entries if entry is not None for text in entry.texts]
-
-
-def _markers(labels: list[str], count: int) -> tuple[str, ...]:
-    """Return one name per point: without the subject's prefix, each given once."""
-    spare = [label for label in labels[count:] if label]
-    if spare:
-        shown = ", ".join(spare[:5])
-        warnings.warn(f"{len(spare)} labels have no point and are left out: {shown}", stacklevel=2)
-    names = _without_subject([*labels[:count], *[""] * (count - len(labels))])
-    made: list[str] = []
-    for number, name in enumerate(names):
-        wanted = name or f"unnamed{number + 1}"
-        repeats = (f"{wanted}_{again}" for again in itertools.count(2))
-        taken = {*made, *(one for one in names if one != wanted)}
-        made.append(
-            next(one for one in (wanted, *itertools.islice(repeats, count)) if one not in taken)
-        )
-    changed = [new for old, new in zip(names, made, strict=True) if old != new]
-    if changed:
-        shown = ", ".join(changed[:5])
-        warnings.warn(f"{len(changed)} points lack a name or share one; now {shown}", stacklevel=2)
-    return tuple(made)
-
-
-def _without_subject(names: list[str]) -> list[str]:
-    subjects = {name.partition(":")[0] if ":" in name else "" for name in names if name}
-    if len(subjects) != 1 or "" in subjects:
-        return names
-    return [name.partition(":")[2] for name in names]
+def _labels(parameters: Parameters) -> list[str]:
+    """Return POINT:LABELS, LABELS2, ... as one list."""
+    labels: list[str] = []
+    name, number = "LABELS", 2
+    while found := parameters.get(("POINT", name)):
+        labels += found.texts
+        name, number = f"LABELS{number}", number + 1
+    return labels
 
 
 def _check_writable(recording: Trajectories) -> None:
-    largest = LARGEST_COUNT
-    if not 0 < recording.frames <= largest or not 0 < len(recording.markers) <= 255:
+    if not 0 < recording.frames < LARGEST_COUNT or not recording.markers:
         raise ValueError(
-            f"C3D holds 1 to {largest} frames of 1 to 255 markers, not {recording.frames} of "
-            f"{len(recording.markers)}"
+            f"C3D holds 1 to {LARGEST_COUNT - 1} frames of at least one marker, not "
+            f"{recording.frames} of {len(recording.markers)}; write CSV or NPZ"
         )
-    long = [name for name in recording.markers if len(name.encode()) > 127]
-    if long:
-        raise ValueError(f"C3D names have at most 127 bytes; {long[0]!r} is longer")
-
-
-def _write(recording: Trajectories, path: Path) -> None:
-    import ezc3d
-
-    file = ezc3d.c3d()
-    points = file["parameters"]["POINT"]
-    points["RATE"]["value"] = [recording.rate]
-    points["LABELS"]["value"] = list(recording.markers)
-    points["UNITS"]["value"] = ["mm"]
-    missing = ~recording.present
-    data = np.ones((4, len(recording.markers), recording.frames))
-    data[:3] = np.nan_to_num(recording.positions, nan=0.0).transpose(2, 1, 0)
-    file["data"]["points"] = data
-    file["data"]["meta_points"]["residuals"] = np.where(missing, -1.0, 0.0).T[None]
-    file.write(str(path))
+    for name in recording.markers:
+        if not name.strip() or name != name.strip() or len(name.encode()) > LONGEST_NAME:
+            raise ValueError(
+                f"C3D cannot keep the marker name {name!r}: 1 to {LONGEST_NAME} bytes, no "
+                "spaces around it"
+            )
+    if np.nanmax(np.abs(recording.positions), initial=0.0) > np.finfo(np.float32).max:
+        raise ValueError("a position is beyond the 32-bit numbers of C3D")

@@ -64,14 +64,14 @@ def test_an_input_may_be_given(graph_of: Callable[..., Graph]) -> None:
 @pytest.mark.parametrize(
     ("choices", "said"),
     [
-        ({"inputs": {"strat": 1}}, "--set strat: the graph has no 'strat'\n    did you mean 'start'?"),
-        ({"axes": {"kk": [1]}}, "--axis kk: the graph has no 'kk'"),
+        ({"inputs": {"strat": 1}}, "--set strat: the graph has no input 'strat'\n    did you mean 'start'?"),
+        ({"axes": {"kk": [1]}}, "--axis kk: the graph has no axis 'kk'"),
         ({"axes": {"k": 1}}, "--axis k: an axis cannot be 1"),
         ({"axes": {"k": []}}, "--axis k: axis 'k' has no label"),
         ({"axes": {"k": [1, 1]}}, "--axis k: axis 'k' has the label 1 twice"),
         ({"axes": {"fill": [1]}}, "--axis fill: 'fill' is a node\n    write --only fill=..."),
-        ({"axes": {"a": [1]}}, "--axis a: 'a' is a node"),
-        ({"only": {"kk": (1,)}}, "--only kk: the graph has no 'kk'"),
+        ({"axes": {"a": [1]}}, "--axis a: the graph has no axis 'a'"),
+        ({"only": {"kk": (1,)}}, "--only kk: the graph has no axis 'kk'"),
         ({"only": {"a": (1,)}}, "--only a: the graph has no axis 'a'"),
         ({"only": {"k": (9,)}}, "--only k: no label 9\n    there is: 1, 2, 3"),
         ({"only": {"k": ("1",)}}, "--only k: no label '1'"),
