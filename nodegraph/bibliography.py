@@ -2,34 +2,47 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping
+from typing import Any
 
-from nodegraph.errors import NodegraphError
 
-
-def references(bibtex: str, keys: Iterable[str]) -> Mapping[str, str]:
+def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
     """Return the text of each entry; a key that no plugin ships stands for itself.
 
-    Raises
-    ------
-    NodegraphError
-        If the BibTeX that plugins ship cannot be read.
+    Parameters
+    ----------
+    bibtex
+        The BibTeX of each plugin. Where two have an entry of one key, the first counts; one that
+        cannot be read is left out with a warning.
+    keys
+        The entries wanted.
     """
     from pybtex import format_from_string
+    from pybtex.database import BibliographyData
+
+    entries = _entries(bibtex)
+    wanted = list(dict.fromkeys(keys))
+    found = [key for key in wanted if key in entries]
+    texts: list[str] = []
+    if found:
+        source = BibliographyData({key: entries[key] for key in found}).to_string("bibtex")
+        text = format_from_string(source, "unsrt", citations=found, output_backend="plaintext")
+        texts = [line.partition("] ")[2] for line in text.splitlines() if line.startswith("[")]
+    missing = {key: f"{key} (no BibTeX entry is installed)" for key in wanted}
+    return missing | dict(zip(found, texts, strict=True))
+
+
+def _entries(bibtex: Iterable[str]) -> dict[str, Any]:
     from pybtex.database import parse_string
     from pybtex.exceptions import PybtexError
 
-    wanted = list(dict.fromkeys(keys))
-    try:
-        there = parse_string(bibtex, "bibtex").entries
-        found = [key for key in wanted if key in there]
-        text = (
-            format_from_string(bibtex, "unsrt", citations=found, output_backend="plaintext")
-            if found
-            else ""
-        )
-    except PybtexError as error:
-        raise NodegraphError(f"the BibTeX of the plugins cannot be read: {error}") from error
-    lines = [line.partition("] ")[2] for line in text.splitlines() if line.startswith("[")]
-    missing = {key: f"{key} (no BibTeX entry is installed)" for key in wanted}
-    return missing | dict(zip(found, lines, strict=True))
+    entries: dict[str, Any] = {}
+    for text in bibtex:
+        try:
+            found = parse_string(text, "bibtex").entries
+        except PybtexError as error:
+            warnings.warn(f"BibTeX of a plugin cannot be read: {error}", stacklevel=3)
+            continue
+        entries = {**found, **entries}
+    return entries

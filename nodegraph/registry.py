@@ -127,9 +127,9 @@ class Registry:
         return tuple(one for many in self.hooks.hook.nodegraph_renderers() for one in many)
 
     @cached_property
-    def bibtex(self) -> str:
-        """All BibTeX entries that the plugins ship."""
-        return "\n".join(self.hooks.hook.nodegraph_bibtex())
+    def bibtex(self) -> tuple[str, ...]:
+        """The BibTeX that each plugin ships."""
+        return tuple(self.hooks.hook.nodegraph_bibtex())
 
     @cached_property
     def graphs(self) -> Mapping[str, Path]:

@@ -30,8 +30,8 @@ def rows_of(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def means_of(folder: Path) -> dict[tuple[str, str], float]:
-    return {(row["fill"], row["length"]): float(row["mean"]) for row in rows_of(folder)}
+def errors_of(folder: Path) -> dict[tuple[str, str], float]:
+    return {(row["fill"], row["length"]): float(row["rms"]) for row in rows_of(folder)}
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,7 @@ def test_real_recordings_end_with_a_table(name: str, tmp_path: Path) -> None:
     words = ("--set", f"recording={DATA / name}", "--axis", "trial=0", "--only", "length=5,15")
     done = nodegraph("run", str(GRAPH), *words, folder=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert {fill for fill, _ in means_of(tmp_path / "runs" / "fill")} >= FILLS
+    assert {fill for fill, _ in errors_of(tmp_path / "runs" / "fill")} >= FILLS
 
 
 @needs_recordings
@@ -121,12 +121,12 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected(tmp_path: Path
     words = ("--set", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--only", "fill=muscle,linear")
     done = nodegraph("run", str(GRAPH), *words, folder=tmp_path)
     assert done.returncode == 0, done.stderr
-    means = means_of(tmp_path / "runs" / "fill")
+    errors = errors_of(tmp_path / "runs" / "fill")
     for length, expected in (("5", 0.27), ("15", 0.63), ("45", 1.03)):
-        assert means["muscle", length] == pytest.approx(expected, rel=0.25)
+        assert errors["muscle", length] == pytest.approx(expected, rel=0.25)
     # a short gap belongs to the marker's own trajectory, a long one to its neighbours
-    assert means["linear", "5"] < means["muscle", "5"]
-    assert means["linear", "45"] > means["muscle", "45"]
+    assert errors["linear", "5"] < errors["muscle", "5"]
+    assert errors["linear", "45"] > errors["muscle", "45"]
 
 
 @pytest.mark.parametrize(

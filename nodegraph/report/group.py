@@ -8,35 +8,11 @@ from itertools import groupby
 
 from nodegraph.report.study import Kind, Section, StepNote, Study
 
-_KINDS: tuple[tuple[Kind, str, str, str, str], ...] = (
-    (
-        "failed",
-        "Failed",
-        "failed",
-        "failed",
-        "An error stopped these steps; what depends on them was not run.",
-    ),
-    (
-        "refused",
-        "Refused",
-        "refused",
-        "refused",
-        "The method cannot do what is asked of this data, and says why.",
-    ),
-    (
-        "left out",
-        "Left out",
-        "left out",
-        "left out",
-        "These combinations were not asked for, or had nothing to work on.",
-    ),
-    (
-        "warning",
-        "Warnings",
-        "warning",
-        "warnings",
-        "These steps ran, and have something to say about their result.",
-    ),
+_KINDS: tuple[tuple[Kind, str, str], ...] = (
+    ("failed", "Failed", "An error stopped these steps; what depends on them was not run."),
+    ("refused", "Refused", "The method cannot do what is asked of this data, and says why."),
+    ("left out", "Left out", "These combinations were not asked for, or had nothing to work on."),
+    ("warning", "Warnings", "These steps ran, and have something to say about their result."),
 )
 
 
@@ -67,12 +43,14 @@ class NoteKind:
 
     kind: Kind
     title: str
-    one: str
-    many: str
     meaning: str
     anchor: str
     count: int
     groups: tuple[NoteGroup, ...]
+
+    def __str__(self) -> str:
+        plural = "s" if self.kind == "warning" and self.count != 1 else ""
+        return f"{self.count} {self.kind}{plural}"
 
 
 def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
@@ -86,12 +64,12 @@ def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
 def note_kinds(study: Study) -> tuple[NoteKind, ...]:
     """Return the study's notes by kind, the gravest first; kinds without notes are left out."""
     kinds = []
-    for kind, title, one, many, meaning in _KINDS:
+    for kind, title, meaning in _KINDS:
         notes = [note for note in study.notes if note.kind == kind]
         count = sum(note.count for note in notes)
         anchor = f"notes-{kind.replace(' ', '-')}"
         if notes:
-            kinds.append(NoteKind(kind, title, one, many, meaning, anchor, count, _groups(notes)))
+            kinds.append(NoteKind(kind, title, meaning, anchor, count, _groups(notes)))
     return tuple(kinds)
 
 

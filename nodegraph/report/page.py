@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
@@ -24,20 +25,23 @@ def page(study: Study) -> str:
     The page fetches nothing, and its policy forbids it to: only scripts that were in the trusted
     parts when the page was made may run.
     """
-    environment = _environment()
-    script = _source(environment, "page.js")
+    script = _source("page.js")
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
-    return environment.get_template("page.html").render(
-        study=study,
-        results=titled(study.sections),
-        kinds=note_kinds(study),
-        notes=_markdown(study.notes_markdown),
-        policy=policy(trusted, script),
-        steps=sum(row.computed + row.reused for row in study.timings),
-        shown=_SHOWN,
-        many=_MANY,
-        script=_trusted(script),
-        style=_trusted(_source(environment, "page.css")),
+    return (
+        _environment()
+        .get_template("page.html")
+        .render(
+            study=study,
+            results=titled(study.sections),
+            kinds=note_kinds(study),
+            notes=_markdown(study.notes_markdown),
+            policy=policy(trusted, script),
+            steps=sum(row.computed + row.reused for row in study.timings),
+            shown=_SHOWN,
+            many=_MANY,
+            script=_trusted(script),
+            style=_trusted(_source("page.css")),
+        )
     )
 
 
@@ -55,9 +59,8 @@ def _environment() -> Environment:
     return environment
 
 
-def _source(environment: Environment, name: str) -> str:
-    assert environment.loader is not None
-    return environment.loader.get_source(environment, name)[0]
+def _source(name: str) -> str:
+    return files("nodegraph.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _trusted(html: str) -> Markup:

@@ -26,7 +26,7 @@ class Summary:
         The complete blocks.
     resampled : (R, K) array of float64
         Bootstrap means, paired; all NaN with fewer than two blocks.
-    mean, median, sd, low, high : (K,) arrays of float64
+    mean, rms, median, sd, low, high : (K,) arrays of float64
         NaN for a method without any number; `sd` and the interval with fewer than two blocks.
     """
 
@@ -34,6 +34,7 @@ class Summary:
     values: NDArray[np.float64]
     resampled: NDArray[np.float64]
     mean: NDArray[np.float64]
+    rms: NDArray[np.float64]
     median: NDArray[np.float64]
     sd: NDArray[np.float64]
     low: NDArray[np.float64]
@@ -81,6 +82,7 @@ def summarise(group: Group, *, seed: int) -> Summary:
         values,
         resampled,
         mean=values.mean(axis=0) if blocks else nothing,
+        rms=np.sqrt((values**2).mean(axis=0)) if blocks else nothing,
         median=np.median(values, axis=0) if blocks else nothing,
         sd=nothing if few else values.std(axis=0, ddof=1),
         low=low,

@@ -76,9 +76,11 @@ def table(
     -------
     table
         A row per combination of `within` and `compare`, in the order of the labels: ``blocks``
-        used, ``mean``, ``median`` and ``sd`` over blocks, ``low`` and ``high`` (95 % bootstrap
-        percentile interval of the mean, 2000 resamples), ``refused`` (share of the combinations
-        that were refused or failed), ``left missing`` (share of the rows without a number).
+        used, ``mean``, ``rms`` (root mean square: for the metric ``rmse`` and gaps of one length,
+        the rmse over all samples), ``median`` and ``sd`` over blocks, ``low`` and ``high`` (95 %
+        bootstrap percentile interval of the mean, 2000 resamples), ``refused`` (share of the
+        combinations that were refused or failed), ``left missing`` (share of the rows without a
+        number).
         With a baseline: ``difference`` (mean of method minus baseline), ``difference low`` and
         ``difference high`` (its paired bootstrap interval), ``p`` (two-sided Wilcoxon
         signed-rank test, after Holm's correction over the methods of the group) and
@@ -135,7 +137,7 @@ def _rows(summary: Summary, question: Question, against: Label | None) -> dict[s
     }
     columns |= {name: list(group.methods) for name in question.compared}
     columns["blocks"] = summary.blocks
-    for name in ("mean", "median", "sd", "low", "high"):
+    for name in ("mean", "rms", "median", "sd", "low", "high"):
         columns[name] = getattr(summary, name)
     columns["refused"] = group.refused
     columns["left missing"] = group.missing
@@ -155,7 +157,7 @@ def _difference_columns(summary: Summary, against: Label) -> dict[str, Any]:
 
 
 def _units(made: Table, unit: str) -> dict[str, str]:
-    valued = ("mean", "median", "sd", "low", "high", "difference")
+    valued = ("mean", "rms", "median", "sd", "low", "high", "difference")
     shares = ("refused", "left missing", "better in")
     units = {str(name): unit for name in made if unit and str(name).startswith(valued)}
     return units | {name: "share" for name in shares if name in made}

@@ -91,7 +91,8 @@ class Groups:
         if not len(there):
             return None
         crowding = self._clash[np.ix_(there, there)].sum(axis=1)
-        return self.members[random.choice(there[crowding == crowding.min()])]
+        chosen: NDArray[np.intp] = self.members[random.choice(there[crowding == crowding.min()])]
+        return chosen
 
 
 def contiguous(shape: NDArray[np.float64], size: int) -> Groups:

@@ -157,7 +157,9 @@ def test_any_word_can_name_a_setting() -> None:
     assert (made.copy, made.json, made.model_path, made.schema) == (4, 2, "", "x")  # type: ignore[comparison-overlap, attr-defined]
 
 
-@pytest.mark.parametrize("name", ["hold", "fill.Hold", "fill.", ".hold", "a.b.c", "fill hold", "1.a"])
+@pytest.mark.parametrize(
+    "name", ["hold", "fill.Hold", "fill.", ".hold", "a.b.c", "fill hold", "1.a"]
+)
 def test_a_name_is_family_and_method(name: str) -> None:
     with pytest.raises(NodeError, match=r"write family\.method"):
         node(name)

@@ -42,8 +42,16 @@ def axes_of(graph: Graph, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
         ("{use: compare.table, in: b, over: []}", ("i", "j"), ()),
         ("{use: compare.beside, in: {scores: b, reference: a}}", ("i",), ("j",)),
         ("{use: compare.beside, in: {scores: b, reference: c}}", ("k",), ("i", "j")),
-        ("{use: compare.beside, in: {scores: b, reference: a}, with: {weight: $k}}", ("i", "k"), ("j",)),
-        ("{use: compare.beside, in: {scores: b, reference: c}, with: {weight: $j}}", ("j", "k"), ("i",)),
+        (
+            "{use: compare.beside, in: {scores: b, reference: a}, with: {weight: $k}}",
+            ("i", "k"),
+            ("j",),
+        ),
+        (
+            "{use: compare.beside, in: {scores: b, reference: c}, with: {weight: $j}}",
+            ("j", "k"),
+            ("i",),
+        ),
         ("{use: compare.table, in: {scores: b, floor: c}}", (), ("i", "j", "k")),
         ("{use: compare.table, in: {scores: {from: b, at: {i: 1}}}}", (), ("j",)),
         ("{use: fill.hold, in: {from: b, at: {i: 1}}}", ("j",), ()),
@@ -152,7 +160,11 @@ def test_a_port_named_like_an_axis_that_it_gathers_is_a_mistake(mistakes_of: Mis
         ),
         ("{use: fill.hold, in: b, over: [@@i]}", "x: 'over' needs a port that gathers", ""),
         ("{use: fill.hold, in: {from: @@b, at: {k: 1}}}", "'b' has no axis 'k'", "axes of b: i, j"),
-        ("{use: fill.hold, in: {from: @@b, at: {i: 7}}}", "axis 'i' has no label 7", "labels: 1, 2"),
+        (
+            "{use: fill.hold, in: {from: @@b, at: {i: 7}}}",
+            "axis 'i' has no label 7",
+            "labels: 1, 2",
+        ),
         ("{use: fill.hold, in: {from: @@b, at: {i: '1'}}}", "axis 'i' has no label '1'", "1, 2"),
     ],
 )

@@ -263,7 +263,9 @@ def test_a_subclass_fits_and_nothing_is_converted(
     fine.__annotations__["return"] = Fine
     made = node("read.fine")(fine)
     assert graph_of("nodes: {a: {use: read.fine}, b: {use: fill.hold, in: a}}", more=[made])
-    mistakes_of("nodes: {a: {use: gaps.cut, in: b}, b: {use: read.number}, c: {use: fill.hold, in: @@a.hidden}}")
+    mistakes_of(
+        "nodes: {a: {use: gaps.cut, in: b}, b: {use: read.number}, c: {use: fill.hold, in: @@a.hidden}}"
+    )
 
 
 def test_twenty_mistakes_are_told_in_one_go(mistakes_of: Mistakes) -> None:
@@ -292,7 +294,8 @@ def test_twenty_mistakes_are_told_in_one_go(mistakes_of: Mistakes) -> None:
           m: {use: fill.hold, in: {recording: c, other: @@c}}
         skip: [@@{nothing: 1}]
         report: [@@nobody]
-        """    )
+        """
+    )
     assert len(found) >= 20
 
 

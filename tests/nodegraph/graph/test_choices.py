@@ -64,7 +64,10 @@ def test_an_input_may_be_given(graph_of: Callable[..., Graph]) -> None:
 @pytest.mark.parametrize(
     ("choices", "said"),
     [
-        ({"inputs": {"strat": 1}}, "--set strat: the graph has no input 'strat'\n    did you mean 'start'?"),
+        (
+            {"inputs": {"strat": 1}},
+            "--set strat: the graph has no input 'strat'\n    did you mean 'start'?",
+        ),
         ({"axes": {"kk": [1]}}, "--axis kk: the graph has no axis 'kk'"),
         ({"axes": {"k": 1}}, "--axis k: an axis cannot be 1"),
         ({"axes": {"k": []}}, "--axis k: axis 'k' has no label"),

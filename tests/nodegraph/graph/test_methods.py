@@ -140,7 +140,9 @@ def test_a_shared_setting_that_an_alternative_lacks_is_a_mistake(mistakes_of: Mi
     assert found[0].message == "fill (hold): fill.hold has no setting 'power'"
 
 
-def test_pass_hands_on_its_input_named_and_typed_as_its_siblings(run_of: Callable[..., Run]) -> None:
+def test_pass_hands_on_its_input_named_and_typed_as_its_siblings(
+    run_of: Callable[..., Run],
+) -> None:
     run = run_of(
         """
         nodes:
@@ -192,9 +194,7 @@ def test_pass_beside_methods_that_gather_is_a_mistake(mistakes_of: Mistakes) -> 
 
 
 def test_pass_alone_has_no_sibling(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
-        "nodes: {n: {use: read.number}, p: {in: n, alternatives: {@@pass: {}}}}"
-    )
+    found = mistakes_of("nodes: {n: {use: read.number}, p: {in: n, alternatives: {@@pass: {}}}}")
     assert "'pass' needs another alternative" in found[0].message
 
 

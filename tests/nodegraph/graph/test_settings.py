@@ -61,7 +61,9 @@ def test_a_setting_arrives_as_its_type(
 ) -> None:
     form = "{m: {part: 0.25}}" if ".part" in written else "[3]"
     axes = f"axes: {{k: {form}}}\n" if "$" in written else ""
-    graph = graph_of(f"{axes}nodes: {{a: {{use: set.all, with: {{{written}}}}}}}", more=[everything])
+    graph = graph_of(
+        f"{axes}nodes: {{a: {{use: set.all, with: {{{written}}}}}}}", more=[everything]
+    )
     found = {name: values(graph)[name] for name in expected}
     assert found == expected
     assert [type(one) for one in found.values()] == [type(one) for one in expected.values()]
@@ -70,7 +72,11 @@ def test_a_setting_arrives_as_its_type(
 @pytest.mark.parametrize(
     ("written", "said", "is_"),
     [
-        ("whole: @@0", "should be greater than or equal to 1, got 0", "whole number >= 1 <= 9 frames"),
+        (
+            "whole: @@0",
+            "should be greater than or equal to 1, got 0",
+            "whole number >= 1 <= 9 frames",
+        ),
         ("whole: @@10", "should be less than or equal to 9, got 10", "frames"),
         ("whole: @@1.0", "should be a valid integer, got 1.0", "whole number"),
         ("whole: @@'1'", "should be a valid integer, got '1'", "whole number"),

@@ -1,0 +1,93 @@
+"""What both figures ask of gathered recordings: names, looks, frames that exist, the truth."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Across
+from nodegraph_mocap import Origin
+from nodegraph_mocap.style import Look, looks
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap import Trajectories
+
+
+def named(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
+    """Return the recordings by their labels, in order.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if not len(recordings):
+        raise ValueError("there is no recording to draw")
+    return dict(zip(recordings.names(), recordings.values(), strict=True))
+
+
+def named_looks(recordings: Across[Trajectories]) -> dict[str, Look]:
+    """Return a look per recording; what is absent takes its own, so that the others keep theirs."""
+    absent = tuple((one.labels, None) for one in recordings.absent)
+    return looks((*recordings.names(), *Across(recordings.axes, absent).names()))
+
+
+def check_frames(recordings: dict[str, Trajectories], frames: Iterable[int]) -> None:
+    """Raise a ValueError if a recording lacks one of the frames."""
+    asked = tuple(frames)
+    for name, recording in recordings.items():
+        beyond = [frame for frame in asked if not 0 <= frame < recording.frames]
+        if beyond:
+            raise ValueError(
+                f"no frame {', '.join(map(str, beyond))}{_of(name)}: it has {recording.frames} "
+                f"frames, 0 to {recording.frames - 1}"
+            )
+
+
+def check_markers(recordings: dict[str, Trajectories], markers: Iterable[str]) -> None:
+    """Raise a ValueError if a recording lacks one of the markers."""
+    asked = tuple(markers)
+    for name, recording in recordings.items():
+        lacking = [marker for marker in asked if marker not in recording.markers]
+        if lacking:
+            raise ValueError(
+                f"no marker {', '.join(lacking)}{_of(name)}; there are "
+                f"{', '.join(recording.markers)}"
+            )
+
+
+def true_positions(
+    truth: Trajectories | None, recording: Trajectories, name: str
+) -> NDArray[np.float64]:
+    """Return the truth of a recording's markers, (T, M, 3); NaN where it is not known.
+
+    Raises
+    ------
+    ValueError
+        If the truth has another number of frames.
+    """
+    known = np.full(recording.positions.shape, np.nan)
+    if truth is None:
+        return known
+    if truth.frames != recording.frames:
+        raise ValueError(
+            f"the truth has {truth.frames} frames, the recording{_of(name)} {recording.frames}"
+        )
+    place = {marker: column for column, marker in enumerate(truth.markers)}
+    shared = [column for column, marker in enumerate(recording.markers) if marker in place]
+    known[:, shared] = truth.positions[:, [place[recording.markers[one]] for one in shared]]
+    return known
+
+
+def made(recording: Trajectories) -> NDArray[np.bool_]:
+    """Return (T, M), True where a sample was filled or repaired."""
+    return np.asarray((recording.origin == Origin.FILLED) | (recording.origin == Origin.REPAIRED))
+
+
+def _of(name: str) -> str:
+    return f" of {name}" if name else ""

@@ -1,0 +1,194 @@
+"""How trajectories are drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from nodegraph_mocap.style import BLACK, GREY, PALE
+from nodegraph_plot.gathered import made
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap import Trajectories
+    from nodegraph_mocap.style import Look
+
+_STRAY = 1.5
+_LEGEND_COLUMNS = 5
+
+
+@dataclass(frozen=True)
+class _Curves:
+    """One marker in the frames drawn, in R recordings of F frames.
+
+    Attributes
+    ----------
+    frames : (F,) array of int
+    positions, truth : (R, F, 3) arrays of float64
+    made, measured, missing : (R, F) arrays of bool
+    """
+
+    frames: NDArray[np.intp]
+    positions: NDArray[np.float64]
+    truth: NDArray[np.float64]
+    made: NDArray[np.bool_]
+    measured: NDArray[np.bool_]
+
+    @property
+    def common(self) -> NDArray[np.bool_]:
+        """(F,), True where all recordings have the same measured sample."""
+        equal = (self.positions == self.positions[0]).all(axis=2)
+        return np.asarray((equal & self.measured).all(axis=0))
+
+    @property
+    def own(self) -> NDArray[np.bool_]:
+        """(F,), True where recordings differ, and at the common samples beside."""
+        apart = np.pad(~self.common, 1)
+        return np.asarray(apart[:-2] | apart[1:-1] | apart[2:])
+
+    @property
+    def gaps(self) -> NDArray[np.bool_]:
+        """(F,), True where some recording has no measured sample, or a repaired one."""
+        return np.asarray((self.made | ~self.measured).any(axis=0))
+
+
+def draw(
+    recordings: dict[str, Trajectories],
+    truth: dict[str, NDArray[np.float64]],
+    look: dict[str, Look],
+    markers: Sequence[str],
+    window: tuple[int, int],
+    coordinates: Sequence[str],
+) -> Figure:
+    """Return the figure: a row per coordinate, a column per marker."""
+    rows, columns = len(coordinates), len(markers)
+    size = (max(4.6 * columns, 6.4), 1.75 * rows + 1.3)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
+    rate = next(iter(recordings.values())).rate
+    for column, marker in enumerate(markers):
+        curves = _curves(recordings, truth, marker, window)
+        for row, coordinate in enumerate(coordinates):
+            _panel(axes[row, column], curves, "xyz".index(coordinate), look, list(recordings))
+        axes[0, column].set_title(marker)
+        axes[-1, column].set_xlabel(f"frame (at {rate:g} Hz)")
+    for row, coordinate in enumerate(coordinates):
+        axes[row, 0].set_ylabel(f"{coordinate} (mm)")
+    known = any(np.isfinite(one).any() for one in truth.values())
+    handles = _handles(list(recordings), look, known=known)
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=min(len(handles), _LEGEND_COLUMNS),
+        frameon=False,
+    )
+    return figure
+
+
+def _curves(
+    recordings: dict[str, Trajectories],
+    truth: dict[str, NDArray[np.float64]],
+    marker: str,
+    window: tuple[int, int],
+) -> _Curves:
+    part = slice(window[0], window[1] + 1)
+    places = [(name, one, one.markers.index(marker)) for name, one in recordings.items()]
+    return _Curves(
+        frames=np.arange(window[0], window[1] + 1),
+        positions=np.stack([one.positions[part, place] for _, one, place in places]),
+        truth=np.stack([truth[name][part, place] for name, _, place in places]),
+        made=np.stack([made(one)[part, place] for _, one, place in places]),
+        measured=np.stack([one.measured[part, place] for _, one, place in places]),
+    )
+
+
+def _panel(
+    axis: Axes, curves: _Curves, coordinate: int, look: dict[str, Look], names: Sequence[str]
+) -> None:
+    values = curves.positions[..., coordinate]
+    true = curves.truth[..., coordinate]
+    for first, last in _runs(curves.gaps):
+        ends = curves.frames[[first, last]]
+        axis.axvspan(ends[0] - 0.5, ends[1] + 0.5, color=PALE, linewidth=0, zorder=0)
+    common = np.where(curves.common, values[0], np.nan)
+    axis.plot(curves.frames, common, color=GREY, linewidth=1.6, label="measured", zorder=2)
+    for place, name in enumerate(names):
+        _line(axis, curves, place, values[place], look[name], name)
+    for line in np.unique(true[np.isfinite(true).any(axis=1)], axis=0):
+        axis.plot(curves.frames, line, color=BLACK, linewidth=0.8, label="truth", zorder=5)
+    _limit(axis, np.concatenate([values[curves.measured], true.ravel()]), values)
+    axis.margins(x=0.01)
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+def _line(
+    axis: Axes,
+    curves: _Curves,
+    place: int,
+    values: NDArray[np.float64],
+    look: Look,
+    name: str,
+) -> None:
+    own = np.where(curves.own, values, np.nan)
+    axis.plot(
+        curves.frames, own, look.line, color=look.colour, linewidth=1.1, label=name, zorder=3
+    )
+    filled = curves.made[place]
+    axis.plot(
+        curves.frames[filled],
+        values[filled],
+        look.marker,
+        color=look.colour,
+        markersize=3,
+        markeredgewidth=0,
+        label=f"{name}, filled",
+        zorder=4,
+    )
+
+
+def _limit(axis: Axes, steady: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    """Keep what strays far from the measured samples and the truth from flattening the rest."""
+    steady, values = steady[np.isfinite(steady)], values[np.isfinite(values)]
+    if not len(steady) or np.ptp(steady) == 0:
+        return
+    everything = np.concatenate([steady, values])
+    room = _STRAY * np.ptp(steady)
+    low = max(everything.min(), steady.min() - room)
+    high = min(everything.max(), steady.max() + room)
+    margin = 0.06 * (high - low)
+    axis.set_ylim(low - margin, high + margin)
+
+
+def _handles(names: Sequence[str], look: dict[str, Look], *, known: bool) -> list[Artist]:
+    handles: list[Artist] = [
+        Line2D(
+            [],
+            [],
+            color=look[name].colour,
+            linestyle=look[name].line,
+            marker=look[name].marker,
+            markersize=4,
+            label=name or "recording",
+        )
+        for name in names
+    ]
+    handles.append(Line2D([], [], color=GREY, linewidth=1.6, label="measured in all"))
+    if known:
+        handles.append(Line2D([], [], color=BLACK, linewidth=0.8, label="truth"))
+    return [*handles, Patch(color=PALE, label="gap")]
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    edges = np.diff(np.pad(flags.astype(np.int8), 1))
+    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    return list(zip(first.tolist(), last.tolist(), strict=True))

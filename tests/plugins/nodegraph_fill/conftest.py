@@ -1,0 +1,217 @@
+"""Recordings with all kinds of gaps, and the step-wise fills once more as plain loops."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_mocap import Origin, Trajectories
+
+Positions = NDArray[np.float64]
+Weigh = Callable[[list[float]], list[float]]
+
+
+def make_recording(positions: Positions, origin: NDArray[np.uint8] | None = None) -> Trajectories:
+    names = tuple(f"m{index}" for index in range(positions.shape[1]))
+    return Trajectories(positions=positions, markers=names, rate=60.0, origin=origin)
+
+
+def make_gappy(seed: int) -> Trajectories:
+    """A few markers that walk about, with gaps anywhere, and samples of every origin."""
+    random = np.random.default_rng(seed)
+    frames, markers = int(random.integers(1, 30)), int(random.integers(1, 9))
+    places = random.normal(0, 30, (markers, 3))
+    positions = places + np.cumsum(random.normal(0, 1, (frames, markers, 3)), axis=0)
+    kinds = [Origin.MEASURED, Origin.MEASURED, Origin.REPAIRED, Origin.FILLED]
+    origin = random.choice(kinds, (frames, markers)).astype(np.uint8)
+    for _ in range(int(random.integers(0, 3 * markers))):
+        marker, start = random.integers(markers), int(random.integers(-8, frames))
+        origin[max(start, 0) : start + int(random.integers(1, 14)), marker] = Origin.MISSING
+    if random.random() < 0.2:
+        origin[:, random.integers(markers)] = Origin.MISSING
+    if random.random() < 0.2:
+        origin[random.integers(frames)] = Origin.MISSING
+    positions[origin == Origin.MISSING] = np.nan
+    return make_recording(positions, origin)
+
+
+def run_quietly(
+    fill: Callable[..., Trajectories], recording: Trajectories, **settings: Any
+) -> Trajectories:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return fill(recording, **settings)
+
+
+def plain_gaps(origin: NDArray[np.uint8]) -> list[tuple[int, int, int]]:
+    """Marker, first missing frame, first frame after, of every run of missing samples."""
+    gaps = []
+    for marker in range(origin.shape[1]):
+        start = None
+        for frame in range(len(origin) + 1):
+            missing = frame < len(origin) and origin[frame, marker] == Origin.MISSING
+            if missing and start is None:
+                start = frame
+            if not missing and start is not None:
+                gaps.append((marker, start, frame))
+                start = None
+    return gaps
+
+
+class PlainPass:
+    """The rule of the step-wise fills, one sample at a time."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        weigh: Weigh,
+        *,
+        neighbours: int,
+        use_filled: bool,
+        ring: int = 0,
+        joined: NDArray[np.bool_] | None = None,
+    ) -> None:
+        self.positions = recording.positions.copy()
+        self.origin = recording.origin.copy()
+        self.weigh, self.neighbours, self.use_filled = weigh, neighbours, use_filled
+        self.ring, self.joined = ring, joined
+
+    def distance(self, frame: int, one: int, other: int) -> float:
+        x, y, z = self.positions[frame, one] - self.positions[frame, other]
+        return math.sqrt(x * x + y * y + z * z)
+
+    def tier(self, before: int, now: int, marker: int) -> int | None:
+        """0 measured at both frames, 1 filled at one of them, None unusable."""
+        kinds = {int(self.origin[before, marker]), int(self.origin[now, marker])}
+        if Origin.MISSING in kinds:
+            return None
+        if Origin.FILLED in kinds:
+            return 1 if self.use_filled else None
+        return 0
+
+    def predict(self, before: int, now: int, marker: int) -> Positions | None:
+        candidates = []
+        for other in range(self.origin.shape[1]):
+            apart = self.joined is not None and not self.joined[marker, other]
+            tier = self.tier(before, now, other)
+            if other != marker and not apart and tier is not None:
+                candidates.append((tier, self.distance(before, marker, other), other))
+        chosen = sorted(candidates)[: self.neighbours]
+        if not chosen or self.origin[before, marker] == Origin.MISSING:
+            return None
+        place = self.positions[before, marker].copy()
+        for weight, (_, _, other) in zip(self.weigh([d for _, d, _ in chosen]), chosen, strict=True):
+            place += weight * (self.positions[now, other] - self.positions[before, other])
+        return place
+
+    def urgency(self, before: int, now: int, marker: int) -> tuple[float, float, int]:
+        present = [
+            (self.distance(before, marker, other), other)
+            for other in range(self.origin.shape[1])
+            if other != marker and self.origin[before, other] != Origin.MISSING
+        ]
+        nearest = sorted(present)[: self.ring]
+        usable = sum(self.tier(before, now, other) is not None for _, other in nearest)
+        mean = sum(d for d, _ in nearest) / len(nearest) if nearest else math.inf
+        return (-usable, mean, marker)
+
+    def run(self, wanted: Sequence[tuple[int, int, int]], step: int) -> None:
+        samples = {(frame, m) for m, start, stop in wanted for frame in range(start, stop)}
+        frames = range(1, len(self.origin)) if step == 1 else range(len(self.origin) - 2, -1, -1)
+        for now in frames:
+            before = now - step
+            waiting = [
+                marker
+                for marker in range(self.origin.shape[1])
+                if (now, marker) in samples and self.origin[before, marker] != Origin.MISSING
+            ]
+            while waiting:
+                if self.ring:
+                    waiting.sort(key=lambda marker: self.urgency(before, now, marker))
+                marker = waiting.pop(0)
+                place = self.predict(before, now, marker)
+                if place is not None:
+                    self.positions[now, marker] = place
+                    self.origin[now, marker] = Origin.FILLED
+
+
+def run_plainly(
+    recording: Trajectories,
+    weigh: Weigh,
+    *,
+    close_gap: str = "none",
+    max_gap: int | None = None,
+    **rule: Any,
+) -> Positions:
+    """Fill as the step-wise fills promise; returns the positions."""
+    frames = recording.frames
+    gaps = [
+        gap
+        for gap in plain_gaps(recording.origin)
+        if gap[2] - gap[1] < frames and (max_gap is None or gap[2] - gap[1] <= max_gap)
+    ]
+    forward = PlainPass(recording, weigh, **rule)
+    forward.run(gaps, 1)
+    if close_gap == "blend":
+        backward = PlainPass(recording, weigh, **rule)
+        backward.run(gaps, -1)
+        return _plainly_blended(forward.positions, backward.positions, gaps)
+    forward.run([gap for gap in gaps if gap[1] == 0], -1)
+    return _plainly_ramped(forward, gaps) if close_gap == "ramp" else forward.positions
+
+
+def _plainly_blended(
+    forward: Positions, backward: Positions, gaps: list[tuple[int, int, int]]
+) -> Positions:
+    for marker, start, stop in gaps:
+        for frame in range(start, stop):
+            share = (frame - start + 1) / (stop - start + 1)
+            ahead, back = forward[frame, marker], backward[frame, marker]
+            if np.isnan(ahead).any():
+                forward[frame, marker] = back
+            elif not np.isnan(back).any():
+                forward[frame, marker] = (1 - share) * ahead + share * back
+    return forward
+
+
+def _plainly_ramped(made: PlainPass, gaps: list[tuple[int, int, int]]) -> Positions:
+    ramped = made.positions.copy()
+    for marker, start, stop in gaps:
+        if start == 0 or stop == len(ramped):
+            continue
+        place = made.predict(stop - 1, stop, marker)
+        if place is not None:
+            mismatch = made.positions[stop, marker] - place
+            for frame in range(start, stop):
+                ramped[frame, marker] += mismatch * (frame - start + 1) / (stop - start + 1)
+    return ramped
+
+
+@pytest.fixture(scope="session")
+def recorded() -> Callable[..., Trajectories]:
+    """Positions, and origins if any, to a recording."""
+    return make_recording
+
+
+@pytest.fixture(scope="session")
+def gappy() -> Callable[[int], Trajectories]:
+    """A seed to a recording with gaps."""
+    return make_gappy
+
+
+@pytest.fixture(scope="session")
+def quietly() -> Callable[..., Trajectories]:
+    """Run a fill whose warnings do not matter."""
+    return run_quietly
+
+
+@pytest.fixture(scope="session")
+def plainly() -> Callable[..., Positions]:
+    """Run the plain statement of a step-wise fill."""
+    return run_plainly

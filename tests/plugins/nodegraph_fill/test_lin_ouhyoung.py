@@ -1,0 +1,68 @@
+"""Lin and Ouhyoung as formulated by Zhang et al.: a cosine of the distance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
+from nodegraph_fill.one_ring import one_ring
+from nodegraph_mocap import Trajectories
+
+
+def weigh(distances: list[float]) -> list[float]:
+    near, far = min(distances), max(distances)
+    if far == near:
+        return [1 / len(distances)] * len(distances)
+    weights = [math.cos((d - near) / (far - near) * math.pi / 2.5) for d in distances]
+    return [weight / sum(weights) for weight in weights]
+
+
+@settings(deadline=None, max_examples=150, derandomize=True)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    neighbours=st.sampled_from([1, 2, 8, "one_ring"]),
+    use_filled=st.booleans(),
+    close_gap=st.sampled_from(["none", "ramp", "blend"]),
+)
+def test_equals_the_plain_statement(
+    gappy: Callable[[int], Trajectories],
+    quietly: Callable[..., Trajectories],
+    plainly: Callable[..., Any],
+    seed: int,
+    neighbours: int | str,
+    use_filled: bool,
+    close_gap: str,
+) -> None:
+    recording = gappy(seed)
+    shared = {"use_filled": use_filled, "close_gap": close_gap}
+    filled = quietly(lin_ouhyoung, recording, neighbours=neighbours, **shared)
+    ringed = neighbours == "one_ring"
+    rule = {"neighbours": 99, "joined": one_ring(recording)} if ringed else {"neighbours": neighbours}
+    plain = plainly(recording, weigh, **rule, **shared)
+    np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
+
+
+def test_the_farthest_neighbour_weighs_a_third_of_the_nearest(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    positions = np.zeros((2, 3, 3))
+    positions[:, 1, 0], positions[:, 2, 0] = 1, 5
+    positions[1, 2, 1] = 1
+    positions[1, 0] = np.nan
+    filled = lin_ouhyoung(recorded(positions))
+    assert filled.positions[1, 0, 1] == pytest.approx(0.309017 / 1.309017, abs=1e-6)
+
+
+def test_equal_distances_weigh_the_same(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.zeros((2, 5, 3))
+    positions[:, 1:, :2] = [[1, 0], [-1, 0], [0, 1], [0, -1]]
+    positions[1, 1:, 2] = [1, 2, 3, 6]
+    positions[1, 0] = np.nan
+    np.testing.assert_allclose(lin_ouhyoung(recorded(positions)).positions[1, 0], [0, 0, 3])
