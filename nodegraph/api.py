@@ -20,7 +20,7 @@ def load(
     plugins: Iterable[str | Path] = (),
     set: Mapping[str, Any] | None = None,
     axis: Mapping[str, Any] | None = None,
-    only: Mapping[str, Iterable[Label]] | None = None,
+    only: Mapping[str, Label | Iterable[Label]] | None = None,
 ) -> Graph:
     """Read a graph file and check all of it.
 
@@ -52,7 +52,7 @@ def run(
     plugins: Iterable[str | Path] = (),
     set: Mapping[str, Any] | None = None,
     axis: Mapping[str, Any] | None = None,
-    only: Mapping[str, Iterable[Label]] | None = None,
+    only: Mapping[str, Label | Iterable[Label]] | None = None,
     executor: str = "threads",
     jobs: int | None = None,
     listeners: Iterable[Listener] = (),
@@ -64,7 +64,7 @@ def run(
     graph
         A loaded graph, or a path.
     plugins, set, axis, only
-        As in `load`.
+        As in `load`; they come on top of what a loaded graph was given.
     executor
         ``threads`` or ``serial``.
     jobs
@@ -80,7 +80,8 @@ def run(
     if not isinstance(graph, Graph):
         graph = load(graph, plugins=plugins, set=set, axis=axis, only=only)
     elif set or axis or only or plugins:
-        graph = build(graph.spec, _registry(plugins) or graph.registry, _choices(set, axis, only))
+        choices = graph.choices.updated(_choices(set, axis, only))
+        graph = build(graph.spec, _registry(plugins) or graph.registry, choices)
     how = HowToRun(executor, jobs)
     return execute(plan(graph), how=how, keep=reported(graph), listeners=listeners)
 
@@ -102,7 +103,7 @@ def _registry(plugins: Iterable[str | Path]) -> Registry | None:
 def _choices(
     given: Mapping[str, Any] | None,
     axis: Mapping[str, Any] | None,
-    only: Mapping[str, Iterable[Label]] | None,
+    only: Mapping[str, Label | Iterable[Label]] | None,
 ) -> Choices:
     kept = {
         name: (one,) if isinstance(one, (str, int, float)) else tuple(one)

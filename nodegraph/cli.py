@@ -7,9 +7,11 @@ Status 0: all well. 1: some step failed. 2: the graph or the command is wrong, a
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import warnings
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -19,22 +21,27 @@ from nodegraph.errors import NodegraphError
 def main(words: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
     arguments = _parser().parse_args(words)
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
+        warnings.simplefilter("default", UserWarning)
         warnings.showwarning = _show_warning
         try:
             from nodegraph import commands
 
-            return int(getattr(commands, arguments.command)(arguments))
-        except NodegraphError as error:
+            status = int(getattr(commands, arguments.command)(arguments))
+            sys.stdout.flush()
+            return status
+        except BrokenPipeError:
+            # whoever read the output has seen enough; what is left must not be tried again at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+        except (NodegraphError, OSError) as error:
             print(f"nodegraph: {error}", file=sys.stderr)
             return 2
         except KeyboardInterrupt:
             print("nodegraph: interrupted", file=sys.stderr)
             return 130
-        except BrokenPipeError:
-            # whoever read the output has seen enough
-            sys.stderr.close()
-            return 0
 
 
 def _parser() -> argparse.ArgumentParser:

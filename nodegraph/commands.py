@@ -150,7 +150,7 @@ def _value(option: str, text: str) -> Any:
 
 
 def _labels(option: str, text: str) -> Any:
-    return read_yaml(text if text[:1] in "[{" else f"[{text}]", option).plain()
+    return read_yaml(text if text.startswith(("[", "{")) else f"[{text}]", option).plain()
 
 
 def _kept(option: str, text: str) -> tuple[Label, ...]:

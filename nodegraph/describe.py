@@ -49,9 +49,9 @@ def port_meanings(node: Node) -> dict[str, str]:
 def setting_kind(node: Node, name: str) -> str:
     """Return type, bounds and choices of a setting, as its JSON Schema has them."""
     schema = _schema(node)["properties"].get(name, {})
-    options = [one for one in schema.get("anyOf", [schema]) if one.get("type") != "null"]
-    texts = [_option(one) for one in options]
-    return " or ".join([*texts, "null"]) if "anyOf" in schema else texts[0]
+    options = schema.get("anyOf", [schema])
+    texts = [_option(one) for one in options if one.get("type") != "null"]
+    return " or ".join([*texts, "null"] if len(texts) < len(options) else texts)
 
 
 def shown(value: Any) -> str:

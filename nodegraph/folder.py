@@ -24,7 +24,8 @@ class RunFolder:
     Parameters
     ----------
     path
-        A finished run that lies there is moved aside, its name followed by the time it ended.
+        A run that lies there is moved aside, its name followed by the time it ended; one that
+        was interrupted before it had any result is replaced.
 
     Raises
     ------
@@ -60,13 +61,13 @@ class RunFolder:
 def _make_room(path: Path) -> Path | None:
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         return None
-    record = path / RECORD
-    if record.is_file():
-        ended = datetime.fromtimestamp(record.stat().st_mtime).strftime("%Y-%m-%dT%H-%M-%S")
-        return path.rename(_free(path.with_name(f"{path.name}-{ended}")))
-    if path.is_dir() and (path / EVENTS).is_file():
+    marks = [one for one in (path / RECORD, path / EVENTS) if one.is_file()]
+    if marks and {one.name for one in path.iterdir()} <= {EVENTS, GRAPH}:
         shutil.rmtree(path)  # a run that was interrupted: it holds no result
         return None
+    if marks:
+        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("%Y-%m-%dT%H-%M-%S")
+        return path.rename(_free(path.with_name(f"{path.name}-{ended}")))
     raise NodegraphError(
         f"{path} holds something that is not a run; name another folder with --out"
     )

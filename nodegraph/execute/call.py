@@ -67,7 +67,7 @@ def perform(call: Call) -> Outcome:
         values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
     except Refusal as refusal:
         state, values, reason, trace = "refused", (), str(refusal) or "no reason given", ""
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         state, values, reason, trace = "failed", (), _reason(error), traceback.format_exc()
     else:
         state, reason, trace = "done", "", ""
@@ -124,6 +124,6 @@ def _split(node: Node, returned: Any) -> tuple[Any, ...]:
     return tuple(getattr(returned, name) for name in names)
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     said = str(error) or "no message"
     return said if isinstance(error, (ValueError, OSError)) else f"{type(error).__name__}: {said}"

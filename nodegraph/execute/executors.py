@@ -32,7 +32,7 @@ def serial(schedule: Schedule, jobs: int = 1) -> Iterator[tuple[int, Outcome]]:
 def threaded(schedule: Schedule, jobs: int) -> Iterator[tuple[int, Outcome]]:
     """Make up to `jobs` calls at a time, each in a thread of this process."""
     calls: SimpleQueue[Call | None] = SimpleQueue()
-    outcomes: SimpleQueue[tuple[int, Outcome]] = SimpleQueue()
+    outcomes: SimpleQueue[tuple[int, Outcome] | BaseException] = SimpleQueue()
     # daemons, because a node that never returns must not keep an interrupted program alive
     for _ in range(jobs):
         threading.Thread(target=_work, args=(calls, outcomes), daemon=True).start()
@@ -46,6 +46,8 @@ def threaded(schedule: Schedule, jobs: int) -> Iterator[tuple[int, Outcome]]:
             if not running:
                 return
             finished = outcomes.get()
+            if isinstance(finished, BaseException):
+                raise finished
             running -= 1
             yield finished
     finally:
@@ -53,9 +55,14 @@ def threaded(schedule: Schedule, jobs: int) -> Iterator[tuple[int, Outcome]]:
             calls.put(None)
 
 
-def _work(calls: SimpleQueue[Call | None], outcomes: SimpleQueue[tuple[int, Outcome]]) -> None:
+def _work(
+    calls: SimpleQueue[Call | None], outcomes: SimpleQueue[tuple[int, Outcome] | BaseException]
+) -> None:
     while (call := calls.get()) is not None:
-        outcomes.put((call.step, perform(call)))
+        try:
+            outcomes.put((call.step, perform(call)))
+        except BaseException as error:  # else whoever waits for the outcome waits for ever
+            outcomes.put(error)
         del call
 
 

@@ -36,6 +36,9 @@ class Run:
     def __getitem__(self, name: str) -> Values:
         """Return the values of a node, or of one output: ``run["gaps.truth"]``."""
         node, _, port = name.partition(".")
+        for left_out in self.plan.graph.left_out:
+            if left_out.node == node:
+                raise NodegraphError(f"{node!r} is left out: {left_out.reason}")
         if node not in self.plan.cells:
             raise NodegraphError(f"the run has no node {node!r}; {nearest(node, self.plan.cells)}")
         outputs = [one.name for one in self.plan.graph.nodes[node].first.node.outputs]
@@ -77,6 +80,9 @@ class Run:
         with warnings_heard():
             for done, found in serial(again):
                 again.finish(done, found)
+        if index not in again.values:
+            reason = again.outcomes[index].reason
+            raise NodegraphError(f"{step.name} cannot be computed again: {reason}")
         return again.values[index]
 
 

@@ -44,6 +44,7 @@ class _Builder:
         self._spec = spec
         self._registry = registry
         self._problems = problems
+        self._choices = choices
         self._names = Names(spec, choices, problems)
         self._settings = SettingsReader(self._names, registry, problems)
         self._chosen = {n: choose(one, registry, problems) for n, one in spec.nodes.items()}
@@ -70,6 +71,7 @@ class _Builder:
             self._names.axes,
             kept,
             self._names.inputs,
+            self._choices,
             tuple(self._left_out),
         )
 
@@ -127,7 +129,9 @@ class _Builder:
     ) -> None:
         for fed in (fed for method in methods for fed in method.inputs.values()):
             if isinstance(fed, Gather) and fed.axis in gathered:
-                message = f"{name}: port {fed.axis!r} is an axis here, and gathers another of its name"
+                message = (
+                    f"{name}: port {fed.axis!r} is an axis here, and gathers another of its name"
+                )
                 place = next(iter(fed.sources.values())).place
                 self._problems.add(place, message, f"rename the axis {fed.axis!r}")
 

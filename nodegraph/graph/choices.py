@@ -36,6 +36,15 @@ class Choices:
     only: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     folder: Path = field(default_factory=Path.cwd)
 
+    def updated(self, later: Choices) -> Choices:
+        """Return these choices with later ones on top."""
+        return Choices(
+            {**self.inputs, **later.inputs},
+            {**self.axes, **later.axes},
+            {**self.only, **later.only},
+            later.folder,
+        )
+
 
 class Names:
     """The inputs and axes of a graph with the choices made: what ``$name`` stands for."""

@@ -14,6 +14,7 @@ from nodegraph.ports import Label
 if TYPE_CHECKING:
     import networkx as nx
 
+    from nodegraph.graph.choices import Choices
     from nodegraph.registry import Registry
     from nodegraph.spec import GraphSpec
 
@@ -159,6 +160,8 @@ class Graph:
         In an order in which each comes after what feeds it.
     inputs : mapping of name to value
         With what the command has set.
+    choices : Choices
+        What the command or the caller has chosen.
     left_out : tuple of LeftOut
     """
 
@@ -167,6 +170,7 @@ class Graph:
     axes: Mapping[str, Axis]
     nodes: Mapping[str, GraphNode]
     inputs: Mapping[str, Any]
+    choices: Choices
     left_out: tuple[LeftOut, ...] = ()
 
     @property

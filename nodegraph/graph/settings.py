@@ -128,7 +128,10 @@ def _complaints(
     where: str, chosen: Chosen, node: Node, error: ValidationError
 ) -> Iterator[tuple[str, Any, str]]:
     for one in error.errors():
-        name = str(one["loc"][0]) if one["loc"] else ""
+        if not one["loc"]:
+            yield f"{where}: settings of {node.name}: {one['msg']}", chosen.place, ""
+            continue
+        name = str(one["loc"][0])
         written = chosen.settings.get(name)
         said = _ADVICE.get(one["type"]) or f"{_lower(one['msg'])}, got {one['input']!r}"
         setting = node.settings.get(name)

@@ -83,7 +83,8 @@ def _foreign_parts(value: Any) -> Mapping[str, Any] | None:
         return {".index": value.index.to_numpy(), ".values": value.to_numpy()}
     if "matplotlib.Figure" in kinds:
         return {".pixels": _pixels(value)}
-    if type(value).__eq__ is object.__eq__ and hasattr(value, "__dict__"):
+    compares: Any = type(value).__eq__
+    if compares is object.__eq__ and hasattr(value, "__dict__"):
         return {f".{name}": part for name, part in vars(value).items()}
     return None
 

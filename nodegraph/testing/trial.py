@@ -57,6 +57,7 @@ class Trial:
             What came out; or why the node declined this specimen; or None after a fault.
         """
         before = copy.deepcopy((self.inputs, self.settings))
+        made: Mapping[str, Any] | str | None
         try:
             with _chance(1) as drawn:
                 made = self.call(self.inputs)

@@ -46,6 +46,14 @@ def nodegraph_renderers() -> Iterable[Renderer]:
 
 
 @hookimpl
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
+    """Return small values of this package's types, on which nodes are tested."""
+    from nodegraph_mocap.specimens import specimens
+
+    return specimens()
+
+
+@hookimpl
 def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:
     """Return what finds ``sample:NAME``."""
     return {"sample": sample_folder}

@@ -7,21 +7,24 @@ truth. Nothing here needs matplotlib to be imported; the names are those that it
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+Line = Literal["-", "--", ":", "-."]
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
 ORANGE = "#E69F00"
 GREY = "#9A9A9A"
+LIGHT = "#C8C8C8"
 PALE = "#ECECEC"
 BLACK = "#000000"
 
 COLOURS = (BLUE, VERMILLION, "#009E73", "#CC79A7", ORANGE, "#56B4E9", "#B8A800")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
-LINES = ("-", "--", ":", "-.")
+LINES: tuple[Line, ...] = ("-", "--", ":", "-.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,7 @@ class Look:
 
     colour: str
     marker: str
-    line: str
+    line: Line
 
 
 def looks(labels: Iterable[object]) -> dict[str, Look]:

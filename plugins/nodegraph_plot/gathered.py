@@ -24,11 +24,15 @@ def named(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
     Raises
     ------
     ValueError
-        If there is none.
+        If there is none, or two have the same labels.
     """
-    if not len(recordings):
+    names = recordings.names()
+    if not names:
         raise ValueError("there is no recording to draw")
-    return dict(zip(recordings.names(), recordings.values(), strict=True))
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ValueError(f"several recordings are labelled {', '.join(repeated)}")
+    return dict(zip(names, recordings.values(), strict=True))
 
 
 def named_looks(recordings: Across[Trajectories]) -> dict[str, Look]:
@@ -61,23 +65,20 @@ def check_markers(recordings: dict[str, Trajectories], markers: Iterable[str]) -
             )
 
 
-def true_positions(
-    truth: Trajectories | None, recording: Trajectories, name: str
-) -> NDArray[np.float64]:
-    """Return the truth of a recording's markers, (T, M, 3); NaN where it is not known.
+def check_truth(recordings: dict[str, Trajectories], truth: Trajectories | None) -> None:
+    """Raise a ValueError if the truth has another number of frames than a recording."""
+    for name, recording in recordings.items():
+        if truth is not None and truth.frames != recording.frames:
+            raise ValueError(
+                f"the truth has {truth.frames} frames, the recording{_of(name)} {recording.frames}"
+            )
 
-    Raises
-    ------
-    ValueError
-        If the truth has another number of frames.
-    """
+
+def true_positions(truth: Trajectories | None, recording: Trajectories) -> NDArray[np.float64]:
+    """Return the truth of a recording's markers, (T, M, 3); NaN where it is not known."""
     known = np.full(recording.positions.shape, np.nan)
     if truth is None:
         return known
-    if truth.frames != recording.frames:
-        raise ValueError(
-            f"the truth has {truth.frames} frames, the recording{_of(name)} {recording.frames}"
-        )
     place = {marker: column for column, marker in enumerate(truth.markers)}
     shared = [column for column, marker in enumerate(recording.markers) if marker in place]
     known[:, shared] = truth.positions[:, [place[recording.markers[one]] for one in shared]]
@@ -87,6 +88,13 @@ def true_positions(
 def made(recording: Trajectories) -> NDArray[np.bool_]:
     """Return (T, M), True where a sample was filled or repaired."""
     return np.asarray((recording.origin == Origin.FILLED) | (recording.origin == Origin.REPAIRED))
+
+
+def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the first and last place of each run of True."""
+    edges = np.diff(np.pad(flags.astype(np.int8), 1))
+    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    return list(zip(first.tolist(), last.tolist(), strict=True))
 
 
 def _of(name: str) -> str:

@@ -11,10 +11,11 @@ from nodegraph_mocap import Figure, Trajectories
 from nodegraph_plot.gathered import (
     check_frames,
     check_markers,
+    check_truth,
     made,
     named,
     named_looks,
-    true_positions,
+    runs,
 )
 
 if TYPE_CHECKING:
@@ -71,54 +72,43 @@ def trajectories(
     by_name = named(recordings)
     chosen = markers or (_most_made(by_name),)
     check_markers(by_name, chosen)
-    known = {name: true_positions(truth, one, name) for name, one in by_name.items()}
+    check_truth(by_name, truth)
     window = _around_gap(by_name, chosen) if frames is None else frames
     check_frames(by_name, window)
     if window[0] >= window[1]:
         raise ValueError(f"frames are first and last, the first before the last; got {window}")
-    return draw(by_name, known, named_looks(recordings), chosen, window, coordinates)
+    return draw(by_name, truth, named_looks(recordings), chosen, window, coordinates)
 
 
 def _most_made(recordings: dict[str, Trajectories]) -> str:
     """Return the marker with the most filled samples; the first recording's order breaks ties."""
-    names = next(iter(recordings.values())).markers
-    counts = dict.fromkeys(names, (0, 0))
+    first, *others = recordings.values()
+    names = [name for name in first.markers if all(name in one.markers for one in others)]
+    if not names:
+        raise ValueError("the recordings have no marker in common")
+    filled, missing = (np.zeros(len(names), dtype=int) for _ in range(2))
     for recording in recordings.values():
-        filled, missing = made(recording).sum(axis=0), (~recording.present).sum(axis=0)
-        for column, name in enumerate(recording.markers):
-            if name in counts:
-                before = counts[name]
-                counts[name] = (before[0] + int(filled[column]), before[1] + int(missing[column]))
-    return max(counts, key=lambda name: counts[name])
+        columns = [recording.markers.index(name) for name in names]
+        filled += made(recording)[:, columns].sum(axis=0)
+        missing += (~recording.present)[:, columns].sum(axis=0)
+    return names[int(np.lexsort((-np.arange(len(names)), missing, filled))[-1])]
 
 
-def _around_gap(
-    recordings: dict[str, Trajectories], markers: tuple[str, ...]
-) -> tuple[int, int]:
+def _around_gap(recordings: dict[str, Trajectories], markers: tuple[str, ...]) -> tuple[int, int]:
     """Return first and last frame around the longest run of samples that were not measured."""
     length = min(recording.frames for recording in recordings.values())
-    longest = (0, 0, 0)
-    for recording in recordings.values():
-        for marker in markers:
-            column = recording.markers.index(marker)
-            first, last = _longest_run(_unmeasured(recording)[:length, column])
-            longest = max(longest, (last - first + 1, first, last), key=lambda run: run[0])
-    count, first, last = longest
-    if not count:
+    gaps = [
+        gap
+        for recording in recordings.values()
+        for marker in markers
+        for gap in runs(_unmeasured(recording)[:length, recording.markers.index(marker)])
+    ]
+    if not gaps:
         return 0, length - 1
-    around = max(count, _FEWEST_AROUND)
+    first, last = max(gaps, key=lambda gap: gap[1] - gap[0])
+    around = max(last - first + 1, _FEWEST_AROUND)
     return max(first - around, 0), min(last + around, length - 1)
 
 
 def _unmeasured(recording: Trajectories) -> NDArray[np.bool_]:
     return made(recording) | ~recording.present
-
-
-def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return first and last place of the longest run of True; (0, -1) where there is none."""
-    edges = np.diff(np.pad(flags.astype(np.int8), 1))
-    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    if not len(first):
-        return 0, -1
-    longest = int(np.argmax(last - first))
-    return int(first[longest]), int(last[longest])

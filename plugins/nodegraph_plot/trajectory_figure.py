@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from nodegraph_mocap.style import BLACK, GREY, PALE
-from nodegraph_plot.gathered import made
+from nodegraph_mocap.style import BLACK, LIGHT, PALE
+from nodegraph_plot.gathered import made, runs, true_positions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from nodegraph_mocap.style import Look
 
 _STRAY = 1.5
-_LEGEND_COLUMNS = 5
+_BROAD = 3.0
+_LEGEND_COLUMNS = 4
 
 
 @dataclass(frozen=True)
@@ -34,8 +36,9 @@ class _Curves:
     Attributes
     ----------
     frames : (F,) array of int
-    positions, truth : (R, F, 3) arrays of float64
-    made, measured, missing : (R, F) arrays of bool
+    positions : (R, F, 3) array of float64
+    truth : (F, 3) array of float64
+    made, measured : (R, F) arrays of bool
     """
 
     frames: NDArray[np.intp]
@@ -64,7 +67,7 @@ class _Curves:
 
 def draw(
     recordings: dict[str, Trajectories],
-    truth: dict[str, NDArray[np.float64]],
+    truth: Trajectories | None,
     look: dict[str, Look],
     markers: Sequence[str],
     window: tuple[int, int],
@@ -72,7 +75,10 @@ def draw(
 ) -> Figure:
     """Return the figure: a row per coordinate, a column per marker."""
     rows, columns = len(coordinates), len(markers)
-    size = (max(4.6 * columns, 6.4), 1.75 * rows + 1.3)
+    size = (
+        max(4.6 * columns, 7.0),
+        1.8 * rows + 0.5 + 0.25 * math.ceil(len(look) / _LEGEND_COLUMNS),
+    )
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
     rate = next(iter(recordings.values())).rate
@@ -84,8 +90,7 @@ def draw(
         axes[-1, column].set_xlabel(f"frame (at {rate:g} Hz)")
     for row, coordinate in enumerate(coordinates):
         axes[row, 0].set_ylabel(f"{coordinate} (mm)")
-    known = any(np.isfinite(one).any() for one in truth.values())
-    handles = _handles(list(recordings), look, known=known)
+    handles = _handles(list(recordings), look, known=truth is not None)
     figure.legend(
         handles=handles,
         loc="outside lower center",
@@ -97,18 +102,19 @@ def draw(
 
 def _curves(
     recordings: dict[str, Trajectories],
-    truth: dict[str, NDArray[np.float64]],
+    truth: Trajectories | None,
     marker: str,
     window: tuple[int, int],
 ) -> _Curves:
     part = slice(window[0], window[1] + 1)
-    places = [(name, one, one.markers.index(marker)) for name, one in recordings.items()]
+    places = [(one, one.markers.index(marker)) for one in recordings.values()]
+    first, column = places[0]
     return _Curves(
         frames=np.arange(window[0], window[1] + 1),
-        positions=np.stack([one.positions[part, place] for _, one, place in places]),
-        truth=np.stack([truth[name][part, place] for name, _, place in places]),
-        made=np.stack([made(one)[part, place] for _, one, place in places]),
-        measured=np.stack([one.measured[part, place] for _, one, place in places]),
+        positions=np.stack([one.positions[part, place] for one, place in places]),
+        truth=true_positions(truth, first)[part, column],
+        made=np.stack([made(one)[part, place] for one, place in places]),
+        measured=np.stack([one.measured[part, place] for one, place in places]),
     )
 
 
@@ -117,16 +123,15 @@ def _panel(
 ) -> None:
     values = curves.positions[..., coordinate]
     true = curves.truth[..., coordinate]
-    for first, last in _runs(curves.gaps):
+    for first, last in runs(curves.gaps):
         ends = curves.frames[[first, last]]
         axis.axvspan(ends[0] - 0.5, ends[1] + 0.5, color=PALE, linewidth=0, zorder=0)
     common = np.where(curves.common, values[0], np.nan)
-    axis.plot(curves.frames, common, color=GREY, linewidth=1.6, label="measured", zorder=2)
+    axis.plot(curves.frames, common, color=LIGHT, linewidth=_BROAD, label="measured", zorder=2)
     for place, name in enumerate(names):
         _line(axis, curves, place, values[place], look[name], name)
-    for line in np.unique(true[np.isfinite(true).any(axis=1)], axis=0):
-        axis.plot(curves.frames, line, color=BLACK, linewidth=0.8, label="truth", zorder=5)
-    _limit(axis, np.concatenate([values[curves.measured], true.ravel()]), values)
+    axis.plot(curves.frames, true, color=BLACK, linewidth=0.8, label="truth", zorder=5)
+    _limit(axis, np.concatenate([values[curves.measured], true]), values)
     axis.margins(x=0.01)
     axis.spines[["top", "right"]].set_visible(False)
 
@@ -140,9 +145,7 @@ def _line(
     name: str,
 ) -> None:
     own = np.where(curves.own, values, np.nan)
-    axis.plot(
-        curves.frames, own, look.line, color=look.colour, linewidth=1.1, label=name, zorder=3
-    )
+    axis.plot(curves.frames, own, look.line, color=look.colour, linewidth=1.1, label=name, zorder=3)
     filled = curves.made[place]
     axis.plot(
         curves.frames[filled],
@@ -182,13 +185,7 @@ def _handles(names: Sequence[str], look: dict[str, Look], *, known: bool) -> lis
         )
         for name in names
     ]
-    handles.append(Line2D([], [], color=GREY, linewidth=1.6, label="measured in all"))
+    handles.append(Line2D([], [], color=LIGHT, linewidth=_BROAD, label="measured in all"))
     if known:
         handles.append(Line2D([], [], color=BLACK, linewidth=0.8, label="truth"))
     return [*handles, Patch(color=PALE, label="gap")]
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    edges = np.diff(np.pad(flags.astype(np.int8), 1))
-    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    return list(zip(first.tolist(), last.tolist(), strict=True))

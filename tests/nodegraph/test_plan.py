@@ -80,7 +80,9 @@ def test_an_alternative_does_not_repeat_along_its_siblings_axes(
             axes: {power: [1, 2, 3]}
             nodes:
               n: {use: read.number}
-              fill: {in: n, alternatives: {a: fill.hold, b: {use: fill.scale, with: {power: $power}}}}
+              fill:
+                in: n
+                alternatives: {a: fill.hold, b: {use: fill.scale, with: {power: $power}}}
             """
         )
     )

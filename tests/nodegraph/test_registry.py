@@ -116,7 +116,7 @@ def test_what_else_plugins_bring_is_put_together(
             nodegraph_renderers=lambda: [shown],
         ),
     )
-    assert set(registry.bibtex.splitlines()) == {"@misc{a}", "@misc{b}"}
+    assert set(registry.bibtex) == {"@misc{a}", "@misc{b}"}
     assert registry.graphs == {"fill": Path("x/fill.yaml")}
     assert registry.renderers == (shown,)
     assert registry.place("sample:face") == tmp_path / "face"

@@ -205,7 +205,10 @@ def test_alternatives_may_need_different_ports(run_of: Callable[..., Run]) -> No
         nodes:
           n: {use: read.number, with: {start: 10}}
           m: {use: read.number, with: {start: $k}}
-          fill: {alternatives: {a: {use: fill.hold, in: n}, b: {use: fill.needs, in: {recording: n, reference: m}}}}
+          fill:
+            alternatives:
+              a: {use: fill.hold, in: n}
+              b: {use: fill.needs, in: {recording: n, reference: m}}
         """,
         more=[needs],
     )

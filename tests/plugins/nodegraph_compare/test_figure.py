@@ -59,7 +59,11 @@ def test_methods_stand_along_x_where_there_is_one_group() -> None:
     made = compared(within=())
     (axis,) = made.figure.axes
     assert [text.get_text() for text in axis.get_xticklabels()] == ["lin", "cubic", "akima"]
-    assert [np.asarray(one.lines[0].get_xdata()).item() for one in points(axis).values()] == [0, 1, 2]
+    assert [np.asarray(one.lines[0].get_xdata()).item() for one in points(axis).values()] == [
+        0,
+        1,
+        2,
+    ]
 
 
 def test_a_wide_span_gets_a_logarithmic_scale() -> None:

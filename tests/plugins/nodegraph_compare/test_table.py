@@ -53,6 +53,7 @@ def test_rows_are_the_statistics_of_the_blocks() -> None:
         values = plainly(scores, row["length"], row["fill"])
         assert row["blocks"] == 30
         assert row["mean"] == pytest.approx(values.mean())
+        assert row["rms"] == pytest.approx(np.sqrt((values**2).mean()))
         assert row["median"] == pytest.approx(np.median(values))
         assert row["sd"] == pytest.approx(values.std(ddof=1))
         assert row["low"] < row["mean"] < row["high"]

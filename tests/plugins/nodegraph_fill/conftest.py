@@ -17,7 +17,7 @@ Positions = NDArray[np.float64]
 Weigh = Callable[[list[float]], list[float]]
 
 
-def make_recording(positions: Positions, origin: NDArray[np.uint8] | None = None) -> Trajectories:
+def make_recording(positions: Positions, origin: Any = None) -> Trajectories:
     names = tuple(f"m{index}" for index in range(positions.shape[1]))
     return Trajectories(positions=positions, markers=names, rate=60.0, origin=origin)
 
@@ -105,8 +105,10 @@ class PlainPass:
         chosen = sorted(candidates)[: self.neighbours]
         if not chosen or self.origin[before, marker] == Origin.MISSING:
             return None
-        place = self.positions[before, marker].copy()
-        for weight, (_, _, other) in zip(self.weigh([d for _, d, _ in chosen]), chosen, strict=True):
+        place: Positions = self.positions[before, marker].copy()
+        for weight, (_, _, other) in zip(
+            self.weigh([d for _, d, _ in chosen]), chosen, strict=True
+        ):
             place += weight * (self.positions[now, other] - self.positions[before, other])
         return place
 

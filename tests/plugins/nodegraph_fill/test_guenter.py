@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodegraph_fill.guenter import guenter
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import Origin, Trajectories
 
 
 def weigh(distances: list[float]) -> list[float]:
@@ -48,33 +48,41 @@ def test_equals_the_plain_statement(
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 
 
-def test_the_better_surrounded_marker_goes_first(recorded: Callable[..., Trajectories]) -> None:
-    """On a line, b is near two measured markers and a is near b: b must be filled before a."""
-    places = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], dtype=float)
-    positions = np.stack([places, places + [0, 0, 1]])
-    positions[1, 3, 2] += 6
-    positions[1, :2] = np.nan
-    filled = guenter(recorded(positions), neighbours=1, ring=2)
-    # In marker order a would follow c, the nearest that is measured; it does so in this order
-    # too, because a filled neighbour comes after a measured one.
-    assert filled.positions[1, 1, 2] == filled.positions[1, 0, 2] == 1
-    followers = guenter(recorded(positions), neighbours=3, ring=2)
-    # b: the mean of c (1) and d (7). a: the mean of c, d and, last, b itself.
-    assert followers.positions[1, 1, 2] == 4
-    assert followers.positions[1, 0, 2] == 4
-    assert guenter(recorded(positions[:, ::-1]), neighbours=3, ring=2).positions[1, 3, 2] == 4
+def on_a_line(places: list[float], moves: list[float]) -> Trajectories:
+    """Markers a, b, ... of which those that move by NaN are missing in the second frame.
+
+    The others were filled in the first frame, so that all help equally and order decides.
+    """
+    positions = np.zeros((2, len(places), 3))
+    positions[:, :, 0] = places
+    positions[1, :, 2] = moves
+    positions[np.isnan(positions).any(axis=2)] = np.nan
+    origin = np.full((2, len(places)), Origin.MEASURED, dtype=np.uint8)
+    origin[0, ~np.isnan(moves)] = Origin.FILLED
+    origin[1, np.isnan(moves)] = Origin.MISSING
+    names = tuple("abcdefg"[: len(places)])
+    return Trajectories(positions=positions, markers=names, rate=60.0, origin=origin)
 
 
-def test_greedy_order_changes_the_answer(recorded: Callable[..., Trajectories]) -> None:
-    """With one neighbour by ring, c is filled first and then is the only help to no one else."""
-    places = np.array([[0, 0, 0], [10, 0, 0], [11, 0, 0]], dtype=float)
-    positions = np.stack([places, places + [0, 0, 2]])
-    positions[1, :2] = np.nan
-    filled = guenter(recorded(positions), neighbours=2, ring=1)
-    # b, whose one ring neighbour c is usable, goes first: by c alone. Then a: by c and b.
-    np.testing.assert_array_equal(filled.positions[1, :2, 2], [2, 2])
-    unaided = guenter(recorded(positions), neighbours=2, ring=1, use_filled=False)
-    np.testing.assert_array_equal(unaided.positions[1, :2, 2], [2, 2])
+def test_of_equally_many_usable_the_nearer_ring_goes_first() -> None:
+    """b goes first and follows d; a follows b, and would have followed c in marker order."""
+    recording = on_a_line([9.5, 11, 0, 20], [np.nan, np.nan, 1, 5])
+    filled = guenter(recording, neighbours=1, ring=2)
+    assert filled.positions[1, :2, 2].tolist() == [5, 5]
+
+
+def test_more_usable_in_the_ring_goes_before_a_nearer_ring() -> None:
+    """The ring of b is nearest, but only that of a has a usable marker: all follow c."""
+    recording = on_a_line([0, 1.5, -2.6, 5.45, 2.7], [np.nan, np.nan, 1, 5, np.nan])
+    filled = guenter(recording, neighbours=1, ring=2)
+    assert filled.positions[1, [0, 1, 4], 2].tolist() == [1, 1, 1]
+
+
+def test_equal_rings_go_in_marker_order() -> None:
+    """Mirror images: a goes first and follows c, b follows a."""
+    recording = on_a_line([10, 11, 0, 21], [np.nan, np.nan, 1, 5])
+    filled = guenter(recording, neighbours=1, ring=2)
+    assert filled.positions[1, :2, 2].tolist() == [1, 1]
 
 
 def test_no_neighbour_to_use_is_refused(recorded: Callable[..., Trajectories]) -> None:

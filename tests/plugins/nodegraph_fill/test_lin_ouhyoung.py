@@ -44,7 +44,9 @@ def test_equals_the_plain_statement(
     shared = {"use_filled": use_filled, "close_gap": close_gap}
     filled = quietly(lin_ouhyoung, recording, neighbours=neighbours, **shared)
     ringed = neighbours == "one_ring"
-    rule = {"neighbours": 99, "joined": one_ring(recording)} if ringed else {"neighbours": neighbours}
+    rule = (
+        {"neighbours": 99, "joined": one_ring(recording)} if ringed else {"neighbours": neighbours}
+    )
     plain = plainly(recording, weigh, **rule, **shared)
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 

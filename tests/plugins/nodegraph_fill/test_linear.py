@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -27,7 +28,7 @@ def test_equals_numpy_interp(
     for marker, present in enumerate(recording.present.T):
         expected = recording.positions[:, marker].copy()
         known = np.flatnonzero(present)
-        for left, right in zip(known[:-1], known[1:], strict=True):
+        for left, right in itertools.pairwise(known):
             if max_gap is None or right - left - 1 <= max_gap:
                 for axis in range(3):
                     expected[left + 1 : right, axis] = np.interp(

@@ -54,14 +54,14 @@ def test_equals_the_plain_statement(
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 
 
-def moved_by_one(places: list[list[float]], **settings: bool) -> Any:
+def moved_by_one(places: list[list[float]], *, normalize: bool = False) -> Any:
     """Where marker 0, missing in frame 1, goes when each of the others moves by (1, 0, 0)."""
     positions = np.array([places, places], dtype=float)
     positions[1, 1:, 0] += 1
     positions[1, 0] = np.nan
     names = tuple("abcd"[: len(places)])
     recording = Trajectories(positions=positions, markers=names, rate=60.0)
-    return muscle(recording, **settings).positions[1, 0] - positions[0, 0]
+    return muscle(recording, normalize=normalize).positions[1, 0] - positions[0, 0]
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ def test_the_centre_is_joined_to_those_around_it(recorded: Callable[..., Traject
 
 
 def test_a_turned_head_has_the_same_rings(recorded: Callable[..., Trajectories]) -> None:
-    turned = Rotation.from_rotvec([0.3, -1.0, 2.0]).apply(hexagon()) + [5, 6, 7]
+    turned = Rotation.from_rotvec([0.3, -1.0, 2.0]).apply(hexagon()) + np.array([5, 6, 7])
     np.testing.assert_array_equal(
         one_ring(recorded(turned[None])), one_ring(recorded(hexagon()[None]))
     )

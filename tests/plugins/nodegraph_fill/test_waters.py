@@ -75,5 +75,7 @@ def test_a_marker_that_stays_where_it_was_is_counted(distance: float) -> None:
 def test_radii_in_the_wrong_order_are_refused(
     recorded: Callable[..., Trajectories], falloff: float
 ) -> None:
-    with pytest.raises(ValueError, match=rf"smaller than falloff_radius, got 15.0 and {falloff} mm"):
+    with pytest.raises(
+        ValueError, match=rf"smaller than falloff_radius, got 15.0 and {falloff} mm"
+    ):
         waters(recorded(np.zeros((2, 2, 3))), falloff_radius=falloff)

@@ -1,0 +1,89 @@
+"""Faces from the front: which samples were captured and which recovered."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Across, Truth, node
+from nodegraph_mocap import Figure, Origin, Trajectories
+from nodegraph_plot.gathered import check_frames, check_truth, named
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_COLUMNS = 4
+
+
+@node("plot.faces")
+def faces(
+    recordings: Across[Trajectories],
+    truth: Truth[Trajectories] | None = None,
+    *,
+    frames: tuple[int, ...] = (),
+    view: Annotated[str, Field(pattern=r"^(auto|[+-][xyz][+-][xyz])$")] = "auto",
+) -> Figure:
+    """Draw faces from the front, a row per recording, a column per frame.
+
+    Captured (measured) samples are blue and recovered (filled) ones red, as in figure 6 of Zhang,
+    Liang and Wei, "Scattered data processing approach based on optical facial motion capture";
+    repaired samples are orange diamonds. With a truth, a hollow circle shows where each filled
+    sample should be, joined to the sample by a line, and where a sample that is still missing
+    should be. The marker set's edges are grey lines where both ends are present. All faces have
+    one scale; how many filled samples lie outside a picture is written in its corner.
+
+    Parameters
+    ----------
+    recordings
+        Drawn in their order.
+    truth
+        Its markers are matched by name.
+    frames
+        Default: four evenly spaced ones of the frames in which a recording has filled samples,
+        else of the frames in which one lacks samples, else of the take.
+    view
+        ``auto``, or the recording's axes that point right and up in the picture, such as
+        ``+x+y``. ``auto`` finds the front of each recording's mean face. With pairs in its marker
+        set, the face's left is on the right; forward is where the middle of the face stands out.
+        Without pairs, forward is the direction of least extent, and up the recording's y or z
+        axis.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        If a recording lacks a frame, the truth has another number of frames than a recording, or
+        `view` is not of that form.
+    """
+    from nodegraph_plot.face_figure import draw
+
+    by_name = named(recordings)
+    chosen = frames or _telling_frames(list(by_name.values()))
+    check_frames(by_name, chosen)
+    check_truth(by_name, truth)
+    return draw(by_name, truth, chosen, view)
+
+
+def _telling_frames(recordings: list[Trajectories]) -> tuple[int, ...]:
+    length = min(recording.frames for recording in recordings)
+    for origin in (Origin.FILLED, Origin.MISSING):
+        found = _any_frame(recordings, origin, length)
+        if len(found):
+            return _spaced(found)
+    return _spaced(np.arange(length))
+
+
+def _any_frame(recordings: list[Trajectories], origin: Origin, length: int) -> NDArray[np.intp]:
+    """Return the frames in which any recording has a sample of that origin."""
+    has = [(recording.origin[:length] == origin).any(axis=1) for recording in recordings]
+    return np.flatnonzero(np.any(has, axis=0))
+
+
+def _spaced(frames: NDArray[np.intp]) -> tuple[int, ...]:
+    places = np.linspace(0, len(frames) - 1, min(_COLUMNS, len(frames))).round().astype(int)
+    return tuple(frames[places].tolist())

@@ -1,0 +1,85 @@
+"""``check`` tells what would run, or every mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from nodegraph import plugins
+
+FIVE_LINES = """\
+from nodegraph import node
+@node("fill.mine")
+def mine(x: float) -> float:
+    return x * 100
+"""
+Command = Callable[..., tuple[int, str, str]]
+
+
+def test_check_tells_what_would_run(command: Command) -> None:
+    status, out, err = command("check", "toy.yaml")
+    assert (status, err) == (0, "")
+    assert out.splitlines() == [
+        "A toy",
+        "",
+        "node   uses                    along                  steps",
+        "a      toy.number                                     1",
+        "gaps   toy.cut                 length (2)             2",
+        "fill   fill.hold, fill.strict  length (2) x fill (2)  4",
+        "total  toy.sum                                        1",
+        "one    fill.hold                                      1",
+        "",
+        "8 steps",
+    ]
+
+
+def test_check_takes_choices(command: Command) -> None:
+    status, out, _ = command(
+        "check", "toy.yaml", "--set", "start=7", "--axis", "length=1,2,3", "--only", "fill=hold"
+    )
+    assert status == 0
+    assert "length (3) x fill (1)" in out
+    assert "left out: one: gaps at length = 5" in out
+    status, out, _ = command("check", "toy.yaml", "--axis", "length={count: 2}")
+    assert status == 2
+    status, out, _ = command("check", "toy.yaml", "--axis", "length={a: 5, b: 6}")
+    assert status == 0
+
+
+def test_check_tells_all_mistakes(command: Command) -> None:
+    text = Path("toy.yaml").read_text()
+    Path("toy.yaml").write_text(text.replace("toy.cut", "toy.cutt").replace("toy.sum", "toy.sun"))
+    status, out, err = command("check", "toy.yaml")
+    assert (status, out) == (2, "")
+    assert "toy.yaml:7:15: no node 'toy.cutt'" in err
+    assert "toy.yaml:9:16: no node 'toy.sun'" in err
+
+
+def test_a_file_of_five_lines_joins_its_family(command: Command) -> None:
+    Path("my_fill.py").write_text(FIVE_LINES)
+    status, out, _ = command("check", "toy.yaml", "--plugin", "my_fill.py")
+    assert status == 0
+    assert "fill.hold, fill.mine, fill.strict" in out
+
+
+def test_a_name_claimed_by_two_plugins_names_both(command: Command) -> None:
+    Path("my_hold.py").write_text(FIVE_LINES.replace("fill.mine", "fill.hold"))
+    status, _, err = command("check", "toy.yaml", "--plugin", "my_hold.py")
+    assert status == 2
+    assert "'fill.hold' is claimed by toys:fill.hold and my_hold:fill.hold" in err or (
+        "'fill.hold' is claimed by my_hold:fill.hold and toys:fill.hold" in err
+    )
+    status, out, _ = command("nodes", "fill", "--plugin", "my_hold.py")
+    assert (status, out.count("fill.hold")) == (0, 2)
+
+
+def test_an_installed_plugin_that_does_not_import_is_told_and_the_rest_go_on(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = plugins.BrokenPlugin("bad", "bad_module: ImportError: no libfoo")
+    monkeypatch.setattr(plugins, "installed", lambda: ([], [broken]))
+    status, _, err = command("check", "toy.yaml")
+    assert status == 0
+    assert err == "warning: plugin 'bad' is left out: bad_module: ImportError: no libfoo\n"

@@ -1,0 +1,49 @@
+"""``draw`` writes a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.mark.parametrize(
+    ("words", "begins"),
+    [
+        ([], "<svg"),
+        (["--format", "mermaid"], "flowchart"),
+        (["--format", "dot"], "digraph"),
+    ],
+)
+def test_a_graph_is_drawn(command: Command, words: list[str], begins: str) -> None:
+    status, out, _ = command("draw", "toy.yaml", *words)
+    assert status == 0
+    assert begins in out[:200]
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"), [("a.svg", "<svg"), ("a.mmd", "flowchart"), ("a.gv", "digraph")]
+)
+def test_a_drawing_is_written(command: Command, name: str, begins: str) -> None:
+    status, out, _ = command("draw", "toy.yaml", "--out", name)
+    assert (status, out) == (0, "")
+    assert begins in Path(name).read_text(encoding="utf-8")[:200]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--out", "a.bmp"], ".svg"),
+        (["--out", "nowhere/a.svg"], "nowhere/a.svg"),
+        (["--format", "bmp"], "invalid choice"),
+    ],
+)
+def test_a_drawing_that_cannot_be_written_is_told(
+    command: Command, words: list[str], said: str
+) -> None:
+    status, out, err = command("draw", "toy.yaml", *words)
+    assert (status, out) == (2, "")
+    assert said in err

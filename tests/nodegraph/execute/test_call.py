@@ -1,0 +1,209 @@
+from __future__ import annotations
+
+import threading
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import pytest
+
+from nodegraph import Refusal, Value, node
+from nodegraph.execute.call import Call, Outcome, perform, warnings_heard
+from nodegraph.node import node_of
+
+
+class Two(NamedTuple):
+    first: float
+    second: str
+
+
+@dataclass(frozen=True)
+class Record:
+    first: float
+    second: str
+
+
+@dataclass(frozen=True)
+class Whole(Value):
+    first: float
+
+
+@node("call.add")
+def add(x: float, *, by: float = 1.0) -> float:
+    return x + by
+
+
+@node("call.two")
+def two() -> Two:
+    return Two(1.0, "a")
+
+
+@node("call.record")
+def record() -> Record:
+    return Record(1.0, "a")
+
+
+@node("call.whole")
+def whole() -> Whole:
+    return Whole(1.0)
+
+
+@node("call.wrong")
+def wrong() -> float:
+    return "no number"  # type: ignore[return-value]
+
+
+@node("call.whole_number")
+def whole_number() -> float:
+    return 1
+
+
+@node("call.none")
+def none() -> float:
+    return None  # type: ignore[return-value]
+
+
+@node("call.wrong_part")
+def wrong_part() -> Two:
+    return Two(1.0, 2)  # type: ignore[arg-type]
+
+
+@node("call.not_parts")
+def not_parts() -> Two:
+    return 5  # type: ignore[return-value]
+
+
+@node("call.refuses")
+def refuses() -> float:
+    raise Refusal("needs one complete frame")
+
+
+@node("call.value_error")
+def value_error() -> float:
+    raise ValueError("frame 3, marker chin: not finite")
+
+
+@node("call.key_error")
+def key_error() -> float:
+    raise KeyError("chin")
+
+
+@node("call.silent")
+def silent() -> float:
+    raise RuntimeError
+
+
+@node("call.exits")
+def exits() -> float:
+    raise SystemExit(0)
+
+
+@node("call.warns")
+def warns() -> float:
+    for _ in range(2):
+        warnings.warn("3 of 9 gaps left open", stacklevel=2)
+    warnings.warn("slow", RuntimeWarning, stacklevel=2)
+    return 0.0
+
+
+def called(function: Callable[..., Any], **inputs: Any) -> Outcome:
+    found = node_of(function)
+    assert found is not None
+    return perform(Call(0, found, inputs, {}))
+
+
+@pytest.mark.parametrize(
+    ("function", "values"),
+    [
+        (two, (1.0, "a")),
+        (record, (1.0, "a")),
+        (whole, (Whole(1.0),)),
+    ],
+)
+def test_every_output_is_one_value(function: Callable[..., Any], values: tuple[Any, ...]) -> None:
+    outcome = called(function)
+    assert (outcome.state, outcome.values, outcome.reason) == ("done", values, "")
+
+
+def test_inputs_and_settings_are_given_by_name() -> None:
+    described = node_of(add)
+    assert described is not None
+    assert perform(Call(0, described, {"x": 1.0}, {"by": 2.0})).values == (3.0,)
+
+
+@pytest.mark.parametrize(
+    ("function", "reason"),
+    [
+        (wrong, "TypeError: call.wrong returned str where its signature promises float (output)"),
+        (
+            whole_number,
+            "TypeError: call.whole_number returned int where its signature promises float (output)",
+        ),
+        (
+            none,
+            "TypeError: call.none returned NoneType where its signature promises float (output)",
+        ),
+        (
+            wrong_part,
+            "TypeError: call.wrong_part returned int where its signature promises str (second)",
+        ),
+        (
+            not_parts,
+            "TypeError: call.not_parts returned int where its signature promises first, second",
+        ),
+        (value_error, "frame 3, marker chin: not finite"),
+        (key_error, "KeyError: 'chin'"),
+        (silent, "RuntimeError: no message"),
+        (exits, "SystemExit: 0"),
+    ],
+)
+def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str) -> None:
+    outcome = called(function)
+    assert (outcome.state, outcome.values, outcome.reason) == ("failed", (), reason)
+    assert outcome.trace.startswith("Traceback")
+
+
+def test_a_refusal_is_no_failure() -> None:
+    outcome = called(refuses)
+    assert (outcome.state, outcome.reason) == ("refused", "needs one complete frame")
+    assert outcome.trace == ""
+
+
+def test_an_interruption_goes_through() -> None:
+    @node("call.interrupted")
+    def interrupted() -> float:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        called(interrupted)
+
+
+def test_warnings_become_part_of_the_outcome() -> None:
+    with warnings_heard():
+        outcome = called(warns)
+    assert outcome.warnings == ("3 of 9 gaps left open", "slow")
+
+
+def test_each_thread_hears_its_own_warnings() -> None:
+    found: dict[int, Outcome] = {}
+
+    def work(number: int) -> None:
+        def warn() -> float:
+            warnings.warn(f"I am {number}", stacklevel=2)
+            return 0.0
+
+        found[number] = called(node("call.warn")(warn))
+
+    with warnings_heard():
+        threads = [threading.Thread(target=work, args=(number,)) for number in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert {n: one.warnings for n, one in found.items()} == {n: (f"I am {n}",) for n in range(8)}
+
+
+def test_warnings_from_elsewhere_are_shown_as_before() -> None:
+    with pytest.warns(UserWarning, match="from the machine"), warnings_heard():
+        warnings.warn("from the machine", stacklevel=1)

@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import pytest
+
+from nodegraph import node
+from nodegraph.execute import HowToRun, Run
+
+WAYS = [HowToRun("serial"), HowToRun("threads", 1), HowToRun("threads", 4)]
+TEXT = """
+axes: {trial: {count: 4}, length: [5, 15]}
+nodes:
+  capture: {use: read.number, with: {start: 20}}
+  gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
+  fill: {in: gaps, alternatives: {hold: fill.hold, scale: fill.scale, pass: {}}}
+  error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
+  table: {use: compare.table, in: error}
+"""
+BARRIER = threading.Barrier(2, timeout=20)
+
+
+@node("wait.together")
+def together(x: float) -> float:
+    """Return only when two of them run at the same time."""
+    BARRIER.wait()
+    return x
+
+
+@node("stop.thread")
+def stop_thread(x: float) -> float:
+    raise SystemExit(3)
+
+
+@node("stop.interrupt")
+def interrupt(x: float) -> float:
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_every_way_of_running_gives_the_same(run_of: Callable[..., Run], how: HowToRun) -> None:
+    here, there = run_of(TEXT), run_of(TEXT, how=how)
+    assert there.counts() == here.counts() == {"done": 58, "refused": 0, "failed": 0, "skipped": 0}
+    assert there["table"].value == here["table"].value
+    assert list(there["fill"]) == list(here["fill"])
+
+
+def test_independent_steps_run_at_the_same_time(run_of: Callable[..., Run]) -> None:
+    text = """
+        axes: {k: [1, 2]}
+        nodes:
+          a: {use: read.number, with: {start: $k}}
+          b: {use: wait.together, in: a}
+        """
+    run = run_of(text, more=[together], how=HowToRun("threads", 2))
+    assert run.counts()["done"] == 4
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_a_node_that_wants_to_exit_fails_alone(run_of: Callable[..., Run], how: HowToRun) -> None:
+    text = (
+        "nodes: {a: {use: read.number}, b: {use: stop.thread, in: a}, c: {use: fill.hold, in: a}}"
+    )
+    run = run_of(text, more=[stop_thread], how=how)
+    assert run.counts() == {"done": 2, "refused": 0, "failed": 1, "skipped": 0}
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_an_interruption_ends_the_run(run_of: Callable[..., Run], how: HowToRun) -> None:
+    text = "nodes: {a: {use: read.number}, b: {use: stop.interrupt, in: a}}"
+    with pytest.raises(KeyboardInterrupt):
+        run_of(text, more=[interrupt], how=how)

@@ -1,0 +1,184 @@
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nodegraph import NodegraphError, node
+from nodegraph.execute import Event, HowToRun, Run
+from nodegraph.ports import Absent
+
+WAYS = [HowToRun("serial"), HowToRun("threads", 1), HowToRun("threads", 3)]
+ISOLATION = """
+axes: {k: [-1, 1, 2, 3]}
+nodes:
+  a: {use: read.number, with: {start: $k}}
+  some: {in: a, alternatives: {refuse: strict.positive, fail: strict.fails, pass: {}}}
+  after: {use: fill.hold, in: some}
+  table: {use: compare.table, in: after}
+  each: {use: compare.table, in: after, over: [some]}
+  none: {use: compare.table, in: {from: after, at: {k: -1, some: fail}}}
+  lost: {use: fill.hold, in: {from: after, at: {k: -1, some: refuse}}}
+skip: [{k: 3, some: pass}]
+"""
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_what_fails_does_not_stop_the_others(run_of: Callable[..., Run], how: HowToRun) -> None:
+    run = run_of(ISOLATION, how=how)
+    assert not run.ok
+    states = {
+        state: {step.name for step, _ in run.settled(state)} for state in ("refused", "failed")
+    }
+    assert states == {
+        "refused": {"some(k=-1, some=refuse)"},
+        "failed": {"some(k=-1, some=fail)"},
+    }
+    skipped = {step.node for step, _ in run.settled("skipped")}
+    assert skipped == {"after", "none", "lost"}
+    seen = run["table"].value.scores
+    assert len(seen.entries) == 9
+    assert list(seen.absent) == [
+        Absent({"k": 3, "some": "pass"}, "skipped", "skip: k = 3, some = pass"),
+        Absent(
+            {"k": -1, "some": "refuse"},
+            "refused",
+            "some(k=-1, some=refuse) refused: -1.0 is negative",
+        ),
+        Absent(
+            {"k": -1, "some": "fail"}, "failed", "some(k=-1, some=fail) failed: -1.0 is negative"
+        ),
+    ]
+    assert {at["k"]: len(one.scores.entries) for at, one in run["each"]} == {
+        -1: 1,
+        1: 3,
+        2: 3,
+        3: 2,
+    }
+
+
+def test_a_skipped_step_says_what_it_lacked(run_of: Callable[..., Run]) -> None:
+    run = run_of(ISOLATION)
+    outcome = run.outcomes[run.plan.cells["lost"][()]]
+    assert outcome.state == "skipped"
+    assert outcome.cause == "refused"
+    assert outcome.reason == "some(k=-1, some=refuse) refused: -1.0 is negative"
+    with pytest.raises(NodegraphError, match=r"lost was skipped: some\(k=-1.*is negative"):
+        _ = run["lost"].value
+
+
+def test_a_gathering_node_is_not_run_when_all_is_absent(
+    run_of: Callable[..., Run], calls: list[str]
+) -> None:
+    text = """
+        axes: {k: [-1, -2]}
+        nodes:
+          a: {use: read.number, with: {start: $k}}
+          b: {use: strict.positive, in: a}
+          c: {use: compare.table, in: b}
+        """
+    run = run_of(text)
+    assert run.counts() == {"done": 2, "refused": 2, "failed": 0, "skipped": 1}
+    assert run.ok
+    assert "compare.table" not in calls
+
+
+def listened(run_of: Callable[..., Run], text: str, **more: Any) -> list[Event]:
+    events: list[Event] = []
+    run_of(text, listeners=[events.append], **more)
+    return events
+
+
+def test_events_tell_what_happens_in_order(run_of: Callable[..., Run]) -> None:
+    text = """
+        nodes:
+          a: {use: read.number, with: {start: -1}}
+          b: {use: strict.positive, in: a}
+          c: {use: fill.hold, in: b}
+          d: {use: strict.fails, in: a}
+        """
+    events = listened(run_of, text)
+    assert [(one.kind, one.node) for one in events] == [
+        ("planned", ""),
+        ("started", "a"),
+        ("done", "a"),
+        ("started", "b"),
+        ("refused", "b"),
+        ("skipped", "c"),
+        ("started", "d"),
+        ("failed", "d"),
+        ("finished", ""),
+    ]
+    assert events[0].detail == {"steps": 4, "nodes": 4}
+    assert events[4].detail["reason"] == "-1.0 is negative"
+    assert events[-1].detail == {"done": 1, "refused": 1, "failed": 1, "skipped": 1}
+    seconds = [one.seconds for one in events]
+    assert seconds == sorted(seconds)
+
+
+def test_an_event_is_plain_data(run_of: Callable[..., Run]) -> None:
+    events = listened(run_of, "axes: {k: [5]}\nnodes: {a: {use: read.number, with: {start: $k}}}")
+    plain = events[2].as_dict()
+    assert plain.keys() == {"event", "seconds", "step", "node", "labels", "took"}
+    assert (plain["event"], plain["step"], plain["labels"]) == ("done", 0, {"k": 5})
+    assert "step" not in events[0].as_dict()
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_every_step_is_told_once(run_of: Callable[..., Run], how: HowToRun) -> None:
+    events = listened(run_of, ISOLATION, how=how)
+    settled = [one.step for one in events if one.kind in ("done", "refused", "failed", "skipped")]
+    assert sorted(settled) == list(range(events[0].detail["steps"]))
+    place = {(one.kind, one.step): number for number, one in enumerate(events)}
+    assert all(
+        place["started", one.step] < number
+        for number, one in enumerate(events)
+        if one.kind in ("done", "refused", "failed")
+    )
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_warnings_of_nodes_land_in_outcomes_and_events(
+    run_of: Callable[..., Run], how: HowToRun
+) -> None:
+    @node("warn.number")
+    def warn(x: float) -> float:
+        warnings.warn(f"{x:g} gaps left open", stacklevel=2)
+        return x
+
+    text = """
+        axes: {k: {count: 12}}
+        nodes: {a: {use: read.number, with: {start: $k}}, b: {use: warn.number, in: a}}
+        """
+    events: list[Event] = []
+    run = run_of(text, more=[warn], how=how, listeners=[events.append])
+    for (k,), index in run.plan.cells["b"].items():
+        assert run.outcomes[index].warnings == (f"{k} gaps left open",)
+    told = [one for one in events if one.kind == "done" and one.node == "b"]
+    assert all(one.detail["warnings"] == [f"{one.labels['k']} gaps left open"] for one in told)
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        (HowToRun("thread"), "no executor 'thread'; did you mean 'threads'"),
+        (HowToRun(jobs=0), "jobs must be 1 or more, got 0"),
+    ],
+)
+def test_a_wrong_way_to_run_is_told(run_of: Callable[..., Run], how: HowToRun, said: str) -> None:
+    with pytest.raises(NodegraphError, match=said):
+        run_of("nodes: {a: {use: read.number}}", how=how)
+
+
+def test_a_file_that_cannot_be_read_is_a_failed_step(
+    run_of: Callable[..., Run], tmp_path: Path
+) -> None:
+    path = tmp_path / "take.txt"
+    path.write_text("no number")
+    run = run_of("nodes: {a: {use: read.file, with: {path: take.txt}}}")
+    assert run.counts()["failed"] == 1
+    outcome = run.outcomes[0]
+    assert "could not convert string to float: 'no number'" in outcome.reason

@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import pytest
+from pydantic import Field
+
+from nodegraph import InputFile, Unit, node
+from nodegraph.describe import SettingText, describe_settings, port_meanings, setting_kind, shown
+from nodegraph.node import Node, node_of
+
+
+@node("describe.all")
+def everything(
+    recording: float,
+    *,
+    length: Annotated[int, Field(ge=1, le=9), Unit("frames")] = 5,
+    size: Annotated[float, Field(gt=0, lt=1), Unit("mm")],
+    way: Literal["up", "down"] = "up",
+    name: str = "x",
+    flag: bool = False,
+    order: int | None = None,
+    path: InputFile | None = None,
+    lengths: tuple[int, ...] = (1, 2),
+    either: Literal["all"] | int = "all",
+    undocumented: float = 1e-3,
+) -> float:
+    """Do everything.
+
+    Parameters
+    ----------
+    recording
+        What is measured.
+    length
+        How long,
+        in all.
+    size, way
+        Both of them.
+    """
+    return 0.0
+
+
+def described() -> Node:
+    found = node_of(everything)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("length", "whole number >= 1 <= 9"),
+        ("size", "number > 0 < 1"),
+        ("way", "one of up, down"),
+        ("name", "text"),
+        ("flag", "true or false"),
+        ("order", "whole number or null"),
+        ("path", "path or null"),
+        ("lengths", "list of whole numbers"),
+        ("either", "one of all or whole number"),
+    ],
+)
+def test_a_setting_says_type_bounds_and_choices(name: str, kind: str) -> None:
+    assert setting_kind(described(), name) == kind
+
+
+def test_settings_come_with_unit_default_and_meaning() -> None:
+    found = {one.name: one for one in describe_settings(described())}
+    assert list(found)[:3] == ["length", "size", "way"]
+    assert found["length"] == SettingText(
+        "length", "whole number >= 1 <= 9", "frames", "5", "How long, in all."
+    )
+    assert (found["size"].default, found["size"].meaning) == ("required", "Both of them.")
+    assert found["way"].meaning == "Both of them."
+    assert found["undocumented"].meaning == ""
+    assert port_meanings(described())["recording"] == "What is measured."
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "null"),
+        (True, "true"),
+        ((1, "a", None), "[1, a, null]"),
+        ([], "[]"),
+        (0.5, "0.5"),
+        (Path("a/b"), "a/b"),
+    ],
+)
+def test_a_value_is_shown_as_a_graph_file_has_it(value: object, text: str) -> None:
+    assert shown(value) == text

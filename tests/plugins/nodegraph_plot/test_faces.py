@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection, PathCollection
+
+from nodegraph import Across
+from nodegraph.node import node_of
+from nodegraph_mocap import Origin, Trajectories
+from nodegraph_plot.faces import faces
+from nodegraph_plot.view import frontal
+from tests.plugins.nodegraph_plot import made_face
+
+FRAME = 17
+COLUMN = made_face.GAP_MARKER
+
+
+def across(**recordings: Trajectories) -> Across[Trajectories]:
+    return Across.of(recordings, axis="fill")
+
+
+def dots(axis: Any) -> dict[str, Any]:
+    """Return the points drawn, by what they show."""
+    return {
+        str(one.get_label()): np.asarray(one.get_offsets())
+        for one in axis.collections
+        if isinstance(one, PathCollection)
+    }
+
+
+def lines(axis: Any) -> list[Any]:
+    found = [one.get_segments() for one in axis.collections if isinstance(one, LineCollection)]
+    return [np.array(segments).reshape(-1, 2, 2) for segments in found]
+
+
+def test_every_sample_is_drawn_once_as_what_it_is() -> None:
+    recording = made_face.filled(3.0)
+    (axis,) = faces(across(guess=recording), frames=(FRAME,)).axes
+    seen = frontal(recording, "auto").project(recording.positions[FRAME])
+    drawn = dots(axis)
+    others = [place for place in range(len(made_face.MARKERS)) if place != COLUMN]
+    assert drawn["captured"] == pytest.approx(seen[others])
+    assert drawn["recovered"] == pytest.approx(seen[[COLUMN]])
+    assert not len(drawn["truth"])
+    assert not len(drawn["left missing"])
+
+
+def test_the_truth_of_a_recovered_sample_is_joined_to_it() -> None:
+    recording, truth = made_face.filled(3.0), made_face.truth()
+    (axis,) = faces(across(guess=recording), truth, frames=(FRAME,)).axes
+    view = frontal(recording, "auto")
+    ends = view.project(np.stack([recording.positions[FRAME], truth.positions[FRAME]])[:, COLUMN])
+    assert dots(axis)["truth"] == pytest.approx(ends[[1]])
+    assert lines(axis)[1] == pytest.approx(ends[np.newaxis])
+
+
+def test_what_is_still_missing_is_shown_where_it_should_be() -> None:
+    recording, truth = made_face.gappy(), made_face.truth()
+    (axis,) = faces(across(captured=recording), truth, frames=(FRAME,)).axes
+    expected = frontal(recording, "auto").project(truth.positions[FRAME, [COLUMN]])
+    assert dots(axis)["left missing"] == pytest.approx(expected)
+    assert not len(dots(axis)["recovered"])
+
+
+def test_the_truth_is_matched_by_name() -> None:
+    truth = made_face.truth()
+    backwards = truth.keep(reversed(truth.markers))
+    given = across(guess=made_face.filled(3.0))
+    one, two = (faces(given, known, frames=(FRAME,)).axes[0] for known in (truth, backwards))
+    assert np.array_equal(dots(one)["truth"], dots(two)["truth"])
+
+
+def test_edges_are_drawn_where_both_ends_are_present() -> None:
+    figure = faces(across(filled=made_face.filled(0.0), gappy=made_face.gappy()), frames=(FRAME,))
+    whole, holed = (lines(axis)[0] for axis in figure.axes)
+    assert len(whole) == len(made_face.SET.edges)
+    kept = [edge for edge in made_face.SET.edges if "mouth_l" not in edge]
+    assert len(holed) == len(kept) == 1
+    drawn = dots(figure.axes[0])["captured"]
+    assert drawn[[0, 2]] == pytest.approx(whole[0])
+
+
+def test_repaired_samples_have_their_own_colour() -> None:
+    truth = made_face.truth()
+    changed = np.zeros((made_face.FRAMES, len(truth.markers)), dtype=bool)
+    changed[FRAME, 2] = True
+    repaired = truth.with_samples(truth.positions, changed=changed, origin=Origin.REPAIRED)
+    figure = faces(across(despiked=repaired), frames=(FRAME,))
+    assert len(dots(figure.axes[0])["repaired"]) == 1
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["captured", "recovered", "repaired"]
+
+
+def test_a_row_per_recording_and_a_column_per_frame() -> None:
+    given = across(a=made_face.filled(0.0), b=made_face.filled(1.0))
+    figure = faces(given, frames=(3, 17, 20))
+    assert len(figure.axes) == 6
+    assert [axis.get_title() for axis in figure.axes[:3]] == ["frame 3", "frame 17", "frame 20"]
+    assert [axis.get_ylabel() for axis in figure.axes[::3]] == ["a", "b"]
+    assert len({(axis.get_xlim(), axis.get_ylim()) for axis in figure.axes}) == 1
+
+
+def test_the_frames_drawn_by_default_have_filled_samples() -> None:
+    titles = [axis.get_title() for axis in faces(across(a=made_face.filled(0.0))).axes]
+    assert titles == ["frame 15", "frame 17", "frame 18", "frame 20"]
+    titles = [axis.get_title() for axis in faces(across(a=made_face.truth())).axes]
+    assert titles == ["frame 0", "frame 13", "frame 26", "frame 39"]
+
+
+def test_a_sample_far_outside_does_not_shrink_the_faces_and_is_counted() -> None:
+    near, far = (
+        faces(across(guess=made_face.filled(offset)), made_face.truth(), frames=(FRAME,)).axes[0]
+        for offset in (0.0, 5000.0)
+    )
+    assert np.ptp(far.get_ylim()) < 1.4 * np.ptp(near.get_ylim())
+    assert [text.get_text() for text in far.texts][:1] == ["1 outside"]
+    assert "outside" not in "".join(text.get_text() for text in near.texts)
+
+
+@pytest.mark.parametrize("frame", [40, -1])
+def test_frames_beyond_the_take_are_refused(frame: int) -> None:
+    with pytest.raises(ValueError, match=f"no frame {frame} of a: it has 40 frames, 0 to 39"):
+        faces(across(a=made_face.truth()), frames=(0, frame))
+
+
+def test_a_truth_of_another_length_is_refused() -> None:
+    short = Trajectories(
+        positions=made_face.truth().positions[:30], markers=made_face.MARKERS, rate=60.0
+    )
+    with pytest.raises(ValueError, match="the truth has 30 frames, the recording of a 40"):
+        faces(across(a=made_face.truth()), short)
+
+
+def test_no_recording_is_refused() -> None:
+    with pytest.raises(ValueError, match="no recording to draw"):
+        faces(Across(("fill",), ()))
+
+
+def test_two_recordings_with_one_text_of_labels_are_not_mixed_up() -> None:
+    entries = (({"a": "x", "b": ""}, made_face.truth()), ({"a": "", "b": "x"}, made_face.gappy()))
+    with pytest.raises(ValueError, match="several recordings are labelled x"):
+        faces(Across(("a", "b"), entries))
+
+
+def test_the_figure_can_be_written_and_the_truth_port_only_draws() -> None:
+    buffer = io.BytesIO()
+    faces(across(a=made_face.filled(0.0)), made_face.truth()).savefig(buffer, format="svg")
+    assert buffer.getvalue().startswith(b"<?xml")
+    described = node_of(faces)
+    assert described is not None
+    assert [str(port) for port in described.inputs] == [
+        "recordings: Across[Trajectories]",
+        "truth: Truth[Trajectories] | None",
+    ]

@@ -1,0 +1,142 @@
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+
+from nodegraph import Absent, Across
+from nodegraph_mocap import Trajectories
+from nodegraph_mocap.style import looks
+from nodegraph_plot.trajectories import trajectories
+from tests.plugins.nodegraph_plot import made_face
+
+COLUMN = made_face.GAP_MARKER
+FILLED = list(range(15, 21))
+
+
+def across(**recordings: Trajectories) -> Across[Trajectories]:
+    return Across.of(recordings, axis="fill")
+
+
+def two() -> Across[Trajectories]:
+    return across(lin=made_face.filled(0.5), cubic=made_face.filled(-0.25))
+
+
+def curve(axis: Any, label: str) -> Any:
+    (line,) = [one for one in axis.lines if one.get_label() == label]
+    return line
+
+
+def test_filled_samples_have_a_symbol_each() -> None:
+    figure = trajectories(two())
+    recording = made_face.filled(0.5)
+    for place, axis in enumerate(figure.axes):
+        dots = curve(axis, "lin, filled")
+        assert np.asarray(dots.get_xdata()).tolist() == FILLED
+        assert np.asarray(dots.get_ydata()) == pytest.approx(
+            recording.positions[FILLED, COLUMN, place]
+        )
+        assert dots.get_linestyle() == "None"
+
+
+def test_lines_are_apart_in_the_gap_and_one_grey_line_elsewhere() -> None:
+    (axis, *_) = trajectories(two(), frames=(0, 39)).axes
+    own = np.isfinite(curve(axis, "lin").get_ydata())
+    shared = np.isfinite(curve(axis, "measured").get_ydata())
+    assert np.flatnonzero(own).tolist() == [14, *FILLED, 21]
+    assert np.flatnonzero(~shared).tolist() == FILLED
+
+
+def test_recordings_that_differ_where_measured_keep_their_own_lines() -> None:
+    moved = Trajectories(
+        positions=made_face.truth().positions + 0.1, markers=made_face.MARKERS, rate=60.0
+    )
+    (axis, *_) = trajectories(across(a=made_face.truth(), b=moved)).axes
+    assert np.isfinite(curve(axis, "a").get_ydata()).all()
+    assert np.isnan(curve(axis, "measured").get_ydata()).all()
+
+
+def test_the_truth_is_a_black_line() -> None:
+    truth = made_face.truth()
+    for place, axis in enumerate(trajectories(two(), truth, frames=(3, 30)).axes):
+        line = curve(axis, "truth")
+        assert np.asarray(line.get_ydata()) == pytest.approx(truth.positions[3:31, COLUMN, place])
+        assert to_hex(line.get_color()) == "#000000"
+
+
+def test_the_default_is_the_gap_with_as_much_around_it() -> None:
+    figure = trajectories(two())
+    assert figure.axes[0].get_title() == "mouth_l"
+    frames = np.asarray(curve(figure.axes[0], "lin").get_xdata())
+    assert (frames[0], frames[-1]) == (5, 30)
+    (shade,) = figure.axes[0].patches
+    shaded = shade.get_extents().transformed(figure.axes[0].transData.inverted())
+    assert (shaded.x0, shaded.x1) == (pytest.approx(14.5), pytest.approx(20.5))
+
+
+def test_a_recording_without_gaps_is_drawn_whole() -> None:
+    figure = trajectories(across(only=made_face.truth()))
+    assert figure.axes[0].get_title() == "nose"
+    assert len(curve(figure.axes[0], "only").get_xdata()) == made_face.FRAMES
+    assert not figure.axes[0].patches
+
+
+def test_missing_samples_leave_a_hole() -> None:
+    figure = trajectories(across(captured=made_face.gappy(), lin=made_face.filled(0.0)))
+    (axis, *_) = figure.axes
+    holed = curve(axis, "captured")
+    missing = np.isnan(holed.get_ydata()) & np.isin(holed.get_xdata(), FILLED)
+    assert np.asarray(holed.get_xdata())[missing].tolist() == FILLED
+
+
+def test_markers_and_coordinates_can_be_chosen() -> None:
+    figure = trajectories(two(), markers=("chin", "nose"), frames=(0, 5), coordinates=("z", "x"))
+    titles = [axis.get_title() for axis in figure.axes]
+    assert titles == ["chin", "nose", "", ""]
+    labels = [axis.get_ylabel() for axis in figure.axes]
+    assert labels == ["z (mm)", "", "x (mm)", ""]
+    chin = made_face.truth().positions[:6, made_face.MARKERS.index("chin"), 2]
+    assert np.asarray(curve(figure.axes[0], "measured").get_ydata()) == pytest.approx(chin)
+
+
+def test_methods_look_as_in_other_figures_also_when_one_is_absent() -> None:
+    absent = Absent({"fill": "akima"}, "refused", "why")
+    given = Across(("fill",), two().entries, (absent,))
+    expected = looks(["lin", "cubic", "akima"])
+    line = curve(trajectories(given).axes[0], "cubic, filled")
+    assert to_hex(line.get_color()).upper() == expected["cubic"].colour
+    assert line.get_marker() == expected["cubic"].marker
+
+
+def test_a_line_that_strays_does_not_flatten_the_rest() -> None:
+    given = across(lin=made_face.filled(0.1), wild=made_face.filled(900.0))
+    (axis, *_) = trajectories(given, made_face.truth()).axes
+    assert np.ptp(axis.get_ylim()) < 10 * np.ptp(made_face.truth().positions[:, COLUMN, 0])
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"markers": ("ear", "nose")}, "no marker ear of lin; there are nose, forehead"),
+        ({"frames": (10, 99)}, "no frame 99 of lin: it has 40 frames, 0 to 39"),
+        ({"frames": (10, 10)}, "the first before the last"),
+    ],
+)
+def test_what_there_is_not_is_named(settings: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        trajectories(two(), **settings)
+
+
+def test_recordings_without_a_common_marker_are_refused() -> None:
+    whole = made_face.truth()
+    with pytest.raises(ValueError, match="no marker in common"):
+        trajectories(across(a=whole.keep(("nose",)), b=whole.keep(("chin",))))
+
+
+def test_the_figure_can_be_written() -> None:
+    buffer = io.BytesIO()
+    trajectories(two(), made_face.truth()).savefig(buffer, format="svg")
+    assert buffer.getvalue().startswith(b"<?xml")

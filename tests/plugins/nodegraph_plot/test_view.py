@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_mocap import Trajectories
+from nodegraph_plot.view import frontal
+from tests.plugins.nodegraph_plot import made_face
+
+AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
+
+# How the recording's axes can lie: rows are the images of left, up and forward.
+Z_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], dtype=float)
+Z_UP_FACING_X = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]], dtype=float)
+Y_UP_FACING_X = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], dtype=float)
+Y_DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+def turned(recording: Trajectories, rotation: NDArray[np.float64]) -> Trajectories:
+    return Trajectories(
+        positions=recording.positions @ rotation.T + [100.0, -300.0, 40.0],
+        markers=recording.markers,
+        rate=recording.rate,
+        marker_set=recording.marker_set,
+    )
+
+
+def assert_upright(recording: Trajectories, rotation: NDArray[np.float64]) -> None:
+    seen = frontal(turned(recording, rotation), "auto")
+    assert seen.right == pytest.approx(rotation @ AXES["x"], abs=1e-12)
+    assert seen.up == pytest.approx(rotation @ AXES["y"], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "rotation", [np.eye(3), Z_UP, Z_UP_FACING_X, Y_UP_FACING_X, Y_DOWN], ids=str
+)
+def test_pairs_show_the_face_upright_however_the_axes_lie(rotation: NDArray[np.float64]) -> None:
+    assert_upright(made_face.truth(), rotation)
+
+
+@pytest.mark.parametrize("rotation", [np.eye(3), Z_UP, Z_UP_FACING_X, Y_UP_FACING_X], ids=str)
+def test_without_pairs_y_or_z_is_up(rotation: NDArray[np.float64]) -> None:
+    assert_upright(made_face.truth(marker_set=None), rotation)
+
+
+@pytest.mark.parametrize("degrees", [0, 45, 60, 130, 200, 300])
+def test_a_turned_head_is_seen_from_its_own_front(degrees: float) -> None:
+    cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    rotation = np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
+    seen = frontal(turned(made_face.truth(), rotation), "auto")
+    assert seen.right @ rotation @ AXES["x"] > np.cos(np.radians(31))
+    assert seen.up @ rotation @ AXES["y"] > np.cos(np.radians(31))
+    assert seen.right @ seen.up == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.skipif(not DATA.exists(), reason="shared recordings are not here")
+@pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks", "facecap/take001"])
+def test_real_faces_are_upright_without_a_marker_set(name: str) -> None:
+    from nodegraph_mocap.files_c3d import read_c3d
+
+    recording = read_c3d(DATA / f"{name}.c3d")
+    for rotation in (np.eye(3), Z_UP, Z_UP_FACING_X, Y_UP_FACING_X):
+        assert_upright(recording, rotation)
+
+
+def test_the_view_does_not_depend_on_what_was_filled() -> None:
+    views = [frontal(made_face.filled(offset), "auto") for offset in (0.0, 500.0)]
+    assert np.array_equal(views[0].centre, views[1].centre)
+    assert np.array_equal(views[0].right, views[1].right)
+
+
+def test_the_projection_reads_the_axes_that_are_asked_for() -> None:
+    recording = made_face.truth()
+    seen = frontal(recording, "-y+z")
+    points = np.array([[1.0, 2.0, 3.0], [np.nan] * 3]) + seen.centre
+    assert seen.project(points) == pytest.approx(
+        np.array([[-2.0, 3.0], [np.nan, np.nan]]), nan_ok=True
+    )
+
+
+@pytest.mark.parametrize("view", ["front", "+x+x", "xy", "+x+w"])
+def test_other_views_are_refused(view: str) -> None:
+    with pytest.raises(ValueError, match="neither 'auto' nor two signed axes"):
+        frontal(made_face.truth(), view)
+
+
+def test_few_markers_are_seen_along_z() -> None:
+    seen = frontal(made_face.truth().keep(("nose", "chin", "cheek_l")), "auto")
+    assert seen.right.tolist() == [1, 0, 0]
+    assert seen.up.tolist() == [0, 1, 0]
+
+
+def test_a_recording_without_samples_has_a_view() -> None:
+    positions = np.full((3, 5, 3), np.nan)
+    empty = Trajectories(positions=positions, markers=tuple("abcde"), rate=60.0)
+    assert frontal(empty, "auto").centre.tolist() == [0, 0, 0]
