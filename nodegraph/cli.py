@@ -42,6 +42,21 @@ def main(words: Sequence[str] | None = None) -> int:
         except KeyboardInterrupt:
             print("nodegraph: interrupted", file=sys.stderr)
             return 130
+        except Exception as error:
+            print(f"nodegraph: {_own_mistake(error)}", file=sys.stderr)
+            return 1
+
+
+def _own_mistake(error: Exception) -> str:
+    """Return a line for a mistake of this program, with the whole trace where it is wanted."""
+    import traceback
+
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    where = f"{Path(last.filename).name}:{last.lineno}"
+    said = f"{type(error).__name__}: {error} ({where})"
+    trace = "".join(traceback.format_exception(error)) if os.environ.get("NODEGRAPH_TRACE") else ""
+    hint = "" if trace else "; NODEGRAPH_TRACE=1 shows where it came from"
+    return f"{trace}this is a mistake of the program itself, not yours: {said}{hint}"
 
 
 def _parser() -> argparse.ArgumentParser:

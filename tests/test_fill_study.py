@@ -77,7 +77,7 @@ def test_the_report_holds_the_table_and_fetches_nothing(built_in: Path) -> None:
     assert "Which method fills the gaps of a face best?" in html
     assert "lin_ouhyoung" in html
     assert "<svg" in html
-    assert "Making Faces" in html
+    assert "Making faces" in html
     assert 'src="http' not in html
 
 

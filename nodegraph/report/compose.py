@@ -133,13 +133,14 @@ def _methods(graph: Graph) -> tuple[MethodRow, ...]:
 
 def _method_row(node: GraphNode, method: Method, texts: Mapping[str, str]) -> MethodRow:
     settings = tuple(
-        SettingRow(one.name, value, one.unit, default=value == one.default)
+        SettingRow(one.name, value, one.unit, value == one.default, one.meaning)
         for one in describe_settings(method.node)
         for value in [_values(method, one.name)]
     )
     citation = " ".join(texts[key] for key in method.node.cite)
     use, summary = method.node.name, method.node.summary
-    return MethodRow(node.name, use, summary, method.label, settings, citation)
+    plugin = method.distribution or method.plugin
+    return MethodRow(node.name, use, summary, method.label, settings, citation, plugin)
 
 
 def _values(method: Method, name: str) -> str:
@@ -161,4 +162,4 @@ def _timings(run: Run) -> tuple[TimingRow, ...]:
     took: dict[str, list[float]] = defaultdict(list)
     for step, outcome in run.settled("done"):
         took[step.node].append(outcome.seconds)
-    return tuple(TimingRow(node, len(one), 0, sum(one), max(one)) for node, one in took.items())
+    return tuple(TimingRow(node, len(one), sum(one), max(one)) for node, one in took.items())

@@ -34,8 +34,14 @@ def repeating(command: str, labels: Mapping[str, Label]) -> str:
 def _settled(run: Run, command: str) -> Iterator[StepNote]:
     for step, outcome in run.settled(*_KINDS):
         repeat = repeating(command, step.labels) if outcome.state == "failed" else ""
-        kind = _KINDS[outcome.state]
-        yield StepNote(_name(step), _text(step.labels), outcome.reason, kind, repeat=repeat)
+        yield StepNote(
+            _name(step),
+            _text(step.labels),
+            outcome.reason,
+            _KINDS[outcome.state],
+            repeat=repeat,
+            trace=outcome.trace,
+        )
 
 
 def _left_out_by_plan(run: Run) -> Iterator[StepNote]:

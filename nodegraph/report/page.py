@@ -36,7 +36,7 @@ def page(study: Study) -> str:
             kinds=note_kinds(study),
             notes=_markdown(study.notes_markdown),
             policy=policy(trusted, script),
-            steps=sum(row.computed + row.reused for row in study.timings),
+            steps=sum(row.steps for row in study.timings),
             shown=_SHOWN,
             many=_MANY,
             script=_trusted(script),

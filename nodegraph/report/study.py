@@ -113,11 +113,10 @@ class StepNote:
 
 @dataclass(frozen=True, slots=True)
 class TimingRow:
-    """How long a node took: steps computed, steps whose result was stored before, seconds."""
+    """How long a node took: its steps, all their seconds, and those of the longest."""
 
     node: str
-    computed: int
-    reused: int
+    steps: int
     seconds: float
     longest: float = 0.0
 

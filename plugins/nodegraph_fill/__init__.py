@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
 from typing import Any
 
-from nodegraph import hookimpl
+from nodegraph import Contract, hookimpl
 
 
 @hookimpl
@@ -25,3 +25,11 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
 def nodegraph_bibtex() -> str:
     """Return what the fills cite."""
     return files(__name__).joinpath("references.bib").read_text(encoding="utf-8")
+
+
+@hookimpl
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
+    """Return what every fill promises."""
+    from nodegraph_fill.contracts import CONTRACTS
+
+    return {"fill": CONTRACTS}

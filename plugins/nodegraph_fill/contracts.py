@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SHIFT = np.array([110.0, -70.0, 240.0])
-_TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-"""A proper rotation, about a slanted axis."""
 _TOLERANCE = 1e-6
 """Millimetres: far above rounding, far below anything a camera sees."""
 
@@ -65,16 +63,6 @@ def moves_with_the_face(tried: Tried) -> Iterator[str]:
             yield from _differences(made, again, again.positions - _SHIFT)
 
 
-def turns_with_the_face(tried: Tried) -> Iterator[str]:
-    """A recording that is turned as a whole is filled like the one that is not."""
-    for given, made in _pairs(tried):
-        again = _again(tried, replace(given, positions=given.positions @ _TURN.T))
-        if again is None:
-            yield "declines the turned recording"
-        else:
-            yield from _differences(made, again, again.positions @ _TURN)
-
-
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Markers in another order are filled alike, where no tie and no choice depends on it."""
     for given, made in _pairs(tried):
@@ -96,9 +84,7 @@ CONTRACTS = (
     does_not_depend_on_the_order_of_markers,
 )
 
-_HOW_TO_MARK = (
-    "return recording.with_samples(positions, changed=written, origin=Origin.FILLED)"
-)
+_HOW_TO_MARK = "return recording.with_samples(positions, changed=written, origin=Origin.FILLED)"
 
 
 def _given(inputs: Mapping[str, Any]) -> Trajectories | None:

@@ -38,7 +38,7 @@ class Processor:
         """Return an unsigned integer."""
         return int.from_bytes(data, "big" if self.code == MIPS else "little")
 
-    def floats(self, data: bytes) -> NDArray[np.float64]:
+    def floats(self, data: bytes | memoryview) -> NDArray[np.float64]:
         """Return 32-bit floating-point numbers.
 
         DEC stores the two halves of a number the other way round, and an exponent that is

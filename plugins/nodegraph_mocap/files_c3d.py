@@ -9,7 +9,6 @@ both can read is equal bit for bit.
 from __future__ import annotations
 
 import tempfile
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +16,10 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap.c3d_layout import LARGEST_COUNT, Description, read_description
 from nodegraph_mocap.c3d_parameters import Parameters
-from nodegraph_mocap.reading import millimetres_per, unique_names, whole_samples
+from nodegraph_mocap.marker_names import unique_names
 from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.samples_missing import mark_missing
+from nodegraph_mocap.units import to_millimetres
 
 LONGEST_NAME = 127
 
@@ -52,11 +53,10 @@ def read_c3d(path: Path, *, zeros_missing: bool = True) -> Trajectories:
         samples = _samples(path, description)
     except ValueError as error:
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
-    positions = np.array(samples[..., :3], dtype=np.float64)
-    positions[samples[..., 3] < 0] = np.nan
-    positions *= _factor(description.parameters)
+    positions = samples[..., :3] * to_millimetres(_unit(description.parameters))
+    lost = samples[..., 3] < 0
     return Trajectories(
-        positions=whole_samples(positions, zeros_missing=zeros_missing),
+        positions=mark_missing(positions, lost, zeros_missing=zeros_missing),
         markers=unique_names(_labels(description.parameters), positions.shape[1]),
         rate=description.rate,
     )
@@ -73,8 +73,8 @@ def c3d_bytes(recording: Trajectories) -> bytes:
     Raises
     ------
     ValueError
-        If it has more frames or longer names than the format can count, or a position that 32
-        bits cannot hold.
+        If it has more frames, or more or longer names, than the format can hold, or a position
+        that 32 bits cannot.
     """
     import ezc3d
 
@@ -92,7 +92,20 @@ def c3d_bytes(recording: Trajectories) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "recording.c3d"
         made.write(str(path))
+        _check_written(path, recording)
         return path.read_bytes()
+
+
+def _check_written(path: Path, recording: Trajectories) -> None:
+    """Read the names back: where they are too many, the library writes a damaged file."""
+    try:
+        names = _labels(read_description(path).parameters)
+    except ValueError:
+        names = []
+    if tuple(names) != recording.markers:
+        raise ValueError(
+            f"C3D cannot hold the names of {len(recording.markers)} markers; write CSV or NPZ"
+        )
 
 
 def _samples(path: Path, description: Description) -> NDArray[np.float64]:
@@ -112,14 +125,9 @@ def _samples(path: Path, description: Description) -> NDArray[np.float64]:
     return integers * description.scale
 
 
-def _factor(parameters: Parameters) -> float:
+def _unit(parameters: Parameters) -> str:
     units = parameters.get(("POINT", "UNITS"))
-    unit = next(iter(units.texts), "") if units else ""
-    factor = millimetres_per(unit)
-    if factor is None:
-        told = f"the unit {unit!r} is unknown" if unit else "the file names no unit of length"
-        warnings.warn(f"{told}; taken as mm", stacklevel=3)
-    return factor or 1.0
+    return next(iter(units.texts), "") if units else ""
 
 
 def _labels(parameters: Parameters) -> list[str]:

@@ -66,6 +66,7 @@ def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
     assert _kinds(notes, "left out") == skipped
     again = [note.repeat for note in notes if note.kind == "failed"]
     assert f"{COMMAND} --only length=5 --only trial=0 --only fill=fails" in again
+    assert all("in fails" in note.trace for note in notes if note.kind == "failed")
 
 
 def test_settings_show_every_value_and_whether_it_is_the_default(
@@ -74,6 +75,8 @@ def test_settings_show_every_value_and_whether_it_is_the_default(
     study = _study(run_of(TEXT))
     gaps = next(one for one in study.methods if one.use == "gaps.cut")
     rows = {row.name: (row.value, row.unit, row.default) for row in gaps.settings}
+    assert {row.name: row.meaning for row in gaps.settings}["length"] == "Length of each gap."
+    assert gaps.plugin == "toys"
     assert rows == {"length": ("5, 15", "frames", False), "seed": ("0, 1", "", False)}
     hold = next(one for one in study.methods if one.use == "fill.hold")
     assert [(row.value, row.default) for row in hold.settings] == [("null", True)]
@@ -83,8 +86,8 @@ def test_settings_show_every_value_and_whether_it_is_the_default(
 
 def test_every_computed_step_is_timed(run_of: Callable[..., Run]) -> None:
     study = _study(run_of(TEXT))
-    computed = {row.node: row.computed for row in study.timings}
-    assert computed == {"capture": 1, "gaps": 4, "fill": 2, "text": 2}
+    timed = {row.node: row.steps for row in study.timings}
+    assert timed == {"capture": 1, "gaps": 4, "fill": 2, "text": 2}
 
 
 def test_a_word_of_a_command_is_quoted() -> None:

@@ -62,7 +62,7 @@ def test_the_console_stays_empty(tmp_path: Path) -> None:
         sections=(Section("table", Rendered(TABLE)),),
         graph_svg=svg(Picture("drawn", (Box("capture"),))),
         notes=(StepNote("fill", "trial=0", "needs a neutral pose", "refused"),),
-        timings=(TimingRow("fill", 1, 0, 1.0),),
+        timings=(TimingRow("fill", 1, 1.0),),
     )
     html, said = opened(page(whole), tmp_path)
     assert said == []

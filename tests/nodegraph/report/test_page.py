@@ -41,7 +41,7 @@ def refusals(count: int) -> tuple[StepNote, ...]:
 
 
 def timings() -> tuple[TimingRow, ...]:
-    return (TimingRow("gaps", 2, 1, 0.5, 0.3), TimingRow("fill", 1, 0, 130.0, 130.0))
+    return (TimingRow("gaps", 3, 0.5, 0.3), TimingRow("fill", 1, 130.0, 130.0))
 
 
 class Hostile:
