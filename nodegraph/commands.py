@@ -170,7 +170,7 @@ def _command(arguments: Namespace) -> str:
 
 def _shown(found: Registered, registry: Registry) -> str:
     from nodegraph.bibliography import references
-    from nodegraph.describe import describe_settings
+    from nodegraph.describe import describe_settings, without_parameters
 
     node = found.node
     ports = [("in", str(port)) for port in node.inputs] + [
@@ -182,7 +182,7 @@ def _shown(found: Registered, registry: Registry) -> str:
         head = ("setting", "default", "unit", "is", "meaning")
         rows = [(one.name, one.default, one.unit, one.kind, one.meaning) for one in settings]
         parts.append(columns([head, *rows]))
-    parts.append(node.doc)
+    parts.append(without_parameters(node.doc))
     cited = references(registry.bibtex, node.cite).values()
     parts.append("cite: " + ("\n      ".join(cited) or "nothing"))
     return "\n\n".join(parts)

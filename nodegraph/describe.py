@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 from nodegraph.node import Node
+
+_PARAMETERS = re.compile(r"^Parameters\n-+\n.*?(?=^\w[\w ]*\n-+$|\Z)", re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,11 @@ def describe_settings(node: Node) -> tuple[SettingText, ...]:
 def port_meanings(node: Node) -> dict[str, str]:
     """Return what the docstring says of each parameter, ports included."""
     return _meanings(node.doc)
+
+
+def without_parameters(doc: str) -> str:
+    """Return a docstring without its section of parameters, which is shown as a table."""
+    return _PARAMETERS.sub("", doc).strip()
 
 
 def setting_kind(node: Node, name: str) -> str:

@@ -14,7 +14,6 @@ from collections.abc import Mapping
 
 from nodegraph.errors import Problems
 from nodegraph.graph.model import Graph, GraphNode, Source
-from nodegraph.node import Node
 
 _Port = tuple[str, str]  # a node, and one of its outputs; a file has the output ""
 
@@ -60,11 +59,10 @@ def _check_one(hider: str, wires: _Wires, problems: Problems) -> None:
     fed = _downstream(hider, wires)
     came_from = _tainted(hider, wires)
     for name in fed:
+        if not _truth_is_fed(name, hider, fed, wires):
+            continue
         for source, output, port in wires.into[name]:
-            is_score = any(_is_scored(m.node) for m in wires.nodes[name].methods.values())
-            if not is_score or _is_truth_port(wires.nodes[name], port):
-                continue
-            if _truth_is_fed(name, hider, fed, wires) and _carries(
+            if not _is_truth_port(wires.nodes[name], port) and _carries(
                 source, output, hider, came_from, wires
             ):
                 _note(hider, (source, output), (name, port), came_from, wires, problems)
@@ -128,10 +126,6 @@ def _truth_is_fed(name: str, hider: str, fed: set[str], wires: _Wires) -> bool:
         _is_required_truth(wires.nodes[name], port) and (source == hider or source in fed)
         for source, _, port in wires.into[name]
     )
-
-
-def _is_scored(node: Node) -> bool:
-    return any(port.truth and not port.optional for port in node.inputs)
 
 
 def _is_truth_port(node: GraphNode, name: str) -> bool:

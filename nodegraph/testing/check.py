@@ -134,11 +134,12 @@ def _contracts(family: str, registry: Registry) -> list[Contract]:
 
 
 def _hold(contract: Contract, trial: Trial, outputs: Mapping[str, Any]) -> None:
-    promise = (inspect.getdoc(contract) or "").partition("\n")[0].rstrip(".")
+    promise = (inspect.getdoc(contract) or contract.__name__).partition("\n")[0].rstrip(".")
+    family = trial.node.family
     tried = Tried(trial.inputs, outputs, trial.settings, trial.again)
     try:
         broken = list(contract(tried))
     except Exception as error:
         broken = [f"{type(error).__name__}: {error}"]
     for detail in broken:
-        trial.fault(f"breaks a promise of every {trial.node.family}.* node: {promise}", detail)
+        trial.fault(f"breaks what every {family}.* node promises: {promise}", detail)

@@ -20,7 +20,7 @@ _TOLERANCE = 1e-6
 
 
 def takes_and_gives_a_recording(tried: Tried) -> Iterator[str]:
-    """Takes one port, `recording`, and gives a recording first."""
+    """Take one port, `recording`, and give a recording with the same markers first."""
     given, made = _given(tried.inputs), _made(tried.outputs)
     if given is None:
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the recording `recording`"
@@ -33,7 +33,7 @@ def takes_and_gives_a_recording(tried: Tried) -> Iterator[str]:
 
 
 def present_samples_stay(tried: Tried) -> Iterator[str]:
-    """Samples that are present come out bit for bit; only missing ones are written."""
+    """Leave present samples bit for bit as they are, and write only missing ones."""
     for given, made in _pairs(tried):
         changed = given.present & np.any(given.positions != made.positions, axis=2)
         if changed.any():
@@ -41,7 +41,7 @@ def present_samples_stay(tried: Tried) -> Iterator[str]:
 
 
 def written_samples_are_marked(tried: Tried) -> Iterator[str]:
-    """Each sample that is written is marked filled, every other keeps its origin."""
+    """Mark each sample that is written as filled, and leave the others' origin as it is."""
     for given, made in _pairs(tried):
         written = ~given.present & made.present
         unmarked = written & (made.origin != Origin.FILLED)
@@ -53,7 +53,7 @@ def written_samples_are_marked(tried: Tried) -> Iterator[str]:
 
 
 def moves_with_the_face(tried: Tried) -> Iterator[str]:
-    """A recording that is shifted as a whole is filled like the one that is not."""
+    """Fill a recording that is shifted as a whole like the one that is not."""
     for given, made in _pairs(tried):
         shifted = replace(given, positions=given.positions + _SHIFT)
         again = _again(tried, shifted)
@@ -64,7 +64,7 @@ def moves_with_the_face(tried: Tried) -> Iterator[str]:
 
 
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
-    """Markers in another order are filled alike, where no tie and no choice depends on it."""
+    """Fill markers in another order alike, where no tie and no choice depends on it."""
     for given, made in _pairs(tried):
         if _order_matters(given):
             continue

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from nodegraph import hookimpl
+from nodegraph import Contract, hookimpl
 
 
 @hookimpl
@@ -14,3 +14,11 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_gaps.cut import cut
 
     return (cut,)
+
+
+@hookimpl
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
+    """Return what every node that makes gaps promises."""
+    from nodegraph_gaps.contracts import CONTRACTS
+
+    return {"gaps": CONTRACTS}

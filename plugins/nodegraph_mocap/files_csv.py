@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import re
-from collections.abc import Iterable
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +15,24 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.samples_missing import mark_missing
-from nodegraph_mocap.units import MILLIMETRES
+from nodegraph_mocap.units import MILLIMETRES, millimetres_in
 
-_COLUMN = re.compile(r"(.+?)[._: ]([xyzXYZ])(?: *[\[(].*[\])])?")
-_COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)")
+_COLUMN = re.compile(r"(.+)[._: ]([xyzXYZ])(?: *[\[(].*[\])])?")
+_COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)(?:\s+\w+)?")
+_COUNTER = re.compile(r"(frame|time)\b.*", re.IGNORECASE)
 _MISSING = {"", "nan", "na", "null"}
+_SEPARATORS = ",;\t"
+
+
+@dataclass(frozen=True)
+class _Text:
+    """A table as it was written: comments by name, names of columns, lines with their numbers."""
+
+    path: Path
+    comments: dict[str, str]
+    separator: str
+    names: list[str]
+    lines: list[tuple[int, str]]
 
 
 def read_csv(path: Path, *, zeros_missing: bool = True) -> Trajectories:
@@ -26,105 +43,205 @@ def read_csv(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     tabs. The rate comes from a comment ``# rate: 60`` or from a column ``time`` in seconds, the
     unit of length from ``# unit: mm`` (the default). Empty cells and ``NaN`` are missing.
 
+    Warnings tell which columns were left out, and how many steps of ``frame`` or ``time`` are
+    irregular: rows count as evenly spaced.
+
     Raises
     ------
     ValueError
-        With file, line and column, if a cell is no number, a coordinate has no column, or the
-        rate is nowhere.
+        With file, line and column, if a cell is no number; with the file, if a coordinate has no
+        column or the rate is nowhere.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not a table of text: {error}") from None
-    comments = (_COMMENT.fullmatch(line.strip()) for line in lines)
-    said = {found[1].lower(): found[2] for found in comments if found}
-    rows = [(number, line) for number, line in enumerate(lines, 1) if _is_row(line)]
-    if len(rows) < 2:
-        raise ValueError(f"{path}: no frames; a line of names and a line per frame are needed")
-    separator = max(",;\t", key=rows[0][1].count)
-    names = [name.strip().strip('"') for name in rows[0][1].split(separator)]
-    cells = _numbers(path, rows[1:], separator, len(names))
-    columns = _columns(path, names)
+    text = _text(path)
+    columns = _columns(text)
+    cells = _cells(text)
     indices = [columns[marker][axis] for marker in columns for axis in "xyz"]
-    positions = cells[:, indices].reshape(len(cells), len(columns), 3) * _scale(path, said)
-    rate = _rate(path, said, names, cells)
+    positions = cells[:, indices].reshape(len(cells), len(columns), 3) * _scale(text)
     nothing = np.zeros(positions.shape[:2], dtype=np.bool_)
-    positions = mark_missing(positions, nothing, zeros_missing=zeros_missing)
-    return Trajectories(positions=positions, markers=tuple(columns), rate=rate)
+    return Trajectories(
+        positions=mark_missing(positions, nothing, zeros_missing=zeros_missing),
+        markers=tuple(columns),
+        rate=_rate(text, cells),
+    )
+
+
+def write_csv(recording: Trajectories, path: Path) -> None:
+    """Write a recording as a CSV file; see `csv_bytes`."""
+    path.write_bytes(csv_bytes(recording))
 
 
 def csv_bytes(recording: Trajectories) -> bytes:
-    """Return a recording as CSV; every number reads back equal."""
+    """Return a recording as CSV; names, rate and every number read back equal.
+
+    Raises
+    ------
+    ValueError
+        If a marker's name cannot stand in a line: it is empty, starts or ends with a space, or
+        contains a character that is not printed.
+    """
+    unfit = [name for name in recording.markers if not name.isprintable() or name != name.strip()]
+    if unfit or "" in recording.markers:
+        raise ValueError(f"CSV cannot keep the marker name {(unfit or [''])[0]!r}")
+    target = StringIO()
+    target.write(f"# rate: {recording.rate!r}\n# unit: mm\n")
     names = [f"{marker}.{axis}" for marker in recording.markers for axis in "XYZ"]
-    flat = recording.positions.reshape(recording.frames, -1)
-    rows = ([repr(float(x)) if x == x else "" for x in row] for row in flat)
-    lines = [f"# rate: {recording.rate!r}", "# unit: mm", ",".join(["frame", *names])]
-    lines += [",".join([str(frame), *row]) for frame, row in enumerate(rows)]
-    return ("\n".join(lines) + "\n").encode()
+    special = any(set(name) & set(f'{_SEPARATORS}"') for name in names)
+    quoting = csv.QUOTE_ALL if special else csv.QUOTE_MINIMAL
+    csv.writer(target, quoting=quoting, lineterminator="\n").writerow(["frame", *names])
+    for frame, row in enumerate(recording.positions.reshape(recording.frames, -1).tolist()):
+        numbers = ("" if number != number else repr(number) for number in row)
+        target.write(f"{frame},{','.join(numbers)}\n")
+    return target.getvalue().encode()
+
+
+def _text(path: Path) -> _Text:
+    try:
+        lines = path.read_text(encoding="utf-8-sig").split("\n")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: not a table of text: {error}") from None
+    comments = (_COMMENT.fullmatch(line.strip()) for line in lines)
+    rows = [(number, line) for number, line in enumerate(lines, 1) if _is_row(line)]
+    if len(rows) < 2:
+        raise ValueError(f"{path}: no frames; a line of names and a line per frame are needed")
+    unquoted = re.sub(r'"[^"]*"', "", rows[0][1])
+    separator = max(_SEPARATORS, key=unquoted.count)
+    return _Text(
+        path=path,
+        comments={found[1].lower(): found[2] for found in comments if found},
+        separator=separator,
+        names=[name.strip() for name in _split(rows[0][1], separator)],
+        lines=rows[1:],
+    )
 
 
 def _is_row(line: str) -> bool:
     return bool(line.strip()) and not line.lstrip().startswith("#")
 
 
-def _numbers(
-    path: Path, rows: Iterable[tuple[int, str]], separator: str, width: int
-) -> NDArray[np.float64]:
-    found = []
-    for number, line in rows:
-        cells = line.split(separator)
-        if len(cells) != width:
-            raise ValueError(f"{path}:{number}: {len(cells)} cells, but {width} columns have names")
-        found.append([_number(path, number, column, cell) for column, cell in enumerate(cells, 1)])
-    return np.array(found, dtype=np.float64)
+def _split(line: str, separator: str) -> list[str]:
+    if '"' not in line:
+        return line.split(separator)
+    return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
 
 
-def _number(path: Path, line: int, column: int, cell: str) -> float:
-    text = cell.strip().strip('"')
-    if text.lower() in _MISSING:
+def _cells(text: _Text) -> NDArray[np.float64]:
+    cells = np.empty((len(text.lines), len(text.names)))
+    for row, (number, line) in enumerate(text.lines):
+        found = _split(line, text.separator)
+        if len(found) != len(text.names):
+            raise ValueError(
+                f"{text.path}:{number}: {len(found)} cells, but {len(text.names)} columns have "
+                "names"
+            )
+        cells[row] = _numbers(text, number, found)
+    return cells
+
+
+def _numbers(text: _Text, line: int, cells: Sequence[str]) -> list[float]:
+    try:
+        if not any("_" in cell for cell in cells):
+            return [float(cell or "nan") for cell in cells]
+    except ValueError:
+        pass  # one of them is special, or wrong
+    return [_number(text, line, column, cell) for column, cell in enumerate(cells, 1)]
+
+
+def _number(text: _Text, line: int, column: int, cell: str) -> float:
+    plain = cell.strip()
+    if plain.lower() in _MISSING:
         return float("nan")
     try:
-        return float(text)
+        # Python reads 1_000 as a number; a table does not mean one.
+        return float(plain.replace("_", "?"))
     except ValueError:
-        raise ValueError(f"{path}:{line}:{column}: {text!r} is not a number") from None
+        raise ValueError(
+            f"{text.path}:{line}:{column}: {plain!r} is not a number "
+            f"(column {text.names[column - 1]})"
+        ) from None
 
 
-def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
+def _columns(text: _Text) -> dict[str, dict[str, int]]:
     columns: dict[str, dict[str, int]] = {}
-    for index, name in enumerate(names):
+    left_out = []
+    for index, name in enumerate(text.names):
         found = _COLUMN.fullmatch(name)
         if found is None:
+            left_out += [] if _COUNTER.fullmatch(name) else [name]
             continue
         axes = columns.setdefault(found[1], {})
         if found[2].lower() in axes:
-            raise ValueError(f"{path}: column {name!r} is there twice")
+            raise ValueError(f"{text.path}: column {name!r} is there twice")
         axes[found[2].lower()] = index
-    for marker, axes in columns.items():
-        lacking = [axis.upper() for axis in "xyz" if axis not in axes]
-        if lacking:
-            raise ValueError(f"{path}: marker {marker!r} has no column for {', '.join(lacking)}")
-    if not columns:
-        shown = ", ".join(names[:8])
-        raise ValueError(f"{path}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}")
+    _check_columns(text, columns)
+    if left_out:
+        warnings.warn(
+            f"{len(left_out)} columns are no coordinates and were left out: "
+            f"{', '.join(left_out[:10])}",
+            stacklevel=3,
+        )
     return columns
 
 
-def _scale(path: Path, said: dict[str, str]) -> float:
-    unit = said.get("unit", said.get("units", "mm")).lower()
-    if unit not in MILLIMETRES:
-        raise ValueError(f"{path}: unit {unit!r}; there is {', '.join(MILLIMETRES)}")
-    return MILLIMETRES[unit]
+def _check_columns(text: _Text, columns: dict[str, dict[str, int]]) -> None:
+    for marker, axes in columns.items():
+        lacking = [axis.upper() for axis in "xyz" if axis not in axes]
+        if lacking:
+            raise ValueError(
+                f"{text.path}: marker {marker!r} has no column for {', '.join(lacking)}"
+            )
+    if not columns:
+        shown = ", ".join(text.names[:8])
+        raise ValueError(f"{text.path}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}")
 
 
-def _rate(path: Path, said: dict[str, str], names: list[str], cells: NDArray[np.float64]) -> float:
-    if "rate" in said:
-        try:
-            return float(said["rate"])
-        except ValueError:
-            raise ValueError(f"{path}: rate {said['rate']!r} is not a number") from None
-    lowered = [name.lower() for name in names]
-    times = [index for index, name in enumerate(lowered) if re.fullmatch(r"time\b.*", name)]
-    steps = np.diff(cells[:, times[0]]) if times else np.empty(0)
-    if not len(steps) or not np.median(steps) > 0:
-        raise ValueError(f"{path}: no rate; add a line '# rate: 60' or a column 'time' in seconds")
-    return float(1.0 / np.median(steps))
+def _scale(text: _Text) -> float:
+    unit = text.comments.get("unit", text.comments.get("units", "mm"))
+    factor = millimetres_in(unit)
+    if factor is None:
+        raise ValueError(f"{text.path}: unit {unit!r}; there is {', '.join(MILLIMETRES)}")
+    return factor
+
+
+def _rate(text: _Text, cells: NDArray[np.float64]) -> float:
+    steps = _steps(text, cells)
+    if "rate" in text.comments:
+        return _told_rate(text)
+    usual = steps.get("time", np.empty(0))
+    if not len(usual) or not np.median(usual) > 0:
+        raise ValueError(
+            f"{text.path}: no rate; add a line '# rate: 60' or a column 'time' in seconds"
+        )
+    # Nine digits: times are written with fewer, and their differences end in rounding errors.
+    return float(f"{1.0 / np.median(usual):.9g}")
+
+
+def _told_rate(text: _Text) -> float:
+    said = text.comments["rate"]
+    try:
+        rate = float(said)
+    except ValueError:
+        rate = 0.0
+    if not 0 < rate < float("inf"):
+        raise ValueError(f"{text.path}: rate {said!r} is not a positive number") from None
+    return rate
+
+
+def _steps(text: _Text, cells: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return the steps of the columns ``frame`` and ``time``, and tell of irregular ones."""
+    steps = {}
+    for index, name in enumerate(text.names):
+        found = None if _COLUMN.fullmatch(name) else _COUNTER.fullmatch(name)
+        if found and len(cells) > 1:
+            steps[found[1].lower()] = here = np.diff(cells[:, index])
+            irregular = ~(np.abs(here - np.median(here)) <= np.median(np.abs(here)) / 2)
+            _tell_irregular(name, np.count_nonzero(irregular), len(here))
+    return steps
+
+
+def _tell_irregular(name: str, irregular: int, steps: int) -> None:
+    if irregular:
+        warnings.warn(
+            f"{irregular} of {steps} steps of the column {name!r} are irregular: frames were "
+            "dropped or repeated; the rows count as evenly spaced",
+            stacklevel=5,
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -29,10 +30,21 @@ def read_marker_set(path: Path) -> MarkerSet:
     # nothing is resolved, so that a marker may be called `no` or `1e3`
     loader: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
     try:
-        found = yaml.load(path.read_text(encoding="utf-8"), Loader=loader)
-        return marker_set_of(found)
+        text = path.read_text(encoding="utf-8-sig")
+        _check_keys(yaml.compose(text, Loader=loader))
+        return marker_set_of(yaml.load(text, Loader=loader))
     except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError) as error:
         raise ValueError(f"{path}: not a marker set: {error}") from None
+
+
+def _check_keys(node: Any) -> None:
+    """Refuse a key that stands twice, of which YAML would keep the last in silence."""
+    pairs = node.value if getattr(node, "id", "") == "mapping" else []
+    lines: dict[str, int] = {}
+    for key, _ in pairs:
+        line = key.start_mark.line + 1
+        if key.id == "scalar" and lines.setdefault(key.value, line) != line:
+            raise ValueError(f"line {line}: {key.value!r} again, after line {lines[key.value]}")
 
 
 def marker_set_of(found: Any) -> MarkerSet:
@@ -69,10 +81,15 @@ def marker_set_text(marker_set: MarkerSet) -> str:
 
     # JSON is YAML, and quotes every name
     lines = [
-        f"{part}: {json.dumps(items, ensure_ascii=False)}"
+        f"{part}: {_printable(json.dumps(items, ensure_ascii=False))}"
         for part, items in plain_marker_set(marker_set).items()
     ]
     return "\n".join(lines) + "\n"
+
+
+def _printable(text: str) -> str:
+    """Escape what YAML, unlike JSON, does not let stand between quotes."""
+    return "".join(one if one.isprintable() else f"\\U{ord(one):08X}" for one in text)
 
 
 def _part(part: str, items: Any) -> tuple[Any, ...]:
@@ -84,11 +101,11 @@ def _part(part: str, items: Any) -> tuple[Any, ...]:
         return tuple(_couple(part, one) for one in items)
     bad = [one for one in items if not isinstance(one, str) or not one]
     if bad:
-        raise ValueError(f"{part!r} must be a list of names, not {bad[0]!r}")
+        raise ValueError(f"{part!r} must be a list of names, not {reprlib.repr(bad[0])}")
     return tuple(items)
 
 
 def _couple(part: str, item: Any) -> tuple[str, str]:
     if not isinstance(item, list) or len(item) != 2 or not all(isinstance(x, str) for x in item):
-        raise ValueError(f"{part!r} must be a list of two names each, not {item!r}")
+        raise ValueError(f"{part!r} must be a list of two names each, not {reprlib.repr(item)}")
     return item[0], item[1]

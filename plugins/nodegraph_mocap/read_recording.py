@@ -58,12 +58,13 @@ def read_recording(
 def _read(file: Path, zeros_missing: bool) -> Trajectories:
     with file.open("rb") as opened:
         start = opened.read(4)
-    if start[1:2] == b"\x50" and start[:2] != b"PP":
+    # A C3D file starts with a small number, a text that has a P in second place does not.
+    if (start[1:2] == b"\x50" and start[0] < 0x20) or file.suffix.lower() == ".c3d":
         from nodegraph_mocap.files_c3d import read_c3d
 
         return read_c3d(file, zeros_missing=zeros_missing)
     if start == b"PK\x03\x04":
-        return read_npz(file)
+        return read_npz(file, zeros_missing=zeros_missing)
     if file.suffix.lower() in _TABLES:
         return read_csv(file, zeros_missing=zeros_missing)
     raise ValueError(f"{file}: neither C3D, NPZ nor a table ({', '.join(_TABLES)})")

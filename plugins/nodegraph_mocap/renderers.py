@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+import re
 from collections.abc import Iterable
 from html import escape
 from io import BytesIO
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _FOLDED_FROM = 200
+_TAG = re.compile(r"<[a-zA-Z][^>]*>")
+_ID = re.compile(r"""(\sid="|href="#|url\(#)""")
 _LATEX = str.maketrans(
     {
         "\\": r"\textbackslash{}",
@@ -38,9 +42,10 @@ def renderers() -> tuple[Renderer, ...]:
 
 def render_table(table: Table, title: str) -> Rendered:
     """Return a table as HTML, plain text, CSV (full precision) and LaTeX (booktabs)."""
+    table = _with_named_rows(table)
     heads = _heads(table)
-    cells = [[shown(value) for value in row] for row in table.itertuples(index=False)]
-    numeric = [_is_number(table[column]) for column in table.columns]
+    cells = [[shown(value) for value in row] for row in table.itertuples(index=False, name=None)]
+    numeric = [kind.kind in "iuf" for kind in table.dtypes]
     notes = [str(one) for one in table.attrs.get("notes", ())]
     caption = str(table.attrs.get("title", title))
     return Rendered(
@@ -56,8 +61,7 @@ def render_table(table: Table, title: str) -> Rendered:
 def render_figure(figure: Figure, title: str) -> Rendered:
     """Return a figure as SVG in the page, and as SVG and PDF beside it; the same every time."""
     svg, pdf = _saved(figure, "svg", title), _saved(figure, "pdf", title)
-    drawing = svg.decode()
-    drawing = drawing[drawing.index("<svg") :]
+    drawing = _with_own_ids(svg.decode())
     label = f'<svg role="img" aria-label="{escape(title, quote=True)}"'
     html = f'<figure class="figure">{drawing.replace("<svg", label, 1)}</figure>'
     return Rendered(html=html, files={".svg": svg, ".pdf": pdf})
@@ -65,12 +69,12 @@ def render_figure(figure: Figure, title: str) -> Rendered:
 
 def shown(value: Any) -> str:
     """Return a cell's value for a reader: four digits that count, nothing where there is none."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return "" if value is None else str(value)
-    if math.isnan(value):
+    if value is None or value != value or type(value).__name__ in ("NAType", "NaTType"):
         return ""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value)
     if isinstance(value, int) or (value.is_integer() and abs(value) < 1e6):
-        return str(int(value)) if isinstance(value, int) else f"{value:.0f}"
+        return f"{value:.0f}" if isinstance(value, float) else str(value)
     if value != 0 and (abs(value) < 1e-3 or abs(value) >= 1e6):
         return f"{value:.2e}"
     return f"{value:.{max(0, min(4, 3 - math.floor(math.log10(abs(value)))))}f}"
@@ -84,8 +88,15 @@ def _heads(table: pd.DataFrame) -> list[str]:
     ]
 
 
-def _is_number(column: pd.Series[Any]) -> bool:
-    return column.dtype.kind in "iuf"
+def _with_named_rows(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table with its rows' names, if it has any, as its first columns."""
+    import pandas as pd
+
+    if isinstance(table.index, pd.RangeIndex) and table.index.name is None:
+        return table
+    named = table.reset_index()
+    named.attrs = table.attrs
+    return named
 
 
 def _html(
@@ -137,6 +148,8 @@ def _latex(caption: str, heads: list[str], cells: list[list[str]], numeric: list
     columns = "".join("r" if one else "l" for one in numeric)
     rows = [" & ".join(text.translate(_LATEX) for text in row) + r" \\" for row in cells]
     head = " & ".join(text.translate(_LATEX) for text in heads) + r" \\"
+    # An empty line would end the caption's paragraph, which LaTeX refuses.
+    caption = " ".join(caption.split())
     return "\n".join(
         [
             r"% needs \usepackage{booktabs}",
@@ -155,12 +168,19 @@ def _latex(caption: str, heads: list[str], cells: list[list[str]], numeric: list
     )
 
 
+def _with_own_ids(svg: str) -> str:
+    """Return a drawing whose ids no other drawing on a page has, unless the two are equal."""
+    drawing = svg[svg.index("<svg") :]
+    mark = "f" + hashlib.sha256(drawing.encode()).hexdigest()[:12]
+    return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{mark}-", tag[0]), drawing)
+
+
 def _saved(figure: Figure, form: str, title: str) -> bytes:
     import matplotlib as mpl
 
     target = BytesIO()
     undated = {"Date": None} if form == "svg" else {"CreationDate": None}
-    # one salt per figure, so that two figures in one page do not share the ids of their parts
+    # without a salt of its own, a drawing would have other ids each time
     with mpl.rc_context({"svg.hashsalt": title, "svg.fonttype": "none"}):
         figure.savefig(target, format=form, metadata=undated, bbox_inches="tight")
     return target.getvalue()

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import hookimpl
+from nodegraph import Contract, hookimpl
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
 
 @hookimpl
@@ -16,3 +16,11 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_score.gaps import gaps
 
     return (gaps,)
+
+
+@hookimpl
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
+    """Return what every score promises."""
+    from nodegraph_score.contracts import CONTRACTS
+
+    return {"score": CONTRACTS}

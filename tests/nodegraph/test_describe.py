@@ -7,7 +7,14 @@ import pytest
 from pydantic import Field
 
 from nodegraph import InputFile, Unit, node
-from nodegraph.describe import SettingText, describe_settings, port_meanings, setting_kind, shown
+from nodegraph.describe import (
+    SettingText,
+    describe_settings,
+    port_meanings,
+    setting_kind,
+    shown,
+    without_parameters,
+)
 from nodegraph.node import Node, node_of
 
 
@@ -90,3 +97,10 @@ def test_settings_come_with_unit_default_and_meaning() -> None:
 )
 def test_a_value_is_shown_as_a_graph_file_has_it(value: object, text: str) -> None:
     assert shown(value) == text
+
+
+def test_the_section_of_parameters_is_left_out_and_nothing_else() -> None:
+    doc = "First.\n\nMore.\n\nParameters\n----------\na\n    One.\n\nReturns\n-------\nb\n    Two."
+    assert without_parameters(doc) == "First.\n\nMore.\n\nReturns\n-------\nb\n    Two."
+    assert without_parameters("First.\n\nParameters\n----------\na\n    One.") == "First."
+    assert without_parameters("First.") == "First."

@@ -98,10 +98,11 @@ def test_words_that_the_terminal_cannot_show_are_no_reason_to_fail() -> None:
         assert done.returncode == (2 if "für.yaml" in words else 0)
 
 
-def test_output_that_nobody_reads_to_its_end_is_no_mistake() -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_output_that_nobody_reads_to_its_end_is_no_mistake(unbuffered: str) -> None:
     root = Path(__file__).parents[3]
-    command = f"{sys.executable} -m nodegraph.cli nodes --plugin toys.py | true"
-    environment = {**os.environ, "PYTHONPATH": str(root)}
+    command = f"'{sys.executable}' -m nodegraph.cli nodes --plugin toys.py | true"
+    environment = {**os.environ, "PYTHONPATH": str(root), "PYTHONUNBUFFERED": unbuffered}
     done = subprocess.run(
         ["bash", "-o", "pipefail", "-c", command], env=environment, capture_output=True, check=False
     )

@@ -1,0 +1,52 @@
+"""What every node that makes gaps promises, whoever wrote it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from nodegraph import Tried
+from nodegraph_mocap import Mask, Trajectories
+
+_PORTS = {"recording": Trajectories, "gappy": Trajectories, "truth": Trajectories, "hidden": Mask}
+
+
+def has_the_ports_of_a_cut(tried: Tried) -> Iterator[str]:
+    """Take `recording`, and give `gappy` first, then `truth` and `hidden`."""
+    ports: dict[str, Any] = {**tried.inputs, **tried.outputs}
+    for name, kind in _PORTS.items():
+        if not isinstance(ports.get(name), kind):
+            yield f"{name!r} is not a {kind.__name__}; its ports are {', '.join(ports)}"
+    if next(iter(tried.outputs)) != "gappy":
+        yield f"the first output is {next(iter(tried.outputs))!r}, not 'gappy'"
+
+
+def truth_is_the_recording(tried: Tried) -> Iterator[str]:
+    """Give the recording itself as the truth."""
+    recording, truth = tried.inputs["recording"], tried.outputs["truth"]
+    if not _alike(recording, truth) or np.any(recording.origin != truth.origin):
+        yield "the truth differs from the recording: return the recording as it came"
+
+
+def hides_what_it_says(tried: Tried) -> Iterator[str]:
+    """Hide the samples that `hidden` names, all of them present before, and change no other."""
+    recording, gappy = tried.inputs["recording"], tried.outputs["gappy"]
+    hidden = tried.outputs["hidden"].hidden
+    if not _alike(recording, gappy, but=hidden):
+        yield "samples that are not hidden differ from the recording's"
+    if np.any(hidden & ~recording.present):
+        yield f"{np.count_nonzero(hidden & ~recording.present)} hidden samples were missing before"
+    if np.any(hidden & gappy.present):
+        yield f"{np.count_nonzero(hidden & gappy.present)} hidden samples are still there"
+
+
+CONTRACTS = (has_the_ports_of_a_cut, truth_is_the_recording, hides_what_it_says)
+
+
+def _alike(one: Trajectories, other: Trajectories, *, but: Any = False) -> bool:
+    same = (one.positions == other.positions) | (
+        np.isnan(one.positions) & np.isnan(other.positions)
+    )
+    return one.markers == other.markers and bool(np.all(same.all(axis=2) | but))
