@@ -30,6 +30,8 @@ def run(arguments: Namespace) -> int:
     how = HowToRun(arguments.executor, arguments.jobs)
     how.chosen()
     folder = RunFolder(arguments.out or Path("runs") / arguments.graph.stem, graph.spec.text)
+    for one in graph.left_out:
+        print(f"left out: {one.node}: {one.reason}", file=sys.stderr)
     if folder.moved:
         print(f"the earlier run is now in {folder.moved}", file=sys.stderr)
     with progress() as listener:

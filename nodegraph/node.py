@@ -6,23 +6,26 @@ import inspect
 import re
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from functools import cached_property
-from types import NoneType, UnionType
 from typing import (
     TYPE_CHECKING,
-    Annotated,
     Any,
     TypeVar,
-    Union,
-    get_args,
-    get_origin,
     get_type_hints,
 )
 
 from nodegraph.errors import NodeError
-from nodegraph.ports import Across, FileMark, Port, TruthMark, Unit
-from nodegraph.values import Value
+from nodegraph.ports import Port
+from nodegraph.signature import (
+    Setting,
+    check_argument,
+    input_port,
+    is_record,
+    output_ports,
+    plain_type,
+    read_setting,
+)
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -32,34 +35,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 _NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
 _ATTRIBUTE = "__nodegraph_node__"
 _REQUIRED = inspect.Parameter.empty
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """One setting of a node.
-
-    Attributes
-    ----------
-    name : str
-    annotation : Any
-        Its type with bounds and choices, as pydantic reads it.
-    default : Any
-        `inspect.Parameter.empty` when it must be given.
-    unit : str
-    is_file : bool
-        Whether it names a file to read.
-    """
-
-    name: str
-    annotation: Any
-    default: Any
-    unit: str
-    is_file: bool
-
-    @property
-    def required(self) -> bool:
-        """Whether a graph must give it."""
-        return self.default is _REQUIRED
 
 
 @dataclass(frozen=True)
@@ -104,7 +79,7 @@ class Node:
     def inputs(self) -> tuple[Port, ...]:
         """Input ports, in the order of the arguments."""
         return tuple(
-            _input_port(self.name, argument, self._hints[argument.name])
+            input_port(self.name, argument, self._hints[argument.name])
             for argument in self._arguments
             if argument.kind is not argument.KEYWORD_ONLY
         )
@@ -112,13 +87,13 @@ class Node:
     @cached_property
     def outputs(self) -> tuple[Port, ...]:
         """Output ports; the first is the one most often wanted."""
-        return _output_ports(self.name, self._hints["return"])
+        return output_ports(self.name, self._hints["return"])
 
     @cached_property
     def settings(self) -> Mapping[str, Setting]:
         """Settings by name."""
         return {
-            argument.name: _setting(argument, self._hints[argument.name])
+            argument.name: read_setting(argument, self._hints[argument.name])
             for argument in self._arguments
             if argument.kind is argument.KEYWORD_ONLY
         }
@@ -143,7 +118,7 @@ class Node:
     @cached_property
     def splits(self) -> bool:
         """Whether the function returns several outputs in one record."""
-        return _is_record(_plain(self._hints["return"]))
+        return is_record(plain_type(self._hints["return"]))
 
     def check(self) -> Node:
         """Read the whole signature now, so that what it lacks is told now; return the node."""
@@ -167,7 +142,7 @@ class Node:
     def _arguments(self) -> tuple[inspect.Parameter, ...]:
         arguments = tuple(inspect.signature(self.function).parameters.values())
         for argument in arguments:
-            _check_argument(self.name, argument)
+            check_argument(self.name, argument)
         return arguments
 
     @cached_property
@@ -225,81 +200,3 @@ def node_of(function: object) -> Node | None:
     """Return what a decorated function promises, or None for any other object."""
     found = getattr(function, _ATTRIBUTE, None)
     return found if isinstance(found, Node) else None
-
-
-def _check_argument(name: str, argument: inspect.Parameter) -> None:
-    if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
-        raise NodeError(f"{name}: *{argument.name} is neither a port nor a setting; name each one")
-    if argument.kind is argument.POSITIONAL_ONLY:
-        raise NodeError(f"{name}: {argument.name!r} must take its name; leave out the '/'")
-
-
-def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
-    inner, optional = _without_none(hint)
-    truth = _has_mark(hint, TruthMark) or _has_mark(inner, TruthMark)
-    inner, also = _without_none(_plain(inner))
-    across = get_origin(inner) is Across
-    if across:
-        inner = get_args(inner)[0]
-        truth = truth or _has_mark(inner, TruthMark)
-    held = _one_type(node_name, f"port {argument.name!r}", _plain(inner))
-    if (argument.default is not _REQUIRED) != (optional or also):
-        form = f"{argument.name}: {held.__name__} | None = None"
-        raise NodeError(f"{node_name}: a port that may be left open is written {form}")
-    return Port(argument.name, held, truth, across, optional or also)
-
-
-def _output_ports(node_name: str, hint: Any) -> tuple[Port, ...]:
-    returned = _plain(hint)
-    if _is_record(returned):
-        hints = get_type_hints(returned, include_extras=True)
-        return tuple(_output_port(node_name, one, hints[one]) for one in _field_names(returned))
-    return (_output_port(node_name, "output", hint),)
-
-
-def _output_port(node_name: str, name: str, hint: Any) -> Port:
-    held = _one_type(node_name, f"output {name!r}", _plain(hint))
-    return Port(name, held, truth=_has_mark(hint, TruthMark))
-
-
-def _one_type(node_name: str, what: str, hint: Any) -> type:
-    if isinstance(hint, type) and hint is not Any:
-        return hint
-    raise NodeError(f"{node_name}: {what} needs one type, not {hint}")
-
-
-def _setting(argument: inspect.Parameter, hint: Any) -> Setting:
-    units = [mark.name for mark in _marks(hint) if isinstance(mark, Unit)]
-    inner, _ = _without_none(hint)
-    is_file = _has_mark(hint, FileMark) or _has_mark(inner, FileMark)
-    return Setting(argument.name, hint, argument.default, units[0] if units else "", is_file)
-
-
-def _is_record(hint: Any) -> bool:
-    if not isinstance(hint, type) or issubclass(hint, Value):
-        return False
-    return is_dataclass(hint) or (issubclass(hint, tuple) and hasattr(hint, "_fields"))
-
-
-def _field_names(record: type) -> tuple[str, ...]:
-    named: tuple[str, ...] | None = getattr(record, "_fields", None)
-    return named if named is not None else tuple(field.name for field in fields(record))
-
-
-def _plain(hint: Any) -> Any:
-    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
-
-
-def _marks(hint: Any) -> tuple[Any, ...]:
-    return tuple(hint.__metadata__) if get_origin(hint) is Annotated else ()
-
-
-def _has_mark(hint: Any, kind: type) -> bool:
-    return any(isinstance(mark, kind) for mark in _marks(hint))
-
-
-def _without_none(hint: Any) -> tuple[Any, bool]:
-    if get_origin(hint) not in (Union, UnionType):
-        return hint, False
-    kept = [one for one in get_args(hint) if one is not NoneType]
-    return (kept[0] if len(kept) == 1 else hint), len(kept) < len(get_args(hint))

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from nodegraph.collection import no_collection
-from nodegraph.graph import Gather, Graph, GraphNode, Method, Source
+from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.ports import Absent, Label
+from nodegraph.spec.parts import Reference
 
 Combination = tuple[Label, ...]
 
@@ -172,9 +173,9 @@ class _Planner:
         return ""
 
     def _input(
-        self, node: GraphNode, fed: Source | Gather, labels: Mapping[str, Label]
+        self, node: GraphNode, fed: Reference | Gather, labels: Mapping[str, Label]
     ) -> StepInput | str:
-        if isinstance(fed, Source):
+        if isinstance(fed, Reference):
             return self._output(fed, labels)
         axes = self._gathered_axes(node, fed)
         entries: list[tuple[Combination, Output]] = []
@@ -197,17 +198,17 @@ class _Planner:
         named = tuple(axis for axis in node.gathered if axis in found)
         return (fed.axis, *named) if fed.axis else named
 
-    def _free(self, node: GraphNode, source: Source) -> tuple[str, ...]:
+    def _free(self, node: GraphNode, source: Reference) -> tuple[str, ...]:
         """Return the axes of a source that the node gathers."""
         axes = self._graph.nodes[source.node].axes
         return tuple(one for one in axes if one in node.gathered and one not in source.at)
 
-    def _combinations(self, node: GraphNode, source: Source) -> Iterator[dict[str, Label]]:
+    def _combinations(self, node: GraphNode, source: Reference) -> Iterator[dict[str, Label]]:
         free = self._free(node, source)
         for combination in itertools.product(*(self._labels(axis) for axis in free)):
             yield dict(zip(free, combination, strict=True))
 
-    def _output(self, source: Source, labels: Mapping[str, Label]) -> Output | str:
+    def _output(self, source: Reference, labels: Mapping[str, Label]) -> Output | str:
         node = self._graph.nodes[source.node]
         at = tuple(source.at[axis] if axis in source.at else labels[axis] for axis in node.axes)
         index = self._cells[source.node].get(at)

@@ -24,6 +24,7 @@ FLOORS = (  # from the top
     {"plugins"},
     {"hooks"},
     {"node"},
+    {"signature"},
     {"ports", "values"},
     {"errors", "collection"},
 )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
-from nodegraph.graph import Graph, GraphNode, Source
+from nodegraph.graph import Graph, GraphNode
 from nodegraph.node import Node
 from nodegraph.ports import Port
+from nodegraph.spec.parts import Reference
 
 _MOST_METHODS = 12
 
@@ -74,10 +75,10 @@ def _socket(port: Port) -> Socket:
     return Socket(port.name, str(port).partition(": ")[2])
 
 
-def _output(graph: Graph, source: Source) -> str:
+def _output(graph: Graph, source: Reference) -> str:
     return source.port or graph.nodes[source.node].first.node.outputs[0].name
 
 
-def _is_truth(graph: Graph, source: Source) -> bool:
+def _is_truth(graph: Graph, source: Reference) -> bool:
     found = graph.nodes[source.node].first.node.output(_output(graph, source))
     return found is not None and found.truth

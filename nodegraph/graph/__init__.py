@@ -2,6 +2,6 @@
 
 from nodegraph.graph.build import build
 from nodegraph.graph.choices import Choices
-from nodegraph.graph.model import Axis, Gather, Graph, GraphNode, Method, Source
+from nodegraph.graph.model import Axis, Gather, Graph, GraphNode, Method
 
-__all__ = ["Axis", "Choices", "Gather", "Graph", "GraphNode", "Method", "Source", "build"]
+__all__ = ["Axis", "Choices", "Gather", "Graph", "GraphNode", "Method", "build"]

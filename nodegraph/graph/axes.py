@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from nodegraph.errors import Place, Problems, nearest
-from nodegraph.graph.model import Axis, Gather, GraphNode, Method, Source, sources_of
-from nodegraph.spec.parts import NodeSpec
+from nodegraph.graph.model import Axis, Gather, GraphNode, Method, sources_of
+from nodegraph.spec.parts import NodeSpec, Reference
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,14 @@ def spread(
     )
 
 
-def axes_of(source: Source, nodes: Mapping[str, GraphNode]) -> tuple[str, ...]:
+def axes_of(source: Reference, nodes: Mapping[str, GraphNode]) -> tuple[str, ...]:
     """Return the axes of a source that are not fixed."""
     node = nodes.get(source.node)
     return tuple(name for name in node.axes if name not in source.at) if node else ()
 
 
 def check_fixed(
-    source: Source, nodes: Mapping[str, GraphNode], axes: Mapping[str, Axis], problems: Problems
+    source: Reference, nodes: Mapping[str, GraphNode], axes: Mapping[str, Axis], problems: Problems
 ) -> str:
     """Note ``at`` that names no axis or label; return why the source is left out, if it is."""
     node = nodes.get(source.node)

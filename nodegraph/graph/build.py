@@ -11,7 +11,7 @@ from nodegraph.graph.axes import check_fixed, spread
 from nodegraph.graph.choices import Choices, Names
 from nodegraph.graph.leaks import check_leaks
 from nodegraph.graph.methods import Chosen, choose
-from nodegraph.graph.model import Gather, Graph, GraphNode, LeftOut, Method, Source, sources_of
+from nodegraph.graph.model import Gather, Graph, GraphNode, LeftOut, Method, sources_of
 from nodegraph.graph.order import sorted_names
 from nodegraph.graph.settings import SettingsReader
 from nodegraph.graph.wiring import Wirer, dependencies
@@ -223,5 +223,5 @@ def _without_left_out(
     return kept
 
 
-def _needed(method: Method) -> Iterable[Source]:
+def _needed(method: Method) -> Iterable[Reference]:
     return (source for fed in method.inputs.values() for source in sources_of(fed))

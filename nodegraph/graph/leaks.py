@@ -13,7 +13,8 @@ from collections import defaultdict
 from collections.abc import Mapping
 
 from nodegraph.errors import Problems
-from nodegraph.graph.model import Graph, GraphNode, Source
+from nodegraph.graph.model import Graph, GraphNode
+from nodegraph.spec.parts import Reference
 
 _Port = tuple[str, str]  # a node, and one of its outputs; a file has the output ""
 
@@ -35,7 +36,7 @@ class _Wires:
         self.nodes = graph.nodes
         self.out: dict[str, list[tuple[str, str, str]]] = defaultdict(list)
         self.into: dict[str, list[tuple[str, str, str]]] = defaultdict(list)
-        self.places: dict[tuple[str, str, str, str], Source] = {}
+        self.places: dict[tuple[str, str, str, str], Reference] = {}
         self.known = {(one.node, one.port) for one in graph.spec.known}
         for target, port, source, _ in graph.wires():
             self._add(source.node, self._output(source), target, port)
@@ -51,7 +52,7 @@ class _Wires:
         self.out[source].append((output, target, port))
         self.into[target].append((source, output, port))
 
-    def _output(self, source: Source) -> str:
+    def _output(self, source: Reference) -> str:
         return source.port or self.nodes[source.node].first.node.outputs[0].name
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from nodegraph.errors import Place
 from nodegraph.node import Node
 from nodegraph.ports import Label
+from nodegraph.spec.parts import Reference
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -40,19 +41,6 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Source:
-    """One output of a node, with some of its axes fixed; an empty port is the first output."""
-
-    node: str
-    port: str
-    place: Place
-    at: Mapping[str, Label] = field(default_factory=dict)
-
-    def __str__(self) -> str:
-        return f"{self.node}.{self.port}" if self.port else self.node
-
-
-@dataclass(frozen=True)
 class Gather:
     """What a gathering port takes: one source, or labelled ones along an axis of their own.
 
@@ -60,12 +48,12 @@ class Gather:
     ----------
     axis : str
         The port's name where the sources are labelled, else empty.
-    sources : mapping of label to Source
+    sources : mapping of label to Reference
         The one source of an unlabelled gathering has the empty label.
     """
 
     axis: str
-    sources: Mapping[str, Source]
+    sources: Mapping[str, Reference]
 
 
 @dataclass(frozen=True)
@@ -97,7 +85,7 @@ class Method:
     node : Node
     plugin, distribution : str
         Who brought it.
-    inputs : mapping of port to Source or Gather
+    inputs : mapping of port to Reference or Gather
     settings : Settings
     """
 
@@ -105,7 +93,7 @@ class Method:
     node: Node
     plugin: str
     distribution: str
-    inputs: Mapping[str, Source | Gather]
+    inputs: Mapping[str, Reference | Gather]
     settings: Settings
     place: Place
 
@@ -191,9 +179,9 @@ class Graph:
             network.add_edge(source.node, target, key, source=source, port=port, gathers=gathers)
         return network
 
-    def wires(self) -> tuple[tuple[str, str, Source, bool], ...]:
+    def wires(self) -> tuple[tuple[str, str, Reference, bool], ...]:
         """Return every wire once: target node, its port, the source, whether it gathers."""
-        found: dict[tuple[str, str, str, str], tuple[str, str, Source, bool]] = {}
+        found: dict[tuple[str, str, str, str], tuple[str, str, Reference, bool]] = {}
         for node in self.nodes.values():
             for method in node.methods.values():
                 for port, fed in method.inputs.items():
@@ -203,6 +191,6 @@ class Graph:
         return tuple(found.values())
 
 
-def sources_of(fed: Source | Gather) -> tuple[Source, ...]:
+def sources_of(fed: Reference | Gather) -> tuple[Reference, ...]:
     """Return the sources of whatever feeds a port."""
     return tuple(fed.sources.values()) if isinstance(fed, Gather) else (fed,)

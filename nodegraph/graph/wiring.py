@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.methods import Chosen
-from nodegraph.graph.model import Gather, GraphNode, Source
+from nodegraph.graph.model import Gather, GraphNode
 from nodegraph.node import Node
 from nodegraph.ports import Port, misfit
 from nodegraph.spec.parts import GraphSpec, Reference
@@ -28,9 +28,9 @@ class Wirer:
         self._nodes = nodes
         self._problems = problems
 
-    def wire(self, where: str, chosen: Chosen, node: Node) -> dict[str, Source | Gather]:
+    def wire(self, where: str, chosen: Chosen, node: Node) -> dict[str, Reference | Gather]:
         """Return what feeds each port of a method; mistakes are noted."""
-        fed: dict[str, Source | Gather] = {}
+        fed: dict[str, Reference | Gather] = {}
         for name, written in chosen.wiring.items():
             port = self._port(where, name, node, written.place)
             if port is None:
@@ -48,7 +48,7 @@ class Wirer:
         self._note_open_ports(where, chosen, node)
         return fed
 
-    def source(self, written: Reference, target: Port | None, where: str) -> Source:
+    def source(self, written: Reference, target: Port | None, where: str) -> Reference:
         """Return a reference as a source, and note whether it fits the port it feeds."""
         if written.node.startswith("$"):
             message = f"{where}: {written} names a value; a port is fed by a node"
@@ -58,7 +58,7 @@ class Wirer:
             self._problems.add(written.place, message, nearest(written.node, self._spec.nodes))
         elif written.node in self._nodes:
             self._check_ports(written, target, where)
-        return Source(written.node, written.port, written.place, written.at)
+        return written
 
     def _check_ports(self, written: Reference, target: Port | None, where: str) -> None:
         for method in self._nodes[written.node].methods.values():

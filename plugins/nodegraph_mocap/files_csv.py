@@ -86,8 +86,10 @@ def csv_bytes(recording: Trajectories) -> bytes:
     target.write(f"# rate: {recording.rate!r}\n# unit: mm\n")
     names = [f"{marker}.{axis}" for marker in recording.markers for axis in "XYZ"]
     special = any(set(name) & set(f'{_SEPARATORS}"') for name in names)
-    quoting = csv.QUOTE_ALL if special else csv.QUOTE_MINIMAL
-    csv.writer(target, quoting=quoting, lineterminator="\n").writerow(["frame", *names])
+    writer = csv.writer(
+        target, quoting=csv.QUOTE_ALL if special else csv.QUOTE_MINIMAL, lineterminator="\n"
+    )
+    writer.writerow(["frame", *names])
     for frame, row in enumerate(recording.positions.reshape(recording.frames, -1).tolist()):
         numbers = ("" if number != number else repr(number) for number in row)
         target.write(f"{frame},{','.join(numbers)}\n")
@@ -234,7 +236,7 @@ def _steps(text: _Text, cells: NDArray[np.float64]) -> dict[str, NDArray[np.floa
         if found and len(cells) > 1:
             steps[found[1].lower()] = here = np.diff(cells[:, index])
             irregular = ~(np.abs(here - np.median(here)) <= np.median(np.abs(here)) / 2)
-            _tell_irregular(name, np.count_nonzero(irregular), len(here))
+            _tell_irregular(name, int(np.count_nonzero(irregular)), len(here))
     return steps
 
 

@@ -27,8 +27,9 @@ def read_marker_set(path: Path) -> MarkerSet:
     """
     import yaml
 
-    # nothing is resolved, so that a marker may be called `no` or `1e3`
-    loader: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+    # nothing is resolved, so that a marker may be called `no` or `1e3`; the loader in C is faster,
+    # but ends the process on brackets nested deep enough
+    loader = yaml.BaseLoader
     try:
         text = path.read_text(encoding="utf-8-sig")
         _check_keys(yaml.compose(text, Loader=loader))

@@ -31,6 +31,11 @@ _LATEX = str.maketrans(
         "}": r"\}",
         "~": r"\textasciitilde{}",
         "^": r"\textasciicircum{}",
+        "<": r"\textless{}",
+        ">": r"\textgreater{}",
+        # these two would be taken for an option where a row begins
+        "[": "{[}",
+        "*": "{*}",
     }
 )
 
@@ -69,10 +74,12 @@ def render_figure(figure: Figure, title: str) -> Rendered:
 
 def shown(value: Any) -> str:
     """Return a cell's value for a reader: four digits that count, nothing where there is none."""
-    if value is None or value != value or type(value).__name__ in ("NAType", "NaTType"):
+    if value is None or type(value).__name__ in ("NAType", "NaTType"):
         return ""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value)
+    if math.isnan(value):
+        return ""
     if isinstance(value, int) or (value.is_integer() and abs(value) < 1e6):
         return f"{value:.0f}" if isinstance(value, float) else str(value)
     if value != 0 and (abs(value) < 1e-3 or abs(value) >= 1e6):

@@ -72,7 +72,9 @@ def recordings() -> dict[str, Trajectories]:
         "one marker": _cut(face, [(6, 10, 14)]).keep(["nose"]),
         "all missing": _without_marker_set(nowhere),
         "two markers in one place": _cut(_without_marker_set(together), [(0, 10, 14), (6, 20, 24)]),
-        "another memory order": _cut(_without_marker_set(np.asfortranarray(positions)), [(4, 10, 16)]),
+        "another memory order": _cut(
+            _without_marker_set(np.asfortranarray(positions)), [(4, 10, 16)]
+        ),
         "made from float32": _without_marker_set(positions.astype(np.float32)[::2]),
         "filled, repaired and with sigma": _partly_made(face),
     }

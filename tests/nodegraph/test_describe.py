@@ -104,3 +104,9 @@ def test_the_section_of_parameters_is_left_out_and_nothing_else() -> None:
     assert without_parameters(doc) == "First.\n\nMore.\n\nReturns\n-------\nb\n    Two."
     assert without_parameters("First.\n\nParameters\n----------\na\n    One.") == "First."
     assert without_parameters("First.") == "First."
+
+
+def test_a_docstring_is_shown_without_what_the_table_says() -> None:
+    assert without_parameters(described().doc) == "Do everything."
+    text = "Do.\n\nParameters\n----------\nx\n    Of it.\n\nReferences\n----------\nOne."
+    assert without_parameters(text) == "Do.\n\nReferences\n----------\nOne."
