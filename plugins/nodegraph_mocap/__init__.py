@@ -7,6 +7,10 @@ from typing import Any
 from nodegraph import Renderer, hookimpl
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
+from nodegraph_mocap.files_c3d import c3d_bytes, read_c3d, write_c3d
+from nodegraph_mocap.files_csv import csv_bytes, read_csv, write_csv
+from nodegraph_mocap.files_marker_set import marker_set_text, read_marker_set
+from nodegraph_mocap.files_npz import npz_bytes, read_npz, write_npz
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
@@ -25,7 +29,18 @@ __all__ = [
     "Table",
     "Trajectories",
     "Weights",
+    "c3d_bytes",
+    "csv_bytes",
+    "marker_set_text",
+    "npz_bytes",
+    "read_c3d",
+    "read_csv",
+    "read_marker_set",
+    "read_npz",
     "sample_folder",
+    "write_c3d",
+    "write_csv",
+    "write_npz",
 ]
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nodegraph_mocap.c3d_layout import LARGEST_COUNT, Description, read_description
 from nodegraph_mocap.c3d_parameters import Parameters
@@ -20,6 +20,9 @@ from nodegraph_mocap.marker_names import unique_names
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.samples_missing import mark_missing
 from nodegraph_mocap.units import to_millimetres
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 LONGEST_NAME = 127
 

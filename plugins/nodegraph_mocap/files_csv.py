@@ -9,13 +9,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.samples_missing import mark_missing
 from nodegraph_mocap.units import MILLIMETRES, millimetres_in
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _COLUMN = re.compile(r"(.+)[._: ]([xyzXYZ])(?: *[\[(].*[\])])?")
 _COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)(?:\s+\w+)?")

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Across, Truth, node
-from nodegraph_mocap import Figure, Origin, Trajectories
-from nodegraph_plot.gathered import check_frames, check_truth, named
+from nodegraph_mocap import Figure, Trajectories
+from nodegraph_plot.gathered import check_frames, check_truth, named, telling
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -41,7 +41,8 @@ def faces(
     truth
         Its markers are matched by name.
     frames
-        Default: four evenly spaced ones of the frames in which a recording has filled samples,
+        Default: four evenly spaced ones of the frames in which a recording has made samples,
+        with a known truth where there are any,
         else of the frames in which one lacks samples, else of the take.
     view
         ``auto``, or the recording's axes that point right and up in the picture, such as
@@ -63,25 +64,22 @@ def faces(
     from nodegraph_plot.face_figure import draw
 
     by_name = named(recordings)
-    chosen = frames or _telling_frames(list(by_name.values()))
-    check_frames(by_name, chosen)
     check_truth(by_name, truth)
+    chosen = frames or _telling_frames(list(by_name.values()), truth)
+    check_frames(by_name, chosen)
     return draw(by_name, truth, chosen, view)
 
 
-def _telling_frames(recordings: list[Trajectories]) -> tuple[int, ...]:
+def _telling_frames(recordings: list[Trajectories], truth: Trajectories | None) -> tuple[int, ...]:
     length = min(recording.frames for recording in recordings)
-    for origin in (Origin.FILLED, Origin.MISSING):
-        found = _any_frame(recordings, origin, length)
+    for flags in (
+        [telling(recording, truth) for recording in recordings],
+        [~recording.present for recording in recordings],
+    ):
+        found = np.flatnonzero(np.any([one[:length].any(axis=1) for one in flags], axis=0))
         if len(found):
             return _spaced(found)
     return _spaced(np.arange(length))
-
-
-def _any_frame(recordings: list[Trajectories], origin: Origin, length: int) -> NDArray[np.intp]:
-    """Return the frames in which any recording has a sample of that origin."""
-    has = [(recording.origin[:length] == origin).any(axis=1) for recording in recordings]
-    return np.flatnonzero(np.any(has, axis=0))
 
 
 def _spaced(frames: NDArray[np.intp]) -> tuple[int, ...]:

@@ -90,6 +90,16 @@ def made(recording: Trajectories) -> NDArray[np.bool_]:
     return np.asarray((recording.origin == Origin.FILLED) | (recording.origin == Origin.REPAIRED))
 
 
+def telling(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.bool_]:
+    """Return (T, M), True where a sample was made and can be compared with the truth.
+
+    Where no made sample has a known truth, all of them.
+    """
+    flags = made(recording)
+    known = flags & np.isfinite(true_positions(truth, recording)[..., 0])
+    return known if known.any() else flags
+
+
 def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Return the first and last place of each run of True."""
     edges = np.diff(np.pad(flags.astype(np.int8), 1))

@@ -12,10 +12,10 @@ from nodegraph_plot.gathered import (
     check_frames,
     check_markers,
     check_truth,
-    made,
     named,
     named_looks,
     runs,
+    telling,
 )
 
 if TYPE_CHECKING:
@@ -49,8 +49,9 @@ def trajectories(
     truth
         Drawn as a thin black line.
     markers
-        Default: the marker with the most filled and repaired samples, summed over the
-        recordings, else with the most missing ones; its name is the panel's title.
+        Default: the marker with the most filled and repaired samples, those with a known truth
+        where there are any, summed over the recordings, else with the most missing ones; its
+        name is the panel's title.
     frames
         First and last frame. Default: the longest gap of the drawn markers, with as many frames
         again on each side, at least 10; the whole take where there is no gap.
@@ -70,18 +71,18 @@ def trajectories(
     from nodegraph_plot.trajectory_figure import draw
 
     by_name = named(recordings)
-    chosen = markers or (_most_made(by_name),)
-    check_markers(by_name, chosen)
     check_truth(by_name, truth)
-    window = _around_gap(by_name, chosen) if frames is None else frames
+    chosen = markers or (_most_made(by_name, truth),)
+    check_markers(by_name, chosen)
+    window = _around_gap(by_name, chosen, truth) if frames is None else frames
     check_frames(by_name, window)
     if window[0] >= window[1]:
         raise ValueError(f"frames are first and last, the first before the last; got {window}")
     return draw(by_name, truth, named_looks(recordings), chosen, window, coordinates)
 
 
-def _most_made(recordings: dict[str, Trajectories]) -> str:
-    """Return the marker with the most filled samples; the first recording's order breaks ties."""
+def _most_made(recordings: dict[str, Trajectories], truth: Trajectories | None) -> str:
+    """Return the marker with the most made samples of known truth, the first of equals."""
     first, *others = recordings.values()
     names = [name for name in first.markers if all(name in one.markers for one in others)]
     if not names:
@@ -89,19 +90,21 @@ def _most_made(recordings: dict[str, Trajectories]) -> str:
     filled, missing = (np.zeros(len(names), dtype=int) for _ in range(2))
     for recording in recordings.values():
         columns = [recording.markers.index(name) for name in names]
-        filled += made(recording)[:, columns].sum(axis=0)
+        filled += telling(recording, truth)[:, columns].sum(axis=0)
         missing += (~recording.present)[:, columns].sum(axis=0)
     return names[int(np.lexsort((-np.arange(len(names)), missing, filled))[-1])]
 
 
-def _around_gap(recordings: dict[str, Trajectories], markers: tuple[str, ...]) -> tuple[int, int]:
-    """Return first and last frame around the longest run of samples that were not measured."""
+def _around_gap(
+    recordings: dict[str, Trajectories], markers: tuple[str, ...], truth: Trajectories | None
+) -> tuple[int, int]:
+    """Return first and last frame around the longest run of made samples, else of missing ones."""
     length = min(recording.frames for recording in recordings.values())
     gaps = [
         gap
         for recording in recordings.values()
         for marker in markers
-        for gap in runs(_unmeasured(recording)[:length, recording.markers.index(marker)])
+        for gap in runs(_gaps(recording, truth)[:length, recording.markers.index(marker)])
     ]
     if not gaps:
         return 0, length - 1
@@ -110,5 +113,6 @@ def _around_gap(recordings: dict[str, Trajectories], markers: tuple[str, ...]) -
     return max(first - around, 0), min(last + around, length - 1)
 
 
-def _unmeasured(recording: Trajectories) -> NDArray[np.bool_]:
-    return made(recording) | ~recording.present
+def _gaps(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.bool_]:
+    flags = telling(recording, truth)
+    return flags if flags.any() else ~recording.present

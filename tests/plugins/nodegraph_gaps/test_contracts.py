@@ -1,0 +1,108 @@
+"""A node that makes gaps and breaks a promise is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import nodegraph_gaps
+import nodegraph_mocap
+from nodegraph import Truth, node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Mask, Origin, Trajectories
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("gaps", nodegraph_gaps)])
+
+
+class Cut(NamedTuple):
+    gappy: Trajectories
+    truth: Truth[Trajectories]
+    hidden: Mask
+
+
+def cut(recording: Trajectories) -> Cut:
+    """Hide every third frame."""
+    hidden = recording.present.copy()
+    hidden[np.arange(recording.frames) % 3 > 0] = False
+    return Cut(
+        without(recording, hidden), recording, Mask(hidden=hidden, markers=recording.markers)
+    )
+
+
+def without(recording: Trajectories, hidden: np.ndarray) -> Trajectories:  # type: ignore[type-arg]
+    positions = np.where(hidden[..., None], np.nan, recording.positions)
+    return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)
+
+
+def other_truth(made: Cut) -> Cut:
+    return made._replace(truth=replace(made.truth, positions=made.truth.positions + 1e-9))
+
+
+def other_origin(made: Cut) -> Cut:
+    origin = np.where(made.truth.present, np.uint8(Origin.FILLED), np.uint8(Origin.MISSING))
+    return made._replace(truth=replace(made.truth, origin=origin))
+
+
+def other_samples(made: Cut) -> Cut:
+    return made._replace(gappy=replace(made.gappy, positions=made.gappy.positions + 1e-9))
+
+
+def still_there(made: Cut) -> Cut:
+    return made._replace(gappy=made.truth)
+
+
+def missing_before(made: Cut) -> Cut:
+    everything = np.ones_like(made.hidden.hidden)
+    return made._replace(
+        gappy=without(made.truth, everything), hidden=replace(made.hidden, hidden=everything)
+    )
+
+
+def broken_by(spoil: Callable[[Cut], Cut]) -> str:
+    @node("gaps.broken")
+    def broken(recording: Trajectories) -> Cut:
+        """Hide every third frame."""
+        return spoil(cut(recording))
+
+    with pytest.raises(AssertionError) as caught:
+        check_node(broken, registry=REGISTRY)
+    return str(caught.value)
+
+
+def test_a_good_cut_passes() -> None:
+    check_node(node("gaps.third")(cut), registry=REGISTRY)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (other_truth, "return the recording as it came"),
+        (other_origin, "return the recording as it came"),
+        (other_samples, "samples that are not hidden differ"),
+        (still_there, "hidden samples are still there"),
+        (missing_before, "hidden samples were missing before"),
+    ],
+)
+def test_a_cut_that_says_something_else_than_it_does(
+    spoil: Callable[[Cut], Cut], text: str
+) -> None:
+    assert text in broken_by(spoil)
+
+
+def test_a_cut_with_other_ports() -> None:
+    @node("gaps.broken")
+    def broken(recording: Trajectories) -> Trajectories:
+        """Hide nothing."""
+        return recording
+
+    with pytest.raises(AssertionError) as caught:
+        check_node(broken, registry=REGISTRY)
+    text = str(caught.value)
+    assert "'hidden' is not a Mask; its ports are recording, output" in text
+    assert "KeyError" not in text

@@ -1,0 +1,71 @@
+"""Specimens are what their names say, and those of one name belong together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nodegraph_mocap import Origin
+from nodegraph_mocap.specimens import detections, masks, recordings, specimens, tables
+
+
+def test_recordings_are_what_their_names_say() -> None:
+    made = recordings()
+    gaps = ~made["gaps"].present
+    assert made["complete"].present.all()
+    assert gaps[0].any()
+    assert gaps[-1].any()
+    assert gaps.sum(axis=1).max() == 1
+    assert (~made["several markers missing at once"].present).sum(axis=1).max() > 2
+    assert not made["a marker never seen"].present.any(axis=0).all()
+    assert not made["a frame without any marker"].present.any(axis=1).all()
+    assert [made[name].frames for name in ("no frame", "one frame", "two frames")] == [0, 1, 2]
+    assert made["one marker"].markers == ("nose",)
+    assert not made["all missing"].present.any()
+    assert not made["another memory order"].positions.flags.c_contiguous
+    assert set(np.unique(made["filled, repaired and with sigma"].origin)) == set(Origin)
+
+
+def test_two_markers_lie_in_one_place_in_every_frame() -> None:
+    positions = recordings()["two markers in one place"].positions
+    together = np.all(positions[:, 0] == positions[:, 1], axis=1)
+    assert together.sum() > len(positions) / 2
+
+
+def test_markers_move_and_none_like_another() -> None:
+    face = recordings()["complete"]
+    steps = np.diff(face.positions, axis=0)
+    assert np.all(np.linalg.norm(steps, axis=2).max(axis=0) > 0.05)
+    assert len(np.unique(steps[0].round(6), axis=0)) == len(face.markers)
+
+
+def test_a_mask_hides_samples_that_its_recording_has() -> None:
+    made = recordings()
+    for name, mask in masks().items():
+        assert mask.markers == made[name].markers
+        assert not np.any(mask.hidden & ~made[name].present)
+    assert masks()["complete"].hidden.any()
+
+
+def test_detections_are_the_present_samples() -> None:
+    made = recordings()
+    for name, one in detections().items():
+        assert np.array_equal(np.diff(one.offsets), made[name].present.sum(axis=1))
+
+
+def test_tables_hold_scores_that_are_there_and_scores_that_are_not() -> None:
+    made = tables()
+    assert made["complete"]["rmse"].notna().all()
+    assert made["gaps"]["rmse"].isna().any()
+    assert made["all missing"]["rmse"].isna().all()
+    assert len(made["no frame"]) == 0
+
+
+def test_every_type_has_specimens_of_that_type() -> None:
+    for kind, make in specimens().items():
+        values = make().values()
+        assert values
+        assert all(isinstance(one, kind) for one in values)
+
+
+def test_each_call_makes_new_values() -> None:
+    assert recordings()["complete"].positions is not recordings()["complete"].positions
