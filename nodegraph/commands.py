@@ -38,7 +38,7 @@ def run(arguments: Namespace) -> int:
         kept = reported(graph)
         done = execute(plan(graph), how=how, keep=kept, listeners=[listener, folder.hear])
     files, study = report_files(done, command=_command(arguments))
-    folder.finish(files, record(done))
+    folder.finish(files, {"command": _command(arguments), **record(done)})
     print(f"{summary(study, done.counts())}\n\n{folder.path / 'report.html'}")
     return 0 if done.ok else 1
 

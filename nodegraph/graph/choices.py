@@ -11,7 +11,7 @@ from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis
 from nodegraph.ports import Label
 from nodegraph.spec.axes import read_axis
-from nodegraph.spec.parts import GraphSpec, Variable
+from nodegraph.spec.parts import GraphSpec, Variable, Written
 from nodegraph.spec.yaml_text import located
 
 
@@ -112,8 +112,18 @@ class Names:
 
     def folder(self, variable: Variable) -> Path:
         """Return where a relative path that a variable holds starts."""
-        chosen = variable.name in self._choices.inputs or variable.name in self._choices.axes
-        return self._choices.folder if chosen else self._spec.folder
+        return self._choices.folder if self._option(variable) else self._spec.folder
+
+    def place(self, written: Written) -> Place:
+        """Return where a setting's value was written: in the file, or in the command."""
+        option = self._option(written.value) if isinstance(written.value, Variable) else ""
+        return Place(f"{option} {written.value.name}") if option else written.place
+
+    def _option(self, variable: Variable) -> str:
+        """Return the option that chose what a variable stands for, if one did."""
+        if variable.name in self._choices.inputs:
+            return "--set"
+        return "--axis" if variable.name in self._choices.axes else ""
 
     @property
     def graph_folder(self) -> Path:

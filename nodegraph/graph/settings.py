@@ -89,7 +89,8 @@ class SettingsReader:
         try:
             model = node.model.model_validate_json(json.dumps(given, default=str))
         except ValidationError as error:
-            for message, place, hint in _complaints(where, chosen, node, error):
+            for message, written, hint in _complaints(where, chosen, node, error):
+                place = self._names.place(written) if written else chosen.place
                 self._problems.add(place, message, hint)
             return {}
         return {name: getattr(model, name) for name in node.settings}
@@ -109,13 +110,13 @@ class SettingsReader:
         try:
             placed = self._registry.place(text)
         except NodegraphError as error:
-            self._problems.add(written.place, f"{where}: {error}")
+            self._problems.add(self._names.place(written), f"{where}: {error}")
             return None
         path = placed or self._folder(written) / text
         if _exists(path):
             return path.resolve()
         hint = nearest(path.name, _names_beside(path), what="in that folder there is")
-        self._problems.add(written.place, f"{where}: no such file: {text}", hint)
+        self._problems.add(self._names.place(written), f"{where}: no such file: {text}", hint)
         return None
 
     def _folder(self, written: Written) -> Path:
@@ -126,10 +127,11 @@ class SettingsReader:
 
 def _complaints(
     where: str, chosen: Chosen, node: Node, error: ValidationError
-) -> Iterator[tuple[str, Any, str]]:
+) -> Iterator[tuple[str, Written | None, str]]:
+    """Yield what pydantic complains of, the setting as it was written, and what there is."""
     for one in error.errors():
         if not one["loc"]:
-            yield f"{where}: settings of {node.name}: {one['msg']}", chosen.place, ""
+            yield f"{where}: settings of {node.name}: {one['msg']}", None, ""
             continue
         name = str(one["loc"][0])
         written = chosen.settings.get(name)
@@ -137,11 +139,7 @@ def _complaints(
         setting = node.settings.get(name)
         unit = f" {setting.unit}" if setting is not None and setting.unit else ""
         hint = f"it is {setting_kind(node, name)}{unit}" if setting is not None else ""
-        yield (
-            f"{where}: setting {name!r} of {node.name} {said}",
-            written.place if written else chosen.place,
-            hint,
-        )
+        yield f"{where}: setting {name!r} of {node.name} {said}", written, hint
 
 
 def _lower(message: str) -> str:

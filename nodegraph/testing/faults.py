@@ -22,8 +22,10 @@ class Faults:
 
 
 def _shown(seen: list[tuple[str, str]]) -> str:
-    specimen, detail = seen[0]
-    told = ": ".join(part for part in (f"on {specimen!r}" if specimen else "", detail) if part)
+    specimen = seen[0][0]
+    details = dict.fromkeys(detail for one, detail in seen if one == specimen and detail)
+    where = f"on {specimen!r}" if specimen else ""
+    told = ": ".join(part for part in (where, "; ".join(details)) if part)
     others = list(dict.fromkeys(repr(one) for one, _ in seen[1:] if one != specimen))
     more = f"; also on {', '.join(others)}" if others else ""
     return f"\n    {told}{more}" if told else ""

@@ -86,3 +86,19 @@ def test_a_wrong_choice_is_told_as_it_was_given(
         graph_of(TEXT, **choices)
     assert said in str(caught.value)
     assert len(caught.value.problems) == 1
+
+
+def test_a_wrong_value_is_told_where_it_was_given(graph_of: Callable[..., Graph]) -> None:
+    text = """
+        inputs: {start: 1.0, path: a.txt}
+        axes: {length: [5]}
+        nodes:
+          one: {use: read.number, with: {start: $start}}
+          two: {use: read.file, with: {path: $path}}
+          cut: {use: gaps.cut, in: one, with: {length: $length}}
+    """
+    chosen = {"inputs": {"start": "word", "path": "none.txt"}, "axes": {"length": [5, 0]}}
+    with pytest.raises(GraphError) as caught:
+        graph_of(text, **chosen)
+    found = [str(one.place) for one in caught.value.problems]
+    assert found == ["--axis length", "--set path", "--set start"]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import nodegraph_gaps
 import nodegraph_mocap
@@ -35,7 +36,7 @@ def cut(recording: Trajectories) -> Cut:
     )
 
 
-def without(recording: Trajectories, hidden: np.ndarray) -> Trajectories:  # type: ignore[type-arg]
+def without(recording: Trajectories, hidden: NDArray[np.bool_]) -> Trajectories:
     positions = np.where(hidden[..., None], np.nan, recording.positions)
     return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)
 

@@ -78,7 +78,7 @@ def test_integers_read_as_the_library_reads_them(
     build_c3d: Build, samples: Samples, processor: int
 ) -> None:
     samples[4, 1, 3] = -1
-    path = build_c3d(np.round(samples), processor=processor, scale=0.1, analog=4)
+    path = build_c3d(np.round(samples), processor=processor, scale=0.1)
     expected, _ = read_by_the_library(path)
     np.testing.assert_allclose(read_c3d(path).positions, expected, rtol=1e-6)
 
@@ -150,8 +150,8 @@ def test_labels_go_on_in_further_parameters(build_c3d: Build, samples: Samples) 
 
 
 def test_labels_of_old_programs_are_latin(build_c3d: Build, samples: Samples) -> None:
-    read = read_c3d(build_c3d(samples, ["né".encode("latin-1"), "né", "b"]), zeros_missing=False)
-    assert read.markers[1:] == ("né_2", "b") or read.markers[0] == "né"
+    read = read_c3d(build_c3d(samples, ["né".encode("latin-1"), "ñ", "b"]))
+    assert read.markers == ("né", "ñ", "b")
 
 
 def test_a_rate_reads_as_it_was_meant(build_c3d: Build, samples: Samples) -> None:
