@@ -93,9 +93,7 @@ class Registry:
             raise UnknownNodeError(
                 f"node {bare!r} is claimed by {_full_names(found)}; write one of these"
             )
-        raise UnknownNodeError(
-            f"no node {name!r}; {nearest(name, self._near(bare))}{self._excuse()}"
-        )
+        raise UnknownNodeError(f"no node {name!r}; {self._instead(bare)}{self._excuse()}")
 
     def family(self, family: str) -> Mapping[str, Registered]:
         """Return every method of a family by its label.
@@ -171,11 +169,13 @@ class Registry:
         for one in described:
             self._by_name[one.name].append(Registered(one, plugin, distribution))
 
-    def _near(self, name: str) -> list[str]:
+    def _instead(self, name: str) -> str:
+        """Return what there is instead: methods of the family, or families."""
         family = name.partition(".")[0]
-        return [one for one in sorted(self._by_name) if one.startswith(f"{family}.")] or sorted(
-            self._by_name
-        )
+        if family in self.families:
+            methods = [one for one in sorted(self._by_name) if one.startswith(f"{family}.")]
+            return nearest(name, methods)
+        return nearest(family, self.families, what=f"no family {family!r}; families")
 
     def _excuse(self) -> str:
         if not self.broken:

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 import pytest
 
 from nodegraph.bibliography import references
+from nodegraph.node import Node
 from nodegraph.registry import Registered, Registry, default_registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import sample_folder
 
-NEEDS: Mapping[str, Any] = {"read.recording": lambda: {"path": sample_folder("face")}}
+NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
+    "read.recording": lambda: {"path": sample_folder("face")},
+}
 """Values for settings that have no default."""
+
+SMALL: Mapping[str, Mapping[str, Any]] = {"gaps.cut": {"length": 2, "count": 3}}
+"""Values with which more of the specimens, which are short, can be done."""
 
 
 @cache
@@ -24,6 +30,16 @@ def installed() -> Registry:
 
 def names() -> list[str]:
     return sorted(one.full_name for one in installed())
+
+
+def choices() -> Iterator[tuple[str, str, Any]]:
+    """Yield every node, setting and choice that is not the default."""
+    for name in names():
+        for setting in found(name).node.settings.values():
+            kind = setting.annotation
+            options = (True, False) if kind is bool else get_args(kind)
+            if kind is bool or get_origin(kind) is Literal:
+                yield from ((name, setting.name, one) for one in options if one != setting.default)
 
 
 def found(name: str) -> Registered:
@@ -38,8 +54,14 @@ def test_every_plugin_is_installed_and_imports() -> None:
 @pytest.mark.parametrize("name", names())
 def test_node_keeps_its_promises(name: str) -> None:
     node = found(name).node
-    needs = NEEDS.get(node.name, dict)
-    check_node(node.function, settings=needs())
+    check_node(node.function, settings=needs(node))
+
+
+@pytest.mark.parametrize(("name", "setting", "choice"), list(choices()))
+def test_node_keeps_its_promises_with_each_choice(name: str, setting: str, choice: Any) -> None:
+    node = found(name).node
+    settings = {**needs(node), **SMALL.get(node.name, {}), setting: choice}
+    check_node(node.function, settings=settings)
 
 
 @pytest.mark.parametrize("name", names())
@@ -54,3 +76,7 @@ def test_every_contract_says_what_it_promises() -> None:
         for family, contracts in promised.items():
             assert family in installed().families
             assert all((one.__doc__ or "").strip() for one in contracts)
+
+
+def needs(node: Node) -> Mapping[str, Any]:
+    return NEEDS[node.name]() if node.name in NEEDS else {}

@@ -39,7 +39,7 @@ def read_npz(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     try:
         arrays = _arrays(path)
         return _recording(arrays, zeros_missing)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{path}: not a readable NPZ recording: {error}") from None
 
 

@@ -68,7 +68,6 @@ def recordings() -> dict[str, Trajectories]:
         "a frame without any marker": _cut(face, [(m, 15, 17) for m in range(len(MARKERS))]),
         "one frame": _cut(_first_frames(face, 1), [(2, 0, 1)]),
         "two frames": _cut(_first_frames(face, 2), [(2, 1, 2)]),
-        "no frame": _first_frames(face, 0),
         "one marker": _cut(face, [(6, 10, 14)]).keep(["nose"]),
         "all missing": _without_marker_set(nowhere),
         "two markers in one place": _cut(_without_marker_set(together), [(0, 10, 14), (6, 20, 24)]),
@@ -117,7 +116,7 @@ def tables() -> dict[str, Table]:
         "gaps": [0.5, np.nan, 0.75, 2.0],
         "all missing": [np.nan, np.nan],
         "one frame": [0.25],
-        "no frame": [],
+        "nothing hidden": [],
     }
     made = {}
     for name, rmse in errors.items():

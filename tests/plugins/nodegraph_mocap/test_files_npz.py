@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph_mocap import MarkerSet, Origin, Trajectories, npz_bytes, read_npz, write_npz
+
+ARRAYS: dict[str, Any] = {"positions": np.ones((4, 2, 3)), "markers": ["a", "b"], "rate": 60.0}
+
+
+def saved(folder: Path, **changed: Any) -> Path:
+    path = folder / "take.npz"
+    np.savez(path, **{name: x for name, x in (ARRAYS | changed).items() if x is not None})
+    return path
+
+
+def test_everything_reads_back_equal(gappy: Trajectories, tmp_path: Path) -> None:
+    origin = gappy.origin.copy()
+    origin[0] = Origin.FILLED
+    origin[1, 2] = Origin.REPAIRED
+    recording = Trajectories(
+        positions=gappy.positions,
+        markers=gappy.markers,
+        rate=59.94,
+        origin=origin,
+        sigma=np.arange(18.0).reshape(6, 3),
+        marker_set=MarkerSet(markers=("a", "é"), pairs=(("a", "é"),), stable=("é",)),
+    )
+    write_npz(recording, tmp_path / "it.npz")
+    again = read_npz(tmp_path / "it.npz")
+    for name in ("positions", "origin", "sigma"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(recording, name))
+    for name in ("markers", "rate", "marker_set"):
+        assert getattr(again, name) == getattr(recording, name)
+
+
+def test_what_is_not_known_stays_unknown(gappy: Trajectories, tmp_path: Path) -> None:
+    write_npz(gappy, tmp_path / "it.npz")
+    again = read_npz(tmp_path / "it.npz")
+    assert again.sigma is None
+    assert again.marker_set is None
+    np.testing.assert_array_equal(again.origin, gappy.origin)
+
+
+def test_the_same_recording_gives_the_same_bytes(gappy: Trajectories) -> None:
+    assert npz_bytes(gappy) == npz_bytes(gappy)
+
+
+@pytest.mark.parametrize("lacking", list(ARRAYS))
+def test_an_array_that_lacks_is_told_with_those_there_are(tmp_path: Path, lacking: str) -> None:
+    there = ", ".join(name for name in ARRAYS if name != lacking)
+    with pytest.raises(ValueError, match=rf"take\.npz.*no array {lacking}; there is {there}"):
+        read_npz(saved(tmp_path, **{lacking: None}))
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"positions": np.ones((4, 2))}, r"positions must be \(frames, markers, 3\), got \(4, 2\)"),
+        ({"positions": np.ones((4, 3, 3))}, r"\(frames, 2 markers, 3\)"),
+        ({"positions": np.ones((4, 2, 3), dtype=complex)}, "'positions' is of type complex128"),
+        ({"positions": np.full((4, 2, 3), "a")}, "'positions' is of type"),
+        ({"markers": [1, 2]}, "'markers' is of type int64"),
+        ({"markers": ["a", "a"]}, "named twice: a"),
+        ({"rate": [1.0, 2.0]}, ""),
+        ({"rate": 0.0}, "rate must be a positive number"),
+        ({"rate": "60"}, "'rate' is of type"),
+        ({"origin": np.zeros((4, 2), dtype=np.uint8)}, "origin must call"),
+        ({"origin": np.ones((4, 2))}, "'origin' is of type float64"),
+        ({"sigma": np.ones(4)}, r"sigma must be \(4, 2\)"),
+        ({"marker_set": "{"}, ""),
+        ({"marker_set": '{"markers": ["a"], "pears": []}'}, "unknown key 'pears'"),
+        ({"marker_set": "[" * 100_000}, ""),
+        ({"positions": np.array([None])}, "allow_pickle=False"),
+    ],
+)
+def test_wrong_arrays_are_refused(tmp_path: Path, changed: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.npz: not a readable NPZ recording: .*{told}"):
+        read_npz(saved(tmp_path, **changed))
+
+
+def test_an_archive_that_does_not_tell_origins_is_read_like_any_file(tmp_path: Path) -> None:
+    positions = np.ones((4, 2, 3))
+    positions[1, 0] = 0
+    path = saved(tmp_path, positions=positions)
+    with pytest.warns(UserWarning, match="1 samples are at exactly"):
+        assert np.count_nonzero(~read_npz(path).present) == 1
+    assert read_npz(path, zeros_missing=False).present.all()
+
+
+def test_an_archive_that_tells_origins_keeps_its_zeros(tmp_path: Path) -> None:
+    origin = np.ones((4, 2), dtype=np.uint8)
+    path = saved(tmp_path, positions=np.zeros((4, 2, 3)), origin=origin)
+    assert read_npz(path).present.all()
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_damaged_archive_gives_a_recording_or_a_value_error(
+    gappy: Trajectories, tmp_path: Path
+) -> None:
+    good = npz_bytes(gappy)
+    path = tmp_path / "take.npz"
+    chance = random.Random(5)
+    refused = []
+    for _ in range(600):
+        content = bytearray(good[: chance.choice([len(good), chance.randrange(4, len(good))])])
+        for _ in range(chance.choice([1, 10])):
+            content[chance.randrange(4, len(content))] = chance.randrange(256)
+        path.write_bytes(content)
+        try:
+            read_npz(path)
+        except ValueError as error:
+            refused.append(str(error))
+    assert len(refused) > 300
+    assert all("take.npz: not a readable NPZ" in message for message in refused)

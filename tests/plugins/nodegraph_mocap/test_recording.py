@@ -1,0 +1,142 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from nodegraph_mocap import MarkerSet, Mask, Origin, Trajectories
+
+NAN = float("nan")
+
+
+def made(**changed: Any) -> Trajectories:
+    positions = np.arange(24.0).reshape(4, 2, 3)
+    positions[1, 0] = NAN
+    given: dict[str, Any] = {"positions": positions, "markers": ("a", "b"), "rate": 60}
+    return Trajectories(**given | changed)
+
+
+def test_origin_is_made_from_what_is_missing() -> None:
+    recording = made()
+    assert recording.origin.dtype == np.uint8
+    assert recording.origin.tolist() == [[1, 1], [0, 1], [1, 1], [1, 1]]
+    np.testing.assert_array_equal(recording.present, ~np.isnan(recording.positions[..., 0]))
+    assert recording.frames == 4
+
+
+def test_what_is_measured_was_not_filled() -> None:
+    recording = made(origin=np.array([[1, 2], [0, 3], [2, 2], [3, 1]]))
+    assert recording.measured.tolist() == [
+        [True, False], [False, True], [False, False], [True, True],
+    ]  # fmt: skip
+    assert recording.present.tolist() == [[True] * 2, [False, True], [True] * 2, [True] * 2]
+
+
+def test_arrays_are_read_only_and_the_callers_own_stay_as_they_are() -> None:
+    mine = np.ones((4, 3, 3))
+    recording = made(positions=mine[:, :2], sigma=np.ones((4, 2)))
+    mine[0, 0] = 7
+    assert (recording.positions == 1).all()
+    for array in (recording.positions, recording.origin, recording.sigma):
+        assert array is not None
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0] = 1
+
+
+def test_integers_and_lists_become_what_they_stand_for() -> None:
+    recording = made(positions=np.ones((4, 2, 3), dtype=int), markers=["a", "b"])
+    assert recording.positions.dtype == np.float64
+    assert recording.markers == ("a", "b")
+    assert isinstance(recording.rate, float)
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"positions": np.ones((4, 2))}, r"\(frames, 2 markers, 3\), got \(4, 2\)"),
+        ({"positions": np.ones((4, 3, 3))}, r"got \(4, 3, 3\)"),
+        ({"positions": np.ones((4, 2, 2))}, r"got \(4, 2, 2\)"),
+        ({"markers": ("a", "a")}, "named twice: a"),
+        ({"rate": 0}, "rate must be a positive number of frames per second, got 0"),
+        ({"rate": NAN}, "got nan"),
+        ({"rate": float("inf")}, "got inf"),
+        ({"origin": np.ones((4, 3))}, r"origin must be \(4, 2\), got \(4, 3\)"),
+        ({"origin": np.ones((4, 2))}, "exactly the missing samples missing"),
+        ({"origin": np.zeros((4, 2))}, "exactly the missing samples missing"),
+        ({"origin": np.array([[1, 1], [0, 4], [1, 1], [1, 1]])}, "others 1 to 3"),
+        ({"sigma": np.ones((4, 2, 3))}, r"sigma must be \(4, 2\), got \(4, 2, 3\)"),
+    ],
+)
+def test_what_disagrees_is_refused(changed: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        made(**changed)
+
+
+@pytest.mark.parametrize(
+    "sample", [(1, NAN, 3), (NAN, NAN, 0), (np.inf, 1, 1), (NAN, -np.inf, NAN)]
+)
+def test_a_sample_that_is_neither_there_nor_missing_is_refused(sample: tuple[float, ...]) -> None:
+    positions = np.ones((4, 2, 3))
+    positions[2, 1] = sample
+    with pytest.raises(ValueError, match=r"frame 2, marker 'b': .*1 such samples"):
+        made(positions=positions)
+
+
+@given(arrays.arrays(np.float64, (3, 2, 3), elements=st.sampled_from([0.0, 1.0, NAN, np.inf])))
+def test_exactly_whole_samples_are_accepted(positions: np.ndarray[Any, Any]) -> None:
+    finite = np.isfinite(positions).all(axis=2)
+    whole = finite | np.isnan(positions).all(axis=2)
+    if whole.all():
+        np.testing.assert_array_equal(made(positions=positions).present, finite)
+    else:
+        with pytest.raises(ValueError, match=f"{np.count_nonzero(~whole)} such samples"):
+            made(positions=positions)
+
+
+def test_written_samples_get_their_origin_and_others_keep_theirs() -> None:
+    recording = made(sigma=np.zeros((4, 2)))
+    positions = recording.positions.copy()
+    positions[1, 0] = 5
+    positions[3, 1] = NAN
+    changed = np.zeros((4, 2), dtype=np.bool_)
+    changed[1, 0] = changed[3, 1] = True
+    filled = recording.with_samples(positions, changed=changed, origin=Origin.FILLED)
+    assert filled.origin.tolist() == [[1, 1], [2, 1], [1, 1], [1, 0]]
+    assert filled.positions[1, 0].tolist() == [5, 5, 5]
+    assert filled.sigma is recording.sigma
+    assert recording.origin[1, 0] == Origin.MISSING
+    known = recording.with_samples(
+        positions, changed=changed, origin=Origin.REPAIRED, sigma=np.ones((4, 2))
+    )
+    assert known.sigma is not None
+    assert known.sigma.sum() == 8
+
+
+def test_kept_markers_come_with_all_that_is_theirs() -> None:
+    marker_set = MarkerSet(markers=("a", "b"), pairs=(("a", "b"),), stable=("b",))
+    recording = made(marker_set=marker_set, sigma=np.arange(8.0).reshape(4, 2))
+    kept = recording.keep(["b"])
+    np.testing.assert_array_equal(kept.positions[:, 0], recording.positions[:, 1])
+    assert kept.origin.tolist() == [[1]] * 4
+    assert kept.sigma is not None
+    assert kept.sigma.ravel().tolist() == [1, 3, 5, 7]
+    assert kept.marker_set == MarkerSet(markers=("b",), stable=("b",))
+    assert recording.keep(("b", "a")).keep(("a", "b")).origin.tolist() == recording.origin.tolist()
+
+
+def test_keeping_what_is_not_there_is_refused_with_what_is() -> None:
+    with pytest.raises(ValueError, match="no marker x, y; there are a, b"):
+        made().keep(["x", "a", "y"])
+
+
+def test_a_mask_is_locked_and_has_a_column_per_marker() -> None:
+    mask = Mask(hidden=np.array([[0, 1], [1, 0]]), markers=("a", "b"))
+    assert mask.hidden.dtype == np.bool_
+    with pytest.raises(ValueError, match="read-only"):
+        mask.hidden[0, 0] = True
+    with pytest.raises(ValueError, match=r"\(frames, 1 markers\), got \(2, 2\)"):
+        Mask(hidden=np.ones((2, 2), dtype=np.bool_), markers=("a",))

@@ -1,0 +1,218 @@
+"""Wheels as users get them: what is in ours, and a stranger's plugin beside it in a clean place."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+import tarfile
+import textwrap
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BIN = "Scripts" if os.name == "nt" else "bin"
+
+HOLD = '''
+"""Hold the last position over a gap."""
+
+import numpy as np
+from typing import Annotated
+
+from pydantic import Field
+
+from nodegraph import Unit, node
+from nodegraph_mocap import Origin, Trajectories
+
+
+@node("fill.hold", cite="stranger2026")
+def hold(
+    recording: Trajectories,
+    *,
+    max_gap: Annotated[int, Field(ge=1), Unit("frames")] = 30,
+) -> Trajectories:
+    """Repeat the last measured position over each gap.
+
+    Parameters
+    ----------
+    max_gap
+        For how many frames it is repeated; the rest of a longer gap stays missing.
+    """
+    frame = np.arange(recording.frames)[:, None]
+    last = np.maximum.accumulate(np.where(recording.present, frame, -1), axis=0)
+    held = ~recording.present & (last >= 0) & (frame - last <= max_gap)
+    positions = recording.positions.copy()
+    where = np.nonzero(held)
+    positions[where] = recording.positions[last[where], where[1]]
+    return recording.with_samples(positions, changed=held, origin=Origin.FILLED)
+'''
+
+PLUGIN = '''
+"""A plugin from elsewhere."""
+
+from nodegraph import hookimpl
+
+
+@hookimpl
+def nodegraph_nodes():
+    from nodegraph_stranger.hold import hold
+
+    return [hold]
+
+
+@hookimpl
+def nodegraph_bibtex():
+    return """@article{stranger2026,
+        author = {Stranger, A.}, title = {Standing still}, journal = {Elsewhere}, year = {2026}
+    }"""
+'''
+
+CHECK = """
+from nodegraph.testing import check_node
+from nodegraph_stranger.hold import hold
+
+check_node(hold)
+"""
+
+
+@pytest.fixture(scope="session")
+def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the wheel built from the tree."""
+    return build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel")
+
+
+@pytest.fixture(scope="session")
+def through_sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the sdist and the wheel built from it."""
+    return build(ROOT, tmp_path_factory.mktemp("sdist"))
+
+
+@pytest.fixture(scope="session")
+def place(tmp_path_factory: pytest.TempPathFactory, wheels: Path) -> Path:
+    """A clean environment into which our wheel and a stranger's were installed."""
+    folder = tmp_path_factory.mktemp("stranger")
+    stranger = build(
+        write_plugin(folder, "stranger", {"__init__": PLUGIN, "hold": HOLD}), wheels, "--wheel"
+    )
+    run(sys.executable, "-m", "venv", str(folder / "venv"))
+    run(*pip(folder), str(one_wheel(wheels, "nodegraph")), cwd=folder)
+    run(*pip(folder), str(one_wheel(stranger, "nodegraph_stranger")), cwd=folder)
+    return folder
+
+
+@pytest.fixture
+def beside_a_broken_one(place: Path) -> Iterator[Path]:
+    """The same environment, with a plugin in it that does not import."""
+    source = write_plugin(place, "broken", {"__init__": "import a_library_that_is_not_there\n"})
+    wheel = one_wheel(build(source, place / "wheels", "--wheel"), "nodegraph_broken")
+    run(*pip(place), "--no-deps", str(wheel), cwd=place)
+    yield place
+    python = str(place / "venv" / BIN / "python")
+    run(python, "-m", "pip", "uninstall", "-q", "-y", "nodegraph-broken", cwd=place)
+
+
+def test_wheel_holds_the_packages_and_nothing_else(wheels: Path) -> None:
+    files = names(one_wheel(wheels, "nodegraph"))
+    top = {name.partition("/")[0] for name in files}
+    packages = {folder.parent.name for folder in (ROOT / "plugins").glob("*/__init__.py")}
+    assert {name for name in top if not name.endswith(".dist-info")} == {"nodegraph", *packages}
+    assert {"nodegraph/py.typed", "nodegraph_mocap/graphs/fill.yaml"} <= set(files)
+    assert not [name for name in files if "test_" in name or "__pycache__" in name]
+
+
+def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheels: Path, through_sdist: Path) -> None:
+    assert names(one_wheel(through_sdist, "nodegraph")) == names(one_wheel(wheels, "nodegraph"))
+    with tarfile.open(next(through_sdist.glob("*.tar.gz"))) as archive:
+        inside = {name.partition("/")[2] for name in archive.getnames()}
+    assert {"tests/test_third_party.py", "graphs/fill.yaml", "LICENSE"} <= inside
+
+
+def test_a_stranger_s_method_joins_the_comparison(place: Path, tmp_path: Path) -> None:
+    listed = nodegraph(place, "nodes", "fill", cwd=tmp_path)
+    assert "fill.hold" in listed.stdout
+    assert "Repeat the last measured position over each gap." in listed.stdout
+    assert "Standing still" in nodegraph(place, "show", "fill.hold", cwd=tmp_path).stdout
+
+    nodegraph(place, "examples", "fill", cwd=tmp_path)
+    assert "fill.hold" in nodegraph(place, "check", "fill.yaml", cwd=tmp_path).stdout
+    axes = ("--axis", "trial=0,1", "--axis", "length=5")
+    nodegraph(place, "run", "fill.yaml", *axes, cwd=tmp_path)
+    with (tmp_path / "runs" / "fill" / "table.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["fill"] == "hold"]
+    assert [row["length"] for row in rows] == ["5"]
+    assert float(rows[0]["mean"]) > 0.0
+    assert "Standing still" in (tmp_path / "runs" / "fill" / "report.html").read_text("utf-8")
+
+    run(str(place / "venv" / BIN / "python"), "-c", CHECK, cwd=tmp_path)
+
+
+def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(
+    beside_a_broken_one: Path, tmp_path: Path
+) -> None:
+    listed = nodegraph(beside_a_broken_one, "nodes", "fill", cwd=tmp_path)
+    assert "plugin 'broken' is left out" in listed.stderr
+    assert "a_library_that_is_not_there" in listed.stderr
+    assert {"fill.hold", "fill.muscle"} <= set(listed.stdout.split())
+
+
+def write_plugin(folder: Path, name: str, modules: dict[str, str]) -> Path:
+    """Write the source of a plugin package and return its folder."""
+    source = folder / f"source_{name}"
+    package = source / f"nodegraph_{name}"
+    package.mkdir(parents=True)
+    for module, text in modules.items():
+        (package / f"{module}.py").write_text(text, encoding="utf-8")
+    (source / "pyproject.toml").write_text(
+        textwrap.dedent(f"""
+            [build-system]
+            requires = ["hatchling"]
+            build-backend = "hatchling.build"
+            [project]
+            name = "nodegraph-{name}"
+            version = "1.0"
+            dependencies = ["nodegraph"]
+            [project.entry-points.nodegraph]
+            {name} = "nodegraph_{name}"
+        """),
+        encoding="utf-8",
+    )
+    return source
+
+
+def build(source: Path, out: Path, *what: str) -> Path:
+    """Build an sdist and a wheel from it, or what is asked, and return the folder."""
+    command = (sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out))
+    run(*command, *what, str(source))
+    return out
+
+
+def one_wheel(folder: Path, name: str) -> Path:
+    (wheel,) = folder.glob(f"{name}-*.whl")
+    return wheel
+
+
+def names(wheel: Path) -> list[str]:
+    with zipfile.ZipFile(wheel) as archive:
+        return sorted(archive.namelist())
+
+
+def pip(place: Path) -> tuple[str, ...]:
+    python = str(place / "venv" / BIN / "python")
+    return (python, "-m", "pip", "install", "-q", "--disable-pip-version-check")
+
+
+def nodegraph(place: Path, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return run(str(place / "venv" / BIN / "nodegraph"), *words, cwd=cwd)
+
+
+def run(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a command without this process's import path; it must succeed."""
+    hidden = {"PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
+    environment = {name: value for name, value in os.environ.items() if name not in hidden}
+    done = subprocess.run(words, cwd=cwd, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, f"{' '.join(words)}\n{done.stdout}\n{done.stderr}"
+    return done
