@@ -11,6 +11,8 @@ from nodegraph.node import Node
 
 _PARAMETERS = re.compile(r"^Parameters\n-+\n.*?(?=^\w[\w ]*\n-+$|\Z)", re.MULTILINE | re.DOTALL)
 
+_QUOTED = re.compile(r"(?<!`)`{1,2}([^`]+)`{1,2}(?!`)")
+
 
 @dataclass(frozen=True)
 class SettingText:
@@ -97,7 +99,7 @@ def _meanings(doc: str) -> dict[str, str]:
 
     found = parse(doc, style=DocstringStyle.NUMPYDOC).params
     return {
-        name.strip(): " ".join((one.description or "").split())
+        name.strip(): _QUOTED.sub(r"\1", " ".join((one.description or "").split()))
         for one in found
         for name in one.arg_name.split(",")
     }

@@ -110,3 +110,20 @@ def test_a_docstring_is_shown_without_what_the_table_says() -> None:
     assert without_parameters(described().doc) == "Do everything."
     text = "Do.\n\nParameters\n----------\nx\n    Of it.\n\nReferences\n----------\nOne."
     assert without_parameters(text) == "Do.\n\nReferences\n----------\nOne."
+
+
+def test_meanings_are_plain_words() -> None:
+    @node("toy.quoted")
+    def quoted(recording: float, *, path: str = "") -> float:
+        """Read.
+
+        Parameters
+        ----------
+        path
+            A file, or ``sample:NAME``; see `recording`.
+        """
+        return recording
+
+    described = node_of(quoted)
+    assert described is not None
+    assert describe_settings(described)[0].meaning == "A file, or sample:NAME; see recording."
