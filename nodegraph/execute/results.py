@@ -41,10 +41,10 @@ class Run:
                 raise NodegraphError(f"{node!r} is left out: {left_out.reason}")
         if node not in self.plan.cells:
             raise NodegraphError(f"the run has no node {node!r}; {nearest(node, self.plan.cells)}")
-        outputs = [one.name for one in self.plan.graph.nodes[node].first.node.outputs]
+        outputs = self.plan.graph.nodes[node].outputs
         if port and port not in outputs:
             raise NodegraphError(f"{node!r} has no output {port!r}; {nearest(port, outputs)}")
-        return Values(self, node, outputs.index(port) if port else 0)
+        return Values(self, node, port)
 
     @property
     def ok(self) -> bool:
@@ -88,11 +88,11 @@ class Run:
 
 @dataclass(frozen=True)
 class Values:
-    """The values of one output of a node, by labels."""
+    """The values of one output of a node, by labels; an empty port is each method's first."""
 
     run: Run
     node: str
-    position: int
+    port: str
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -127,16 +127,22 @@ class Values:
         cells = self.run.plan.cells[self.node]
         if found not in cells:
             raise NodegraphError(f"{self.node} at {found}: {self._skipped(found)}")
-        return self.run.values_of(cells[found])[self.position]
+        return self._of(cells[found])
 
     def __iter__(self) -> Iterator[tuple[dict[str, Label], Any]]:
         for combination, index in self.run.plan.cells[self.node].items():
             if self.run.outcomes[index].state == "done":
                 labels = dict(zip(self.axes, combination, strict=True))
-                yield labels, self.run.values_of(index)[self.position]
+                yield labels, self._of(index)
 
     def __len__(self) -> int:
         return len(self.run.plan.cells[self.node])
+
+    def _of(self, index: int) -> Any:
+        """Return the output of one step: by its name, because methods may order theirs."""
+        names = [one.name for one in self.run.plan.steps[index].method.node.outputs]
+        position = names.index(self.port) if self.port else 0
+        return self.run.values_of(index)[position]
 
     def _label(self, axis: str, labels: Mapping[str, Label]) -> Label:
         there = self.run.plan.graph.axes[axis].labels

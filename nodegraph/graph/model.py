@@ -125,6 +125,13 @@ class GraphNode:
         """Any of the methods: what they have in common can be read from it."""
         return next(iter(self.methods.values()))
 
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The names of the outputs that every method has, in the order of the first method."""
+        others = [{port.name for port in one.node.outputs} for one in self.methods.values()]
+        names = (port.name for port in self.first.node.outputs)
+        return tuple(name for name in names if all(name in there for there in others))
+
 
 @dataclass(frozen=True)
 class LeftOut:

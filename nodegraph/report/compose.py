@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
@@ -70,12 +71,14 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
 def _reported(run: Run) -> Iterator[tuple[str, str, str, Any]]:
     """Yield (title, labels, file name, value) of everything that the report shows."""
     for node, port in _asked(run.plan.graph):
-        outputs = [one.name for one in run.plan.graph.nodes[node].first.node.outputs]
-        for output in [port] if port else outputs:
-            plain = len(outputs) == 1 or output == node
-            for labels, value in run[f"{node}.{output}"]:
+        first = run.plan.graph.nodes[node].first.node.outputs[0].name
+        others = [name for name in run.plan.graph.nodes[node].outputs if name != first]
+        for output in [port] if port else ["", *others]:
+            name = output or (first if others else "")
+            plain = name in ("", node)
+            for labels, value in run[f"{node}.{output}" if output else node]:
                 at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
-                words = [node, *(() if plain else (output,))]
+                words = [node] if plain else [node, name]
                 named = [f"{axis}-{label}" for axis, label in labels.items()]
                 yield " ".join(words), at, _file_name([*words, *named]), value
 
@@ -112,8 +115,17 @@ def _sections(
 def _rendered(value: Any, title: str, renderers: Iterable[Renderer]) -> Rendered | None:
     for renderer in renderers:
         if isinstance(value, renderer.type):
-            return renderer.render(value, title)
+            return _shown_or_said(renderer, value, title)
     return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
+
+
+def _shown_or_said(renderer: Renderer, value: Any, title: str) -> Rendered:
+    try:
+        return renderer.render(value, title)
+    except Exception as error:  # a picture that cannot be drawn must not cost the other results
+        said = f"cannot be shown: {type(error).__name__}: {error}"
+        warnings.warn(f"{title}: {said}", stacklevel=2)
+        return Rendered("", said)
 
 
 def _answer(values: Iterable[Any]) -> tuple[str, ...]:

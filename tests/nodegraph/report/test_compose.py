@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
 
-from nodegraph.execute import Run
+import pytest
+
+from nodegraph import Rendered, Renderer, node
+from nodegraph.execute import Run, execute
+from nodegraph.graph import build
+from nodegraph.plan import plan
+from nodegraph.registry import Registry
 from nodegraph.report.compose import compose
 from nodegraph.report.notes import repeating
 from nodegraph.report.study import StepNote, Study
 from nodegraph.report.write import report_files, summary
+from nodegraph.spec import read_graph_text
 
 COMMAND = "nodegraph run toy.yaml"
 TEXT = """
@@ -102,3 +111,44 @@ def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..
     text = summary(study, run.counts())
     assert "text length=15\n15" in text
     assert text.endswith("4 refused, 4 failed; the report says which and why")
+
+
+def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> None:
+    def explode(value: object, title: str) -> Rendered:
+        raise RuntimeError("no ink")
+
+    toys.__dict__["renderers"] = (Renderer(float, explode),)
+    text = "nodegraph: 1\nnodes: {a: {use: read.number}, b: {use: text.write}}"
+    run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), toys)))
+    with pytest.warns(UserWarning, match="a: cannot be shown: RuntimeError: no ink"):
+        study = _study(run)
+    shown = [(one.title, one.rendered.text) for one in study.sections]
+    assert shown == [("a", "cannot be shown: RuntimeError: no ink"), ("b", "0")]
+
+
+class Ordered(NamedTuple):
+    value: float
+    note: str
+
+
+class Swapped(NamedTuple):
+    note: str
+    value: float
+
+
+def test_an_output_is_found_by_its_name_in_every_alternative() -> None:
+    @node("pair.ordered")
+    def ordered() -> Ordered:
+        return Ordered(1.0, "one")
+
+    @node("pair.swapped")
+    def swapped() -> Swapped:
+        return Swapped("two", 2.0)
+
+    nodes = "nodes: {a: {alternatives: [pair.ordered, pair.swapped]}}"
+    text = f"nodegraph: 1\n{nodes}\nreport: [a.value]"
+    registry = Registry.of([ordered, swapped])
+    run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), registry)))
+    assert [value for _, value in run["a.value"]] == [1.0, 2.0]
+    assert [value for _, value in run["a"]] == [1.0, "two"]
+    assert [one.rendered.text for one in _study(run).sections] == ["1.0", "2.0"]
