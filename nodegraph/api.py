@@ -88,11 +88,7 @@ def run(
 
 def reported(graph: Graph) -> tuple[str, ...]:
     """Return the nodes that the report shows: as listed, else those that nothing reads."""
-    if graph.spec.report:
-        named = dict.fromkeys(one.node for one in graph.spec.report)
-        return tuple(name for name in named if name in graph.nodes)
-    read = {source.node for _, _, source, _ in graph.wires()}
-    return tuple(name for name in graph.nodes if name not in read)
+    return tuple(dict.fromkeys(node for node, _ in graph.reported))
 
 
 def _registry(plugins: Iterable[str | Path]) -> Registry | None:

@@ -26,7 +26,7 @@ def run(arguments: Namespace) -> int:
     from nodegraph.plan import plan
     from nodegraph.report.write import report_files, summary
 
-    graph = _graph(arguments)
+    graph, command = _graph(arguments), _command(arguments)
     how = HowToRun(arguments.executor, arguments.jobs)
     how.chosen()
     folder = RunFolder(arguments.out or Path("runs") / arguments.graph.stem, graph.spec.text)
@@ -37,8 +37,8 @@ def run(arguments: Namespace) -> int:
     with progress() as listener:
         kept = reported(graph)
         done = execute(plan(graph), how=how, keep=kept, listeners=[listener, folder.hear])
-    files, study = report_files(done, command=_command(arguments))
-    folder.finish(files, {"command": _command(arguments), **record(done)})
+    files, study = report_files(done, command=command)
+    folder.finish(files, {"command": command, **record(done)})
     print(f"{summary(study, done.counts())}\n\n{folder.path / 'report.html'}")
     return 0 if done.ok else 1
 

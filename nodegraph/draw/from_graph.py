@@ -14,13 +14,13 @@ _MOST_METHODS = 12
 def picture_of(graph: Graph) -> Picture:
     """Return what a drawing of the graph shows."""
     wires = graph.wires()
-    read = {(source.node, _output(graph, source)) for _, _, source, _ in wires}
+    read = {(source.node, graph.output_name(source)) for _, _, source, _ in wires}
     fed = {(target, port) for target, port, _, _ in wires}
     boxes = tuple(_box(graph, node, read, fed) for node in graph.nodes.values())
     arrows = tuple(
         Arrow(
             source.node,
-            _output(graph, source),
+            graph.output_name(source),
             target,
             port,
             gathers=gathers,
@@ -75,10 +75,6 @@ def _socket(port: Port) -> Socket:
     return Socket(port.name, str(port).partition(": ")[2])
 
 
-def _output(graph: Graph, source: Reference) -> str:
-    return source.port or graph.nodes[source.node].first.node.outputs[0].name
-
-
 def _is_truth(graph: Graph, source: Reference) -> bool:
-    found = graph.nodes[source.node].first.node.output(_output(graph, source))
+    found = graph.nodes[source.node].first.node.output(graph.output_name(source))
     return found is not None and found.truth

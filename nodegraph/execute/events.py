@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-KINDS = ("planned", "started", "done", "refused", "failed", "skipped", "finished")
-
 
 @dataclass(frozen=True, slots=True)
 class Event:
@@ -17,7 +15,7 @@ class Event:
     Attributes
     ----------
     kind : str
-        One of `KINDS`.
+        ``planned``, ``started``, ``done``, ``refused``, ``failed``, ``skipped`` or ``finished``.
     seconds : float
         Since the run began.
     step : int

@@ -39,8 +39,8 @@ class _Wires:
         self.places: dict[tuple[str, str, str, str], Reference] = {}
         self.known = {(one.node, one.port) for one in graph.spec.known}
         for target, port, source, _ in graph.wires():
-            self._add(source.node, self._output(source), target, port)
-            self.places[source.node, self._output(source), target, port] = source
+            self._add(source.node, graph.output_name(source), target, port)
+            self.places[source.node, graph.output_name(source), target, port] = source
         for node in graph.nodes.values():
             for file in _files(node):
                 self._add(f"file {file}", "", node.name, "")
@@ -51,9 +51,6 @@ class _Wires:
     def _add(self, source: str, output: str, target: str, port: str) -> None:
         self.out[source].append((output, target, port))
         self.into[target].append((source, output, port))
-
-    def _output(self, source: Reference) -> str:
-        return source.port or self.nodes[source.node].first.node.outputs[0].name
 
 
 def _check_one(hider: str, wires: _Wires, problems: Problems) -> None:

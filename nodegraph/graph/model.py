@@ -186,6 +186,19 @@ class Graph:
             network.add_edge(source.node, target, key, source=source, port=port, gathers=gathers)
         return network
 
+    @property
+    def reported(self) -> tuple[tuple[str, str], ...]:
+        """The nodes, and ports, that the report shows: as listed, else nodes that nothing reads."""
+        if self.spec.report:
+            found = dict.fromkeys((one.node, one.port) for one in self.spec.report)
+            return tuple(one for one in found if one[0] in self.nodes)
+        read = {source.node for _, _, source, _ in self.wires()}
+        return tuple((name, "") for name in self.nodes if name not in read)
+
+    def output_name(self, source: Reference) -> str:
+        """Return the name of the output that a reference means."""
+        return source.port or self.nodes[source.node].first.node.outputs[0].name
+
     def wires(self) -> tuple[tuple[str, str, Reference, bool], ...]:
         """Return every wire once: target node, its port, the source, whether it gathers."""
         found: dict[tuple[str, str, str, str], tuple[str, str, Reference, bool]] = {}

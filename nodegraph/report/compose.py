@@ -70,7 +70,7 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
 
 def _reported(run: Run) -> Iterator[tuple[str, str, str, Any]]:
     """Yield (title, labels, file name, value) of everything that the report shows."""
-    for node, port in _asked(run.plan.graph):
+    for node, port in run.plan.graph.reported:
         first = run.plan.graph.nodes[node].first.node.outputs[0].name
         others = [name for name in run.plan.graph.nodes[node].outputs if name != first]
         for output in [port] if port else ["", *others]:
@@ -81,15 +81,6 @@ def _reported(run: Run) -> Iterator[tuple[str, str, str, Any]]:
                 words = [node] if plain else [node, name]
                 named = [f"{axis}-{label}" for axis, label in labels.items()]
                 yield " ".join(words), at, _file_name([*words, *named]), value
-
-
-def _asked(graph: Graph) -> list[tuple[str, str]]:
-    """Return the nodes and ports to show: as listed, else the nodes that nothing reads."""
-    if graph.spec.report:
-        found = dict.fromkeys((one.node, one.port) for one in graph.spec.report)
-        return [one for one in found if one[0] in graph.nodes]
-    read = {source.node for _, _, source, _ in graph.wires()}
-    return [(name, "") for name in graph.nodes if name not in read]
 
 
 def _file_name(words: Iterable[str]) -> str:

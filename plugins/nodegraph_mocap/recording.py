@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph import Value, read_only
+from nodegraph import Value
+from nodegraph_mocap.checks import distinct, positive_rate, set_fields
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -70,16 +71,15 @@ class Trajectories(Value):
         made = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
         origin = made if self.origin is None else np.asarray(self.origin, dtype=np.uint8)
         _check_origin(origin, missing)
-        if not (np.isfinite(self.rate) and self.rate > 0):
-            raise ValueError(
-                f"rate must be a positive number of frames per second, got {self.rate}"
-            )
-        _set(self, "positions", read_only(positions))
-        _set(self, "markers", tuple(self.markers))
-        _set(self, "rate", float(self.rate))
-        _set(self, "origin", read_only(origin))
+        set_fields(
+            self,
+            positions=positions,
+            markers=tuple(self.markers),
+            rate=positive_rate(self.rate),
+            origin=origin,
+        )
         if self.sigma is not None:
-            _set(self, "sigma", read_only(_checked_sigma(self.sigma, missing.shape)))
+            set_fields(self, sigma=_checked_sigma(self.sigma, missing.shape))
 
     @property
     def frames(self) -> int:
@@ -162,12 +162,7 @@ class Mask(Value):
         hidden = np.asarray(self.hidden, dtype=np.bool_)
         if hidden.ndim != 2 or hidden.shape[1] != len(self.markers):
             raise ValueError(f"a mask is (frames, {len(self.markers)} markers), got {hidden.shape}")
-        _set(self, "hidden", read_only(hidden))
-        _set(self, "markers", tuple(self.markers))
-
-
-def _set(record: object, name: str, value: Any) -> None:
-    object.__setattr__(record, name, value)
+        set_fields(self, hidden=hidden, markers=tuple(self.markers))
 
 
 def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> None:
@@ -175,9 +170,7 @@ def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> No
         raise ValueError(
             f"positions must be (frames, {len(markers)} markers, 3), got {positions.shape}"
         )
-    repeated = sorted({name for name in markers if tuple(markers).count(name) > 1})
-    if repeated:
-        raise ValueError(f"markers named twice: {', '.join(repeated)}")
+    distinct("markers", markers)
 
 
 def _missing(positions: NDArray[np.float64], markers: tuple[str, ...]) -> NDArray[np.bool_]:
