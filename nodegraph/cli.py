@@ -11,6 +11,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from importlib import import_module
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
@@ -27,9 +28,8 @@ def main(words: Sequence[str] | None = None) -> int:
         warnings.simplefilter("default", UserWarning)
         warnings.showwarning = _show_warning
         try:
-            from nodegraph import commands
-
-            status = int(getattr(commands, arguments.command)(arguments))
+            module = import_module(f"nodegraph.commands.{arguments.command}")
+            status = int(getattr(module, arguments.command)(arguments))
             sys.stdout.flush()
             return status
         except BrokenPipeError:
@@ -72,6 +72,9 @@ def _parser() -> argparse.ArgumentParser:
     _add_nodes(commands)
     _add_show(commands)
     _add_examples(commands)
+    _add_why(commands)
+    _add_cache(commands)
+    _add_schema(commands)
     return parser
 
 
@@ -80,11 +83,18 @@ def _add_run(commands: Any) -> None:
     _add_graph(run)
     run.add_argument("--out", type=Path, metavar="DIR", help="where to write (runs/NAME)")
     run.add_argument("--jobs", type=int, metavar="N", help="steps at a time (one per processor)")
-    run.add_argument("--executor", default="threads", metavar="NAME", help="threads or serial")
+    names = "threads, serial, processes, dask, or a plugin's"
+    run.add_argument("--executor", default="threads", metavar="NAME", help=names)
+    run.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster")
+    run.add_argument("--until", action="append", default=[], metavar="NODE", help="run no further")
+    run.add_argument("--no-cache", action="store_true", help="neither use nor keep stored results")
+    _add_store(run)
 
 
 def _add_check(commands: Any) -> None:
-    _add_graph(_add(commands, "check", "tell all mistakes of a graph, or what it would do"))
+    check = _add(commands, "check", "tell all mistakes of a graph, or what it would do")
+    _add_graph(check)
+    _add_store(check)
 
 
 def _add_draw(commands: Any) -> None:
@@ -111,6 +121,39 @@ def _add_examples(commands: Any) -> None:
     examples.add_argument("names", nargs="*", metavar="NAME", help="graphs to copy")
     examples.add_argument("--to", type=Path, default=Path(), metavar="DIR", help="where to")
     _add_plugin(examples)
+
+
+def _add_why(commands: Any) -> None:
+    why = _add(commands, "why", "tell why a node would run again")
+    _add_graph(why)
+    why.add_argument("node", metavar="NODE", help="a node of the graph")
+    why.add_argument("--run", type=Path, metavar="DIR", help="the earlier run (runs/NAME)")
+    _add_store(why)
+
+
+def _add_cache(commands: Any) -> None:
+    cache = _add(commands, "cache", "list, prune or clear stored results")
+    cache.add_argument(
+        "action", nargs="?", default="size", choices=("size", "list", "prune", "clear")
+    )
+    cache.add_argument(
+        "--older", default="", metavar="AGE", help="prune what was last used so long ago: 30d, 12h"
+    )
+    cache.add_argument(
+        "--keep", default="", metavar="SIZE", help="prune the longest unused down to: 10GB"
+    )
+    _add_store(cache)
+
+
+def _add_schema(commands: Any) -> None:
+    schema = _add(commands, "schema", "print a JSON Schema of graph files, for editors")
+    schema.add_argument("--out", type=Path, metavar="FILE", help="where to write (standard output)")
+    _add_plugin(schema)
+
+
+def _add_store(command: argparse.ArgumentParser) -> None:
+    text = "where stored results lie (NODEGRAPH_STORE, else the platform's cache folder)"
+    command.add_argument("--store", type=Path, metavar="DIR", help=text)
 
 
 def _add(commands: Any, name: str, text: str) -> argparse.ArgumentParser:

@@ -46,6 +46,34 @@ class Renderer:
 
 
 @dataclass(frozen=True)
+class Storage:
+    """How values of one type are kept on disk and sent to other processes, without pickle.
+
+    Values that derive from `nodegraph.Value`, arrays, numbers, texts, bytes, and tuples, lists and
+    mappings of these need none.
+
+    Attributes
+    ----------
+    type : type
+    take_apart : callable
+        Returns what the value is made of, as such plain values.
+    put_together : callable
+        Returns the value again.
+    faithful : bool
+        Whether what `put_together` returns is the value itself. If not, it is a stand-in that
+        can be shown, and whoever needs the value has it computed again.
+    lend : callable, optional
+        Returns what one reader gets, where a reader could change the value itself.
+    """
+
+    type: type
+    take_apart: Callable[[Any], Any]
+    put_together: Callable[[Any], Any]
+    faithful: bool = True
+    lend: Callable[[Any], Any] | None = None
+
+
+@dataclass(frozen=True)
 class Tried:
     """One call of a node by its tests, as a contract sees it.
 
@@ -83,6 +111,16 @@ def nodegraph_bibtex() -> str:  # type: ignore[empty-body]
 @hookspec
 def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
     """Return how values of the plugin's types appear in a report."""
+
+
+@hookspec
+def nodegraph_storages() -> Iterable[Storage]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types are kept."""
+
+
+@hookspec
+def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:  # type: ignore[empty-body]
+    """Return further ways to compute steps, by name: see `nodegraph.execute.Executor`."""
 
 
 @hookspec

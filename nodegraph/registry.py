@@ -18,7 +18,7 @@ from nodegraph.plugins import BrokenPlugin, Plugin
 if TYPE_CHECKING:
     import pluggy
 
-    from nodegraph.hooks import Renderer
+    from nodegraph.hooks import Renderer, Storage
 
 
 @dataclass(frozen=True)
@@ -123,6 +123,19 @@ class Registry:
     def renderers(self) -> tuple[Renderer, ...]:
         """How values appear in a report; the last plugin comes first."""
         return tuple(one for many in self.hooks.hook.nodegraph_renderers() for one in many)
+
+    @cached_property
+    def storages(self) -> tuple[Storage, ...]:
+        """How values are kept; the last plugin comes first."""
+        return tuple(one for many in self.hooks.hook.nodegraph_storages() for one in many)
+
+    @cached_property
+    def executors(self) -> Mapping[str, Callable[..., Any]]:
+        """Ways to compute steps that plugins bring, by name."""
+        found: dict[str, Callable[..., Any]] = {}
+        for one in reversed(self.hooks.hook.nodegraph_executors()):
+            found.update(one)
+        return found
 
     @cached_property
     def bibtex(self) -> tuple[str, ...]:

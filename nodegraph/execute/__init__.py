@@ -1,7 +1,17 @@
 """Running a plan: calls, executors, the schedule between them, events and results."""
 
 from nodegraph.execute.events import Event, Listener
+from nodegraph.execute.executors import Executor, HowToRun, executor_of
 from nodegraph.execute.results import Run, Values
-from nodegraph.execute.run import HowToRun, execute
+from nodegraph.execute.run import execute
 
-__all__ = ["Event", "HowToRun", "Listener", "Run", "Values", "execute"]
+__all__ = [
+    "Event",
+    "Executor",
+    "HowToRun",
+    "Listener",
+    "Run",
+    "Values",
+    "execute",
+    "executor_of",
+]

@@ -19,10 +19,22 @@ _heard: ContextVar[list[str] | None] = ContextVar("_heard", default=None)
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """Everything that one step needs to be computed, wherever that is."""
+    """Everything that one step needs to be computed, wherever that is.
+
+    Attributes
+    ----------
+    step : int
+        Its index in the plan.
+    node : Node
+    plugin : str
+        Who brought the node.
+    inputs : mapping of port to value
+    settings : mapping of setting to value
+    """
 
     step: int
     node: Node
+    plugin: str
     inputs: Mapping[str, Any]
     settings: Mapping[str, Any]
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, warnings_heard
-from nodegraph.execute.executors import serial
+from nodegraph.execute.executors import HowToRun
+from nodegraph.execute.executors.serial import serial
 from nodegraph.execute.schedule import Schedule
 from nodegraph.plan import Combination, Plan, Step
 from nodegraph.ports import Label
@@ -78,7 +79,7 @@ class Run:
             return self.kept[index]
         again = Schedule(self.plan, keep=[index], wanted=[index])
         with warnings_heard():
-            for done, found in serial(again):
+            for done, found in serial(again, HowToRun()):
                 again.finish(done, found)
         if index not in again.values:
             reason = again.outcomes[index].reason

@@ -2,50 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
-from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.events import Clock, Event, Listener
-from nodegraph.execute.executors import EXECUTORS, Executor
+from nodegraph.execute.executors import HowToRun, executor_of
 from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule
 from nodegraph.plan import Plan, Step
-
-
-@dataclass(frozen=True)
-class HowToRun:
-    """Where and how steps are computed.
-
-    Attributes
-    ----------
-    executor : str
-    jobs : int or None
-        Calls at a time; as many as there are processors by default.
-    """
-
-    executor: str = "threads"
-    jobs: int | None = None
-
-    def chosen(self) -> tuple[Executor, int]:
-        """Return the executor and the number of calls at a time.
-
-        Raises
-        ------
-        NodegraphError
-            If there is no executor of that name, or the number is below one.
-        """
-        if self.executor not in EXECUTORS:
-            raise NodegraphError(
-                f"no executor {self.executor!r}; {nearest(self.executor, EXECUTORS)}"
-            )
-        jobs = (os.cpu_count() or 1) if self.jobs is None else self.jobs
-        if jobs < 1:
-            raise NodegraphError(f"jobs must be 1 or more, got {jobs}")
-        return EXECUTORS[self.executor], jobs
 
 
 def execute(
@@ -67,13 +32,14 @@ def execute(
     listeners
         Each is called with every `Event`, in this thread.
     """
-    executor, jobs = (how or HowToRun()).chosen()
+    how = how or HowToRun()
+    executor = executor_of(how, plan.graph.registry.executors)
     kept = [index for name in keep for index in plan.cells.get(name, {}).values()]
     teller = _Teller(tuple(listeners), Clock())
     schedule = Schedule(plan, keep=kept, on_start=lambda step: teller.tell("started", step))
     teller.tell("planned", steps=len(plan.steps), nodes=len(plan.graph.nodes))
     with warnings_heard():
-        for index, outcome in executor(schedule, jobs):
+        for index, outcome in executor(schedule, how):
             for step, found in schedule.finish(index, outcome):
                 teller.settled(step, found)
     run = Run(plan, schedule.outcomes, schedule.values, teller.clock.seconds())

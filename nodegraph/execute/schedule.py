@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from nodegraph.execute.call import Call, Outcome
+from nodegraph.execute.call import Call, Outcome, perform
 from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
 from nodegraph.ports import Absent, Across
 
@@ -52,7 +52,15 @@ class Schedule:
         step = self._plan.steps[heapq.heappop(self._ready)]
         self._on_start(step)
         inputs = {port: self._value(fed) for port, fed in step.inputs.items()}
-        return Call(step.index, step.method.node, inputs, step.settings)
+        return Call(step.index, step.method.node, step.method.plugin, inputs, step.settings)
+
+    def perform(self, call: Call) -> Outcome:
+        """Make a call here, in any thread, and return its outcome."""
+        return self.keep(call, perform(call))
+
+    def keep(self, call: Call, outcome: Outcome) -> Outcome:
+        """Take an outcome that was computed elsewhere, and return it."""
+        return outcome
 
     def finish(self, index: int, outcome: Outcome) -> list[tuple[Step, Outcome]]:
         """Take an outcome; return it with those of the steps that it makes impossible."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph import commands
+from nodegraph.commands import check
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -71,7 +71,7 @@ def test_an_interruption_ends_with_130(command: Command, monkeypatch: pytest.Mon
     def interrupt(arguments: object) -> int:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(commands, "check", interrupt)
+    monkeypatch.setattr(check, "check", interrupt)
     status, _, err = command("check", "toy.yaml")
     assert (status, err) == (130, "nodegraph: interrupted\n")
 

@@ -110,7 +110,7 @@ def warns() -> float:
 def called(function: Callable[..., Any], **inputs: Any) -> Outcome:
     found = node_of(function)
     assert found is not None
-    return perform(Call(0, found, inputs, {}))
+    return perform(Call(0, found, "toys", inputs, {}))
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_every_output_is_one_value(function: Callable[..., Any], values: tuple[A
 def test_inputs_and_settings_are_given_by_name() -> None:
     described = node_of(add)
     assert described is not None
-    assert perform(Call(0, described, {"x": 1.0}, {"by": 2.0})).values == (3.0,)
+    assert perform(Call(0, described, "toys", {"x": 1.0}, {"by": 2.0})).values == (3.0,)
 
 
 @pytest.mark.parametrize(

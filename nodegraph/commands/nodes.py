@@ -1,0 +1,20 @@
+"""``nodegraph nodes``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from nodegraph.errors import NodegraphError, nearest
+from nodegraph.registry import Registry
+from nodegraph.terminal import columns
+
+
+def nodes(arguments: Namespace) -> int:
+    """List the installed nodes."""
+    registry = Registry.installed(arguments.plugin)
+    family = (arguments.family or "").removesuffix(".*")
+    if family and not registry.family(family):
+        raise NodegraphError(f"no family {family!r}; {nearest(family, registry.families)}")
+    found = [one for one in registry if not family or one.node.family == family]
+    print(columns([(one.node.name, one.node.summary, one.plugin) for one in found]))
+    return 0

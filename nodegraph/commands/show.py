@@ -1,0 +1,35 @@
+"""``nodegraph show``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from nodegraph.registry import Registered, Registry
+from nodegraph.terminal import columns
+
+
+def show(arguments: Namespace) -> int:
+    """Show one node."""
+    registry = Registry.installed(arguments.plugin)
+    print(_shown(registry.find(arguments.node), registry))
+    return 0
+
+
+def _shown(found: Registered, registry: Registry) -> str:
+    from nodegraph.bibliography import references
+    from nodegraph.describe import describe_settings, without_parameters
+
+    node = found.node
+    ports = [("in", str(port)) for port in node.inputs] + [
+        ("out", str(port)) for port in node.outputs
+    ]
+    parts = [f"{node.name}    plugin {found.plugin} {found.distribution}".rstrip(), columns(ports)]
+    settings = describe_settings(node)
+    if settings:
+        head = ("setting", "default", "unit", "is", "meaning")
+        rows = [(one.name, one.default, one.unit, one.kind, one.meaning) for one in settings]
+        parts.append(columns([head, *rows]))
+    parts.append(without_parameters(node.doc))
+    cited = references(registry.bibtex, node.cite).values()
+    parts.append("cite: " + ("\n      ".join(cited) or "nothing"))
+    return "\n\n".join(parts)
