@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
-from nodegraph.hooks import Contract, Rendered, Renderer, Tried, hookimpl
+from nodegraph.hooks import Contract, Rendered, Renderer, Storage, Tried, hookimpl
 from nodegraph.node import node
 from nodegraph.ports import Absent, Across, InputFile, Label, Truth, Unit
 from nodegraph.values import Value, read_only
@@ -24,6 +24,7 @@ __all__ = [
     "Refusal",
     "Rendered",
     "Renderer",
+    "Storage",
     "Tried",
     "Truth",
     "Unit",

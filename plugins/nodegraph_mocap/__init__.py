@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import Renderer, hookimpl
+from nodegraph import Renderer, Storage, hookimpl
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.files_c3d import c3d_bytes, read_c3d, write_c3d
@@ -15,6 +15,7 @@ from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.samples import sample_folder
+from nodegraph_mocap.stored_figure import StoredFigure
 from nodegraph_mocap.tables import Figure, Table
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "MarkerSet",
     "Mask",
     "Origin",
+    "StoredFigure",
     "Table",
     "Trajectories",
     "Weights",
@@ -58,6 +60,14 @@ def nodegraph_renderers() -> Iterable[Renderer]:
     from nodegraph_mocap.renderers import renderers
 
     return renderers()
+
+
+@hookimpl
+def nodegraph_storages() -> Iterable[Storage]:
+    """Return how tables and figures are kept."""
+    from nodegraph_mocap.storages import storages
+
+    return storages()
 
 
 @hookimpl

@@ -8,15 +8,20 @@ import re
 from collections.abc import Iterable
 from html import escape
 from io import BytesIO
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import Rendered, Renderer
+from nodegraph_mocap.stored_figure import StoredFigure
 from nodegraph_mocap.tables import Figure, Table
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _FOLDED_FROM = 200
+_DRAWING = Lock()
+"""Held while matplotlib's settings, which all threads share, are others than the user's."""
+
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
 _ID = re.compile(r"""(\sid="|href="#|url\(#)""")
 _LATEX = str.maketrans(
@@ -42,7 +47,11 @@ _LATEX = str.maketrans(
 
 def renderers() -> tuple[Renderer, ...]:
     """Return the renderers of the types that are not this package's own classes."""
-    return (Renderer(Table, render_table), Renderer(Figure, render_figure))
+    return (
+        Renderer(Table, render_table),
+        Renderer(Figure, render_figure),
+        Renderer(StoredFigure, render_stored_figure),
+    )
 
 
 def render_table(table: Table, title: str) -> Rendered:
@@ -65,11 +74,27 @@ def render_table(table: Table, title: str) -> Rendered:
 
 def render_figure(figure: Figure, title: str) -> Rendered:
     """Return a figure as SVG in the page, and as SVG and PDF beside it; the same every time."""
-    svg, pdf = _saved(figure, "svg", title), _saved(figure, "pdf", title)
-    drawing = _with_own_ids(svg.decode())
+    return render_stored_figure(StoredFigure(saved(figure, "svg"), saved(figure, "pdf")), title)
+
+
+def render_stored_figure(figure: StoredFigure, title: str) -> Rendered:
+    """Return a figure that was drawn before, the same as if it were drawn now."""
+    drawing = _with_own_ids(figure.svg.decode())
     label = f'<svg role="img" aria-label="{escape(title, quote=True)}"'
     html = f'<figure class="figure">{drawing.replace("<svg", label, 1)}</figure>'
-    return Rendered(html=html, files={".svg": svg, ".pdf": pdf})
+    return Rendered(html=html, files={".svg": figure.svg, ".pdf": figure.pdf})
+
+
+def saved(figure: Figure, form: str) -> bytes:
+    """Return a figure as ``svg`` or ``pdf``; the same bytes for the same figure, in any thread."""
+    import matplotlib as mpl
+
+    target = BytesIO()
+    undated = {"Date": None} if form == "svg" else {"CreationDate": None}
+    # without a salt of its own, a drawing would have other ids each time
+    with _DRAWING, mpl.rc_context({"svg.hashsalt": "nodegraph", "svg.fonttype": "none"}):
+        figure.savefig(target, format=form, metadata=undated, bbox_inches="tight")
+    return target.getvalue()
 
 
 def shown(value: Any) -> str:
@@ -180,14 +205,3 @@ def _with_own_ids(svg: str) -> str:
     drawing = svg[svg.index("<svg") :]
     mark = "f" + hashlib.sha256(drawing.encode()).hexdigest()[:12]
     return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{mark}-", tag[0]), drawing)
-
-
-def _saved(figure: Figure, form: str, title: str) -> bytes:
-    import matplotlib as mpl
-
-    target = BytesIO()
-    undated = {"Date": None} if form == "svg" else {"CreationDate": None}
-    # without a salt of its own, a drawing would have other ids each time
-    with mpl.rc_context({"svg.hashsalt": title, "svg.fonttype": "none"}):
-        figure.savefig(target, format=form, metadata=undated, bbox_inches="tight")
-    return target.getvalue()

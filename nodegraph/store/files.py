@@ -1,0 +1,124 @@
+"""Small and large files, read in one go and written whole or not at all.
+
+Paths are texts here, and calls go to the system directly: a result is looked up in some
+microseconds, of which paths as objects would take most.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import os
+import secrets
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+FORMAT = "format-1"
+UNFINISHED = ".part"
+_PIECE = 2**20
+_READ = os.O_RDONLY | getattr(os, "O_BINARY", 0)
+_WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+_own = secrets.token_hex(4)
+_numbers = itertools.count()
+
+
+def read(path: str) -> tuple[bytes, float]:
+    """Return the content of a small file, and when it was last changed."""
+    opened = os.open(path, _READ)
+    try:
+        status = os.fstat(opened)
+        content = os.read(opened, status.st_size + 1)
+        while len(content) < status.st_size and (more := os.read(opened, status.st_size)):
+            content += more
+    finally:
+        os.close(opened)
+    return content, status.st_mtime
+
+
+def write(folder: str, name: str, content: Any) -> None:
+    """Write a file whole or not at all, over any that is there.
+
+    Raises
+    ------
+    OSError
+        If that is not possible; nothing of it is left then.
+    """
+    unfinished = f"{folder}/{_own}-{os.getpid()}-{next(_numbers)}{UNFINISHED}"
+    try:
+        opened = os.open(unfinished, _WRITE, 0o666)
+    except FileNotFoundError:
+        os.makedirs(folder, exist_ok=True)
+        opened = os.open(unfinished, _WRITE, 0o666)
+    try:
+        try:
+            _write_all(opened, content)
+        finally:
+            os.close(opened)
+        os.replace(unfinished, f"{folder}/{name}")
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(unfinished)
+        raise
+
+
+def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
+    """Return the content of a file as memory that nobody can write to, or None.
+
+    None says that it is not of that size, or its SHA-256 is another.
+    """
+    import numpy as np
+
+    memory = np.empty(size, np.uint8)
+    pieces = memory.data
+    summed = hashlib.sha256()
+    with open(path, "rb", buffering=0) as opened:
+        if os.fstat(opened.fileno()).st_size != size:
+            return None
+        filled = 0
+        while got := opened.readinto(pieces[filled : filled + _PIECE]):
+            # what has just been read is still close to the processor
+            summed.update(pieces[filled : filled + got])
+            filled += got
+    memory.flags.writeable = False
+    return memory if filled == size and summed.hexdigest() == wanted else None
+
+
+def seal(text: str) -> bytes:
+    """Return a text after a line with its SHA-256."""
+    content = text.encode("ascii")
+    return hashlib.sha256(content).hexdigest().encode("ascii") + b"\n" + content
+
+
+def unseal(content: bytes) -> bytes | None:
+    """Return what `seal` was given, or None if it is not that any more."""
+    rest = content[65:]
+    whole = hashlib.sha256(rest).hexdigest().encode("ascii") == content[:64]
+    return rest if whole and content[64:65] == b"\n" else None
+
+
+def folders_in(folder: str) -> list[os.DirEntry[str]]:
+    """Return the folders that lie in one; none if it is not there."""
+    return [one for one in _inside(folder) if one.is_dir(follow_symlinks=False)]
+
+
+def files_in(folder: str) -> list[os.DirEntry[str]]:
+    """Return the files that lie in one folder; none if it is not there."""
+    return [one for one in _inside(folder) if one.is_file(follow_symlinks=False)]
+
+
+def _inside(folder: str) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as found:
+            return list(found)
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+
+
+def _write_all(opened: int, content: Any) -> None:
+    left = memoryview(content)
+    while left:
+        left = left[os.write(opened, left) :]

@@ -1,0 +1,200 @@
+"""How much is stored, and how the longest unused of it goes."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence, Set
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from nodegraph.store import files
+from nodegraph.store.entries import Entry, read_entry
+
+_HOUR = 3600.0
+_ENTRY = ".json"
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """A stored result as it lies on disk.
+
+    Attributes
+    ----------
+    entry : Entry
+    path : str
+    used : float
+        When it was last written or found, to the hour, in seconds since 1970.
+    length : int
+        Bytes of the entry alone.
+    """
+
+    entry: Entry
+    path: str
+    used: float
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """How many entries, how many files of arrays, and how many bytes all files have."""
+
+    entries: int = 0
+    blobs: int = 0
+    size: int = 0
+
+    def __add__(self, other: Amount) -> Amount:
+        return Amount(
+            self.entries + other.entries, self.blobs + other.blobs, self.size + other.size
+        )
+
+
+_NONE = Amount()
+
+
+class Upkeep:
+    """Looks after a store's folder; other programs may go on using it meanwhile."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.absolute()
+        self._root = str(self.folder / files.FORMAT)
+        self._entries = f"{self._root}/entries"
+        self._blobs = f"{self._root}/blobs"
+
+    def entries(self) -> Iterator[Kept]:
+        """Yield every entry that is whole."""
+        for found in self._entry_files():
+            kept = _kept(found.path)
+            if kept is not None:
+                yield kept
+
+    def size(self) -> Amount:
+        """Return how much there is."""
+        amount = _NONE
+        for entry in self._entry_files():
+            amount += Amount(1, 0, _size(entry))
+        for blob in self._blob_files():
+            amount += Amount(0, 1, _size(blob))
+        return amount
+
+    def other_formats(self) -> list[str]:
+        """Return names of folders of other versions of this program, which are left alone."""
+        return sorted(one.name for one in self.folder.glob("format-*") if one.name != files.FORMAT)
+
+    def prune(self, older_than: float | None = None, keep: int | None = None) -> Amount:
+        """Remove entries, the longest unused first, then arrays that no entry needs.
+
+        An array younger than an hour stays: another program may have written it just now for an
+        entry that is still to come.
+
+        Parameters
+        ----------
+        older_than
+            Entries that were not used for so many seconds go.
+        keep
+            Entries go until all that is needed has at most so many bytes.
+        """
+        now = time.time()
+        there = sorted(self.entries(), key=lambda one: one.used)
+        aged = [one for one in there if older_than is not None and now - one.used > older_than]
+        left = there[len(aged) :]
+        more = _too_many(left, keep) if keep is not None else []
+        removed = sum((_removed(one.path, Amount(1, 0, one.length)) for one in aged + more), _NONE)
+        needed = {name for one in left[len(more) :] for name in one.entry.blobs()}
+        removed += self._without_damaged({one.path for one in there}, now)
+        return removed + self._without_unneeded(needed, now) + self._without_unfinished(now)
+
+    def clear(self) -> Amount:
+        """Remove all that is stored."""
+        removed = _NONE
+        for entry in self._entry_files():
+            removed += _removed(entry.path, Amount(1, 0, _size(entry)))
+        for blob in self._blob_files():
+            removed += _removed(blob.path, Amount(0, 1, _size(blob)))
+        for one in files.files_in(self._root):
+            if one.name.endswith(_ENTRY):  # what was remembered
+                removed += _removed(one.path, Amount(0, 0, _size(one)))
+        return removed + self._without_unfinished(float("inf"))
+
+    def _entry_files(self) -> Iterator[os.DirEntry[str]]:
+        return (one for one in self._all(self._entries) if one.name.endswith(_ENTRY))
+
+    def _blob_files(self) -> Iterator[os.DirEntry[str]]:
+        found = self._all(self._blobs)
+        return (one for one in found if not one.name.endswith(files.UNFINISHED))
+
+    def _all(self, folder: str) -> Iterator[os.DirEntry[str]]:
+        return (one for inner in files.folders_in(folder) for one in files.files_in(inner.path))
+
+    def _without_damaged(self, whole: Set[str], now: float) -> Amount:
+        removed = _NONE
+        for entry in self._entry_files():
+            if entry.path not in whole and now - _changed(entry) > _HOUR:
+                removed += _removed(entry.path, Amount(1, 0, _size(entry)))
+        return removed
+
+    def _without_unneeded(self, needed: Set[str], now: float) -> Amount:
+        removed = _NONE
+        for blob in self._blob_files():
+            name = os.path.basename(os.path.dirname(blob.path)) + blob.name
+            if name not in needed and now - _changed(blob) > _HOUR:
+                removed += _removed(blob.path, Amount(0, 1, _size(blob)))
+        return removed
+
+    def _without_unfinished(self, now: float) -> Amount:
+        """Remove what a program that was killed has left half written."""
+        found = [*self._all(self._entries), *self._all(self._blobs), *files.files_in(self._root)]
+        removed = _NONE
+        for one in found:
+            if one.name.endswith(files.UNFINISHED) and now - _changed(one) > _HOUR:
+                removed += _removed(one.path, Amount(0, 0, _size(one)))
+        return removed
+
+
+def _kept(path: str) -> Kept | None:
+    with suppress(OSError, ValueError, LookupError, TypeError):
+        content, used = files.read(path)
+        entry = read_entry(content)
+        return Kept(entry, path, used, len(content)) if entry is not None else None
+    return None
+
+
+def _too_many(there: Sequence[Kept], keep: int) -> list[Kept]:
+    """Return which entries go, the first ones first, for the rest to have so few bytes."""
+    readers = Counter(name for one in there for name in one.entry.blobs())
+    sizes = {name: size for one in there for name, size in one.entry.blobs().items()}
+    total = sum(one.length for one in there) + sum(sizes.values())
+    gone: list[Kept] = []
+    for one in there:
+        if total <= keep:
+            break
+        gone.append(one)
+        readers.subtract(one.entry.blobs().keys())
+        freed = sum(size for name, size in one.entry.blobs().items() if not readers[name])
+        total -= one.length + freed
+    return gone
+
+
+def _removed(path: str, amount: Amount) -> Amount:
+    try:
+        os.unlink(path)
+    except FileNotFoundError:  # another program was quicker
+        return _NONE
+    return amount
+
+
+def _size(found: os.DirEntry[str]) -> int:
+    try:
+        return found.stat(follow_symlinks=False).st_size
+    except FileNotFoundError:
+        return 0
+
+
+def _changed(found: os.DirEntry[str]) -> float:
+    try:
+        # not what the folder said of it when it was listed: it may be in use again since
+        return os.stat(found.path, follow_symlinks=False).st_mtime
+    except FileNotFoundError:
+        return 0.0

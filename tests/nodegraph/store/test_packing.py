@@ -1,0 +1,376 @@
+"""What goes in comes out, to the bit and of the same type, or is refused."""
+
+from __future__ import annotations
+
+import struct
+import sys
+import types
+from collections import OrderedDict
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodegraph import Absent, Across, Storage, Value
+from nodegraph.store import Packed, Packer, Unreadable, Unstorable
+
+
+@dataclass(frozen=True, eq=False)
+class Take(Value):
+    positions: Any
+    name: str = ""
+    inner: Any = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", f"{self.name}!")
+
+    @cached_property
+    def size(self) -> int:
+        return int(self.positions.size)
+
+
+@dataclass(frozen=True, slots=True)
+class Slotted(Value):
+    first: Any
+    second: int = 2
+
+
+@dataclass
+class Loose(Value):
+    first: int
+
+
+class NoDataclass(Value):
+    pass
+
+
+class Colour(IntEnum):
+    RED = 1
+
+
+class Pair(NamedTuple):
+    first: int
+
+
+class Text(str):
+    pass
+
+
+class Thing:
+    """Something that only a plugin can keep."""
+
+    def __init__(self, *parts: Any) -> None:
+        self.parts = list(parts)
+
+
+class SmallThing(Thing):
+    pass
+
+
+def things(**more: Any) -> Packer:
+    return Packer([Storage(Thing, lambda thing: thing.parts, lambda parts: Thing(*parts), **more)])
+
+
+def there_and_back(value: Any, packer: Packer | None = None) -> Any:
+    packer = packer or Packer()
+    packed = packer.pack(value)
+    assert packed.head.isascii()
+    return packer.unpack(packed.head, [bytes(one) for one in packed.buffers])
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether two plain values are the same, to the type and to the bit."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, float):
+        return struct.pack("<d", one) == struct.pack("<d", other)
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(alike, one, other))
+    if isinstance(one, dict):
+        return alike(list(one), list(other)) and alike(list(one.values()), list(other.values()))
+    return bool(one == other)
+
+
+LEAVES = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(st.characters(exclude_categories=()))
+    | st.binary()
+    | st.builds(Path, st.text("abc/.é", max_size=8))
+)
+KEYS = st.booleans() | st.integers() | st.text(max_size=3) | st.tuples(st.integers(), st.text())
+PLAIN = st.recursive(
+    LEAVES,
+    lambda inner: (
+        st.lists(inner) | st.lists(inner).map(tuple) | st.dictionaries(KEYS, inner, max_size=4)
+    ),
+    max_leaves=12,
+)
+
+
+@given(PLAIN)
+def test_plain_values_come_back_as_they_were(value: Any) -> None:
+    assert alike(value, there_and_back(value))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        -0.0,
+        float("inf"),
+        struct.unpack("<d", bytes.fromhex("010000000000f8ff"))[0],  # a NaN with bits of its own
+        2**63,
+        -(2**63),
+        16**6000,
+        "\ud83d\ude00",  # two halves that JSON would join
+        "😀\ud83d",
+        {(1, "x"): None, 1.5: b"", None: ()},
+        {True: 1, 2: "b", "a": {}},
+        [],
+        (),
+        ["list", 1],
+        Path(),
+        (b"\0" * 5000, b""),
+    ],
+    ids=lambda value: ascii(value)[:20] if not isinstance(value, int) else "whole",
+)
+def test_odd_values_come_back_as_they_were(value: Any) -> None:
+    assert alike(value, there_and_back(value))
+
+
+def test_the_order_of_a_mapping_is_kept() -> None:
+    assert list(there_and_back({"b": 1, "a": 2, "": 3})) == ["b", "a", ""]
+
+
+def test_what_was_gathered_comes_back() -> None:
+    gathered = Across(
+        ("fill", "trial"),
+        (({"fill": "linear", "trial": 3}, 1.5), ({"fill": "", "trial": True}, 2.5)),
+        (Absent({"fill": "muscle", "trial": 4}, "refused", "no complete frame"),),
+    )
+    assert there_and_back(gathered) == gathered
+    assert there_and_back(Absent({"a": 1}, "failed", "x")) == Absent({"a": 1}, "failed", "x")
+
+
+@pytest.mark.parametrize(
+    "value",
+    [Colour.RED, Pair(1), Text("a"), OrderedDict(a=1), {1, 2}, frozenset(), 1j, bytearray(b"a"),
+     range(3), object(), Thing(), len, int, slice(1), np.dtype("f8"), types.MappingProxyType({})],
+    ids=lambda value: type(value).__name__,
+)  # fmt: skip
+def test_whatever_would_come_back_as_something_else_is_refused(value: Any) -> None:
+    with pytest.raises(Unstorable, match=type(value).__name__):
+        Packer().pack([value])
+
+
+def test_a_refusal_says_what_and_where() -> None:
+    with pytest.raises(Unstorable) as caught:
+        Packer().pack({"a": (1, Slotted([{1}]))})
+    assert caught.value.kind == "set"
+    assert caught.value.inside == ("list", "Slotted", "tuple", "dict")
+    assert "type set inside list inside Slotted" in str(caught.value)
+
+
+def test_a_value_that_holds_itself_is_refused() -> None:
+    endless: list[Any] = []
+    endless.append(endless)
+    with pytest.raises(Unstorable, match="nested"):
+        Packer().pack(endless)
+
+
+def test_a_value_comes_back_without_being_made_anew() -> None:
+    take = Take(np.arange(3.0), "t", Slotted((1, Take(None))))
+    back = there_and_back(take)
+    assert type(back) is Take
+    assert back.name == "t!"  # made anew, it would have a second mark
+    assert back.inner.first[1].name == "!"
+    assert type(back.inner) is Slotted
+    assert back.inner.second == 2
+    assert not back.positions.flags.writeable
+
+
+def test_what_a_value_has_computed_of_itself_is_computed_again() -> None:
+    take = Take(np.arange(3.0))
+    assert take.size == 3
+    back = there_and_back(take)
+    assert "size" not in vars(back)
+    assert back.size == 3
+
+
+def test_a_value_with_more_than_its_fields_is_refused() -> None:
+    loose = Loose(1)
+    loose.more = 2  # type: ignore[attr-defined]
+    with pytest.raises(Unstorable, match="more: not among its fields"):
+        Packer().pack(loose)
+
+
+def test_a_value_with_an_empty_field_is_refused() -> None:
+    with pytest.raises(Unstorable, match="no value"):
+        Packer().pack(object.__new__(Slotted))
+
+
+def test_a_value_that_is_no_dataclass_is_refused() -> None:
+    with pytest.raises(Unstorable, match="dataclass"):
+        Packer().pack(NoDataclass())
+
+
+@pytest.mark.parametrize("base", [dict, list, np.ndarray, ValueError])
+def test_a_value_that_is_something_else_besides_is_refused(base: Any) -> None:
+    both: Any = dataclass(init=False)(type("Both", (base, Value), {}))
+    with pytest.raises(Unstorable, match="Both cannot be kept: it is more than its fields"):
+        Packer().pack(both.__new__(both, (2,)))
+
+
+def test_a_class_that_nobody_could_find_again_is_refused() -> None:
+    @dataclass(frozen=True)
+    class Inside(Value):
+        first: int
+
+    with pytest.raises(Unstorable, match="no class"):
+        Packer().pack(Inside(1))
+
+
+def test_a_class_with_other_fields_by_now_is_not_put_together() -> None:
+    head = Packer().pack(Slotted(1)).head.replace('"second"', '"third"')
+    with pytest.raises(Unreadable, match="other fields"):
+        Packer().unpack(head)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "os:system",
+        "builtins:object",
+        "pathlib:Path",
+        "nodegraph:nope",
+        ":",
+        "nodegraph.values:Value",
+    ],
+)
+def test_nothing_but_values_is_put_together(name: str) -> None:
+    with pytest.raises(Unreadable, match="no class of values"):
+        Packer().unpack(f'["value","{name}",[]]')
+
+
+def test_what_is_stored_imports_nothing_that_was_not_allowed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sneaky_one.py").write_text(
+        "from dataclasses import dataclass\nfrom nodegraph import Value\n"
+        "@dataclass(frozen=True)\nclass Kept(Value):\n    a: int\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    head = '["value","sneaky_one:Kept",["a"],1]'
+    with pytest.raises(Unreadable):
+        Packer().unpack(head)
+    with pytest.raises(Unreadable):
+        Packer(packages=lambda name: name == "sneaky").unpack(head)
+    assert "sneaky_one" not in sys.modules
+    found = Packer(packages=lambda name: name == "sneaky_one").unpack(head)
+    monkeypatch.delitem(sys.modules, "sneaky_one")
+    assert found.a == 1
+
+
+def test_a_storage_keeps_what_nothing_else_keeps() -> None:
+    back = there_and_back([Thing(1, np.arange(2.0), Thing())], things())
+    assert type(back[0]) is Thing
+    assert back[0].parts[0] == 1
+    assert back[0].parts[1].tolist() == [0, 1]
+    assert type(back[0].parts[2]) is Thing
+
+
+def test_a_storage_that_comes_first_is_asked_first_and_before_what_is_known() -> None:
+    packer = Packer(
+        [
+            Storage(SmallThing, lambda thing: "small", lambda text: text),
+            Storage(Thing, lambda thing: "any", lambda text: text),
+            Storage(Slotted, lambda value: "slotted", lambda text: text),
+        ]
+    )
+    back = there_and_back((SmallThing(), Thing(), Slotted(1)), packer)
+    assert back == ("small", "any", "slotted")
+
+
+def test_a_storage_that_cannot_keep_this_value_refuses_it() -> None:
+    def refuse(thing: Thing) -> Any:
+        raise TypeError("column 'x' has a time zone")
+
+    with pytest.raises(Unstorable, match="type Thing inside list cannot be kept: column 'x'"):
+        Packer([Storage(Thing, refuse, Thing)]).pack([Thing()])
+
+
+def test_what_nobody_can_put_together_any_more_is_said() -> None:
+    head = things().pack(Thing()).head
+    with pytest.raises(Unreadable, match=r"no plugin says how to put a .*:Thing together"):
+        Packer().unpack(head)
+
+
+@pytest.mark.parametrize("head", ["", "{", "[]", '["nothing"]', '["array",0,"<f8",[1]]',
+                                  '["dict",1]', '["across"]', '["bytes",3]'])  # fmt: skip
+def test_what_is_no_value_is_unreadable(head: str) -> None:
+    with pytest.raises(Unreadable):
+        Packer().unpack(head)
+
+
+def test_a_stand_in_is_known_as_one_wherever_it_lies() -> None:
+    packer = things(faithful=False)
+    assert packer.pack([1.5]).faithful
+    assert not packer.pack({"a": (Slotted(Thing()),)}).faithful
+    assert things().pack([Thing()]).faithful
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        *((one, True) for one in (float, bool, str, bytes, tuple, dict, type(Path()), type(None))),
+        *((one, True) for one in (np.ndarray, np.float64, Across, Slotted, SmallThing)),
+        *((one, False) for one in (object, set, Colour, Pair, OrderedDict, np.matrix)),
+    ],
+)
+def test_types_that_travel(kind: type, expected: bool) -> None:
+    assert things().travels(kind) == expected
+
+
+def test_types_without_a_faithful_storage_do_not_travel() -> None:
+    assert not Packer().travels(Thing)
+    assert not things(faithful=False).travels(Thing)
+
+
+def test_a_reader_is_lent_what_the_storage_says() -> None:
+    packer = things(lend=lambda thing: Thing(*thing.parts))
+    thing = Thing(1)
+    lent = packer.lend(thing)
+    assert lent is not thing
+    assert lent.parts == [1]
+    assert things().lend(thing) is thing
+    take = Take(None)
+    assert packer.lend(take) is take
+
+
+def test_digests_differ_where_values_do() -> None:
+    packer = Packer()
+    values: list[Any] = [
+        0.0, -0.0, 0, False, "0", b"0", None, (), [], {}, [0], (0,), [[0]], {0: 0}, Path("0"),
+        np.zeros(()), np.zeros(1), np.zeros(0), np.zeros((2, 3)), np.zeros((3, 2)),
+        np.zeros((2, 3), order="F"), np.zeros(6), np.zeros(6, "f4"), np.zeros(6, ">f8"),
+        np.zeros(6, "i8"), np.zeros(12)[::2], np.float64(0), [np.zeros(2), np.zeros(4)],
+        [np.zeros(4), np.zeros(2)], [b"ab", b"c"], [b"a", b"bc"],
+    ]  # fmt: skip
+    digests = [packer.digest(value) for value in values]
+    assert len(set(digests)) == len(values)
+    assert digests == [packer.digest(packer.pack(value)) for value in values]
+    assert {len(one) for one in digests} == {64}
+
+
+def test_a_digest_covers_every_byte() -> None:
+    head = '["array",0,"<f8",[1]]'
+    one, other = (Packed(head, (memoryview(bytes([0] * 7 + [last])),)) for last in (0, 1))
+    assert one.digest != other.digest
