@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+from nodegraph.draw.clusters import called, frames_of, last_part, outline
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
 from nodegraph.draw.text import clean, escaped
 
@@ -11,7 +12,8 @@ from nodegraph.draw.text import clean, escaped
 def dot(picture: Picture) -> str:
     """Return the picture in the DOT language.
 
-    Every name is written as a quoted string or as escaped markup; identifiers are numbered.
+    Boxes whose dotted names begin alike stand in a cluster. Every name is written as a quoted
+    string or as escaped markup; identifiers are numbered.
     """
     numbers = {box.name: index for index, box in enumerate(picture.boxes)}
     boxes = {box.name: box for box in picture.boxes}
@@ -21,9 +23,26 @@ def dot(picture: Picture) -> str:
         "  node [shape=plain, fontname=Helvetica, fontsize=11];",
         "  edge [fontname=Helvetica, fontsize=9];",
     ]
-    lines += [f"  n{numbers[box.name]} [label=<{_table(box)}>];" for box in picture.boxes]
+    lines += _nested(boxes, numbers)
     lines += [_edge(arrow, numbers, boxes) for arrow in picture.arrows]
     return "\n".join([*lines, "}\n"])
+
+
+def _nested(boxes: Mapping[str, Box], numbers: Mapping[str, int]) -> Iterator[str]:
+    paths = frames_of(boxes)
+    opened = 0
+    for kind, name, depth in outline(paths):
+        indent = "  " * (depth + 1)
+        if kind == "open":
+            label = f"label={_quoted(last_part(name))}, labelloc=t, labeljust=l"
+            yield f"{indent}subgraph cluster_{opened} {{"
+            yield f"{indent}  graph [{label}, style=rounded, color=gray60];"
+            opened += 1
+        elif kind == "close":
+            yield f"{indent}}}"
+        else:
+            table = _table(boxes[name], called(name, paths[name]))
+            yield f"{indent}n{numbers[name]} [label=<{table}>];"
 
 
 def _quoted(text: str) -> str:
@@ -37,10 +56,10 @@ def _markup(text: str) -> str:
     return escaped(text.replace("\\", "\\\\"))
 
 
-def _table(box: Box) -> str:
+def _table(box: Box, called: str) -> str:
     span = max(1, len(box.inputs)) * max(1, len(box.outputs))
     cell = f'<TR><TD COLSPAN="{span}">'
-    rows = [f"{cell}<B>{_markup(box.name)}</B></TD></TR>"]
+    rows = [f"{cell}<B>{_markup(called)}</B></TD></TR>"]
     lines = [*box.lines, " | ".join(box.alternatives), ", ".join(box.axes)]
     rows += [f"{cell}{_markup(line)}</TD></TR>" for line in lines if clean(line)]
     inputs, outputs = _ports(box.inputs, "i", span), _ports(box.outputs, "o", span)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Mapping
 
+from nodegraph.draw.clusters import called, frames_of, last_part, outline
 from nodegraph.draw.picture import Arrow, Box, Picture
 from nodegraph.draw.text import clean
 
@@ -14,18 +16,34 @@ _SHAPES = {"node": ('["', '"]'), "input": ('(["', '"])'), "report": ('[["', '"]]
 def mermaid(picture: Picture) -> str:
     """Return the picture as a Mermaid flowchart.
 
-    Truth is dotted, gathering arrows are thick. Whatever is not a letter, a digit or harmless
+    Truth is dotted, gathering arrows are thick; boxes whose dotted names begin alike stand in a
+    subgraph. Whatever is not a letter, a digit or harmless
     in a label is written as a Mermaid entity, so that no name can end its label.
     """
     ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
     title = clean(picture.title).replace("<", "&lt;").replace(">", "&gt;")
     lines = ["---", f"title: {json.dumps(title, ensure_ascii=False)}", "---", "flowchart TD"]
-    lines += [f"  {ids[box.name]}{_box(box)}" for box in picture.boxes]
+    lines += _nested(picture, ids)
     lines += [
         f'  {ids[arrow.source]} {_line(arrow)}|"{_label(arrow)}"| {ids[arrow.target]}'
         for arrow in picture.arrows
     ]
     return "\n".join(lines) + "\n"
+
+
+def _nested(picture: Picture, ids: Mapping[str, str]) -> Iterator[str]:
+    boxes = {box.name: box for box in picture.boxes}
+    paths = frames_of(boxes)
+    opened = 0
+    for kind, name, depth in outline(paths):
+        indent = "  " * (depth + 1)
+        if kind == "open":
+            yield f'{indent}subgraph frame{opened}["{_text(last_part(name))}"]'
+            opened += 1
+        elif kind == "close":
+            yield f"{indent}end"
+        else:
+            yield f"{indent}{ids[name]}{_box(boxes[name], called(name, paths[name]))}"
 
 
 def _text(text: str) -> str:
@@ -34,9 +52,9 @@ def _text(text: str) -> str:
     )
 
 
-def _box(box: Box) -> str:
+def _box(box: Box, called: str) -> str:
     begin, end = _SHAPES[box.kind]
-    lines = [box.name, *box.lines]
+    lines = [called, *box.lines]
     lines += [" | ".join(box.alternatives)] if box.alternatives else []
     lines += [", ".join(box.axes)] if box.axes else []
     return begin + "<br/>".join(_text(line) for line in lines) + end

@@ -2,66 +2,52 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.resources import files
 
+from nodegraph.draw.cells import Point
+from nodegraph.draw.layout import Framed, layout
 from nodegraph.draw.legend import legend
-from nodegraph.draw.marks import fan, head, number, smooth, tag
-from nodegraph.draw.net import Net, net
-from nodegraph.draw.order import ordered
+from nodegraph.draw.level import LABEL_HEIGHT, PADDING
+from nodegraph.draw.marks import fan, head, line, number, tag
 from nodegraph.draw.picture import Arrow, Picture
-from nodegraph.draw.place import placed
-from nodegraph.draw.shape import CHIP_HEIGHT, Chip, Shape, Text, shape
-from nodegraph.draw.text import escaped
+from nodegraph.draw.shape import CHIP_HEIGHT, Chip, Shape, Text
+from nodegraph.draw.text import escaped, shortened
 
 _MARGIN = 16.0
-_GAP = 46.0
-_WIDEST_GAP = 120.0
 _SMALLEST_SCALE = 0.6
-
-
-@dataclass(frozen=True, slots=True)
-class _Band:
-    """From where to where a layer's boxes reach."""
-
-    top: float
-    bottom: float
 
 
 def svg(picture: Picture) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
-    Boxes stand in layers, so that every arrow runs downwards; none runs through a box. Truth is
-    dashed, a gathering arrow is a fan of several lines that meet. Colours follow the reader's
-    light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
+    Boxes stand in layers, so that every arrow runs downwards; a tall picture is folded into
+    columns, and an arrow to the next column runs around. None runs through a box. Boxes whose
+    dotted names begin alike stand in a frame. Truth is dashed, a gathering arrow is a fan of
+    several lines that meet. Colours follow the reader's light or dark scheme; a page sets
+    ``--picture-paper`` and ``--picture-face`` to fit its own.
 
     Raises
     ------
     ValueError
         If arrows run in a circle.
     """
-    shapes = _shapes(picture)
-    cells = net(picture, shapes)
-    layers = ordered(cells)
-    middles = [x + _MARGIN for x in placed(cells, layers)]
-    bands = _bands(cells, layers, middles, shapes)
+    found = layout(picture)
+    meeting = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     arrows = [
-        _arrow(arrow, route, shapes, middles, _bands_of(route, layers, bands))
-        for arrow, route in zip(picture.arrows, cells.routes, strict=True)
+        _arrow(arrow, points, alone=meeting[arrow.target, arrow.target_port] == 1)
+        for arrow, points in zip(picture.arrows, found.routes, strict=True)
     ]
-    tops = {cell: band.top for layer, band in zip(layers, bands, strict=True) for cell in layer}
-    boxes = [
-        _box(one, middles[index] - one.width / 2, tops[index]) for index, one in enumerate(shapes)
-    ]
-    right = max((x + w / 2 for x, w in zip(middles, cells.widths, strict=True)), default=0.0)
-    explained, wide, high = legend(picture, _MARGIN, (bands[-1].bottom if bands else 0.0) + 18.0)
-    return _document(picture, [*arrows, *boxes, explained], max(right, wide) + _MARGIN, high)
+    frames = [_frame(one) for one in found.frames]
+    boxes = [_box(one, x, y) for one, (x, y) in found.boxes]
+    explained, wide, high = legend(picture, 0.0, found.height + 18.0)
+    return _document(picture, [*frames, *arrows, *boxes, explained], max(found.width, wide), high)
 
 
 def _document(picture: Picture, parts: Sequence[str], width: float, height: float) -> str:
     style = files("nodegraph.draw").joinpath("picture.css").read_text(encoding="utf-8")
-    wide, high = round(width), round(height + _MARGIN)
+    wide, high = round(width + 2 * _MARGIN), round(height + 2 * _MARGIN)
     least = round(wide * _SMALLEST_SCALE)
     begin = (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="nodegraph-picture" role="img"'
@@ -69,8 +55,11 @@ def _document(picture: Picture, parts: Sequence[str], width: float, height: floa
         f' style="max-width: 100%; min-width: {least}px; height: auto">'
     )
     paper = f'<rect class="paper" width="{wide}" height="{high}"/>'
+    inside = f'<g transform="translate({number(_MARGIN)} {number(_MARGIN)})">'
     title = tag("title", picture.title or "graph") + tag("desc", _description(picture))
-    return "\n".join([begin, title, f"<style>\n{style}</style>", paper, *parts, "</svg>\n"])
+    return "\n".join(
+        [begin, title, f"<style>\n{style}</style>", paper, inside, *parts, "</g>", "</svg>\n"]
+    )
 
 
 def _description(picture: Picture) -> str:
@@ -79,62 +68,22 @@ def _description(picture: Picture) -> str:
     return f"Nodes: {boxes}. Arrows: {arrows or 'none'}."
 
 
-def _shapes(picture: Picture) -> list[Shape]:
-    wired: dict[tuple[str, str], list[str]] = {}
-    for arrow in picture.arrows:
-        wired.setdefault((arrow.source, arrow.source_port), [])
-        fixed = wired.setdefault((arrow.target, arrow.target_port), [])
-        fixed += [arrow.fixed] if arrow.fixed else []
-    by_box: dict[str, dict[str, list[str]]] = {}
-    for (name, port), fixed in wired.items():
-        by_box.setdefault(name, {})[port] = fixed
-    found = [by_box.get(box.name, {}) for box in picture.boxes]
-    return [
-        shape(box, frozenset(ports), ports) for box, ports in zip(picture.boxes, found, strict=True)
-    ]
+def _frame(one: Framed) -> str:
+    size = f'width="{number(one.width)}" height="{number(one.height)}" rx="12"'
+    return (
+        f'<g class="around" data-frame="{escaped(one.name)}"'
+        f' transform="translate({number(one.x)} {number(one.y)})">{tag("title", one.name)}'
+        f'<rect {size}/><text class="label" x="{number(PADDING)}" y="{number(LABEL_HEIGHT - 7)}">'
+        f"{escaped(shortened(one.label))}</text></g>"
+    )
 
 
-def _bands(
-    cells: Net, layers: Sequence[Sequence[int]], middles: Sequence[float], shapes: Sequence[Shape]
-) -> list[_Band]:
-    """Return where each layer stands; the gap grows with how far its arrows run sideways."""
-    bands = []
-    y = _MARGIN
-    for layer, gap in zip(layers, cells.gaps, strict=True):
-        heights = [shapes[cell].height for cell in layer if cell < len(shapes)]
-        bands.append(_Band(y, y + max(heights)))
-        sideways = max((abs(middles[one.upper] - middles[one.lower]) for one in gap), default=0.0)
-        y = bands[-1].bottom + min(_GAP + 0.12 * sideways, _WIDEST_GAP)
-    return bands
-
-
-def _bands_of(
-    route: Sequence[int], layers: Sequence[Sequence[int]], bands: Sequence[_Band]
-) -> list[_Band]:
-    first = next(number for number, layer in enumerate(layers) if route[0] in layer)
-    return list(bands[first : first + len(route)])
-
-
-def _arrow(
-    arrow: Arrow,
-    route: Sequence[int],
-    shapes: Sequence[Shape],
-    middles: Sequence[float],
-    bands: Sequence[_Band],
-) -> str:
-    source, target = shapes[route[0]], shapes[route[-1]]
-    xs = [middles[cell] for cell in route]
-    xs[0] += source.outputs[arrow.source_port] - source.width / 2
-    xs[-1] += target.inputs[arrow.target_port] - target.width / 2
-    points = [(xs[0], bands[0].top + source.height), (xs[0], bands[0].bottom)]
-    for x, band in zip(xs[1:-1], bands[1:-1], strict=True):
-        points += [(x, band.top), (x, band.bottom)]
-    points.append((xs[-1], bands[-1].top))
-    path = fan(points) if arrow.gathers else smooth(points)
+def _arrow(arrow: Arrow, points: Sequence[Point], *, alone: bool) -> str:
+    path = fan(points) if arrow.gathers and alone else line(points)
     styles = "arrow" + " truth" * arrow.truth + " gathers" * arrow.gathers
     return (
         f'<g class="{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
-        f'<path class="wire" d="{path}"/>{head(xs[-1], bands[-1].top)}</g>'
+        f'<path class="wire" d="{path}"/>{head(*points[-1])}</g>'
     )
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
+from nodegraph.draw.text import shortened
 from nodegraph.graph import Graph, GraphNode
 from nodegraph.node import Node
-from nodegraph.ports import Port
+from nodegraph.ports import Label, Port
 from nodegraph.spec.parts import Reference
 
 _MOST_METHODS = 12
+_LONGEST_LABEL = 16
 
 
 def picture_of(graph: Graph) -> Picture:
@@ -32,6 +36,15 @@ def picture_of(graph: Graph) -> Picture:
     return Picture(graph.title, boxes, arrows)
 
 
+def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
+    """Return an axis's labels where they are few, else how many they are, the first and last."""
+    short = [shortened(str(label), _LONGEST_LABEL) for label in labels]
+    text = ", ".join(short)
+    if len(text) <= longest or len(short) < 3:
+        return text
+    return f"{len(short)} labels: {short[0]} … {short[-1]}"
+
+
 def _box(
     graph: Graph, node: GraphNode, read: set[tuple[str, str]], fed: set[tuple[str, str]]
 ) -> Box:
@@ -48,7 +61,7 @@ def _box(
         outputs=tuple(outputs),
         alternatives=(*labels[:_MOST_METHODS], *more),
         axes=tuple(
-            f"{axis} \u00d7{len(graph.axes[axis].labels)}" for axis in _own_axes(graph, node)
+            f"{axis}: {labels_text(graph.axes[axis].labels)}" for axis in _own_axes(graph, node)
         ),
         kind=_kind(graph, node),
     )

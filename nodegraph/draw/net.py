@@ -1,30 +1,32 @@
-"""Boxes in layers, and the bends by which long arrows pass the layers between."""
+"""Cells in layers, and the bends by which long wires pass the layers between."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 
-from nodegraph.draw.picture import Arrow, Picture
-from nodegraph.draw.shape import Shape
+from nodegraph.draw.cells import BEND_WIDTH, Cell, Wire
 
-BEND_WIDTH = 12.0
+_MEET = 4
+_FEW = 3.0
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A piece of an arrow between neighbouring layers; offsets count from the cells' middles."""
+    """A piece of a wire between neighbouring layers; offsets count from the cells' middles."""
 
     upper: int
     lower: int
     upper_offset: float = 0.0
     lower_offset: float = 0.0
     weight: float = 1.0
+    truth: bool = False
 
 
 @dataclass
 class Net:
-    """Cells are boxes, numbered as in the picture, then bends.
+    """Cells as they were given, then bends.
 
     Attributes
     ----------
@@ -34,94 +36,117 @@ class Net:
     gaps : list of list of Segment
         The segments below each layer.
     chains : list of list of int
-        Bends of long arrows, each list from the top.
-    routes : list of list of int
-        For each arrow its cells: the source, bends, the target.
+        Bends of long wires, each list from the top.
+    routes : list of list of Segment
+        For each wire its segments, from the top.
     """
 
     layers: list[list[int]]
     widths: list[float]
     gaps: list[list[Segment]]
     chains: list[list[int]] = field(default_factory=list)
-    routes: list[list[int]] = field(default_factory=list)
+    routes: list[list[Segment]] = field(default_factory=list)
 
     def bend(self, layer: int) -> int:
-        """Add a bend to a layer and return its number."""
+        """Add a bend to the middle of a layer and return its number."""
         self.widths.append(BEND_WIDTH)
-        self.layers[layer].append(len(self.widths) - 1)
+        cells = self.layers[layer]
+        cells.insert(len(cells) // 2, len(self.widths) - 1)
         return len(self.widths) - 1
 
 
-def net(picture: Picture, shapes: Sequence[Shape]) -> Net:
-    """Return the picture's boxes in layers; arrows that leave one port share their bends."""
-    numbers = {box.name: index for index, box in enumerate(picture.boxes)}
-    depths = depths_of(list(numbers), picture.arrows)
-    count = max(depths.values(), default=-1) + 1
-    made = Net(
-        [[] for _ in range(count)], [one.width for one in shapes], [[] for _ in range(count)]
-    )
-    for name, number in numbers.items():
-        made.layers[depths[name]].append(number)
-    chains: dict[tuple[str, str, bool], list[int]] = {}
-    for arrow in picture.arrows:
-        source, target = numbers[arrow.source], numbers[arrow.target]
-        first, last = depths[arrow.source], depths[arrow.target]
-        chain = chains.setdefault((arrow.source, arrow.source_port, arrow.truth), [source])
-        begins = shapes[source].outputs[arrow.source_port] - shapes[source].width / 2
-        for layer in range(first + len(chain), last):
-            chain.append(made.bend(layer))
-            made.gaps[layer - 1].append(_inner_segment(chain, begins))
-        route = [*chain[: last - first], target]
-        ends = shapes[target].inputs[arrow.target_port] - shapes[target].width / 2
-        offset = begins if len(route) == 2 else 0.0
-        weight = 1.0 if len(route) == 2 else 2.0
-        made.gaps[last - 1].append(Segment(route[-2], target, offset, ends, weight))
-        made.routes.append(route)
-    made.chains = [chain[1:] for chain in chains.values() if len(chain) > 1]
+def net(cells: Sequence[Cell], wires: Sequence[Wire], depths: Sequence[int]) -> Net:
+    """Return the cells in their layers, with bends.
+
+    Wires that leave one port share their bends; so do those that meet in one port, where they
+    are many.
+    """
+    count = max(depths, default=-1) + 1
+    made = Net([[] for _ in range(count)], [one.width for one in cells], [[] for _ in range(count)])
+    for number, depth in enumerate(depths):
+        made.layers[depth].append(number)
+    _Router(made, cells, wires, depths).route()
     return made
 
 
-def _inner_segment(chain: Sequence[int], begins: float) -> Segment:
-    """Return the segment to a chain's last bend; those between bends are kept straightest."""
-    if len(chain) == 2:
-        return Segment(chain[0], chain[1], begins, 0.0, 2.0)
-    return Segment(chain[-2], chain[-1], 0.0, 0.0, 8.0)
+class _Router:
+    def __init__(
+        self, made: Net, cells: Sequence[Cell], wires: Sequence[Wire], depths: Sequence[int]
+    ) -> None:
+        self._made = made
+        self._cells = cells
+        self._wires = wires
+        self._depths = depths
+        self._leaving = Counter(_begin(one) for one in wires)
+        self._meeting = Counter(_end(one) for one in wires)
+        self._forks: dict[Hashable, list[Segment]] = {}
+        self._joints: dict[Hashable, list[Segment]] = {}
+
+    def route(self) -> None:
+        for wire in self._wires:
+            many = self._meeting[_end(wire)]
+            together = many >= _MEET and many > self._leaving[_begin(wire)]
+            route = self._joining(wire) if together else self._forking(wire)
+            self._made.routes.append(route)
+        forks = ([one.lower for one in chain] for chain in self._forks.values())
+        joints = ([one.upper for one in reversed(chain)] for chain in self._joints.values())
+        self._made.chains += [chain for chain in (*forks, *joints) if chain]
+
+    def _forking(self, wire: Wire) -> list[Segment]:
+        """Follow the bends of the port that the wire leaves, as far down as it needs."""
+        first, last = self._depths[wire.source], self._depths[wire.target]
+        chain = self._forks.setdefault(_begin(wire), [])
+        begins = self._cells[wire.source].out_of(wire.source_port)
+        for layer in range(first + 1 + len(chain), last):
+            upper = chain[-1].lower if chain else wire.source
+            bend = self._made.bend(layer)
+            weight, offset = (8.0, 0.0) if chain else (2.0, begins)
+            chain.append(self._add(layer - 1, upper, bend, offset, 0.0, weight, wire))
+        used = chain[: last - first - 1]
+        ends = self._cells[wire.target].into(wire.target_port)
+        upper, offset = (used[-1].lower, 0.0) if used else (wire.source, begins)
+        weight = self._share(wire) * (2.0 if used else 1.0)
+        return [*used, self._add(last - 1, upper, wire.target, offset, ends, weight, wire)]
+
+    def _joining(self, wire: Wire) -> list[Segment]:
+        """Go to the bends of the port in which the wire ends, as high up as it needs."""
+        first, last = self._depths[wire.source], self._depths[wire.target]
+        chain = self._joints.setdefault(_end(wire), [])
+        ends = self._cells[wire.target].into(wire.target_port)
+        for layer in range(last - 1 - len(chain), first, -1):
+            lower = chain[-1].upper if chain else wire.target
+            bend = self._made.bend(layer)
+            weight, offset = (8.0, 0.0) if chain else (2.0, ends)
+            chain.append(self._add(layer, bend, lower, 0.0, offset, weight, wire))
+        used = chain[: last - first - 1][::-1]
+        begins = self._cells[wire.source].out_of(wire.source_port)
+        lower, offset = (used[0].upper, 0.0) if used else (wire.target, ends)
+        weight = self._share(wire)
+        return [self._add(first, wire.source, lower, begins, offset, weight, wire), *used]
+
+    def _share(self, wire: Wire) -> float:
+        """Return how much a wire pulls: one among many must not bend their common line."""
+        many = max(self._meeting[_end(wire)], self._leaving[_begin(wire)])
+        return min(1.0, (_FEW / many) ** 2)
+
+    def _add(
+        self,
+        gap: int,
+        upper: int,
+        lower: int,
+        begins: float,
+        ends: float,
+        weight: float,
+        wire: Wire,
+    ) -> Segment:
+        made = Segment(upper, lower, begins, ends, weight, wire.truth)
+        self._made.gaps[gap].append(made)
+        return made
 
 
-def depths_of(names: Sequence[str], arrows: Sequence[Arrow]) -> dict[str, int]:
-    """Return each box's layer: below all that feeds it, and no higher than its readers need.
-
-    Raises
-    ------
-    ValueError
-        If arrows run in a circle.
-    """
-    above: dict[str, list[str]] = {name: [] for name in names}
-    below: dict[str, list[str]] = {name: [] for name in names}
-    for arrow in arrows:
-        above[arrow.target].append(arrow.source)
-        below[arrow.source].append(arrow.target)
-    order = _topological(names, above, below)
-    depths: dict[str, int] = {}
-    for name in order:
-        depths[name] = max((depths[one] + 1 for one in above[name]), default=0)
-    for name in reversed(order):
-        if below[name] and len(below[name]) >= len(above[name]):
-            depths[name] = min(depths[one] for one in below[name]) - 1
-    return depths
+def _begin(wire: Wire) -> tuple[Hashable, ...]:
+    return wire.source, wire.source_port, wire.truth
 
 
-def _topological(
-    names: Sequence[str], above: Mapping[str, list[str]], below: Mapping[str, list[str]]
-) -> list[str]:
-    waiting = {name: len(above[name]) for name in names}
-    order = [name for name in names if not waiting[name]]
-    for name in order:  # grows while it is read
-        for reader in below[name]:
-            waiting[reader] -= 1
-            if not waiting[reader]:
-                order.append(reader)
-    if len(order) < len(names):
-        circle = ", ".join(name for name in names if waiting[name])
-        raise ValueError(f"arrows run in a circle among or into: {circle}")
-    return order
+def _end(wire: Wire) -> tuple[Hashable, ...]:
+    return wire.target, wire.target_port, wire.truth

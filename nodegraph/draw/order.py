@@ -17,16 +17,25 @@ from nodegraph.draw.net import Net, Segment
 _SWEEPS = 24
 _PATIENCE = 6
 _EXCHANGES = 4
+_MANY_SEGMENTS = 8000
+_FEWER = 4
 
 
 def ordered(net: Net) -> list[list[int]]:
-    """Return the layers, each in the best order that the sweeps found."""
+    """Return the layers, each in the best order that the sweeps found.
+
+    Of a very large net fewer orders are tried, so that nobody waits for a picture that cannot
+    be overlooked anyway.
+    """
+    many = sum(map(len, net.gaps)) > _MANY_SEGMENTS
+    effort = _FEWER if many else 1
     layers = [list(layer) for layer in net.layers]
     best, fewest, idle = layers, crossings(net, layers), 0
-    for sweep in range(_SWEEPS):
+    for sweep in range(_SWEEPS // effort):
         if not fewest or idle == _PATIENCE:
             break
-        layers = _exchanged(net, _sweep(net, layers, downwards=sweep % 2 == 0))
+        swept = _sweep(net, layers, downwards=sweep % 2 == 0)
+        layers = _exchanged(net, swept, _EXCHANGES // effort)
         found = crossings(net, layers)
         idle = 0 if found < fewest else idle + 1
         if found < fewest:
@@ -90,11 +99,11 @@ def _reordered(layer: Sequence[int], pulls: Mapping[int, Sequence[float]]) -> li
     return [next(pulled) if cell in means else cell for cell in layer]
 
 
-def _exchanged(net: Net, layers: Sequence[Sequence[int]]) -> list[list[int]]:
+def _exchanged(net: Net, layers: Sequence[Sequence[int]], rounds: int) -> list[list[int]]:
     """Exchange neighbours in a layer where that saves crossings."""
     better = [list(layer) for layer in layers]
     places = _places(net, better)
-    for _ in range(_EXCHANGES):
+    for _ in range(rounds):
         changed = False
         for number, layer in enumerate(better):
             ends = _ends(net, number, places)

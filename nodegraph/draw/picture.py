@@ -32,7 +32,7 @@ class Box:
     alternatives : tuple of str
         Labels of the methods that are compared here.
     axes : tuple of str
-        Axes that begin at this node, with their counts: ``length x3``.
+        Axes that begin at this node, with their labels: ``length: 5, 15, 45``.
     kind : {"node", "input", "report"}
         An input gives what the user brought; a report node is shown in the report.
     """

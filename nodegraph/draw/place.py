@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
-from nodegraph.draw.net import BEND_WIDTH, Net
+from nodegraph.draw.cells import BEND_WIDTH
+from nodegraph.draw.net import Net
 from nodegraph.draw.straight import straighten
 
 _Pulls = list[list[tuple[int, float, float]]]
@@ -14,7 +15,9 @@ _ROUNDS = 10
 _ALIGNMENTS = 3
 _BOX_GAP = 44.0
 _BEND_GAP = 22.0
+_BETWEEN_BENDS = 8.0
 _LOOSE = 0.01
+_LIGHT = 0.1
 
 
 def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
@@ -27,7 +30,7 @@ def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
     apart = [_distances(layer, net.widths) for layer in layers]
     middles = [0.0] * len(net.widths)
     for layer, distances in zip(layers, apart, strict=True):
-        _set(middles, layer, spread([0.0] * len(layer), [1.0] * len(layer), distances))
+        _set(middles, layer, _centred(distances) if layer else [])
     above, below = _neighbours(net)
     both = [ups + downs for ups, downs in zip(above, below, strict=True)]
     for number, pulls in [
@@ -41,6 +44,12 @@ def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
         straighten(net, layers, apart, middles)
     left = min((x - w / 2 for x, w in zip(middles, net.widths, strict=True)), default=0.0)
     return [x - left for x in middles]
+
+
+def _centred(apart: Sequence[float]) -> list[float]:
+    """Return places as near to each other as can be, around zero."""
+    places = [0.0, *accumulate(apart)]
+    return [place - places[-1] / 2 for place in places]
 
 
 def _tour(count: int, down: _Pulls, up: _Pulls) -> list[tuple[int, _Pulls]]:
@@ -64,8 +73,8 @@ def _distances(layer: Sequence[int], widths: Sequence[float]) -> list[float]:
     """Return how far the middles of neighbours in a layer must be apart."""
     apart = []
     for left, right in pairwise(layer):
-        bend = min(widths[left], widths[right]) <= BEND_WIDTH
-        gap = _BEND_GAP if bend else _BOX_GAP
+        bends = (widths[left] <= BEND_WIDTH) + (widths[right] <= BEND_WIDTH)
+        gap = (_BOX_GAP, _BEND_GAP, _BETWEEN_BENDS)[bends]
         apart.append((widths[left] + widths[right]) / 2 + gap)
     return apart
 
@@ -85,8 +94,12 @@ def _settle(
     wished, weights = [], []
     for cell in layer:
         pulling = [(middles[other] + shift, weight) for other, shift, weight in pulls[cell]]
-        wished.append(choose(pulling, middles[cell]) if pulling else middles[cell])
-        weights.append(sum(weight for _, weight in pulling) or _LOOSE)
+        weight = sum(weight for _, weight in pulling)
+        weights.append(max(weight, _LOOSE))
+        if weight >= _LIGHT:
+            wished.append(choose(pulling, middles[cell]))
+        else:  # as one of very many it stays among them, in the middle
+            wished.append(0.0 if pulling else middles[cell])
     _set(middles, layer, spread(wished, weights, apart))
 
 
@@ -95,10 +108,15 @@ def _mean(pulling: Sequence[tuple[float, float]], now: float) -> float:
 
 
 def _median(pulling: Sequence[tuple[float, float]], now: float) -> float:
-    """Return the middle one of the places, or of two the nearer: there one arrow is straight."""
-    places = sorted(x for x, _ in pulling)
-    middle = (len(places) - 1) // 2
-    return min(places[middle], places[len(places) // 2], key=lambda x: abs(x - now))
+    """Return the weighted median of the places, of two the nearer: there one arrow is straight."""
+    total = sum(weight for _, weight in pulling)
+    passed = 0.0
+    middles = []
+    for x, weight in sorted(pulling):
+        before, passed = passed, passed + weight
+        if 2 * before <= total * 1.000001 and 2 * passed >= total * 0.999999:
+            middles.append(x)
+    return min(middles, key=lambda x: abs(x - now))
 
 
 def spread(

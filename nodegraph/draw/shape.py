@@ -81,7 +81,9 @@ class _Slot:
         return max(width(text, _SIZES[style]) for style, text in self.lines)
 
 
-def shape(box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]]) -> Shape:
+def shape(
+    box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]], called: str = ""
+) -> Shape:
     """Return the box laid out.
 
     Parameters
@@ -91,18 +93,23 @@ def shape(box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]]) -
         Ports with an arrow: of a box with many ports, the others are only counted.
     fixed : mapping of input port to texts
         What the arrows into each port fix.
+    called : str
+        What stands as its name; the name itself if it is empty.
     """
+    called = called or box.name
     inputs = _slots(box.inputs, wired, fixed)
     outputs = _slots(box.outputs, wired, {})
     chips = _chip_texts(box)
-    inner = max(_NARROWEST, _heading_width(box), _strip_width(inputs), _strip_width(outputs))
+    inner = max(
+        _NARROWEST, _heading_width(box, called), _strip_width(inputs), _strip_width(outputs)
+    )
     flowing = [_flow(group, max(inner, _WIDEST_ROW)) for group in chips]
     inner = max([inner, *(x + chip for row in flowing for x, _, chip in row)])
     top, inputs_height = 6.0, _strip_height(inputs)
     texts, in_places = _strip(inputs, inner, top)
     y = top + inputs_height + (8.0 if inputs else 4.0)
     rules = [top + inputs_height + 4.0] if inputs else []
-    heading, y = _heading(box, y)
+    heading, y = _heading(box, called, y)
     drawn, y = _chips(chips, flowing, y)
     y += 8.0
     if outputs:
@@ -169,14 +176,14 @@ def _strip(slots: Sequence[_Slot], inner: float, top: float) -> tuple[list[Text]
     return texts, places
 
 
-def _heading_width(box: Box) -> float:
+def _heading_width(box: Box, called: str) -> float:
     lines = [width(shortened(line), _SIZES["line"], monospace=True) for line in box.lines]
-    return max([width(shortened(box.name), _SIZES["name"], bold=True), *lines])
+    return max([width(shortened(called), _SIZES["name"], bold=True), *lines])
 
 
-def _heading(box: Box, y: float) -> tuple[list[Text], float]:
+def _heading(box: Box, called: str, y: float) -> tuple[list[Text], float]:
     texts = []
-    for style, text in [("name", box.name), *(("line", line) for line in box.lines)]:
+    for style, text in [("name", called), *(("line", line) for line in box.lines)]:
         y += _LEADING[style]
         hint = clean(text) if shortened(text) != clean(text) else ""
         texts.append(Text(style, shortened(text), PADDING, y - 3.0, hint=hint))
@@ -189,13 +196,15 @@ def _chip_texts(box: Box) -> list[list[tuple[str, str, str]]]:
     rest = box.alternatives[_CHIPS:]
     if rest:
         shown.append(("more", f"+{len(rest)} more", ", ".join(rest)))
-    axes = [("axis", shortened(text, 28), text) for text in box.axes]
+    axes = [("axis", shortened(text), text) for text in box.axes]
     return [group for group in (shown, axes) if group]
 
 
 def _flow(group: Sequence[tuple[str, str, str]], limit: float) -> list[tuple[float, int, float]]:
     """Return for each chip how far from the left it stands, in which row, and its width."""
-    widths = [width(text, _CHIP_SIZE) + 2 * _CHIP_INSET for _, text, _ in group]
+    widths = [
+        width(text, _CHIP_SIZE, bold=style == "axis") + 2 * _CHIP_INSET for style, text, _ in group
+    ]
     places = []
     for number, row in enumerate(rows(widths, limit, _CHIP_GAP)):
         x = 0.0

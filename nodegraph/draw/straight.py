@@ -21,7 +21,9 @@ def straighten(
     ends = _ends(net)
     for chain in net.chains:
         free = [_free(cell, beside, middles) for cell in chain]
-        wished = [middles[other] + shift for other, shift in ends[chain[0]] + ends[chain[-1]]]
+        # the end that is one port comes first: at the other many may fork or meet
+        joined = sorted((ends[chain[0]], ends[chain[-1]]), key=len)
+        wished = [middles[other] + shift for other, shift in joined[0] + joined[1]]
         for begin, end, (low, high) in _runs(free):
             x = _within(wished, low, high, sum(middles[cell] for cell in chain) / len(chain))
             for cell in chain[begin:end]:

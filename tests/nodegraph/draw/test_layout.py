@@ -8,25 +8,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
-from nodegraph.draw.net import Net, Segment, depths_of
+from nodegraph.draw.depths import depths_of
+from nodegraph.draw.lanes import lanes
+from nodegraph.draw.net import Net, Segment
 from nodegraph.draw.order import crossings, ordered
-from nodegraph.draw.picture import Arrow
 from nodegraph.draw.place import spread
 from nodegraph.draw.text import clean, rows, shortened, width
 
 
-def arrow(source: str, target: str) -> Arrow:
-    return Arrow(source, "x", target, "x")
-
-
 def test_a_box_stands_below_all_that_feeds_it() -> None:
-    arrows = [arrow("a", "b"), arrow("b", "c"), arrow("a", "c")]
-    assert depths_of(["c", "b", "a"], arrows) == {"a": 0, "b": 1, "c": 2}
+    a, b, c = 2, 1, 0
+    assert depths_of(3, [(a, b), (b, c), (a, c)]) == [2, 1, 0]
 
 
 def test_a_source_that_is_needed_late_stands_near_its_reader() -> None:
-    arrows = [arrow("a", "b"), arrow("b", "c"), arrow("model", "c")]
-    assert depths_of(["a", "b", "c", "model"], arrows)["model"] == 1
+    a, b, c, model = range(4)
+    assert depths_of(4, [(a, b), (b, c), (model, c)])[model] == 1
 
 
 @settings(deadline=None)
@@ -80,3 +77,29 @@ def test_widths_grow_with_text_and_type() -> None:
 def test_pieces_flow_into_rows() -> None:
     assert rows([40, 40, 40, 200, 10], limit=100, gap=5) == [[0, 1], [2], [3], [4]]
     assert rows([], limit=100, gap=5) == []
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 9), st.integers(10, 19)), max_size=30, unique=True))
+def test_segments_in_one_lane_stand_apart_unless_they_belong_together(
+    pairs: list[tuple[int, int]],
+) -> None:
+    middles = [60.0 * (cell % 10) for cell in range(20)]
+    segments = [Segment(upper, lower) for upper, lower in pairs]
+    found = lanes(segments, middles)
+    assert set(found) == {one for one in segments if middles[one.upper] != middles[one.lower]}
+    for one, other in combinations(found, 2):
+        places = sorted((middles[one.upper], middles[one.lower]))
+        others = sorted((middles[other.upper], middles[other.lower]))
+        together = one.upper == other.upper or one.lower == other.lower
+        apart = places[1] < others[0] or others[1] < places[0]
+        assert together or apart or found[one] != found[other]
+
+
+def test_a_wire_that_comes_down_where_another_goes_down_turns_first() -> None:
+    middles = [0.0, 100.0, 200.0, 100.0, 0.0]
+    ends, begins = Segment(0, 3), Segment(1, 4)
+    found = lanes([ends, begins], middles)
+    assert found[begins] < found[ends]
+    found = lanes([Segment(2, 3), Segment(1, 4)], middles)
+    assert found[Segment(1, 4)] < found[Segment(2, 3)]

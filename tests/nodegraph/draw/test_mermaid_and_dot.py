@@ -80,3 +80,48 @@ def test_no_name_ends_a_dot_label() -> None:
     assert not re.search(r"(?<!\\)(?:\\\\)*\\(?!\\)", markup), "each backslash is doubled"
     tags = set(re.findall(r"</?(\w+)", markup))
     assert tags == {"TABLE", "TR", "TD", "B"}
+
+
+def nested() -> Picture:
+    names = ("a", "clean.one", "b", "clean.fine.two", "clean.fine", "clean")
+    return Picture("Nested", tuple(Box(name) for name in names))
+
+
+def test_names_with_dots_stand_in_mermaid_subgraphs() -> None:
+    assert mermaid(nested()).splitlines()[4:] == [
+        '  n0["a"]',
+        '  subgraph frame0["clean"]',
+        '    n1["one"]',
+        '    subgraph frame1["fine"]',
+        '      n3["two"]',
+        '      n4["fine"]',
+        "    end",
+        '    n5["clean"]',
+        "  end",
+        '  n2["b"]',
+    ]
+
+
+def test_names_with_dots_stand_in_dot_clusters() -> None:
+    lines = [line.strip().partition(" [")[0] for line in dot(nested()).splitlines()[4:-1]]
+    assert lines == [
+        "n0",
+        "subgraph cluster_0 {",
+        "graph",
+        "n1",
+        "subgraph cluster_1 {",
+        "graph",
+        "n3",
+        "n4",
+        "}",
+        "n5",
+        "}",
+        "n2",
+    ]
+    assert 'graph [label="fine", labelloc=t, labeljust=l' in dot(nested())
+
+
+def test_no_frame_ends_its_label() -> None:
+    name = 'x"] y.z'
+    assert '  subgraph frame0["x#34;#93; y"]' in mermaid(Picture("", (Box(name),)))
+    assert 'label="x\\"] y"' in dot(Picture("", (Box(name),)))

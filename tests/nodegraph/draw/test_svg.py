@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import random
 import re
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, svg
+from nodegraph.draw.text import width
 
 SVG = "{http://www.w3.org/2000/svg}"
 HOSTILE = "\"><script>alert(1)</script>&amp;\x00'\ud800]]>"
@@ -62,17 +64,19 @@ def scattered(count: int, seed: int, links: int = 2) -> Picture:
     return Picture("scattered", tuple(boxes), arrows)
 
 
-def rectangles(root: ElementTree.Element) -> dict[str, tuple[float, float, float, float]]:
-    """Return left, top, right, bottom of each box."""
+def rectangles(
+    root: ElementTree.Element, name: str = "data-box"
+) -> dict[str, tuple[float, float, float, float]]:
+    """Return left, top, right, bottom of each box, or frame."""
     found = {}
     for group in root.iter(f"{SVG}g"):
-        if "data-box" in group.attrib:
+        if name in group.attrib:
             place = re.fullmatch(r"translate\(([\d.]+) ([\d.]+)\)", group.attrib["transform"])
             assert place
             x, y = float(place[1]), float(place[2])
-            frame = next(one for one in group.iter(f"{SVG}rect") if one.get("class") == "frame")
+            frame = next(one for one in group.iter(f"{SVG}rect") if one.get("class") != "shade")
             wide, high = float(frame.attrib["width"]), float(frame.attrib["height"])
-            found[group.attrib["data-box"]] = (x, y, x + wide, y + high)
+            found[group.attrib[name]] = (x, y, x + wide, y + high)
     return found
 
 
@@ -84,27 +88,36 @@ def lines(group: ElementTree.Element) -> list[list[tuple[float, float]]]:
     """Return each line of an arrow as points along it."""
     path = next(one for one in group.iter(f"{SVG}path") if one.get("class") == "wire")
     drawn: list[list[tuple[float, float]]] = []
-    for command, text in re.findall(r"([MVC])([^MVC]*)", path.attrib["d"]):
+    for command, text in re.findall(r"([A-Z])([^A-Z]*)", path.attrib["d"]):
         values = [float(one) for one in text.split()]
+        through = list(zip(values[0::2], values[1::2], strict=True))
         if command == "M":
-            drawn.append([(values[0], values[1])])
-            continue
-        x, y = drawn[-1][-1]
-        if command == "V":
-            values = [x, y, x, values[0], x, values[0]]
-        for step in range(1, 21):
-            t = step / 20
-            shares = ((1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t**3)
-            xs, ys = (x, *values[0::2]), (y, *values[1::2])
-            along = sum(a * b for a, b in zip(shares, xs, strict=True))
-            down = sum(a * b for a, b in zip(shares, ys, strict=True))
-            drawn[-1].append((along, round(down, 6)))
+            drawn.append(through)
+        else:
+            assert len(through) == {"L": 1, "Q": 2, "C": 3}[command]
+            drawn[-1] += along([drawn[-1][-1], *through])
     return drawn
 
 
-def check(picture: Picture) -> None:
+def along(through: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return points along a Bézier curve, by de Casteljau's construction."""
+    found = []
+    for step in range(1, 21):
+        points = through
+        while len(points) > 1:
+            points = [
+                (a + (c - a) * step / 20, b + (d - b) * step / 20)
+                for (a, b), (c, d) in pairwise(points)
+            ]
+        found.append((points[0][0], round(points[0][1], 6)))
+    return found
+
+
+def check(picture: Picture, *, is_folded: bool = False) -> ElementTree.Element:
+    """Check that boxes stand apart, texts stay within them and arrows run around them."""
     root = ElementTree.fromstring(svg(picture))
     boxes = rectangles(root)
+    check_texts(root)
     width, height = float(root.attrib["width"]), float(root.attrib["height"])
     assert set(boxes) == {box.name for box in picture.boxes}
     for name, (left, top, right, bottom) in boxes.items():
@@ -116,21 +129,44 @@ def check(picture: Picture) -> None:
     drawn = arrows_of(root)
     assert len(drawn) == len(picture.arrows)
     for arrow, group in zip(picture.arrows, drawn, strict=True):
-        check_arrow(arrow, group, boxes)
+        check_arrow(arrow, group, boxes, is_folded)
+    return root
+
+
+def check_texts(root: ElementTree.Element) -> None:
+    """Check that every text stays within its box, as wide as it is in a wide font."""
+    for group in root.iter(f"{SVG}g"):
+        if "data-box" in group.attrib:
+            frame = next(one for one in group.iter(f"{SVG}rect") if one.get("class") == "frame")
+            for text in group.iter(f"{SVG}text"):
+                left, right = reach(text)
+                assert -0.1 <= left < right <= float(frame.attrib["width"]) + 0.1, text.text
+                assert 0 < float(text.attrib["y"]) < float(frame.attrib["height"])
+
+
+def reach(text: ElementTree.Element) -> tuple[float, float]:
+    styles = {"name": (15.0, True, False), "line": (11.5, False, True), "type": (9.5, False, False)}
+    size, bold, monospace = styles.get(text.get("class", ""), (11.0, False, False))
+    wide = width(text.text or "", size, bold=bold, monospace=monospace)
+    x = float(text.attrib["x"])
+    return (x - wide / 2, x + wide / 2) if "text-anchor" in text.attrib else (x, x + wide)
 
 
 def check_arrow(
-    arrow: Arrow, group: ElementTree.Element, boxes: dict[str, tuple[float, float, float, float]]
+    arrow: Arrow,
+    group: ElementTree.Element,
+    boxes: dict[str, tuple[float, float, float, float]],
+    is_folded: bool,
 ) -> None:
     source, target = boxes[arrow.source], boxes[arrow.target]
-    assert source[3] < target[1], "an arrow must run downwards"
+    assert is_folded or source[3] < target[1], "an arrow must run downwards"
     for points in lines(group):
         assert points[0][1] == pytest.approx(source[3], abs=0.11)
         assert points[-1][1] == pytest.approx(target[1] - 7, abs=0.11)
         assert source[0] < points[0][0] < source[2]
         assert target[0] < points[-1][0] < target[2]
         downs = [y for _, y in points]
-        assert downs == sorted(downs)
+        assert is_folded or downs == sorted(downs)
         for name, (left, top, right, bottom) in boxes.items():
             inside = [p for p in points if left < p[0] < right and top + 0.1 < p[1] < bottom - 0.1]
             assert not inside, f"{arrow} runs through {name}"
@@ -141,21 +177,158 @@ def test_boxes_stand_apart_and_arrows_run_down_around_them() -> None:
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(1, 24), st.integers(0, 10**6), st.integers(1, 4))
+@given(st.integers(1, 60), st.integers(0, 10**6), st.integers(1, 4))
 def test_any_graph_is_drawn_so(count: int, seed: int, links: int) -> None:
-    check(scattered(count, seed, links))
+    check(scattered(count, seed, links), is_folded=True)
 
 
 def test_two_hundred_boxes() -> None:
     check(scattered(200, 5))
 
 
+def plain(names: list[str], arrows: list[tuple[str, str]]) -> Picture:
+    port = (Socket("x", "Trajectories"),)
+    boxes = tuple(Box(name, ("smooth.bspline",), port, port) for name in names)
+    return Picture("plain", boxes, tuple(Arrow(one, "x", other, "x") for one, other in arrows))
+
+
+def chain(count: int) -> Picture:
+    names = [f"step{number}" for number in range(count)]
+    return plain(names, list(pairwise(names)))
+
+
+def fan_in(count: int) -> Picture:
+    names = [f"step{number}" for number in range(count)]
+    return plain([*names, "table"], [(name, "table") for name in names])
+
+
+def fan_out(count: int) -> Picture:
+    names = [f"step{number}" for number in range(count)]
+    return plain(["capture", *names], [("capture", name) for name in names])
+
+
+def fan_out_and_in(count: int) -> Picture:
+    names = [f"step{number}" for number in range(count)]
+    ways = [pair for name in names for pair in (("capture", name), (name, "table"))]
+    return plain(["capture", *names, "table"], ways)
+
+
+def pipelines(count: int) -> Picture:
+    parts = ("capture", "gaps", "fill", "smooth", "error")
+    rows = [[f"{part}{number}" for part in parts] for number in range(count)]
+    ways = [pair for row in rows for pair in (*pairwise(row), (row[1], row[4]), (row[4], "all"))]
+    return plain([name for row in rows for name in row] + ["all"], ways)
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [chain(200), fan_in(199), fan_out(199), fan_out_and_in(198), pipelines(40)],
+    ids=["chain", "fan in", "fan out", "fan out and in", "pipelines"],
+)
+def test_large_pictures_are_neither_far_too_wide_nor_far_too_high(picture: Picture) -> None:
+    root = check(picture, is_folded=True)
+    wide, high = float(root.attrib["width"]), float(root.attrib["height"])
+    assert 0.5 < wide / high < 2.5
+    assert max(wide, high) < 5000
+
+
+def test_a_chain_that_is_folded_begins_anew_at_the_head_of_the_next_column() -> None:
+    boxes = rectangles(check(chain(40), is_folded=True))
+    order = [boxes[f"step{number}"] for number in range(40)]
+    breaks = [(one, other) for one, other in pairwise(order) if other[1] < one[3]]
+    assert breaks
+    for one, other in breaks:
+        assert other[0] > one[2]
+        assert other[1] == order[0][1]
+
+
+def test_what_one_table_joins_stays_whole_when_it_is_set_in_rows() -> None:
+    boxes = rectangles(check(pipelines(40)))
+    for number in range(40):
+        tops = [boxes[f"{part}{number}"][1] for part in ("capture", "gaps", "fill", "smooth")]
+        steps = {round(below - above) for above, below in pairwise(tops)}
+        assert max(steps) < 250
+
+
 def test_a_long_chain_needs_no_recursion() -> None:
-    port = (Socket("x"),)
-    boxes = tuple(Box(str(number), (), port, port) for number in range(3000))
-    arrows = tuple(Arrow(str(n), "x", str(n + 1), "x") for n in range(2999))
-    root = ElementTree.fromstring(svg(Picture("chain", boxes, arrows)))
+    root = ElementTree.fromstring(svg(chain(3000)))
     assert len(arrows_of(root)) == 2999
+
+
+NESTED = plain(
+    ["capture", "clean.despike", "clean.fine.fill", "clean.fine", "clean.smooth", "clean", "raw"],
+    [
+        ("capture", "clean.despike"),
+        ("clean.despike", "clean.fine.fill"),
+        ("clean.fine.fill", "clean.fine"),
+        ("clean.fine", "clean.smooth"),
+        ("clean.smooth", "clean"),
+        ("clean.fine.fill", "clean"),
+        ("capture", "raw"),
+    ],
+)
+
+
+def test_names_with_dots_stand_in_frames() -> None:
+    root = check(NESTED)
+    boxes, frames = rectangles(root), rectangles(root, "data-frame")
+    assert set(frames) == {"clean", "clean.fine"}
+    inside = {
+        "clean": {"clean.despike", "clean.fine.fill", "clean.fine", "clean.smooth", "clean"},
+        "clean.fine": {"clean.fine.fill", "clean.fine"},
+    }
+    for frame, (left, top, right, bottom) in frames.items():
+        for name, (a, b, c, d) in boxes.items():
+            if name in inside[frame]:
+                assert left < a < c < right, name
+                assert top < b < d < bottom, name
+            else:
+                assert right < a or c < left or bottom < b or d < top, name
+    labels = [one.text for one in root.iter(f"{SVG}text") if one.get("class") == "label"]
+    assert labels == ["clean", "fine"]
+    names = {one.text for one in root.iter(f"{SVG}text") if one.get("class") == "name"}
+    assert names == {"capture", "despike", "fill", "fine", "smooth", "clean", "raw"}
+
+
+def dotted(count: int, seed: int) -> Picture:
+    """Return a scattered picture whose names lie in frames at random, in circles at times."""
+    chance = random.Random(seed)
+    frames = ["", "", "a.", "b.", "a.c.", "a.d."]
+    names = [f"{chance.choice(frames)}n{number}" for number in range(count)] + ["a", "b", "a.c"]
+    ways = [(names[chance.randrange(n)], names[n]) for n in range(1, len(names))]
+    more = (sorted(chance.sample(range(len(names)), 2)) for _ in range(count // 2))
+    return plain(names, list(dict.fromkeys([*ways, *((names[a], names[b]) for a, b in more)])))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(1, 60), st.integers(0, 10**6))
+def test_any_frames_are_drawn_so(count: int, seed: int) -> None:
+    root = check(dotted(count, seed), is_folded=True)
+    boxes, frames = rectangles(root), rectangles(root, "data-frame")
+    for frame, (left, top, right, bottom) in frames.items():
+        for name, (a, b, c, d) in boxes.items():
+            if name == frame or name.startswith(f"{frame}."):
+                assert left < a < c < right
+                assert top < b < d < bottom
+            else:
+                assert right < a or c < left or bottom < b or d < top
+
+
+def test_a_frame_that_is_left_and_entered_again_is_not_drawn() -> None:
+    names = ["a.one", "b", "a.two", "c.one", "c.two"]
+    ways = [("a.one", "b"), ("b", "a.two"), ("a.two", "c.one"), ("c.one", "c.two")]
+    root = check(plain(names, ways))
+    assert set(rectangles(root, "data-frame")) == {"c"}
+    texts = {one.text for one in root.iter(f"{SVG}text") if one.get("class") == "name"}
+    assert texts == {"a.one", "b", "a.two", "one", "two"}
+
+
+def test_several_arrows_into_one_port_meet_as_single_lines() -> None:
+    port = (Socket("x"),)
+    boxes = (Box("a", (), (), port), Box("b", (), (), port), Box("c", (), port))
+    arrows = tuple(Arrow(one, "x", "c", "x", gathers=True) for one in "ab")
+    root = ElementTree.fromstring(svg(Picture("meet", boxes, arrows)))
+    assert [len(lines(one)) for one in arrows_of(root)] == [1, 1]
 
 
 def test_arrows_say_what_they_are() -> None:

@@ -1,0 +1,101 @@
+"""A graph, or a run, as a fragment of HTML that needs nothing else."""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+from typing import TYPE_CHECKING
+
+from nodegraph.draw import svg
+from nodegraph.draw.from_graph import labels_text, picture_of
+from nodegraph.execute import Run
+from nodegraph.graph import Graph
+from nodegraph.report.compose import compose
+from nodegraph.report.group import note_kinds, titled
+from nodegraph.report.page import duration
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+_MOST = 24
+_FEW = 3
+_LONGEST_LABELS = 72
+_PALETTE = re.compile(r"\.nodegraph-picture \{([^}]*)\}")
+_LIGHT = '[data-jp-theme-light="true"], .vscode-light, html[theme="light"]'
+_DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
+"""How JupyterLab, Visual Studio Code and Colab mark a page that does not follow the system."""
+
+
+def graph_html(graph: Graph) -> str:
+    """Return a graph for a notebook: its title, its axes, its drawing."""
+    return (
+        _environment()
+        .get_template("graph.html")
+        .render(
+            style=_style(),
+            title=graph.title,
+            axes=_axes(graph),
+            drawing=svg(picture_of(graph)),
+        )
+    )
+
+
+def run_html(run: Run) -> str:
+    """Return a run for a notebook: how its steps ended and why, and what its report shows."""
+    graph = run.plan.graph
+    study, _ = compose(run, command="")
+    return (
+        _environment()
+        .get_template("run.html")
+        .render(
+            style=_style(),
+            study=study,
+            counts=run.counts(),
+            time=duration(run.seconds),
+            axes=_axes(graph),
+            kinds=note_kinds(study),
+            results=titled(study.sections),
+            most=_MOST,
+            few=_FEW,
+        )
+    )
+
+
+def _axes(graph: Graph) -> dict[str, str]:
+    return {name: labels_text(axis.labels, _LONGEST_LABELS) for name, axis in graph.axes.items()}
+
+
+def _style() -> str:
+    """Return the rules of the fragment, in the drawing's colours.
+
+    They follow the reader's light or dark scheme, unless the notebook has a theme of its own.
+    """
+    light, dark = _PALETTE.findall(_text("nodegraph.draw", "picture.css"))
+    ours = ":is(.nodegraph-notebook, .nodegraph-picture)"
+    return "\n".join(
+        (
+            f".nodegraph-notebook {{{light}}}",
+            f"@media screen and (prefers-color-scheme: dark) {{ .nodegraph-notebook {{{dark}}} }}",
+            f"@media screen {{ :is({_LIGHT}) {ours} {{{light}}} :is({_DARK}) {ours} {{{dark}}} }}",
+            _text("nodegraph.notebook", "templates", "notebook.css"),
+        )
+    )
+
+
+def _text(package: str, *path: str) -> str:
+    return files(package).joinpath(*path).read_text(encoding="utf-8")
+
+
+def _environment() -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=PackageLoader("nodegraph.notebook", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["trusted"] = Markup
+    return environment

@@ -1,0 +1,47 @@
+"""A picture says which axes begin at a node, and with which labels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from nodegraph.draw.from_graph import labels_text, picture_of
+from nodegraph.graph import Graph
+from nodegraph.ports import Label
+
+
+@pytest.mark.parametrize(
+    ("labels", "text"),
+    [
+        ((5, 15, 45), "5, 15, 45"),
+        (tuple(range(20)), "20 labels: 0 … 19"),
+        (("a" * 30, "b"), "aaaaaaaaaaaaaaa…, b"),
+        (("a" * 30, "b" * 30, "c"), "3 labels: aaaaaaaaaaaaaaa… … c"),
+    ],
+)
+def test_many_labels_are_counted(labels: tuple[Label, ...], text: str) -> None:
+    assert labels_text(labels) == text
+
+
+def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[..., Graph]) -> None:
+    text = """
+    axes: {length: [5, 15], trial: {count: 20}}
+    nodes:
+      capture: {use: read.number}
+      gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
+      fill: {in: gaps.gappy, alternatives: [fill.hold, fill.scale]}
+      error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
+      table: {use: compare.table, in: error}
+    report: [table]
+    """
+    boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
+    assert boxes["gaps"].axes == ("length: 5, 15", "trial: 20 labels: 0 … 19")
+    assert boxes["fill"].axes == ()
+    assert boxes["fill"].alternatives == ("hold", "scale")
+    kinds = {name: box.kind for name, box in boxes.items()}
+    assert kinds == {
+        "capture": "input", "gaps": "node", "fill": "node", "error": "node", "table": "report",
+    }  # fmt: skip
+    types = {socket.name: socket.type for socket in boxes["gaps"].outputs}
+    assert types == {"gappy": "float", "truth": "Truth[float]", "hidden": "int"}

@@ -1,0 +1,134 @@
+"""Graphs and runs show themselves in a notebook."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+
+import pytest
+
+from nodegraph import node
+from nodegraph.display import in_notebook
+from nodegraph.execute import Run
+from nodegraph.graph import Graph
+from nodegraph.notebook import graph_html, run_html
+
+HOSTILE = "</style></div><script>alert(1)</script>&amp;\"'"
+TEXT = f"""
+    title: '{HOSTILE.replace("'", "''")}'
+    axes: {{k: [-1, 2], trial: {{count: 30}}}}
+    nodes:
+      a: {{use: read.number, with: {{start: $k}}}}
+      fill: {{in: a, alternatives: [fill.hold, strict.positive, strict.fails]}}
+      text: {{use: text.write, with: {{text: '{HOSTILE.replace("'", "''")}'}}}}
+      many: {{use: text.write, with: {{number: $trial}}}}
+    skip: [{{k: 2, fill: hold}}]
+    report: [text, many, fill]
+"""
+VOID = {"br", "img", "input", "hr", "meta", "link", "wbr"}
+
+
+class Read(HTMLParser):
+    """Reads a fragment, and fails where an element is closed that is not open."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.folded: list[bool] = []
+        self.texts: list[str] = []
+        self.feed(html)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        if tag == "details":
+            self.folded.append("open" not in dict(attrs))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.texts.append(" ".join(data.split()))
+
+
+@pytest.fixture
+def run(run_of: Callable[..., Run]) -> Run:
+    return run_of(TEXT)
+
+
+def test_a_graph_shows_its_title_axes_and_drawing(graph_of: Callable[..., Graph]) -> None:
+    read = Read(graph_html(graph_of(TEXT)))
+    assert "".join(read.texts).count(HOSTILE) >= 2
+    assert "script" not in read.tags
+    assert read.tags.count("svg") == 1
+    assert "-1, 2" in read.texts
+    assert "30 labels: 0 … 29" in read.texts
+    assert "hold, positive, fails" in read.texts
+
+
+def test_a_run_shows_how_its_steps_ended_and_why(run: Run) -> None:
+    read = Read(run_html(run))
+    assert "script" not in read.tags
+    for text in ("1 failed", "1 refused", "Failed (1)", "Refused (1)", "Left out (1)"):
+        assert text in read.texts
+    said = " ".join(read.texts)
+    assert "fill (strict.fails) -1.0 is negative k=-1, fill=fails" in said
+    assert "fill (strict.positive) -1.0 is negative k=-1, fill=positive" in said
+
+
+def test_a_run_shows_what_its_report_shows_and_folds_what_is_long(run: Run) -> None:
+    read = Read(run_html(run))
+    assert HOSTILE in read.texts
+    assert "many: 6 more combinations" in read.texts
+    shown = [text for text in read.texts if re.fullmatch(r"trial=\d+", text)]
+    assert shown == [f"trial={number}" for number in range(24)]
+    notes, text, graph = [False, True, True], [False], [True]
+    many, fill = [False] * 3 + [True] * 21, [False] * 3
+    assert read.folded == notes + text + many + fill + graph
+
+
+def test_failures_with_one_reason_are_told_once(run_of: Callable[..., Run]) -> None:
+    text = """
+    axes: {trial: {count: 9}}
+    nodes:
+      a: {use: read.number}
+      gaps: {use: gaps.cut, in: a, with: {seed: $trial}}
+      b: {use: score.always, in: gaps}
+    """
+
+    @node("score.always")
+    def always(recording: float) -> float:
+        raise ValueError("always")
+
+    said = " ".join(Read(run_html(run_of(text, more=[always]))).texts)
+    assert "b (score.always) always trial=0; trial=1; trial=2; and 6 more" in said
+    assert "Failed (9)" in said
+
+
+def test_colours_follow_the_reader_and_the_notebook(run: Run) -> None:
+    html = run_html(run)
+    assert "@media screen and (prefers-color-scheme: dark) { .nodegraph-notebook {" in html
+    for mark in ('[data-jp-theme-light="false"]', ".vscode-dark", 'html[theme="dark"]'):
+        assert mark in html
+    light, dark = re.findall(r"\.nodegraph-notebook \{\s*--paper[^}]*--ink: (#\w+)", html)
+    assert light != dark
+
+
+def test_nothing_is_fetched(run: Run) -> None:
+    html = run_html(run)
+    assert set(re.findall(r"https?://[^\"' >]+", html)) <= {"http://www.w3.org/2000/svg"}
+    assert not re.search(r"@import|url\(|src=", html)
+
+
+def test_what_stands_below_finds_the_way_by_name(graph_of: Callable[..., Graph]) -> None:
+    graph = graph_of(TEXT)
+    assert in_notebook("graph_html", graph) == graph_html(graph)
