@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph.execute import HowToRun, Listener, Run, execute
+from nodegraph.execute import HowToRun, Listener, Run, execute, open_store
 from nodegraph.graph import Choices, Graph, build
+from nodegraph.graph import until as cut_short
 from nodegraph.plan import plan
 from nodegraph.ports import Label
 from nodegraph.registry import Registry, default_registry
@@ -53,11 +55,15 @@ def run(
     set: Mapping[str, Any] | None = None,
     axis: Mapping[str, Any] | None = None,
     only: Mapping[str, Label | Iterable[Label]] | None = None,
+    until: Iterable[str] = (),
     executor: str = "threads",
     jobs: int | None = None,
+    scheduler: str = "",
+    cache: bool = True,
+    store: str | Path | None = None,
     listeners: Iterable[Listener] = (),
 ) -> Run:
-    """Run a graph; a step that fails does not stop the others.
+    """Run a graph; what is stored is not computed again, and what fails does not stop the others.
 
     Parameters
     ----------
@@ -65,10 +71,18 @@ def run(
         A loaded graph, or a path.
     plugins, set, axis, only
         As in `load`; they come on top of what a loaded graph was given.
+    until
+        Nodes to compute, with what they need; all by default.
     executor
-        ``threads`` or ``serial``.
+        ``threads``, ``serial``, ``processes``, ``dask``, or one that a plugin brings.
     jobs
         Steps at a time; as many as there are processors by default.
+    scheduler
+        Address of a Dask cluster.
+    cache
+        Whether to use stored results, and to store what is computed.
+    store
+        The folder of stored results; by default ``NODEGRAPH_STORE``, else the platform's.
     listeners
         Called with every `nodegraph.execute.Event`.
 
@@ -82,13 +96,23 @@ def run(
     elif set or axis or only or plugins:
         choices = graph.choices.updated(_choices(set, axis, only))
         graph = build(graph.spec, _registry(plugins) or graph.registry, choices)
-    how = HowToRun(executor, jobs)
-    return execute(plan(graph), how=how, keep=reported(graph), listeners=listeners)
+    graph = cut_short(graph, until) if until else graph
+    return execute(
+        plan(graph),
+        how=HowToRun(executor, jobs, scheduler),
+        store=open_store(graph.registry, Path(store) if store else None, _warn) if cache else None,
+        keep=reported(graph),
+        listeners=listeners,
+    )
 
 
 def reported(graph: Graph) -> tuple[str, ...]:
     """Return the nodes that the report shows: as listed, else those that nothing reads."""
     return tuple(dict.fromkeys(node for node, _ in graph.reported))
+
+
+def _warn(text: str) -> None:
+    warnings.warn(text, stacklevel=2)
 
 
 def _registry(plugins: Iterable[str | Path]) -> Registry | None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
+import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import datetime
 from io import TextIOWrapper
 from pathlib import Path
@@ -26,6 +28,10 @@ class RunFolder:
     path
         A run that lies there is moved aside, its name followed by the time it ended; one that
         was interrupted before it had any result is replaced.
+    graph
+        The text of the graph file.
+    used
+        The texts of the graph files that it uses, by their paths from its own.
 
     Raises
     ------
@@ -33,19 +39,26 @@ class RunFolder:
         If something else lies there, or the folder cannot be made.
     """
 
-    def __init__(self, path: Path, graph_text: str) -> None:
+    def __init__(self, path: Path, graph: str, used: Mapping[str, str] | None = None) -> None:
         self.path = path
         try:
             self.moved = _make_room(path)
             path.mkdir(parents=True, exist_ok=True)
-            (path / GRAPH).write_text(graph_text, encoding="utf-8")
+            _write_graph(path, {GRAPH: graph, **(used or {})})
             self._events: TextIOWrapper = (path / EVENTS).open("w", encoding="utf-8", buffering=1)
         except OSError as error:
             raise NodegraphError(f"{path}: the run cannot be written there: {error}") from error
 
     def hear(self, event: Event) -> None:
-        """Write one event as a line of JSON."""
-        self._events.write(json.dumps(event.as_dict(), default=str) + "\n")
+        """Write one event as a line of JSON; a folder that is full costs the lines, not the run."""
+        if self._events.closed:
+            return
+        try:
+            self._events.write(json.dumps(event.as_dict()) + "\n")
+        except OSError as error:
+            warnings.warn(f"{self.path / EVENTS} ends here: {error}", stacklevel=2)
+            with suppress(OSError):
+                self._events.close()
 
     def finish(self, files: Mapping[str, bytes], record: Mapping[str, Any]) -> None:
         """Write what the run came to; the record last, since it says that all is there."""
@@ -54,8 +67,18 @@ class RunFolder:
             target = self.path / name
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-        text = json.dumps(record, indent=1, default=str, allow_nan=True)
-        (self.path / RECORD).write_text(text + "\n", encoding="utf-8")
+        unfinished = self.path / f"{RECORD}.part"
+        unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+        unfinished.replace(self.path / RECORD)
+
+
+def _write_graph(path: Path, texts: Mapping[str, str]) -> None:
+    """Write a graph, and those that it uses where it looks for them, if that is in the folder."""
+    for name, text in reversed(list(texts.items())):
+        target = path / name
+        if target.resolve().is_relative_to(path.resolve()):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="utf-8")
 
 
 def _make_room(path: Path) -> Path | None:

@@ -52,6 +52,8 @@ class Step:
     shown : mapping
         The same as a reader wrote it.
     inputs : mapping of port to Output or Gathered
+    needed : tuple of int
+        The steps that feed it, each once.
     """
 
     index: int
@@ -61,6 +63,7 @@ class Step:
     settings: Mapping[str, Any]
     shown: Mapping[str, Any]
     inputs: Mapping[str, StepInput]
+    needed: tuple[int, ...]
 
     @property
     def name(self) -> str:
@@ -68,13 +71,13 @@ class Step:
         labels = ", ".join(f"{axis}={label}" for axis, label in self.labels.items())
         return f"{self.node}({labels})" if labels else self.node
 
-    def needs(self) -> Iterator[int]:
-        """Yield the steps that feed it."""
+    def reads(self) -> Iterator[Output]:
+        """Yield the outputs that feed it."""
         for fed in self.inputs.values():
             if isinstance(fed, Gathered):
-                yield from (output.step for _, output in fed.entries)
+                yield from (output for _, output in fed.entries)
             else:
-                yield fed.step
+                yield fed
 
 
 @dataclass(frozen=True)
@@ -167,6 +170,7 @@ class _Planner:
                     settings.values[row],
                     settings.shown[row],
                     inputs,
+                    _needed(inputs),
                 )
             )
         cells[combination] = index
@@ -191,7 +195,8 @@ class _Planner:
                     entries.append((at, found))
         if not entries:
             return "everything that it gathers is left out"
-        return Gathered(axes, tuple(entries), tuple(absent))
+        # a node of a graph that is used as a node knows its axes by the names they have there
+        return Gathered(tuple(map(node.inside, axes)), tuple(entries), tuple(absent))
 
     def _gathered_axes(self, node: GraphNode, fed: Gather) -> tuple[str, ...]:
         found = {axis for one in fed.sources.values() for axis in self._free(node, one)}
@@ -235,11 +240,11 @@ def _texts(method: Method) -> dict[Combination, str]:
 
 def _lean_order(steps: list[Step]) -> list[int]:
     """Return the steps depth first from the last ones, so that few values wait at a time."""
-    read = {needed for step in steps for needed in step.needs()}
+    read = {needed for step in steps for needed in step.needed}
     order: list[int] = []
     done: set[int] = set()
     for last in (step for step in steps if step.index not in read):
-        pending = [(last, last.needs())]
+        pending = [(last, iter(last.needed))]
         done.add(last.index)
         while pending:
             step, needs = pending[-1]
@@ -249,14 +254,31 @@ def _lean_order(steps: list[Step]) -> list[int]:
                 pending.pop()
             else:
                 done.add(following)
-                pending.append((steps[following], steps[following].needs()))
+                pending.append((steps[following], iter(steps[following].needed)))
     return order
+
+
+def _needed(inputs: Mapping[str, StepInput]) -> tuple[int, ...]:
+    found: dict[int, None] = {}
+    for fed in inputs.values():
+        if isinstance(fed, Output):
+            found[fed.step] = None
+        else:
+            found.update((output.step, None) for _, output in fed.entries)
+    return tuple(found)
 
 
 def _moved(step: Step, moved: Mapping[int, int]) -> Step:
     inputs = {port: _moved_input(fed, moved) for port, fed in step.inputs.items()}
     return Step(
-        moved[step.index], step.node, step.method, step.labels, step.settings, step.shown, inputs
+        moved[step.index],
+        step.node,
+        step.method,
+        step.labels,
+        step.settings,
+        step.shown,
+        inputs,
+        tuple([moved[one] for one in step.needed]),
     )
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+_PLAIN = (str, int, float, bytes, type(None))
 
 
 class Value:
@@ -28,14 +32,40 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
     if not array.flags.writeable and _base_is_locked(array):
         return array
     if array.base is not None:
-        array = array.copy()
+        # sums run along the order in memory: in another one they differ in their last bit
+        array = array.copy(order="K")
     array.flags.writeable = False
     return array
+
+
+def locked(value: Any) -> Any:
+    """Return a value of which nobody can change an array any more.
+
+    An array is locked, and so are those in tuples and in the fields of a `Value`. Whatever else a
+    value holds is its own concern.
+    """
+    if isinstance(value, _PLAIN):
+        return value
+    if isinstance(value, Value):
+        for field in fields(value):  # type: ignore[arg-type]
+            held = getattr(value, field.name, None)
+            kept = locked(held)
+            if kept is not held:
+                object.__setattr__(value, field.name, kept)
+        return value
+    if type(value) is tuple:
+        kept = tuple(map(locked, value))
+        same = all(one is other for one, other in zip(kept, value, strict=True))
+        return value if same else kept
+    numpy = sys.modules.get("numpy")
+    return read_only(value) if numpy and isinstance(value, numpy.ndarray) else value
 
 
 def _base_is_locked(array: NDArray[Any]) -> bool:
     base = array.base
     while base is not None:
+        if isinstance(base, (bytes, memoryview)):
+            return isinstance(base, bytes) or base.readonly
         flags = getattr(base, "flags", None)
         if flags is None or flags.writeable:
             return False

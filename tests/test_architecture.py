@@ -14,19 +14,21 @@ import nodegraph
 ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
-    {"commands"},
+    {"commands", "notebook"},
     {"api", "report", "testing"},
-    {"draw", "terminal", "folder"},
+    {"draw", "terminal", "folder", "schema", "why"},
     {"execute"},
+    {"keys"},
     {"plan"},
     {"graph"},
     {"registry", "spec", "describe", "bibliography"},
+    {"store", "code"},
     {"plugins"},
     {"hooks"},
     {"node"},
     {"signature"},
     {"ports", "values"},
-    {"errors", "collection"},
+    {"errors", "collection", "display"},
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}
 MACHINE = sorted((ROOT / "nodegraph").rglob("*.py"))

@@ -3,27 +3,38 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Container
 
-from nodegraph.commands.chosen import graph_of
+from nodegraph.commands.chosen import graph_of, store_of
+from nodegraph.graph import Graph
+from nodegraph.plan import Plan
 from nodegraph.terminal import columns
 
 
 def check(arguments: Namespace) -> int:
-    """Print what a graph would do."""
+    """Print what a graph would do, and how much of it is stored already."""
+    from nodegraph.execute import Recall
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
     made = plan(graph)
-    rows = [("node", "uses", "along", "steps")]
-    counts = {name: len(set(cells.values())) for name, cells in made.cells.items()}
-    for node in graph.nodes.values():
-        uses = ", ".join(method.node.name for method in node.methods.values())
-        along = " x ".join(f"{axis} ({len(graph.axes[axis].labels)})" for axis in node.axes)
-        rows.append((node.name, uses, along, str(counts[node.name])))
-    print(f"{graph.title}\n\n{columns(rows)}\n\n{len(made.steps)} steps")
+    stored = Recall(made, store_of(arguments, graph)).look_up()
+    print(f"{graph.title}\n\n{columns(_rows(graph, made, stored))}\n")
+    print(f"{len(made.steps)} steps, {len(stored)} of them stored")
     for one in graph.left_out:
         print(f"left out: {one.node}: {one.reason}")
     skipped = sum(len(cells) for cells in made.skipped.values())
     if skipped:
         print(f"{skipped} combinations are skipped")
     return 0
+
+
+def _rows(graph: Graph, made: Plan, stored: Container[int]) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = [("node", "uses", "along", "steps", "stored")]
+    for node in graph.nodes.values():
+        uses = ", ".join(method.node.name for method in node.methods.values())
+        along = " x ".join(f"{axis} ({len(graph.axes[axis].labels)})" for axis in node.axes)
+        steps = set(made.cells[node.name].values())
+        there = sum(step in stored for step in steps)
+        rows.append((node.name, uses, along, str(len(steps)), str(there)))
+    return rows

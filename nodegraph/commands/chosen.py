@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from argparse import Namespace
-from typing import Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.graph import Choices, Graph, build
@@ -12,6 +15,9 @@ from nodegraph.ports import Label
 from nodegraph.registry import Registry
 from nodegraph.spec import read_graph_file
 from nodegraph.spec.yaml_text import read_yaml
+
+if TYPE_CHECKING:
+    from nodegraph.store import Store
 
 
 def graph_of(arguments: Namespace) -> Graph:
@@ -25,12 +31,30 @@ def graph_of(arguments: Namespace) -> Graph:
     return build(read_graph_file(arguments.graph), registry, choices)
 
 
+def run_folder(arguments: Namespace) -> Path:
+    """Return where runs of the graph lie unless the command says otherwise."""
+    return Path("runs") / str(arguments.graph.stem)
+
+
+def say(text: str) -> None:
+    """Tell the user something that is no result."""
+    print(text, file=sys.stderr)
+
+
+def store_of(arguments: Namespace, graph: Graph, hears: Callable[[str], None] = say) -> Store:
+    """Return the store that the command uses; whoever hears is told what is wrong with it."""
+    from nodegraph.execute import open_store
+
+    return open_store(graph.registry, arguments.store, hears)
+
+
 def command_of(arguments: Namespace) -> str:
     """Return the command that runs the same again, quoted for a shell."""
     words = ["nodegraph", "run", str(arguments.graph)]
     for option in ("set", "axis", "only", "plugin"):
         for one in getattr(arguments, option):
             words += [f"--{option}", str(one)]
+    words += ["--store", str(arguments.store)] if arguments.store else []
     return shlex.join(words)
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import Namespace
-from pathlib import Path
 
-from nodegraph.commands.chosen import command_of, graph_of
+from nodegraph.commands.chosen import command_of, graph_of, run_folder, say, store_of
 from nodegraph.terminal import progress
 
 
@@ -16,21 +14,33 @@ def run(arguments: Namespace) -> int:
     from nodegraph.execute import HowToRun, execute, executor_of
     from nodegraph.execute.record import record
     from nodegraph.folder import RunFolder
+    from nodegraph.graph import until
     from nodegraph.plan import plan
     from nodegraph.report.write import report_files, summary
 
     graph, command = graph_of(arguments), command_of(arguments)
-    how = HowToRun(arguments.executor, arguments.jobs)
+    graph = until(graph, arguments.until) if arguments.until else graph
+    how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
     executor_of(how, graph.registry.executors)
-    folder = RunFolder(arguments.out or Path("runs") / arguments.graph.stem, graph.spec.text)
+    folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)
     for one in graph.left_out:
-        print(f"left out: {one.node}: {one.reason}", file=sys.stderr)
+        say(f"left out: {one.node}: {one.reason}")
     if folder.moved:
-        print(f"the earlier run is now in {folder.moved}", file=sys.stderr)
-    with progress() as listener:
-        kept = reported(graph)
-        done = execute(plan(graph), how=how, keep=kept, listeners=[listener, folder.hear])
+        say(f"the earlier run is now in {folder.moved}")
+    try:
+        with progress() as shown:
+            done = execute(
+                plan(graph),
+                how=how,
+                store=None if arguments.no_cache else store_of(arguments, graph, shown.say),
+                keep=reported(graph),
+                listeners=[shown.hear, folder.hear],
+            )
+    except KeyboardInterrupt:
+        if not arguments.no_cache:
+            say("what is done is stored: the same command goes on from there")
+        raise
     files, study = report_files(done, command=command)
-    folder.finish(files, {"command": command, **record(done)})
-    print(f"{summary(study, done.counts())}\n\n{folder.path / 'report.html'}")
+    folder.finish(files, record(done, command))
+    print(f"{summary(study, done)}\n\n{folder.path / 'report.html'}")
     return 0 if done.ok else 1

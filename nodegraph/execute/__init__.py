@@ -2,6 +2,7 @@
 
 from nodegraph.execute.events import Event, Listener
 from nodegraph.execute.executors import Executor, HowToRun, executor_of
+from nodegraph.execute.recall import Recall, open_store
 from nodegraph.execute.results import Run, Values
 from nodegraph.execute.run import execute
 
@@ -10,8 +11,10 @@ __all__ = [
     "Executor",
     "HowToRun",
     "Listener",
+    "Recall",
     "Run",
     "Values",
     "execute",
     "executor_of",
+    "open_store",
 ]

@@ -13,11 +13,12 @@ from typing import Any
 
 from nodegraph.errors import Refusal
 from nodegraph.node import Node
+from nodegraph.values import locked
 
 _heard: ContextVar[list[str] | None] = ContextVar("_heard", default=None)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)  # frozen, it would take three times as long to make
 class Call:
     """Everything that one step needs to be computed, wherever that is.
 
@@ -39,16 +40,17 @@ class Call:
     settings: Mapping[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Outcome:
     """What became of a step.
 
     Attributes
     ----------
     state : str
-        ``done``, ``refused``, ``failed`` or ``skipped``.
+        ``done``, ``refused``, ``failed`` or ``skipped``; ``unneeded`` when stored results made
+        it so.
     values : tuple
-        One value per output port, when it is done.
+        One value per output port, when it is done and until the schedule has taken them.
     reason : str
         Why there is no value.
     trace : str
@@ -56,9 +58,14 @@ class Outcome:
     warnings : tuple of str
         What the node had to say.
     seconds : float
+        That it took to compute, now or when it was stored.
     cause : str
         For a skipped step, what became of the one that it needed: ``refused``, ``failed`` or
         ``skipped``; else the state itself.
+    stored : bool
+        Whether it was found in the store and not computed.
+    digests : tuple of str
+        One per output port, of its content, when it is in the store.
     """
 
     state: str
@@ -68,6 +75,8 @@ class Outcome:
     warnings: tuple[str, ...] = ()
     seconds: float = 0.0
     cause: str = ""
+    stored: bool = False
+    digests: tuple[str, ...] = ()
 
 
 def perform(call: Call) -> Outcome:
@@ -86,7 +95,9 @@ def perform(call: Call) -> Outcome:
     finally:
         _heard.reset(token)
     seconds = time.perf_counter() - began
-    return Outcome(state, values, reason, trace, tuple(dict.fromkeys(heard)), seconds, state)
+    return Outcome(
+        state, values, reason, trace, tuple(dict.fromkeys(heard)) if heard else (), seconds, state
+    )
 
 
 @contextmanager
@@ -109,7 +120,7 @@ def warnings_heard() -> Iterator[None]:
 
 
 def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
-    """Return one value per output port of what a node's function returned.
+    """Return one value per output port of what a node's function returned, its arrays locked.
 
     Raises
     ------
@@ -123,7 +134,7 @@ def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
                 f"{node.name} returned {type(value).__name__} where its signature promises "
                 f"{port.type.__name__} ({port.name})"
             )
-    return values
+    return tuple(map(locked, values))
 
 
 def _split(node: Node, returned: Any) -> tuple[Any, ...]:

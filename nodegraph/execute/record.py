@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import platform
+import shlex
 import sys
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from nodegraph.execute.call import Outcome
+from nodegraph.execute.events import plain
 from nodegraph.execute.results import Run
 from nodegraph.graph import Graph, GraphNode
 from nodegraph.plan import Gathered, Step
@@ -17,20 +19,24 @@ FORMAT = 1
 _LIBRARIES = ("nodegraph", "numpy", "scipy", "pandas", "numba", "scikit-learn", "matplotlib")
 
 
-def record(run: Run) -> dict[str, Any]:
-    """Return everything about a run but its values."""
+def record(run: Run, command: str) -> dict[str, Any]:
+    """Return everything about a run but its values; `command` runs it again."""
     graph = run.plan.graph
     return {
         "format": FORMAT,
+        "command": command,
         "title": graph.title,
-        "inputs": dict(graph.inputs),
+        "included": dict(graph.spec.included),
+        "inputs": plain(graph.inputs),
         "axes": {name: list(axis.labels) for name, axis in graph.axes.items()},
         "nodes": {name: _node(node) for name, node in graph.nodes.items()},
+        "code": _code(run),
         "known": [str(one) for one in graph.spec.known],
         "left_out": [{"node": one.node, "reason": one.reason} for one in graph.left_out],
         "counts": run.counts(),
         "seconds": round(run.seconds, 6),
-        "steps": [_step(step, outcome) for step, outcome in run.settled()],
+        "not_kept": dict(run.recall.not_kept) if run.recall else {},
+        "steps": [_step(run, step, outcome, command) for step, outcome in run.settled()],
         "skipped": _skipped(run),
         "versions": versions(graph),
     }
@@ -62,18 +68,48 @@ def _node(node: GraphNode) -> dict[str, Any]:
     }
 
 
-def _step(step: Step, outcome: Outcome) -> dict[str, Any]:
+def repeating(command: str, step: Step) -> str:
+    """Return the command that repeats one step alone; what feeds it comes from the store."""
+    only = (f" --only {shlex.quote(f'{axis}={label}')}" for axis, label in step.labels.items())
+    return f"{command}{''.join(only)} --until {shlex.quote(step.node)}"
+
+
+def _code(run: Run) -> dict[str, Any]:
+    """Return what each method's code reaches, by plugin and name."""
+    if run.recall is None:
+        return {}
+    reached = {
+        f"{step.method.plugin}:{step.method.node.name}": run.recall.keys.fixed(step).reached
+        for step in run.plan.steps
+    }
+    return {
+        name: {"units": dict(one.units), "versions": dict(one.versions)}
+        for name, one in reached.items()
+    }
+
+
+def _step(run: Run, step: Step, outcome: Outcome, command: str) -> dict[str, Any]:
     made: dict[str, Any] = {
         "step": step.index,
         "node": step.node,
         "use": step.method.node.name,
-        "labels": dict(step.labels),
-        "settings": {name: _plain(value) for name, value in step.shown.items()},
+        "labels": plain(step.labels),
+        "settings": {name: plain(value) for name, value in step.shown.items()},
         "inputs": {port: _needs(fed) for port, fed in step.inputs.items()},
         "state": outcome.state,
         "seconds": round(outcome.seconds, 6),
     }
-    said = {"reason": outcome.reason, "trace": outcome.trace, "warnings": list(outcome.warnings)}
+    said: dict[str, Any] = {
+        "stored": outcome.stored,
+        "reason": outcome.reason,
+        "trace": outcome.trace,
+        "warnings": list(outcome.warnings),
+        "digests": list(outcome.digests),
+        "repeat": repeating(command, step) if outcome.state == "failed" else "",
+    }
+    if run.recall is not None:
+        said["key"] = run.recall.keys.of[step.index]
+        said["files"] = dict(run.recall.keys.fixed(step).files)
     return made | {key: one for key, one in said.items() if one}
 
 
@@ -87,14 +123,6 @@ def _skipped(run: Run) -> list[Mapping[str, Any]]:
         for name, node in run.plan.graph.nodes.items()
         for at, reason in run.plan.skipped[name].items()
     ]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, (list, tuple)):
-        return [_plain(one) for one in value]
-    if isinstance(value, dict):
-        return {str(key): _plain(one) for key, one in value.items()}
-    return value if value is None or isinstance(value, (str, int, float, bool)) else str(value)
 
 
 def _version(name: str) -> str:

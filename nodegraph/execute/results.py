@@ -5,15 +5,23 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from nodegraph.display import in_notebook
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.executors import HowToRun
 from nodegraph.execute.executors.serial import serial
+from nodegraph.execute.recall import Recall
 from nodegraph.execute.schedule import Schedule
 from nodegraph.plan import Combination, Plan, Step
 from nodegraph.ports import Label
+from nodegraph.store import Packer
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_STATES = ("done", "stored", "refused", "failed", "skipped", "unneeded")
 
 
 @dataclass(frozen=True)
@@ -25,18 +33,24 @@ class Run:
     plan : Plan
     outcomes : mapping of step index to Outcome
     kept : mapping of step index to values
-        Values that are still in memory; others are computed again when they are asked for.
+        Values that are in memory; others are loaded, or computed again, when they are asked for.
     seconds : float
+    recall : Recall or None
+        Where results are stored.
+    packer : Packer
+        How values are lent to readers.
     """
 
     plan: Plan
     outcomes: Mapping[int, Outcome]
     kept: Mapping[int, tuple[Any, ...]]
     seconds: float
+    recall: Recall | None
+    packer: Packer
 
     def __getitem__(self, name: str) -> Values:
         """Return the values of a node, or of one output: ``run["gaps.truth"]``."""
-        node, _, port = name.partition(".")
+        node, port = self._named(name)
         for left_out in self.plan.graph.left_out:
             if left_out.node == node:
                 raise NodegraphError(f"{node!r} is left out: {left_out.reason}")
@@ -47,15 +61,30 @@ class Run:
             raise NodegraphError(f"{node!r} has no output {port!r}; {nearest(port, outputs)}")
         return Values(self, node, port)
 
+    def _named(self, name: str) -> tuple[str, str]:
+        """Return the node, and the output, that a name means; nodes of used graphs have points."""
+        left_out = (one.node for one in self.plan.graph.left_out)
+        if name in self.plan.cells or name in left_out or "." not in name:
+            return name, ""
+        node, _, port = name.rpartition(".")
+        return node, port
+
     @property
     def ok(self) -> bool:
         """Whether no step failed."""
         return not any(one.state == "failed" for one in self.outcomes.values())
 
     def counts(self) -> dict[str, int]:
-        """Return how many steps were done, refused, failed and skipped."""
-        found = Counter(one.state for one in self.outcomes.values())
-        return {state: found[state] for state in ("done", "refused", "failed", "skipped")}
+        """Return how many steps were computed, were stored, and so on."""
+        found = Counter(
+            "stored" if one.stored and one.state == "done" else one.state
+            for one in self.outcomes.values()
+        )
+        return {state: found[state] for state in _STATES}
+
+    def _repr_html_(self) -> str:
+        """Return how a notebook shows the run."""
+        return in_notebook("run_html", self)
 
     def settled(self, *states: str) -> Iterator[tuple[Step, Outcome]]:
         """Yield the steps in these states with their outcomes, in the order of the plan."""
@@ -65,7 +94,7 @@ class Run:
                 yield step, outcome
 
     def values_of(self, index: int) -> tuple[Any, ...]:
-        """Return a step's values, from memory or computed again.
+        """Return a step's values: from memory, from the store, or computed again.
 
         Raises
         ------
@@ -73,18 +102,42 @@ class Run:
             If the step has none, with the reason.
         """
         step, outcome = self.plan.steps[index], self.outcomes[index]
-        if outcome.state != "done":
+        if outcome.state not in ("done", "unneeded"):
             raise NodegraphError(f"{step.name} was {outcome.state}: {outcome.reason}")
-        if index in self.kept:
-            return self.kept[index]
-        again = Schedule(self.plan, keep=[index], wanted=[index])
+        values = self.kept.get(index) or self._loaded(step) or self._computed(step)
+        return tuple(map(self.packer.lend, values))
+
+    def shown_of(self, index: int) -> tuple[Any, ...]:
+        """Return a step's values, or what is stored of them to be shown."""
+        loaded = self._loaded(self.plan.steps[index], to_be_shown=True)
+        return self.values_of(index) if loaded is None else loaded
+
+    def _loaded(self, step: Step, *, to_be_shown: bool = False) -> tuple[Any, ...] | None:
+        if self.recall is None or step.index not in self.recall:
+            return None
+        outputs = range(len(step.method.node.outputs))
+        if self.recall.gives(step.index, outputs) == to_be_shown:
+            return None
+        return self.recall.load(step.index)
+
+    def _computed(self, step: Step) -> tuple[Any, ...]:
+        known = self.recall.known() if self.recall is not None else {}
+        known.pop(step.index, None)
+        again = Schedule(
+            self.plan,
+            recall=self.recall,
+            known=known,
+            packer=self.packer,
+            keep=[step.index],
+            wanted=[step.index],
+        )
         with warnings_heard():
             for done, found in serial(again, HowToRun()):
                 again.finish(done, found)
-        if index not in again.values:
-            reason = again.outcomes[index].reason
+        if step.index not in again.values:
+            reason = again.outcomes[step.index].reason
             raise NodegraphError(f"{step.name} cannot be computed again: {reason}")
-        return again.values[index]
+        return again.values[step.index]
 
 
 @dataclass(frozen=True)
@@ -131,19 +184,34 @@ class Values:
         return self._of(cells[found])
 
     def __iter__(self) -> Iterator[tuple[dict[str, Label], Any]]:
-        for combination, index in self.run.plan.cells[self.node].items():
-            if self.run.outcomes[index].state == "done":
-                labels = dict(zip(self.axes, combination, strict=True))
-                yield labels, self._of(index)
+        return ((labels, self._of(index)) for labels, index in self._there())
+
+    def frame(self) -> pd.DataFrame:
+        """Return the values as one table, with a column for each axis."""
+        from nodegraph.execute.frames import frame_of
+
+        return frame_of(self)
+
+    def shown(self) -> Iterator[tuple[dict[str, Label], Any]]:
+        """Yield labels and values, or what is stored of values to be shown."""
+        for labels, index in self._there():
+            yield labels, self.run.shown_of(index)[self._position(index)]
 
     def __len__(self) -> int:
         return len(self.run.plan.cells[self.node])
 
+    def _there(self) -> Iterator[tuple[dict[str, Label], int]]:
+        for combination, index in self.run.plan.cells[self.node].items():
+            if self.run.outcomes[index].state in ("done", "unneeded"):
+                yield dict(zip(self.axes, combination, strict=True)), index
+
     def _of(self, index: int) -> Any:
-        """Return the output of one step: by its name, because methods may order theirs."""
+        return self.run.values_of(index)[self._position(index)]
+
+    def _position(self, index: int) -> int:
+        """Return which output of a step is meant: by its name, because methods may order theirs."""
         names = [one.name for one in self.run.plan.steps[index].method.node.outputs]
-        position = names.index(self.port) if self.port else 0
-        return self.run.values_of(index)[position]
+        return names.index(self.port) if self.port else 0
 
     def _label(self, axis: str, labels: Mapping[str, Label]) -> Label:
         there = self.run.plan.graph.axes[axis].labels

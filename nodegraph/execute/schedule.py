@@ -3,105 +3,221 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Protocol
 
 from nodegraph.execute.call import Call, Outcome, perform
+from nodegraph.execute.recall import Recall
 from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
 from nodegraph.ports import Absent, Across
+from nodegraph.store import Packer
+
+
+class Hears(Protocol):
+    """Who wants to know what becomes of steps."""
+
+    def started(self, step: Step) -> None:
+        """Hear that a step was handed out."""
+
+    def settled(self, step: Step, outcome: Outcome) -> None:
+        """Hear how a step ended."""
 
 
 class Schedule:
     """Hands out calls in the order of the plan, and takes their outcomes back.
 
+    A step is computed when it is wanted, or when one that is computed needs it; a stored result
+    is loaded when it is needed, and only then.
+
     Parameters
     ----------
     plan
+    recall
+        Where results are stored.
+    known
+        How steps ended whose results are stored.
+    packer
+        How values are lent to readers, and travel.
     keep
         Steps whose values stay after their last reader.
     wanted
-        Steps to compute, with what they need; all of them by default.
-    on_start
-        Called with each step that is handed out.
+        Steps whose outcome is asked for; by default all that nothing reads, and those to keep.
+    hears
     """
 
     def __init__(
         self,
         plan: Plan,
         *,
+        recall: Recall | None = None,
+        known: Mapping[int, Outcome] | None = None,
+        packer: Packer | None = None,
         keep: Iterable[int] = (),
         wanted: Iterable[int] | None = None,
-        on_start: Callable[[Step], None] = lambda step: None,
+        hears: Hears | None = None,
     ) -> None:
         self._plan = plan
-        self._on_start = on_start
-        self._keep = set(keep)
-        self.outcomes: dict[int, Outcome] = {}
+        self._recall = recall
+        self._hears = hears
+        self.packer = packer or Packer()
+        self._keep = frozenset(keep)
+        self.outcomes = dict(known or {})
         self.values: dict[int, tuple[Any, ...]] = {}
-        self.steps = _with_needs(plan, wanted)
         self._waiting: dict[int, int] = {}
-        self._readers: dict[int, list[int]] = {index: [] for index in self.steps}
+        self._readers: dict[int, list[int]] = {}
         self._unread: dict[int, int] = {}
         self._ready: list[int] = []
-        self._link()
+        self._running: dict[str, int] = {}
+        self._afresh: set[int] = set()
+        self._demand([*(_unread(plan) if wanted is None else wanted), *self._keep])
+
+    @property
+    def plan(self) -> Plan:
+        """The plan whose steps these are."""
+        return self._plan
+
+    @property
+    def left(self) -> int:
+        """How many steps are still to be settled, as far as is known."""
+        return len(self._waiting)
 
     def next(self) -> Call | None:
         """Return the next call that can be made now, or None."""
-        if not self._ready:
-            return None
-        step = self._plan.steps[heapq.heappop(self._ready)]
-        self._on_start(step)
-        inputs = {port: self._value(fed) for port, fed in step.inputs.items()}
-        return Call(step.index, step.method.node, step.method.plugin, inputs, step.settings)
+        while self._ready:
+            index = heapq.heappop(self._ready)
+            step = self._plan.steps[index]
+            if self._recall is not None and not self._is_first(step, self._recall.keys.of[index]):
+                continue
+            lost = {one for one in step.needed if not self._at_hand(step, one)}
+            if lost:
+                self._compute_again(index, lost)
+                continue
+            if self._hears is not None:
+                self._hears.started(step)
+            inputs = {port: self._value(fed) for port, fed in step.inputs.items()}
+            method = step.method
+            return Call(index, method.node, method.plugin, inputs, step.settings)
+        return None
 
     def perform(self, call: Call) -> Outcome:
         """Make a call here, in any thread, and return its outcome."""
         return self.keep(call, perform(call))
 
     def keep(self, call: Call, outcome: Outcome) -> Outcome:
-        """Take an outcome that was computed elsewhere, and return it."""
-        return outcome
+        """Store an outcome that was computed, in any thread, and return it."""
+        if self._recall is None:
+            return outcome
+        return self._recall.save(self._plan.steps[call.step], outcome)
 
-    def finish(self, index: int, outcome: Outcome) -> list[tuple[Step, Outcome]]:
-        """Take an outcome; return it with those of the steps that it makes impossible."""
-        settled: list[tuple[Step, Outcome]] = []
+    def finish(self, index: int, outcome: Outcome) -> None:
+        """Take an outcome, and settle the steps that it makes impossible."""
         pending = [(index, outcome)]
         while pending:
             at, found = pending.pop()
             self._settle(at, found)
-            settled.append((self._plan.steps[at], found))
-            for reader in self._readers[at]:
+            for reader in self._readers.pop(at, ()):
                 self._waiting[reader] -= 1
                 if not self._waiting[reader]:
-                    stopped = self._stopped(self._plan.steps[reader])
-                    if stopped is None:
+                    known = self._known(self._plan.steps[reader])
+                    if known is None:
                         heapq.heappush(self._ready, reader)
                     else:
-                        pending.append((reader, stopped))
-        return settled
+                        pending.append((reader, known))
 
-    def _link(self) -> None:
-        for index in self.steps:
-            needs = set(self._plan.steps[index].needs())
-            self._waiting[index] = len(needs)
-            for needed in needs:
-                self._readers[needed].append(index)
-            if not needs:
-                self._ready.append(index)
-        self._unread = {index: len(readers) for index, readers in self._readers.items()}
-        heapq.heapify(self._ready)
+    def _demand(self, wanted: Iterable[int]) -> None:
+        """Have steps computed that are not settled, with all that they need."""
+        pending = [index for index in wanted if index not in self.outcomes]
+        free: list[int] = []
+        while pending:
+            index = pending.pop()
+            if index in self._waiting:
+                continue
+            waits = 0
+            step = self._plan.steps[index]
+            for needed in step.needed:
+                self._unread[needed] = self._unread.get(needed, 0) + 1
+                if not self._gives(step, needed):
+                    self._forget(needed)
+                    waits += 1
+                    self._readers.setdefault(needed, []).append(index)
+                    pending.append(needed)
+            self._waiting[index] = waits
+            if not waits:
+                free.append(index)
+        for index in free:
+            known = self._known(self._plan.steps[index])
+            if known is None:
+                heapq.heappush(self._ready, index)
+            else:
+                self.finish(index, known)
+
+    def _gives(self, reader: Step, needed: int) -> bool:
+        """Whether a step is settled such that a reader can take what it needs from it."""
+        outcome = self.outcomes.get(needed)
+        if outcome is None:
+            return False
+        if self._recall is None or not outcome.stored or outcome.state != "done":
+            return True
+        positions = {one.position for one in reader.reads() if one.step == needed}
+        return needed in self.values or self._recall.gives(needed, positions)
+
+    def _at_hand(self, reader: Step, needed: int) -> bool:
+        """Whether what a reader takes from a step is in memory; load it if it is stored."""
+        if needed in self.values:
+            return True
+        if not self._gives(reader, needed):
+            return False
+        if self._recall is None or self.outcomes[needed].state != "done":
+            return True
+        values = self._recall.load(needed)
+        if values is not None:
+            self.values[needed] = values
+        return values is not None
+
+    def _is_first(self, step: Step, key: str) -> bool:
+        """Whether no step of the same key is being computed; else wait for that one."""
+        first = self._running.setdefault(key, step.index) if key else step.index
+        if first == step.index or first in self.outcomes:
+            self._running[key] = step.index
+            return True
+        self._waiting[step.index] = 1
+        self._readers.setdefault(first, []).append(step.index)
+        return False
+
+    def _compute_again(self, reader: int, lost: set[int]) -> None:
+        """Have steps computed whose stored values are damaged; a reader waits for them."""
+        self._waiting[reader] = len(lost)
+        for needed in lost:
+            self._forget(needed)
+            self._readers.setdefault(needed, []).append(reader)
+        self._demand(lost)
+
+    def _forget(self, index: int) -> None:
+        """Have a step computed even if it is stored: what is stored cannot be used."""
+        if self.outcomes.pop(index, None) is not None:
+            self._afresh.add(index)
 
     def _settle(self, index: int, outcome: Outcome) -> None:
-        if outcome.state == "done" and (self._unread[index] or index in self._keep):
-            self.values[index] = outcome.values
-        self.outcomes[index] = Outcome(
-            outcome.state, (), outcome.reason, outcome.trace, outcome.warnings,
-            outcome.seconds, outcome.cause,
-        )  # fmt: skip
-        for needed in set(self._plan.steps[index].needs()):
-            self._unread[needed] -= 1
-            if not self._unread[needed] and needed not in self._keep:
-                self.values.pop(needed, None)
+        self._waiting.pop(index, None)
+        if outcome.values:
+            if self._unread.get(index) or index in self._keep:
+                self.values[index] = outcome.values
+            outcome.values = ()  # else they would live as long as the outcome
+        self.outcomes[index] = outcome
+        for needed in self._plan.steps[index].needed:
+            if self._unread.get(needed):
+                self._unread[needed] -= 1
+                if not self._unread[needed] and needed not in self._keep:
+                    self.values.pop(needed, None)
+        if self._hears is not None:
+            self._hears.settled(self._plan.steps[index], outcome)
+
+    def _known(self, step: Step) -> Outcome | None:
+        """Return how a step ends, if that is known without computing it."""
+        stopped = self._stopped(step)
+        if stopped is None and self._recall is not None and step.index not in self._afresh:
+            return self._recall.look_again(step, self.outcomes)
+        return stopped
 
     def _stopped(self, step: Step) -> Outcome | None:
         """Return why a step cannot run, if one that it needs has no value."""
@@ -124,27 +240,21 @@ class Schedule:
 
     def _value(self, fed: StepInput) -> Any:
         if isinstance(fed, Output):
-            return self.values[fed.step][fed.position]
+            return self.packer.lend(self.values[fed.step][fed.position])
         entries = []
         absent = list(absent_of(fed))
         for at, output in fed.entries:
             labels = dict(zip(fed.axes, at, strict=True))
             outcome = self.outcomes[output.step]
             if outcome.state == "done":
-                entries.append((labels, self.values[output.step][output.position]))
+                value = self.packer.lend(self.values[output.step][output.position])
+                entries.append((labels, value))
             else:
                 absent.append(Absent(labels, outcome.cause, outcome.reason))
         return Across(fed.axes, tuple(entries), tuple(absent))
 
 
-def _with_needs(plan: Plan, wanted: Iterable[int] | None) -> Mapping[int, None]:
-    if wanted is None:
-        return dict.fromkeys(range(len(plan.steps)))
-    found = set(wanted)
-    pending = list(found)
-    while pending:
-        for needed in plan.steps[pending.pop()].needs():
-            if needed not in found:
-                found.add(needed)
-                pending.append(needed)
-    return dict.fromkeys(sorted(found))
+def _unread(plan: Plan) -> Iterator[int]:
+    """Yield the steps that nothing reads."""
+    read = {needed for step in plan.steps for needed in step.needed}
+    return (step.index for step in plan.steps if step.index not in read)

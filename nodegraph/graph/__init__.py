@@ -2,6 +2,18 @@
 
 from nodegraph.graph.build import build
 from nodegraph.graph.choices import Choices
+from nodegraph.graph.hands_on import HandsOn
 from nodegraph.graph.model import Axis, Gather, Graph, GraphNode, Method
+from nodegraph.graph.until import until
 
-__all__ = ["Axis", "Choices", "Gather", "Graph", "GraphNode", "Method", "build"]
+__all__ = [
+    "Axis",
+    "Choices",
+    "Gather",
+    "Graph",
+    "GraphNode",
+    "HandsOn",
+    "Method",
+    "build",
+    "until",
+]

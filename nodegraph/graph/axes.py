@@ -66,7 +66,7 @@ def check_fixed(
             problems.add(source.place, f"{source.node!r} has no axis {name!r}", there)
         elif label in axes[name].removed:
             reason = f"{source} at {name} = {label}: the command has removed that label"
-        elif label not in axes[name].labels:
+        elif label not in axes[name].labels and axes[name].labels:
             there = nearest(label, axes[name].labels, what="labels")
             problems.add(source.place, f"axis {name!r} has no label {label!r}", there)
     return reason

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis
-from nodegraph.ports import Label
-from nodegraph.spec.axes import read_axis
+from nodegraph.ports import Label, Port
+from nodegraph.spec.axes import read_given_axis
 from nodegraph.spec.parts import GraphSpec, Variable, Written
-from nodegraph.spec.yaml_text import located
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,15 @@ class Choices:
 class Names:
     """The inputs and axes of a graph with the choices made: what ``$name`` stands for."""
 
-    def __init__(self, spec: GraphSpec, choices: Choices, problems: Problems) -> None:
+    def __init__(
+        self,
+        spec: GraphSpec,
+        ports: Mapping[str, Port],
+        choices: Choices,
+        problems: Problems,
+    ) -> None:
         self._spec = spec
+        self._ports = ports
         self._choices = choices
         self._problems = problems
         self.used: set[str] = set()
@@ -75,44 +81,59 @@ class Names:
             for name, part in parts.items():
                 if name not in self.used and name.isidentifier():
                     message = f"nothing uses the {kind} {name!r}"
-                    self._problems.add(part.place, message, f"write ${name} as a setting's value")
+                    where = f"in: ${name}" if name in self._ports else f"${name} as a setting's value"
+                    self._problems.add(part.place, message, f"write {where}")
 
     def axis_of(self, variable: Variable) -> str | None:
         """Return the axis a variable names, or None for an input or an unknown name."""
-        self.used.add(variable.name)
-        if variable.name in self._spec.axes:
-            return variable.name
-        if variable.name not in self.inputs:
-            self.unknown.add(variable)
-            there = [f"${name}" for name in (*self._spec.inputs, *self._spec.axes)]
-            self._problems.add(
-                variable.place,
-                f"no input or axis {variable.name!r}",
-                nearest(f"${variable.name}", there),
-            )
-        elif variable.field:
-            self.unknown.add(variable)
-            message = f"{variable}: {variable.name!r} is an input; only an axis has fields"
-            self._problems.add(variable.place, message)
+        name = variable.name
+        self.used.add(name)
+        if name in self._spec.axes:
+            if not self.axes[name].labels:
+                self.unknown.add(variable)
+            return name
+        if name in self._ports:
+            message = f"{variable} is a port ({self._ports[name].type.__name__}), not a value"
+            self._refuse(variable, message, f"write in: ${name}")
+        elif name not in self.inputs:
+            there = [f"${one}" for one in (*self._spec.inputs, *self._spec.axes)]
+            hint = nearest(f"${name}", there)
+            self._refuse(variable, f"no input or axis {name!r}", hint)
+        elif variable.field and not isinstance(self.inputs[name], dict):
+            message = f"{variable}: the input {name!r} has no fields, {self.inputs[name]!r}"
+            self._refuse(variable, message, "an axis, or an input that is a mapping, has fields")
         return None
+
+    def use(self, settings: Iterable[Written]) -> None:
+        """Look up what settings name that are not read here."""
+        for written in settings:
+            for variable in written.variables():
+                self.axis_of(variable)
+
+    def _refuse(self, variable: Variable, message: str, hint: str) -> None:
+        self.unknown.add(variable)
+        self._problems.add(variable.place, message, hint)
 
     def value(self, variable: Variable, labels: Mapping[str, Label]) -> Any:
         """Return what a variable stands for at these labels."""
-        if variable.name not in labels:
-            return self.inputs.get(variable.name)
-        value = self.axes[variable.name].values.get(labels[variable.name])
+        name, axis = variable.name, self.axes.get(variable.name)
+        value = axis.values.get(labels[name]) if axis is not None else self.inputs.get(name)
         if not variable.field:
             return value
         if not isinstance(value, dict) or variable.field not in value:
             fields = list(value) if isinstance(value, dict) else []
-            message = f"{variable}: label {labels[variable.name]!r} has no field {variable.field!r}"
+            what = f"label {labels[name]!r}" if axis is not None else f"the input {name!r}"
+            message = f"{variable}: {what} has no field {variable.field!r}"
             self._problems.add(variable.place, message, nearest(variable.field, fields))
             return None
         return value[variable.field]
 
     def folder(self, variable: Variable) -> Path:
         """Return where a relative path that a variable holds starts."""
-        return self._choices.folder if self._option(variable) else self._spec.folder
+        if self._option(variable):
+            return self._choices.folder
+        axis = self._spec.axes.get(variable.name)
+        return (axis and axis.folder) or self._spec.folder
 
     def place(self, written: Written) -> Place:
         """Return where a setting's value was written: in the file, or in the command."""
@@ -131,15 +152,15 @@ class Names:
         return self._spec.folder
 
     def _inputs(self) -> dict[str, Any]:
-        given = {name: one.value for name, one in self._spec.inputs.items()}
+        inputs = self._spec.inputs.items()
+        given = {name: one.value for name, one in inputs if name not in self._ports}
         return {**given, **{k: v for k, v in self._choices.inputs.items() if k in given}}
 
     def _axis(self, name: str) -> Axis:
         written = self._spec.axes[name]
         labels, values = written.labels, written.values
         if name in self._choices.axes:
-            item = located(self._choices.axes[name], Place(f"--axis {name}"))
-            chosen = read_axis(name, item, self._problems)
+            chosen = read_given_axis(name, self._choices.axes[name], self._problems)
             labels, values = chosen.labels, chosen.values
         removed = frozenset(written.labels) - frozenset(labels)
         return self._kept(name, Axis(name, labels, dict(zip(labels, values, strict=True)), removed))

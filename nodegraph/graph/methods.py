@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 from nodegraph.errors import Place, Problems, UnknownNodeError, nearest
+from nodegraph.graph.hands_on import asked, passing
 from nodegraph.node import Node
-from nodegraph.ports import Port
 from nodegraph.registry import Registered, Registry
 from nodegraph.spec.parts import MethodSpec, NodeSpec, Wiring, Written
 
@@ -30,50 +28,25 @@ class Chosen:
     settings: Mapping[str, Written]
 
 
-class PassNode(Node):
-    """Hands on its first input, typed and named as its siblings' first output."""
+def choose(
+    spec: NodeSpec, registry: Registry, graphs: Mapping[str, Registered], problems: Problems
+) -> list[Chosen]:
+    """Return the methods of a node; what is not installed is noted with its line.
 
-    _sibling: Node
-
-    def __init__(self, sibling: Node) -> None:
-        super().__init__(PASS, _identity, ())
-        object.__setattr__(self, "_sibling", sibling)
-
-    @cached_property
-    def inputs(self) -> tuple[Port, ...]:
-        """The first port of the siblings."""
-        made = self._sibling.outputs[0].type
-        return tuple(replace(port, type=made) for port in self._sibling.inputs[:1])
-
-    @cached_property
-    def outputs(self) -> tuple[Port, ...]:
-        """The first output of the siblings."""
-        return self._sibling.outputs[:1]
-
-    @cached_property
-    def settings(self) -> Mapping[str, Any]:
-        """None."""
-        return {}
-
-    @cached_property
-    def splits(self) -> bool:
-        """One value comes out as it went in."""
-        return False
-
-    @property
-    def doc(self) -> str:
-        """What a reader of the report sees."""
-        return "Hand on the input as it is."
-
-
-def choose(spec: NodeSpec, registry: Registry, problems: Problems) -> list[Chosen]:
-    """Return the methods of a node; what is not installed is noted with its line."""
+    Parameters
+    ----------
+    spec
+    registry
+    graphs
+        For labels of which the method is a graph, what stands for that graph.
+    problems
+    """
     found = list(_unfolded(spec, registry, problems))
     chosen = _replaced(found)
     siblings = [one for one in chosen.values() if one.use != PASS]
     if not spec.has_alternatives and spec.methods and spec.methods[0].use == PASS:
         problems.add(spec.methods[0].place, "'pass' stands only among alternatives")
-    made = {one.label: _found(one, registry, problems) for one in siblings}
+    made = {one.label: graphs.get(one.label) or _found(one, registry, problems) for one in siblings}
     _check_family(spec, made, problems)
     first = next((one for one in made.values() if one is not None), None)
     for one in chosen.values():
@@ -109,9 +82,6 @@ def _replaced(methods: list[MethodSpec]) -> dict[str, MethodSpec]:
 def _found(method: MethodSpec, registry: Registry, problems: Problems) -> Registered | None:
     if not method.use:
         return None
-    if method.use.endswith((".yaml", ".yml")):
-        problems.add(method.place, f"{method.use!r}: a graph cannot be used as a node here")
-        return None
     try:
         return registry.find(method.use)
     except UnknownNodeError as error:
@@ -125,32 +95,46 @@ def _check_passing(
 ) -> None:
     if not has_siblings:
         problems.add(passing.place, "'pass' needs another alternative, whose ports it takes")
-    elif sibling is not None and any(port.across for port in sibling.node.inputs[:1]):
-        message = f"'pass' hands on one value, and {sibling.node.name} gathers several"
-        problems.add(passing.place, message)
+    elif sibling is not None:
+        first = next(iter(asked(sibling.node)), None)
+        if first is None:
+            message = f"'pass' hands on an input, and {sibling.node.name} has none"
+            problems.add(passing.place, message)
+        elif first.across:
+            message = f"'pass' hands on one value, and {sibling.node.name} gathers several"
+            problems.add(passing.place, message)
 
 
 def _passing(sibling: Registered | None) -> Registered | None:
-    return Registered(PassNode(sibling.node), "nodegraph") if sibling else None
+    return Registered(passing(sibling.node), "nodegraph") if sibling else None
 
 
 def _chosen(spec: NodeSpec, method: MethodSpec, found: Registered | None) -> Chosen:
+    if found is not None and method.is_graph:
+        # what is shared has gone to the nodes inside already
+        return Chosen(method.label, found, method.place, method.wiring, method.settings)
     if found is None or method.use != PASS:
-        wiring = {**_by_port(spec.wiring, found), **_by_port(method.wiring, found)}
+        wiring = shared_and_own(spec, method, found.node if found else None)
         settings = {**spec.settings, **method.settings}
         return Chosen(method.label, found, method.place, wiring, settings)
     # the siblings' other ports and settings do not concern what only hands on
     first = found.node.inputs[0].name if found.node.inputs else ""
-    shared = {port: one for port, one in _by_port(spec.wiring, found).items() if port == first}
-    wiring = {**shared, **_by_port(method.wiring, found)}
+    shared = _by_port(spec.wiring, found.node)
+    wiring = {port: one for port, one in shared.items() if port == first}
+    wiring |= _by_port(method.wiring, found.node)
     return Chosen(method.label, found, method.place, wiring, method.settings)
 
 
-def _by_port(wiring: Wiring, found: Registered | None) -> Wiring:
+def shared_and_own(spec: NodeSpec, method: MethodSpec, node: Node | None) -> Wiring:
+    """Return what feeds a method: what the node's methods share, its own on top."""
+    return {**_by_port(spec.wiring, node), **_by_port(method.wiring, node)}
+
+
+def _by_port(wiring: Wiring, node: Node | None) -> Wiring:
     """Name the first port, so that a method's own wiring replaces the shared one."""
-    if found is None or not found.node.inputs or "" not in wiring:
+    if node is None or "" not in wiring or not asked(node):
         return wiring
-    return {port or found.node.inputs[0].name: one for port, one in wiring.items()}
+    return {port or asked(node)[0].name: one for port, one in wiring.items()}
 
 
 def _check_family(
@@ -167,14 +151,10 @@ def _check_family(
 
 
 def _promise(node: Node) -> tuple[object, ...]:
-    required = {port.name: port for port in node.inputs if not port.optional}
+    required = {port.name: port for port in asked(node) if not port.optional}
     return (*sorted(required.items()), node.outputs[0].truth, node.outputs[0].type)
 
 
 def _shape(node: Node) -> str:
-    required = ", ".join(str(port) for port in node.inputs if not port.optional)
+    required = ", ".join(str(port) for port in asked(node) if not port.optional)
     return f"({required}) -> {node.outputs[0].type.__name__}"
-
-
-def _identity(**inputs: Any) -> Any:
-    return next(iter(inputs.values()))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from nodegraph.display import in_notebook
 from nodegraph.errors import Place
 from nodegraph.node import Node
 from nodegraph.ports import Label
@@ -111,6 +112,8 @@ class GraphNode:
         The axes along which it has values.
     gathered : tuple of str
         The axes that its gathering ports take together.
+    prefix : str
+        For a node of a graph used as a node, what comes before the names in that graph.
     """
 
     name: str
@@ -119,6 +122,11 @@ class GraphNode:
     has_alternatives: bool
     axes: tuple[str, ...]
     gathered: tuple[str, ...] = ()
+    prefix: str = ""
+
+    def inside(self, axis: str) -> str:
+        """Return what an axis is called in the graph file that the node stands in."""
+        return axis.removeprefix(self.prefix)
 
     @property
     def first(self) -> Method:
@@ -194,6 +202,10 @@ class Graph:
             return tuple(one for one in found if one[0] in self.nodes)
         read = {source.node for _, _, source, _ in self.wires()}
         return tuple((name, "") for name in self.nodes if name not in read)
+
+    def _repr_html_(self) -> str:
+        """Return how a notebook shows the graph."""
+        return in_notebook("graph_html", self)
 
     def output_name(self, source: Reference) -> str:
         """Return the name of the output that a reference means."""

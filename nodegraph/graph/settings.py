@@ -13,6 +13,7 @@ from nodegraph.errors import NodegraphError, Problems, nearest
 from nodegraph.graph.choices import Names
 from nodegraph.graph.methods import Chosen
 from nodegraph.graph.model import Settings
+from nodegraph.graph.sizes import Sizes
 from nodegraph.node import Node
 from nodegraph.ports import Label
 from nodegraph.registry import Registry
@@ -30,8 +31,9 @@ _ADVICE = {
 class SettingsReader:
     """Checks settings and notes every mistake with its place."""
 
-    def __init__(self, names: Names, registry: Registry, problems: Problems) -> None:
+    def __init__(self, names: Names, sizes: Sizes, registry: Registry, problems: Problems) -> None:
         self._names = names
+        self._sizes = sizes
         self._registry = registry
         self._problems = problems
 
@@ -41,28 +43,34 @@ class SettingsReader:
             n: one for n, one in chosen.settings.items() if self._is_known(where, n, one, node)
         }
         axes = self._axes(known)
-        variables = {one for written in known.values() for one in written.variables()}
-        if variables & self._names.unknown:
-            return Settings((), {(): {}}, {(): {}})
+        sound, along = known, axes
+        if self._names.unknown:
+            sound = {name: one for name, one in known.items() if self._is_sound(one)}
+            along = self._axes(sound)
         values: dict[tuple[Label, ...], Mapping[str, Any]] = {}
         shown: dict[tuple[Label, ...], Mapping[str, Any]] = {}
-        for labels in itertools.product(*(self._names.axes[axis].labels for axis in axes)):
+        every = itertools.product(*(self._names.axes[axis].labels for axis in along))
+        # of more combinations than can be run, which is told, one shows other mistakes
+        for labels in every if self._sizes.has_room(along) else itertools.islice(every, 1):
             given = {
-                name: self._substituted(one.value, dict(zip(axes, labels, strict=True)))
-                for name, one in known.items()
+                name: self._substituted(one.value, dict(zip(along, labels, strict=True)))
+                for name, one in sound.items()
             }
-            checked = self._checked(where, chosen, node, given)
-            values[labels] = {**checked, **self._files(where, node, known, checked)}
+            wrong = known.keys() - sound.keys()
+            checked = self._checked(where, chosen, node, given, wrong)
+            values[labels] = {**checked, **self._files(where, node, sound, given, wrong)}
             shown[labels] = {**checked, **given}
         return Settings(axes, values, shown)
+
+    def _is_sound(self, written: Written) -> bool:
+        return self._names.unknown.isdisjoint(written.variables())
 
     def _is_known(self, where: str, name: str, written: Written, node: Node) -> bool:
         if name in node.settings:
             return True
         hint = nearest(name, node.settings, what="settings")
         self._problems.add(written.place, f"{where}: {node.name} has no setting {name!r}", hint)
-        for variable in written.variables():
-            self._names.axis_of(variable)
+        self._names.use([written])
         return False
 
     def _axes(self, known: Mapping[str, Written]) -> tuple[str, ...]:
@@ -80,8 +88,9 @@ class SettingsReader:
         return value
 
     def _checked(
-        self, where: str, chosen: Chosen, node: Node, given: Mapping[str, Any]
+        self, where: str, chosen: Chosen, node: Node, given: Mapping[str, Any], wrong: set[str]
     ) -> Mapping[str, Any]:
+        """Return settings checked, or none; add to `wrong` those that are."""
         from pydantic import ValidationError
 
         if not node.settings:
@@ -89,19 +98,28 @@ class SettingsReader:
         try:
             model = node.model.model_validate_json(json.dumps(given, default=str))
         except ValidationError as error:
-            for message, written, hint in _complaints(where, chosen, node, error):
+            for name, message, hint in _complaints(where, node, error):
+                if name in wrong:
+                    continue
+                written = chosen.settings.get(name)
                 place = self._names.place(written) if written else chosen.place
                 self._problems.add(place, message, hint)
+            wrong |= {str(one["loc"][0]) for one in error.errors() if one["loc"]}
             return {}
         return {name: getattr(model, name) for name in node.settings}
 
     def _files(
-        self, where: str, node: Node, known: Mapping[str, Written], checked: Mapping[str, Any]
+        self,
+        where: str,
+        node: Node,
+        written: Mapping[str, Written],
+        given: Mapping[str, Any],
+        wrong: set[str],
     ) -> Mapping[str, Path]:
         found: dict[str, Path] = {}
-        for name, setting in node.settings.items():
-            if setting.is_file and checked.get(name) is not None and name in known:
-                path = self._file(where, known[name], str(checked[name]))
+        for name, one in written.items():
+            if node.settings[name].is_file and name not in wrong and given[name] is not None:
+                path = self._file(where, one, str(given[name]))
                 if path is not None:
                     found[name] = path
         return found
@@ -122,24 +140,23 @@ class SettingsReader:
     def _folder(self, written: Written) -> Path:
         if isinstance(written.value, Variable):
             return self._names.folder(written.value)
-        return self._names.graph_folder
+        return written.folder or self._names.graph_folder
 
 
 def _complaints(
-    where: str, chosen: Chosen, node: Node, error: ValidationError
-) -> Iterator[tuple[str, Written | None, str]]:
-    """Yield what pydantic complains of, the setting as it was written, and what there is."""
+    where: str, node: Node, error: ValidationError
+) -> Iterator[tuple[str, str, str]]:
+    """Yield the setting that pydantic complains of, what is wrong, and what there is."""
     for one in error.errors():
         if not one["loc"]:
-            yield f"{where}: settings of {node.name}: {one['msg']}", None, ""
+            yield "", f"{where}: settings of {node.name}: {one['msg']}", ""
             continue
         name = str(one["loc"][0])
-        written = chosen.settings.get(name)
         said = _ADVICE.get(one["type"]) or f"{_lower(one['msg'])}, got {one['input']!r}"
         setting = node.settings.get(name)
         unit = f" {setting.unit}" if setting is not None and setting.unit else ""
         hint = f"it is {setting_kind(node, name)}{unit}" if setting is not None else ""
-        yield f"{where}: setting {name!r} of {node.name} {said}", written, hint
+        yield name, f"{where}: setting {name!r} of {node.name} {said}", hint
 
 
 def _lower(message: str) -> str:

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from nodegraph.errors import Place, Problems, nearest
+from nodegraph.graph.choices import Names
 from nodegraph.graph.methods import Chosen
 from nodegraph.graph.model import Gather, GraphNode
 from nodegraph.node import Node
 from nodegraph.ports import Port, misfit
-from nodegraph.spec.parts import GraphSpec, Reference
+from nodegraph.spec.parts import Gathering, GraphSpec, Reference
 
 
 def dependencies(chosen: list[Chosen]) -> Iterator[tuple[str, Place]]:
     """Yield the nodes that feed any method of a node, with the places that say so."""
     for method in chosen:
         for fed in method.wiring.values():
-            for one in (fed,) if isinstance(fed, Reference) else fed.sources.values():
+            for _, one in labelled(fed):
                 yield one.node, one.place
+
+
+def labelled(fed: Reference | Gathering) -> Iterable[tuple[str, Reference]]:
+    """Return what feeds a port with its labels; a single source has the empty label."""
+    return (("", fed),) if isinstance(fed, Reference) else fed.sources.items()
 
 
 class Wirer:
     """Checks wires against the nodes that have been built so far."""
 
-    def __init__(self, spec: GraphSpec, nodes: Mapping[str, GraphNode], problems: Problems) -> None:
+    def __init__(
+        self, spec: GraphSpec, nodes: Mapping[str, GraphNode], names: Names, problems: Problems
+    ) -> None:
         self._spec = spec
         self._nodes = nodes
+        self._names = names
         self._problems = problems
 
     def wire(self, where: str, chosen: Chosen, node: Node) -> dict[str, Reference | Gather]:
@@ -33,32 +42,51 @@ class Wirer:
         fed: dict[str, Reference | Gather] = {}
         for name, written in chosen.wiring.items():
             port = self._port(where, name, node, written.place)
+            made = {label: self.source(one, port, where) for label, one in labelled(written)}
             if port is None:
                 continue
             if isinstance(written, Reference):
-                made = self.source(written, port, where)
-                fed[port.name] = Gather("", {"": made}) if port.across else made
+                fed[port.name] = Gather("", made) if port.across else made[""]
             elif port.across:
-                sources = written.sources.items()
-                made_all = {label: self.source(one, port, where) for label, one in sources}
-                fed[port.name] = Gather(port.name, made_all)
+                fed[port.name] = Gather(port.name, made)
             else:
                 message = f"{where}: port {port.name!r} takes one value, not a mapping of several"
                 self._problems.add(written.place, message, "a port typed Across gathers")
         self._note_open_ports(where, chosen, node)
         return fed
 
+    def look_up(self, where: str, chosen: Chosen) -> None:
+        """Note references to what is not there, for a method of which nothing else is known."""
+        for written in chosen.wiring.values():
+            for _, one in labelled(written):
+                self.source(one, None, where)
+
     def source(self, written: Reference, target: Port | None, where: str) -> Reference:
         """Return a reference as a source, and note whether it fits the port it feeds."""
-        if written.node.startswith("$"):
+        name = written.node
+        if name.startswith("$"):
+            self._names.used.add(name[1:])
+        if written.passed:
+            return written  # checked where it was given to the graph that this is a part of
+        if name in self._spec.nodes:
+            if name in self._nodes:
+                self._check_ports(written, target, where)
+        elif name.startswith("$"):
             message = f"{where}: {written} names a value; a port is fed by a node"
-            self._problems.add(written.place, message, nearest(written.node[1:], self._spec.nodes))
-        elif written.node not in self._spec.nodes:
-            message = f"{where}: no node {written.node!r}"
-            self._problems.add(written.place, message, nearest(written.node, self._spec.nodes))
-        elif written.node in self._nodes:
-            self._check_ports(written, target, where)
+            self._problems.add(written.place, message, self._instead_of_value(name))
+        else:
+            self._problems.add(written.place, f"{where}: no node {name!r}", self._nearest(name))
         return written
+
+    def _instead_of_value(self, name: str) -> str:
+        """Return what could be meant: a port whose type's name is unknown, or a node."""
+        value = self._names.inputs.get(name[1:])
+        if isinstance(value, str):
+            return f"{name[1:]!r} is a port only if {value!r} is the name of a port's type"
+        return self._nearest(name)
+
+    def _nearest(self, name: str) -> str:
+        return nearest(name, [one for one in self._spec.nodes if "." not in one])
 
     def _check_ports(self, written: Reference, target: Port | None, where: str) -> None:
         for method in self._nodes[written.node].methods.values():

@@ -76,7 +76,7 @@ def _reported(run: Run) -> Iterator[tuple[str, str, str, Any]]:
         for output in [port] if port else ["", *others]:
             name = output or (first if others else "")
             plain = name in ("", node)
-            for labels, value in run[f"{node}.{output}" if output else node]:
+            for labels, value in run[f"{node}.{output}" if output else node].shown():
                 at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
                 words = [node] if plain else [node, name]
                 named = [f"{axis}-{label}" for axis, label in labels.items()]

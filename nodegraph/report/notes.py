@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterable, Iterator, Mapping
 
 from nodegraph.execute import Run
+from nodegraph.execute.record import repeating
 from nodegraph.plan import Step
 from nodegraph.ports import Label
 from nodegraph.report.study import Kind, StepNote
@@ -25,15 +25,9 @@ def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
     )
 
 
-def repeating(command: str, labels: Mapping[str, Label]) -> str:
-    """Return the command that runs one combination alone."""
-    only = (f" --only {shlex.quote(f'{axis}={label}')}" for axis, label in labels.items())
-    return command + "".join(only)
-
-
 def _settled(run: Run, command: str) -> Iterator[StepNote]:
     for step, outcome in run.settled(*_KINDS):
-        repeat = repeating(command, step.labels) if outcome.state == "failed" else ""
+        repeat = repeating(command, step) if outcome.state == "failed" else ""
         yield StepNote(
             _name(step),
             _text(step.labels),

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from nodegraph.execute import Run
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study
+
+_MOST_FAILURES = 5
+_WORDS = {"done": "computed", "unneeded": "not needed"}
 
 
 def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
@@ -14,14 +19,33 @@ def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
     return {**files, "report.html": page(study).encode()}, study
 
 
-def summary(study: Study, counts: dict[str, int]) -> str:
-    """Return what a terminal shows of a study: its tables, its answer, what went wrong."""
+def summary(study: Study, run: Run) -> str:
+    """Return what a terminal shows of a run: its tables, its answer, how its steps ended."""
     parts = [
         f"{f'{one.title} {one.labels}'.strip()}\n{one.rendered.text}"
         for one in study.sections
         if one.rendered.text
     ]
     parts += ["\n".join(study.answer)] if study.answer else []
-    lost = [f"{count} {state}" for state, count in counts.items() if state != "done" and count]
-    parts += [f"{', '.join(lost)}; the report says which and why"] if lost else []
+    counts = [
+        f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
+    ]
+    parts += [f"{len(run.plan.steps)} steps: {', '.join(counts)}"]
+    parts += [*_failures(study), *_not_kept(run)]
     return "\n\n".join(parts)
+
+
+def _failures(study: Study) -> Iterator[str]:
+    """Yield what failed first, with the command that repeats it alone."""
+    failed = [note for note in study.notes if note.kind == "failed"]
+    for note in failed[:_MOST_FAILURES]:
+        where = f"{note.node} at {note.labels}" if note.labels else note.node
+        yield f"failed: {where}: {note.reason}\n    repeat it alone: {note.repeat}"
+    if len(failed) > _MOST_FAILURES:
+        yield f"{len(failed) - _MOST_FAILURES} more failed; the report says which and why"
+
+
+def _not_kept(run: Run) -> Iterator[str]:
+    """Yield why results could not be stored."""
+    for reason, count in run.recall.not_kept.items() if run.recall else ():
+        yield f"{count} results are not stored: {reason}"

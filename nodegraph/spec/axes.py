@@ -8,7 +8,7 @@ from typing import Any
 from nodegraph.errors import Place, Problems
 from nodegraph.ports import Label
 from nodegraph.spec.parts import AxisSpec
-from nodegraph.spec.yaml_text import Located
+from nodegraph.spec.yaml_text import Located, located
 
 _MOST_LABELS = 1_000_000
 FORMS = "write a list [5, 15], labels {a: 5, b: 15}, {count: 20} or {range: [5, 60, 5]}"
@@ -24,6 +24,15 @@ def read_axis(name: str, item: Located, problems: Problems) -> AxisSpec:
     _refuse_repeats(name, pairs, problems)
     labels, values, _ = zip(*pairs, strict=True)
     return AxisSpec(name, item.place, labels, values)
+
+
+def read_given_axis(name: str, value: Any, problems: Problems) -> AxisSpec:
+    """Return the axis that a command or a caller gives."""
+    place = Place(f"--axis {name}")
+    if isinstance(value, (list, tuple, range)) and value[_MOST_LABELS : _MOST_LABELS + 1]:
+        problems.add(place, f"axis {name!r} has more than {_MOST_LABELS:,} labels")
+        return AxisSpec(name, place, (), ())
+    return read_axis(name, located(value, place), problems)
 
 
 def is_label(value: object) -> bool:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from nodegraph.collection import no_collection
 from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
 from nodegraph.spec.axes import read_axis
 from nodegraph.spec.node import NodeReader, read_reference
@@ -24,27 +23,39 @@ _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _MOST_BYTES = 50_000_000
 
 
-def read_graph_file(path: Path) -> GraphSpec:
-    """Return what a graph file says; mistakes in its parts are noted in it.
+def read_spec(text: str, file: str, folder: Path) -> GraphSpec:
+    """Return what the text of one graph file says; the graphs that it uses are not read.
+
+    Parameters
+    ----------
+    text
+    file
+        Its name in messages.
+    folder
+        Where relative paths start.
 
     Raises
     ------
     GraphError
-        If the file cannot be read, or is not YAML, or not a mapping.
+        If the text is not YAML, or not a mapping. Mistakes in its parts are noted in the spec.
     """
-    return read_graph_text(_text_of(path), str(path), path.parent)
-
-
-@no_collection()
-def read_graph_text(text: str, file: str, folder: Path) -> GraphSpec:
-    """Return what the text of a graph file says; relative paths start at `folder`."""
-    root = read_yaml(text, file)
     problems = Problems()
-    spec = _SpecReader(root, problems).read(text, file, folder)
+    root = read_yaml(text, file, problems)
+    try:
+        spec = _SpecReader(root, problems).read(text, file, folder)
+    except GraphError as error:
+        raise GraphError([*problems.all(), *error.problems]) from error
     return replace(spec, problems=problems.all())
 
 
-def _text_of(path: Path) -> str:
+def text_of(path: Path) -> str:
+    """Return the text of a graph file.
+
+    Raises
+    ------
+    GraphError
+        If it cannot be read.
+    """
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise GraphError([Problem(Place(str(path)), "too large to be a graph file")])
@@ -53,7 +64,7 @@ def _text_of(path: Path) -> str:
         near = nearest(path.name, [one.name for one in sorted(path.parent.glob("*.y*ml"))])
         problem = Problem(Place(str(path)), "no such graph file", f"in that folder {near}")
         raise GraphError([problem]) from error
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # a name may be too long, a text not UTF-8
         raise GraphError([Problem(Place(str(path)), f"cannot be read: {error}")]) from error
 
 
@@ -110,13 +121,19 @@ class _SpecReader:
         seen: dict[str, str] = {}
         for section in ("inputs", "axes", "nodes"):
             for name, place in self._named(section):
-                if not _IDENTIFIER.fullmatch(str(name)) or not isinstance(name, str):
-                    instead = "use letters, digits and _, not a digit first"
-                    self._problems.add(place, f"{name!r} cannot be a name", instead)
-                elif name in seen:
+                if self._check_name(name, place) and name in seen:
                     message = f"{name!r} is a name in {section!r} and in {seen[name]!r}"
                     self._problems.add(place, message, "they share one namespace")
                 seen.setdefault(name, section)
+        for name, place in self._named("outputs"):
+            self._check_name(name, place)
+
+    def _check_name(self, name: Any, place: Place) -> bool:
+        if isinstance(name, str) and _IDENTIFIER.fullmatch(name):
+            return True
+        instead = "use letters, digits and _, not a digit first"
+        self._problems.add(place, f"{name!r} cannot be a name", instead)
+        return False
 
     def _named(self, section: str) -> list[tuple[Any, Place]]:
         item = self._sections.get(section)

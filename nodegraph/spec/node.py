@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import PurePath
 from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest
@@ -15,6 +16,7 @@ from nodegraph.spec.parts import (
     Variable,
     Wiring,
     Written,
+    is_graph_file,
 )
 from nodegraph.spec.yaml_text import Located
 
@@ -91,6 +93,8 @@ class NodeReader:
     def _listed(self, item: Located) -> MethodSpec | None:
         if not self._is_word(item, "a listed alternative is a node's name"):
             return None
+        if is_graph_file(item.value):
+            return MethodSpec(PurePath(item.value).stem, item.value, item.place)
         plugin, _, name = item.value.rpartition(":")
         label = name.rpartition(".")[2]
         return MethodSpec(f"{plugin}:{label}" if plugin else label, item.value, item.place)
@@ -104,7 +108,7 @@ class NodeReader:
         if item.value is None:
             item = Located({}, item.place)
         if isinstance(item.value, str):
-            item = Located({"use": item}, item.place)
+            item = Located({"use": item}, item.place, {"use": item.place})
         keys = ("in", "with") if is_family else _METHOD_KEYS
         if not self._is_mapping(item, f"alternative {label!r}", keys):
             return MethodSpec(label, "", place)
@@ -196,7 +200,7 @@ class NodeReader:
         return True
 
     def _is_word(self, item: Located, message: str) -> bool:
-        if isinstance(item.value, str):
+        if isinstance(item.value, str) and item.value:
             return True
         self._problems.add(item.place, f"{message}, not {item.plain()!r}")
         return False

@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from nodegraph.errors import GraphError, Place, Problem
+from nodegraph.errors import GraphError, Place, Problem, Problems
 
 _MOST_DEPTH = 100
 _MOST_VALUES = 1_000_000
@@ -60,8 +60,17 @@ class Located:
         return self.value
 
 
-def read_yaml(text: str, file: str) -> Located:
+def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located:
     """Return what the text says, every value with its place.
+
+    Parameters
+    ----------
+    text
+    file
+        Its name in messages.
+    problems
+        Where a key that is there twice is noted, so that the rest can be read; the first holds.
+        Raised when not given.
 
     Raises
     ------
@@ -69,15 +78,21 @@ def read_yaml(text: str, file: str) -> Located:
         If the text is not YAML, or says something twice; with file, line and column.
     """
     _refuse_unprintable(text, file)
+    noted = Problems() if problems is None else problems
     try:
-        return _Reader(file).read(text)
+        root = _Reader(file, noted).read(text)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
         said = ", ".join(part for part in (error.context, error.problem) if part)
-        raise GraphError([Problem(place, f"this is not YAML: {said}")]) from error
+        noted.add(place, f"this is not YAML: {said}")
+        raise GraphError(noted.all()) from error
     except yaml.YAMLError as error:
-        raise GraphError([Problem(Place(file, 1, 1), f"this is not YAML: {error}")]) from error
+        noted.add(Place(file, 1, 1), f"this is not YAML: {error}")
+        raise GraphError(noted.all()) from error
+    if problems is None:
+        noted.raise_any()
+    return root
 
 
 def scalar(text: str) -> Any:
@@ -116,18 +131,16 @@ class _Open:
 
 
 class _Reader:
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, problems: Problems) -> None:
         self._file = file
         self._open: list[_Open] = []
         self._anchors: dict[str, tuple[Located, int, int]] = {}
-        self._problems: list[Problem] = []
+        self._problems = problems
         self._root: Located | None = None
 
     def read(self, text: str) -> Located:
         for event in _events(text):
             self._take(event)
-        if self._problems:
-            raise GraphError(self._problems)
         return self._root or Located(None, Place(self._file, 1, 1))
 
     def _take(self, event: Any) -> None:
@@ -196,7 +209,7 @@ class _Reader:
         first = parent.item.keys.get(item.value)
         if first is not None:
             message = f"key {item.value!r} is there twice; first in line {first.line}"
-            self._problems.append(Problem(item.place, message))
+            self._problems.add(item.place, message)
         parent.item.keys.setdefault(item.value, item.place)
         parent.key, parent.has_key = item.value, True
 
@@ -212,7 +225,7 @@ class _Reader:
         return Place(self._file, event.start_mark.line + 1, event.start_mark.column + 1)
 
     def _fail(self, place: Place, message: str) -> None:
-        raise GraphError([*self._problems, Problem(place, message)])
+        raise GraphError([*self._problems.all(), Problem(place, message)])
 
 
 def _events(text: str) -> Iterator[Any]:

@@ -14,9 +14,10 @@ from pydantic import Field
 from nodegraph import Across, GraphError, InputFile, Refusal, Truth, Unit, Value, node
 from nodegraph.api import reported
 from nodegraph.errors import Problem
-from nodegraph.execute import HowToRun, Run, execute
+from nodegraph.execute import HowToRun, Run, execute, open_store
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.plan import plan
+from nodegraph.plugins import Plugin
 from nodegraph.registry import Registry
 from nodegraph.spec import read_graph_text
 
@@ -162,8 +163,15 @@ def toys() -> Registry:
 def graph_of(tmp_path: Path) -> Callable[..., Graph]:
     """Build a graph of toy nodes from the text below its first line, ``nodegraph: 1``."""
 
-    def build_it(text: str, *, more: Iterable[Callable[..., Any]] = (), **choices: Any) -> Graph:
+    def build_it(
+        text: str,
+        *,
+        more: Iterable[Callable[..., Any]] = (),
+        plugins: Iterable[Plugin] = (),
+        **choices: Any,
+    ) -> Graph:
         registry = Registry.of((*TOYS, *more), plugin="toys")
+        registry.loaded.extend(plugins)
         spec = read_graph_text(f"nodegraph: 1\n{textwrap.dedent(text)}", FILE, tmp_path)
         return build(spec, registry, Choices(**choices, folder=tmp_path))
 
@@ -172,14 +180,29 @@ def graph_of(tmp_path: Path) -> Callable[..., Graph]:
 
 @pytest.fixture
 def run_of(graph_of: Callable[..., Graph]) -> Callable[..., Run]:
-    """Run a graph of toy nodes; ``how`` and ``listeners`` go to `execute`."""
+    """Run a graph of toy nodes; ``how`` and ``listeners`` go to `execute`.
+
+    With ``store``, a folder, results are found and kept there; what the store says fails the test,
+    unless ``say`` hears it.
+    """
 
     def run_it(
-        text: str, *, how: HowToRun | None = None, listeners: Iterable[Any] = (), **more: Any
+        text: str,
+        *,
+        how: HowToRun | None = None,
+        listeners: Iterable[Any] = (),
+        store: Path | None = None,
+        say: Callable[[str], None] = pytest.fail,
+        **more: Any,
     ) -> Run:
         graph = graph_of(text, **more)
-        how = how or HowToRun("serial")
-        return execute(plan(graph), how=how, keep=reported(graph), listeners=listeners)
+        return execute(
+            plan(graph),
+            how=how or HowToRun("serial"),
+            store=open_store(graph.registry, store, say) if store else None,
+            keep=reported(graph),
+            listeners=listeners,
+        )
 
     return run_it
 

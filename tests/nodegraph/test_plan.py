@@ -41,7 +41,7 @@ def test_every_combination_has_one_step(graph_of: Callable[..., Graph]) -> None:
 
 def test_a_step_comes_after_what_it_needs(graph_of: Callable[..., Graph]) -> None:
     for step in plan(graph_of(TEXT)).steps:
-        assert all(needed < step.index for needed in step.needs())
+        assert all(needed < step.index for needed in step.needed)
 
 
 def test_a_branch_is_finished_before_the_next_begins(graph_of: Callable[..., Graph]) -> None:

@@ -34,3 +34,19 @@ def test_a_locked_view_into_open_memory_is_copied_too() -> None:
 def test_a_view_into_locked_memory_is_passed_on() -> None:
     view = read_only(np.arange(6.0))[1:4]
     assert read_only(view) is view
+
+
+def test_a_copy_keeps_the_order_in_memory_in_which_sums_run() -> None:
+    table = np.asfortranarray(np.random.default_rng(0).normal(size=(40, 18)))
+    locked = read_only(table[:, :9])
+    assert locked is not table
+    assert locked.flags.f_contiguous
+    assert locked.sum(axis=1).sum() == table[:, :9].sum(axis=1).sum()
+
+
+def test_a_view_into_memory_that_nobody_can_write_to_is_passed_on() -> None:
+    for memory in (bytes(16), memoryview(bytearray(16)).toreadonly()):
+        array = np.frombuffer(memory)
+        assert read_only(array) is array
+    open_memory = np.frombuffer(bytearray(16))
+    assert read_only(open_memory) is not open_memory

@@ -24,15 +24,17 @@ def test_check_tells_what_would_run(command: Command) -> None:
     assert out.splitlines() == [
         "A toy",
         "",
-        "node   uses                    along                  steps",
-        "a      toy.number                                     1",
-        "gaps   toy.cut                 length (2)             2",
-        "fill   fill.hold, fill.strict  length (2) x fill (2)  4",
-        "total  toy.sum                                        1",
-        "one    fill.hold                                      1",
+        "node   uses                    along                  steps  stored",
+        "a      toy.number                                     1      0",
+        "gaps   toy.cut                 length (2)             2      0",
+        "fill   fill.hold, fill.strict  length (2) x fill (2)  4      0",
+        "total  toy.sum                                        1      0",
+        "one    fill.hold                                      1      0",
         "",
-        "8 steps",
+        "8 steps, 0 of them stored",
     ]
+    command("run", "toy.yaml", "--only", "length=1")
+    assert "8 steps, 4 of them stored" in command("check", "toy.yaml")[1]
 
 
 def test_check_takes_choices(command: Command) -> None:

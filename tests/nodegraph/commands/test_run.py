@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,6 +41,48 @@ def test_a_failed_step_ends_with_1(command: Command) -> None:
     assert "failed: fill(length=1, fill=strict): too far" in err
     assert "2 failed" in out
     assert Path("runs/toy/report.html").is_file()
+
+
+def test_a_failed_step_is_repeated_alone_by_one_command(command: Command) -> None:
+    _, out, _ = command("run", "toy.yaml", "--set", "start=-100")
+    alone = next(line for line in out.splitlines() if "repeat it alone" in line)
+    words = shlex.split(alone.partition("alone: ")[2])
+    assert words[:2] == ["nodegraph", "run"]
+    status, out, _ = command(*words[1:], nodes=False)
+    assert status == 1
+    assert "3 steps: 2 stored, 1 failed" in out
+    steps = json.loads(Path("runs/toy/run.json").read_text())["steps"]
+    failed = next(one for one in steps if one["state"] == "failed")
+    assert (failed["node"], failed["labels"]) == ("fill", {"length": 1, "fill": "strict"})
+    assert failed["reason"] == "too far"
+    assert "raise ValueError" in failed["trace"]
+    assert failed["repeat"].startswith("nodegraph run toy.yaml")
+
+
+def test_until_runs_no_further(command: Command) -> None:
+    status, out, _ = command("run", "toy.yaml", "--until", "gaps", "--until", "one")
+    assert status == 0
+    assert "4 steps: 4 computed" in out
+    status, _, err = command("run", "toy.yaml", "--until", "gasp")
+    assert status == 2
+    assert "the graph has no node 'gasp'; did you mean 'gaps'?" in err
+
+
+def test_what_is_stored_is_used_unless_it_is_not_wanted(command: Command) -> None:
+    assert "8 steps: 8 computed" in command("run", "toy.yaml")[1]
+    assert "8 steps: 8 stored" in command("run", "toy.yaml")[1]
+    assert "8 steps: 8 computed" in command("run", "toy.yaml", "--no-cache")[1]
+    assert "8 steps: 8 computed" in command("run", "toy.yaml", "--store", "here")[1]
+    assert "8 steps: 8 stored" in command("run", "toy.yaml", "--store", "here")[1]
+
+
+def test_a_store_that_cannot_be_used_costs_no_result(command: Command) -> None:
+    Path("store").write_text("not a folder")
+    status, out, err = command("run", "toy.yaml", "--store", "store")
+    assert status == 0
+    assert "8 steps: 8 computed" in out
+    assert "results are no longer kept: " in err
+    assert Path("store").read_text() == "not a folder"
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from nodegraph.graph import build
 from nodegraph.plan import plan
 from nodegraph.registry import Registry
 from nodegraph.report.compose import compose
-from nodegraph.report.notes import repeating
 from nodegraph.report.study import StepNote, Study
 from nodegraph.report.write import report_files, summary
 from nodegraph.spec import read_graph_text
@@ -74,7 +73,7 @@ def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
     skipped = [("fill", "length=5, trial=1, fill=hold"), ("fill", "length=15, trial=1, fill=hold")]
     assert _kinds(notes, "left out") == skipped
     again = [note.repeat for note in notes if note.kind == "failed"]
-    assert f"{COMMAND} --only length=5 --only trial=0 --only fill=fails" in again
+    assert f"{COMMAND} --only length=5 --only trial=0 --only fill=fails --until fill" in again
     assert all("in fails" in note.trace for note in notes if note.kind == "failed")
 
 
@@ -99,8 +98,13 @@ def test_every_computed_step_is_timed(run_of: Callable[..., Run]) -> None:
     assert timed == {"capture": 1, "gaps": 4, "fill": 2, "text": 2}
 
 
-def test_a_word_of_a_command_is_quoted() -> None:
-    assert repeating("run", {"a": "two words"}) == "run --only 'a=two words'"
+def test_a_word_of_a_command_is_quoted(run_of: Callable[..., Run]) -> None:
+    text = """
+        axes: {start: {two words: -1, one: 1}}
+        nodes: {a: {use: read.number, with: {start: $start}}, b: {use: strict.fails, in: a}}
+        """
+    [note] = _study(run_of(text)).notes
+    assert note.repeat == f"{COMMAND} --only 'start=two words' --until b"
 
 
 def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..., Run]) -> None:
@@ -108,9 +112,12 @@ def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..
     files, study = report_files(run, command=COMMAND)
     assert list(files) == ["report.html"]
     assert b"A toy" in files["report.html"]
-    text = summary(study, run.counts())
+    text = summary(study, run)
     assert "text length=15\n15" in text
-    assert text.endswith("4 refused, 4 failed; the report says which and why")
+    assert "17 steps: 9 computed, 4 refused, 4 failed" in text
+    assert "failed: fill (strict.fails) at length=5, trial=0, fill=fails: -2.0 is negative" in text
+    command = f"{COMMAND} --only length=5 --only trial=0 --only fill=fails --until fill"
+    assert f"repeat it alone: {command}" in text
 
 
 def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> None:

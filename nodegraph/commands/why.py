@@ -1,0 +1,71 @@
+"""``nodegraph why``."""
+
+from __future__ import annotations
+
+import json
+from argparse import Namespace
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+from nodegraph.commands.chosen import graph_of, run_folder, store_of
+from nodegraph.errors import NodegraphError, nearest
+from nodegraph.execute.recall import Recall
+from nodegraph.folder import RECORD
+from nodegraph.plan import plan
+from nodegraph.why import Explained, Why
+
+_MOST_STEPS = 3
+
+
+def why(arguments: Namespace) -> int:
+    """Print why the steps of a node would run again, or that they would not."""
+    graph = graph_of(arguments)
+    if arguments.node not in graph.nodes:
+        raise NodegraphError(
+            f"the graph has no node {arguments.node!r}; {nearest(arguments.node, graph.nodes)}"
+        )
+    folder = arguments.run or run_folder(arguments)
+    record = _record(folder)
+    made = plan(graph)
+    recall = Recall(made, store_of(arguments, graph))
+    recall.look_up()
+    found = list(Why(made, recall, record).explain(arguments.node))
+    stored = sum(one.stored for one in found)
+    print(f"{arguments.node}: {stored} of {len(found)} steps are stored; compared with {folder}")
+    for reason, steps in _by_reason(found).items():
+        print(f"\n{_names(steps)}\n{reason}")
+    return 0
+
+
+def _record(folder: Path) -> dict[str, Any]:
+    path = folder / RECORD
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise NodegraphError(
+            f"{path}: there is no earlier run to compare with; run the graph, or name its folder "
+            "with --run"
+        ) from None
+    except (OSError, ValueError) as error:
+        raise NodegraphError(f"{path} cannot be read: {error}") from error
+    if not isinstance(found, dict) or "steps" not in found:
+        raise NodegraphError(f"{path} is not the record of a run")
+    return found
+
+
+def _by_reason(found: list[Explained]) -> dict[str, list[Explained]]:
+    grouped: dict[str, list[Explained]] = defaultdict(list)
+    for one in found:
+        if one.stored and not one.changes:
+            continue
+        said = one.changes or ("its key is as it was; the result is not in the store",)
+        state = ["    stored under its new key"] if one.stored else []
+        grouped["\n".join([f"    {change}" for change in said] + state)].append(one)
+    return grouped
+
+
+def _names(steps: list[Explained]) -> str:
+    names = [one.step.name for one in steps[:_MOST_STEPS]]
+    more = len(steps) - _MOST_STEPS
+    return ", ".join(names) + (f" and {more} more" if more > 0 else "")

@@ -1,0 +1,151 @@
+"""What earlier runs have left: finds, loads and saves the results of a plan's steps."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nodegraph.code import Code
+from nodegraph.execute.call import Outcome
+from nodegraph.keys import Files, Keys, followed
+from nodegraph.plan import Plan, Step
+from nodegraph.store import About, DamagedEntry, Entry, Packer, Store, store_folder
+
+if TYPE_CHECKING:
+    from nodegraph.registry import Registry
+
+_CODE, _FILES = "code", "files"
+
+
+def open_store(registry: Registry, folder: Path | None, say: Callable[[str], None]) -> Store:
+    """Return the store in a folder, or where the platform keeps such things.
+
+    Parameters
+    ----------
+    registry
+        Says how values of its plugins' types are kept.
+    folder
+    say
+        Hears what is wrong with the store; runs go on without it.
+    """
+    packages = followed(registry)
+    packer = Packer(registry.storages, packages.__contains__)
+    return Store(store_folder(folder), packer, say)
+
+
+class Recall:
+    """The results of a plan's steps, as far as a store has them.
+
+    Parameters
+    ----------
+    plan
+    store
+
+    Attributes
+    ----------
+    store : Store
+    keys : Keys
+    not_kept : Counter of str
+        Why results could not be kept, and how many.
+    """
+
+    def __init__(self, plan: Plan, store: Store) -> None:
+        self.store = store
+        self._plan = plan
+        self._code = Code(followed(plan.graph.registry), store.recall(_CODE))
+        self._files = Files(store.recall(_FILES))
+        self.keys = Keys(plan, self._code, self._files)
+        self._entries: dict[int, Entry] = {}
+        self._saved: set[str] = set()
+        self.not_kept: Counter[str] = Counter()
+
+    def look_up(self) -> dict[int, Outcome]:
+        """Return how those steps ended that are stored, in the order of the plan."""
+        known: dict[int, Outcome] = {}
+        for step in self._plan.steps:
+            found = self._find(step, self.keys.make(step, known))
+            if found is not None:
+                known[step.index] = found
+        self._remember()
+        return known
+
+    def look_again(self, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome | None:
+        """Return how a step ended, if it is stored now that all is known of what feeds it."""
+        supposed = self.keys.of[step.index]
+        key = self.keys.make(step, outcomes)
+        return self._find(step, key) if key != supposed or key in self._saved else None
+
+    def known(self) -> dict[int, Outcome]:
+        """Return how those steps ended whose results are in the store by now."""
+        return {index: _outcome(entry) for index, entry in self._entries.items()}
+
+    def gives(self, index: int, positions: Iterable[int]) -> bool:
+        """Whether stored outputs are the values themselves, and no stand-ins to be shown."""
+        return all(self._entries[index].faithful[position] for position in positions)
+
+    def __contains__(self, index: object) -> bool:
+        """Whether a step is stored."""
+        return index in self._entries
+
+    def load(self, index: int) -> tuple[Any, ...] | None:
+        """Return the stored values of a step that was found, or None when they are damaged."""
+        try:
+            return self.store.load(self._entries[index])
+        except DamagedEntry:
+            del self._entries[index]
+            return None
+
+    def save(self, step: Step, outcome: Outcome) -> Outcome:
+        """Store an outcome, in any thread, and return it with what the store says of it."""
+        if outcome.state not in ("done", "refused"):
+            return outcome
+        key = self.keys.of[step.index]
+        if not key:
+            self.not_kept[self.keys.why_none(step)] += 1
+            return outcome
+        if not self.keys.unchanged(step):
+            self.not_kept["a file changed while it was read"] += 1
+            return outcome
+        about = About(
+            step.method.node.name,
+            step.name,
+            outcome.state,
+            outcome.reason,
+            outcome.warnings,
+            outcome.seconds,
+        )
+        entry = self.store.save(key, about, outcome.values)
+        if entry is None:
+            return outcome
+        self._entries[step.index] = entry
+        self._saved.add(key)
+        return replace(outcome, digests=entry.digests)
+
+    def _find(self, step: Step, key: str) -> Outcome | None:
+        entry = self.store.find(key) if key else None
+        if entry is None:
+            return None
+        self._entries[step.index] = entry
+        return _outcome(entry)
+
+    def _remember(self) -> None:
+        """Leave to the next process what it need not read again."""
+        self.store.remember(_CODE, self._code.remembered())
+        self.store.remember(_FILES, self._files.remembered())
+
+
+def _outcome(entry: Entry) -> Outcome:
+    return Outcome(
+        entry.state,
+        (),
+        entry.reason,
+        "",
+        tuple(entry.warnings),
+        entry.seconds,
+        entry.state,
+        True,
+        tuple(entry.digests),
+    )

@@ -1,0 +1,84 @@
+"""``why`` names which part of a key is not as it was."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+def edit(file: str, old: str, new: str) -> None:
+    """Change a file, as an editor does some time after it was last written."""
+    path = Path(file)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    status = path.stat()
+    os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns + 5_000_000_000))
+
+
+def test_what_is_as_it_was_is_stored(command: Command) -> None:
+    command("run", "toy.yaml")
+    status, out, err = command("why", "toy.yaml", "total")
+    assert (status, err) == (0, "")
+    assert out == "total: 1 of 1 steps are stored; compared with runs/toy\n"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "node", "said"),
+    [
+        ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "gaps", "toys:cut was edited"),
+        ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "total", "toy.cut: code: toys:cut was"),
+        ("toys.py", "sum(parts.values())", "2 * sum(parts.values())", "total", "toys:total was"),
+        ("toy.yaml", "start: 5", "start: 6", "total", "a: start was 5, now 6"),
+        ("toy.yaml", "[1, 5]", "[2, 5]", "gaps", "gaps(length=2): was not in that run"),
+        ("toy.yaml", "fill.*", "[fill.hold]", "total", "total: parts took 4 values, now 2"),
+    ],
+)
+def test_the_part_that_changed_is_named(
+    command: Command, file: str, old: str, new: str, node: str, said: str
+) -> None:
+    command("run", "toy.yaml")
+    edit(file, old, new)
+    status, out, _ = command("why", "toy.yaml", node)
+    assert status == 0
+    assert said in out
+
+
+def test_what_changed_and_what_did_not(command: Command) -> None:
+    command("run", "toy.yaml")
+    edit("toys.py", "raise Refusal", "raise  Refusal")  # not a word of it is another
+    edit("toys.py", "'''Hold on.'''", "'''Hold on, whatever comes.'''")
+    assert "4 of 4 steps are stored" in command("why", "toy.yaml", "fill")[1]
+    edit("toys.py", "whatever comes.'''\n    return x", "whatever comes.'''\n    return -x")
+    _, out, _ = command("why", "toy.yaml", "fill")
+    assert out.startswith("fill: 2 of 4 steps are stored")
+    assert "fill.hold: code: toys:hold was edited" in out
+    assert "strict" not in out.replace("toys:hold", "")
+
+
+def test_a_result_that_was_removed_is_said_to_be(command: Command) -> None:
+    command("run", "toy.yaml")
+    command("cache", "clear", nodes=False)
+    _, out, _ = command("why", "toy.yaml", "total")
+    assert "0 of 1 steps are stored" in out
+    assert "its key is as it was; the result is not in the store" in out
+
+
+def test_an_earlier_run_is_needed(command: Command) -> None:
+    status, out, err = command("why", "toy.yaml", "total")
+    assert (status, out) == (2, "")
+    assert "there is no earlier run to compare with" in err
+    command("run", "toy.yaml", "--out", "elsewhere")
+    assert command("why", "toy.yaml", "total", "--run", "elsewhere")[0] == 0
+    status, _, err = command("why", "toy.yaml", "totla", "--run", "elsewhere")
+    assert status == 2
+    assert "did you mean 'total'" in err
+    Path("elsewhere/run.json").write_text("{")
+    status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
+    assert status == 2
+    assert "elsewhere/run.json cannot be read" in err

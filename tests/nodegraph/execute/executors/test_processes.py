@@ -1,0 +1,205 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nodegraph import node
+from nodegraph.execute import HowToRun, Run
+from nodegraph.execute.events import Event
+
+TWO = HowToRun("processes", 2)
+ONE = HowToRun("processes", 1)
+
+
+def outcomes(run: Run) -> dict[str, Any]:
+    return {step.node: outcome for step, outcome in run.settled()}
+
+
+def has_ended(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def test_results_are_those_of_one_step_after_the_other(
+    same_as_serial: Callable[[HowToRun], bool], made_here: list[str]
+) -> None:
+    assert same_as_serial(TWO)
+    # once by each way of running
+    assert made_here.count("pass") == 2 * 4
+    assert made_here.count("away.mean") == 4
+
+
+def test_calls_are_made_in_as_many_processes_as_asked_for(study: Callable[..., Run]) -> None:
+    text = "nodes: {a: {use: away.pid, with: {mark: $k}}}\naxes: {k: {count: 12}}"
+    pids = {value for _, value in study(text, TWO)["a"]}
+    assert 1 <= len(pids) <= 2
+    assert os.getpid() not in pids
+    assert all(has_ended(pid) for pid in pids)
+
+
+def test_two_calls_are_made_at_the_same_time(
+    study: Callable[..., Run], fifo: Callable[[str], Path]
+) -> None:
+    there, back = fifo("there"), fifo("back")
+    text = """
+        inputs: {there: "", back: ""}
+        nodes:
+          x: {use: away.pid}
+          a: {use: away.meets, in: x, with: {write: $there, read: $back, first: true}}
+          b: {use: away.meets, in: x, with: {write: $back, read: $there, first: false}}
+        """
+    run = study(text, TWO, there=str(there), back=str(back))
+    assert (run["a"].value, run["b"].value) == (1, 1)
+
+
+def test_no_more_processes_start_than_there_are_calls_at_a_time(study: Callable[..., Run]) -> None:
+    text = "nodes: {a: {use: away.pid}, b: {use: away.warns, in: a}, c: {use: away.warns, in: b}}"
+    run = study(text, HowToRun("processes", 4))
+    assert run["c"].value != os.getpid()
+    assert run.counts()["done"] == 3
+
+
+@pytest.mark.parametrize(("makes", "takes"), [("stranger", "known"), ("list", "known_first")])
+def test_what_cannot_be_sent_stays_here(study: Callable[..., Run], makes: str, takes: str) -> None:
+    text = f"""
+        nodes:
+          x: {{use: away.pid}}
+          a: {{use: away.{makes}, in: x}}
+          b: {{use: away.{takes}, in: a}}
+        """
+    assert study(text, ONE)["b"].value == os.getpid()
+
+
+def test_a_node_that_nobody_else_can_import_is_called_here(run_of: Callable[..., Run]) -> None:
+    @node("local.pid")
+    def local(x: float) -> int:
+        return os.getpid()
+
+    text = "nodes: {a: {use: read.number}, b: {use: local.pid, in: a}}"
+    assert run_of(text, more=[local], how=ONE)["b"].value == os.getpid()
+
+
+def test_large_values_go_both_ways(study: Callable[..., Run]) -> None:
+    text = """
+        axes: {seed: [1, 2, 3]}
+        nodes:
+          a: {use: away.pair, with: {seed: $seed, rows: 60000}}
+          b: {use: away.cut, in: a}
+          c: {use: away.size, in: b.kept}
+        """
+    assert [value for _, value in study(text, TWO)["c"]] == 3 * [60000 * 36 * 8]
+
+
+def test_what_a_node_says_and_raises_comes_back(study: Callable[..., Run]) -> None:
+    text = """
+        nodes:
+          x: {use: away.pid}
+          pair: {use: away.pair}
+          warns: {use: away.warns, in: x}
+          refuses: {use: away.refuses, in: x}
+          fails: {use: away.fails, in: x}
+          lies: {use: away.lies, in: x}
+          writes: {use: away.writes, in: pair}
+        """
+    here, there = (outcomes(study(text, how)) for how in (HowToRun("serial"), ONE))
+    assert {name: one.state for name, one in there.items()} == {
+        "x": "done", "pair": "done", "warns": "done", "refuses": "refused", "fails": "failed",
+        "lies": "failed", "writes": "failed",
+    }  # fmt: skip
+    assert {name: one.reason for name, one in there.items()} == {
+        name: one.reason for name, one in here.items()
+    }
+    assert there["warns"].warnings == ("two of them are odd",)
+    assert "away.py" in there["fails"].trace
+    assert 'KeyError("no such marker")' in there["fails"].trace
+
+
+def test_a_process_that_ends_fails_its_step_alone(study: Callable[..., Run]) -> None:
+    text = """
+        axes: {k: {count: 4}}
+        nodes:
+          x: {use: away.pid, with: {mark: $k}}
+          exits: {use: away.exits, in: {from: x, at: {k: 0}}}
+          killed: {use: away.killed, in: {from: x, at: {k: 1}}}
+          after: {use: away.warns, in: x}
+        """
+    run = study(text, TWO)
+    assert run.counts() == {**run.counts(), "done": 8, "failed": 2}
+    found = outcomes(run)
+    assert found["exits"].reason == "the process that computed it ended with exit status 3"
+    by_signal = "the process that computed it was ended by signal SIGKILL (out of memory?)"
+    assert found["killed"].reason == by_signal
+
+
+def test_a_node_can_end_the_run(study: Callable[..., Run]) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        study("nodes: {x: {use: away.pid}, a: {use: away.interrupts, in: x}}", ONE)
+
+
+def test_an_interruption_ends_a_node_that_never_returns(
+    study: Callable[..., Run], fifo: Callable[[str], Path]
+) -> None:
+    alive = fifo("alive")
+    text = """
+        inputs: {alive: ""}
+        nodes:
+          x: {use: away.pid}
+          a: {use: away.for_ever, in: x, with: {alive: $alive}}
+          b: {use: away.warns, in: x}
+        """
+    pids: list[int] = []
+    before = set(threading.enumerate())
+
+    def interrupt(event: Event) -> None:
+        if event.node == "b" and event.kind == "done":
+            with open(alive) as opened:
+                pids.append(int(opened.readline()))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        study(text, TWO, listeners=[interrupt], alive=str(alive))
+    assert has_ended(pids[0])
+    assert set(threading.enumerate()) <= before
+
+
+def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Popen[str]]) -> None:
+    nodes = "{x: {use: away.pid}, a: {use: script.own, in: x}, b: {use: away.prints, in: a}}"
+    said, complained = script(nodes, "processes").communicate(timeout=60)
+    assert (said, complained) == ("3\n", "noise\n")
+
+
+def test_processes_end_with_the_one_that_started_them(
+    script: Callable[..., subprocess.Popen[str]], fifo: Callable[[str], Path]
+) -> None:
+    alive = fifo("alive")
+    nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
+    parent = script(nodes, "processes")
+    with open(alive) as opened:
+        assert int(opened.readline()) != parent.pid
+        parent.kill()
+        parent.communicate()
+        assert opened.read() == ""  # the end: nobody has it open any more
+
+
+def test_ctrl_c_ends_a_script(
+    script: Callable[..., subprocess.Popen[str]], fifo: Callable[[str], Path]
+) -> None:
+    alive = fifo("alive")
+    nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
+    parent = script(nodes, "processes")
+    with open(alive) as opened:
+        opened.readline()
+        parent.send_signal(signal.SIGINT)
+        _, complained = parent.communicate(timeout=60)
+        assert opened.read() == ""
+    assert complained.endswith("KeyboardInterrupt\n")

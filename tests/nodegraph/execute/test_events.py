@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nodegraph import node
+from nodegraph.execute import Event, HowToRun, Run
+
+
+def test_a_line_is_json_whatever_is_in_it() -> None:
+    event = Event("done", 1.0, 3, "a", {"k": float("inf")}, {"took": float("nan"), "x": np.ones(1)})
+    line = json.dumps(event.as_dict(), allow_nan=False)
+    assert json.loads(line) == {
+        "event": "done", "seconds": 1.0, "step": 3, "node": "a", "labels": {"k": "inf"},
+        "took": "nan", "x": "[1.]",
+    }  # fmt: skip
+
+
+def test_a_detail_never_hides_what_an_event_is() -> None:
+    assert Event("done", 1.0, detail={"event": "other"}).as_dict()["event"] == "done"
+
+
+def test_counts_and_what_is_left_add_up(run_of: Callable[..., Run]) -> None:
+    text = """
+        axes: {start: {range: [-9, 9, 1]}}
+        nodes:
+          a: {use: read.number, with: {start: $start}}
+          b: {use: strict.positive, in: a}
+          c: {use: fill.hold, in: b}
+        """
+    events: list[Event] = []
+    run = run_of(text, listeners=[events.append])
+    told = [dict(one.detail) for one in events if one.kind == "progress"]
+    assert len(told) == len(run.plan.steps)
+    for one in told:
+        one.pop("to_go")
+        assert sum(one.values()) == len(run.plan.steps)
+    assert told[-1]["left"] == 0
+
+
+@node("stop.interrupt")
+def interrupt(x: float) -> float:
+    raise KeyboardInterrupt
+
+
+def test_an_interruption_is_told(run_of: Callable[..., Run]) -> None:
+    events: list[Event] = []
+    text = "nodes: {a: {use: read.number}, b: {use: stop.interrupt, in: a}}"
+    with pytest.raises(KeyboardInterrupt):
+        run_of(text, more=[interrupt], how=HowToRun("threads"), listeners=[events.append])
+    assert events[-1].kind == "interrupted"
+    assert (events[-1].detail["run"], events[-1].detail["left"]) == (1, 1)

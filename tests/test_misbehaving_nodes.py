@@ -1,0 +1,150 @@
+"""Nodes that do what they should not: each is named, and the rest of the run goes on."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+NODES = """\
+import os, sys, time
+from pathlib import Path
+import numpy as np
+from nodegraph import node
+
+@node("bad.make")
+def make(*, size: int = 1000) -> np.ndarray:
+    return np.arange(float(size))
+
+@node("bad.type")
+def wrong_type(x: np.ndarray) -> float:
+    return "a text"
+
+@node("bad.mutates")
+def mutates(x: np.ndarray) -> float:
+    x[0] = 99.0
+    return 1.0
+
+@node("bad.raises")
+def raises(x: np.ndarray) -> float:
+    return {}["chin"]
+
+@node("bad.exits")
+def exits(x: np.ndarray) -> float:
+    sys.exit("enough")
+
+@node("bad.dies")
+def dies(x: np.ndarray) -> float:
+    os._exit(7)
+
+@node("bad.sleeps")
+def sleeps(x: np.ndarray, *, sign: str) -> float:
+    Path(sign).write_text("asleep")
+    while True:
+        time.sleep(1)
+
+@node("good.sum")
+def good(x: np.ndarray) -> float:
+    return float(x.sum())
+"""
+GRAPH = """\
+nodegraph: 1
+nodes:
+  make: {use: bad.make}
+  bad: {in: make, alternatives: [BAD, good.sum]}
+"""
+
+
+def command(folder: Path, *words: str) -> list[str]:
+    (folder / "nodes.py").write_text(NODES)
+    graph = str(folder / "bad.yaml")
+    run = ["run", graph, "--plugin", str(folder / "nodes.py"), "--out", str(folder / "out")]
+    return [sys.executable, "-m", "nodegraph.cli", *run, *words]
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])}
+
+
+def ended(folder: Path, bad: str, *words: str) -> tuple[int, dict[str, Any], str]:
+    """Run the graph with one bad node; return exit status, record and errors."""
+    (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
+    done = subprocess.run(
+        command(folder, *words),
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert "Traceback" not in done.stderr
+    record = json.loads((folder / "out" / "run.json").read_text())
+    return done.returncode, record, done.stderr
+
+
+BAD = {
+    "bad.type": "TypeError: bad.type returned str where its signature promises float (output)",
+    "bad.mutates": "assignment destination is read-only",
+    "bad.raises": "KeyError: 'chin'",
+    "bad.exits": "SystemExit: enough",
+}
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
+    status, record, _ = ended(tmp_path, ", ".join(BAD), "--executor", executor)
+    assert status == 1
+    assert record["counts"] == {**record["counts"], "done": 2, "failed": 4}
+    failed = {one["use"]: one["reason"] for one in record["steps"] if one["state"] == "failed"}
+    assert failed == BAD
+
+
+def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path) -> None:
+    status, record, _ = ended(tmp_path, "bad.dies", "--executor", "processes", "--jobs", "1")
+    assert status == 1
+    [failed] = (one for one in record["steps"] if one["state"] == "failed")
+    assert failed["use"] == "bad.dies"
+    assert "exit status 7" in failed["reason"]
+    assert record["counts"]["done"] == 2
+
+
+def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: Path) -> None:
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, good.sum", "good.sum, bad.dies"))
+    words = ["--executor", "serial"]
+    for _ in range(2):
+        done = subprocess.run(command(tmp_path, *words), env=environment(), check=False, timeout=60)
+        assert done.returncode == 7
+    events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
+    kinds = [json.loads(line)["event"] for line in events]
+    assert (kinds.count("stored"), kinds.count("done")) == (2, 0)
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+def test_a_node_that_never_returns_is_interrupted(tmp_path: Path, executor: str) -> None:
+    sign = tmp_path / "sign"
+    bad = f"{{make: {{use: good.sum}}, bad: {{use: bad.sleeps, with: {{sign: {sign}}}}}}}"
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
+    started = subprocess.Popen(
+        command(tmp_path, "--executor", executor, "--jobs", "2"),
+        env=environment(),
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    while not sign.exists():
+        assert started.poll() is None, started.stderr and started.stderr.read()
+        time.sleep(0.01)
+    started.send_signal(signal.SIGINT)
+    _, said = started.communicate(timeout=30)
+    assert started.returncode == 130
+    assert "the same command goes on from there" in said
+    events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
+    assert [json.loads(line)["event"] for line in events].count("done") >= 1

@@ -1,0 +1,87 @@
+"""Shipped graphs, run twice, and with their methods' code edited between."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SMALL = ["--axis", "trial=0,1", "--axis", "length=5,45"]
+STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
+Again = Callable[..., dict[str, Any]]
+
+
+@pytest.fixture
+def again(tmp_path: Path) -> Again:
+    """Run a shipped graph with a copy of the plugins, and return its record."""
+    plugins = tmp_path / "plugins"
+    shutil.copytree(ROOT / "plugins", plugins)
+    path = os.pathsep.join([str(plugins), str(ROOT)])
+
+    def run(graph: str, *words: str) -> dict[str, Any]:
+        code = [sys.executable, "-m", "nodegraph.cli", "run", str(ROOT / "graphs" / graph)]
+        environment = {**os.environ, "PYTHONPATH": path}
+        ended = subprocess.run(
+            [*code, *words], env=environment, cwd=tmp_path, capture_output=True, check=False
+        )
+        assert ended.returncode == 0, ended.stderr.decode()
+        found = json.loads((tmp_path / "runs" / Path(graph).stem / "run.json").read_text())
+        return dict(found)
+
+    return run
+
+
+def edit(file: Path, old: str, new: str) -> None:
+    """Change a file, as an editor does some time after it was last written."""
+    text = file.read_text()
+    assert text.count(old) == 1, f"{file} has {old!r} {text.count(old)} times"
+    status = file.stat()
+    file.write_text(text.replace(old, new))
+    os.utime(file, ns=(status.st_atime_ns, status.st_mtime_ns + 5_000_000_000))
+
+
+def computed(record: dict[str, Any]) -> set[str]:
+    """Return the nodes, with their method where there are several, that were computed."""
+    steps = [one for one in record["steps"] if one["state"] == "done" and not one.get("stored")]
+    return {f"{one['node']} {one['labels'].get('fill', '')}".strip() for one in steps}
+
+
+@pytest.mark.parametrize("graph", sorted(one.name for one in (ROOT / "graphs").glob("*.yaml")))
+def test_a_second_run_computes_nothing(again: Again, tmp_path: Path, graph: str) -> None:
+    small = SMALL if graph == "fill.yaml" else []
+    first = again(graph, *small)
+    second = again(graph, *small)
+    states = Counter(one["state"] for one in second["steps"])
+    assert second["counts"] == {**second["counts"], "done": 0, "failed": 0, "unneeded": 0}
+    assert second["counts"]["stored"] == states["done"] == first["counts"]["done"]
+    assert [one["digests"] for one in first["steps"]] == [one["digests"] for one in second["steps"]]
+    name = Path(graph).stem
+    earlier = next(one for one in (tmp_path / "runs").iterdir() if one.name.startswith(f"{name}-"))
+    for path in earlier.rglob("*"):
+        if path.suffix in (".csv", ".tex", ".svg"):
+            other = tmp_path / "runs" / name / path.relative_to(earlier)
+            assert other.read_bytes() == path.read_bytes(), path.name
+
+
+def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(
+    again: Again, tmp_path: Path
+) -> None:
+    fills = tmp_path / "plugins" / "nodegraph_fill"
+    everything = computed(again("fill.yaml", *SMALL))
+    assert {"capture", "gaps", "fill muscle", "error muscle", "table", "faces"} <= everything
+    edit(fills / "stepwise.py", "from __future__", "# a remark\nfrom __future__")
+    edit(fills / "muscle.py", "def muscle(", "# another\n\n\ndef muscle(")
+    assert computed(again("fill.yaml", *SMALL)) == set()
+    helper = "reach = gaps.stop.max(initial=0) + 1", "reach = 1 + gaps.stop.max(initial=0)"
+    edit(fills / "stepwise.py", *helper)
+    changed = {f"{node} {name}" for node in ("fill", "error") for name in STEPWISE}
+    assert computed(again("fill.yaml", *SMALL)) == {*changed, "table", "faces", "trajectories"}
