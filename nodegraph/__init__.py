@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from nodegraph import started  # noqa: F401 - first: it notes the time
 from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
 from nodegraph.hooks import Contract, Rendered, Renderer, Storage, Tried, hookimpl
 from nodegraph.node import node

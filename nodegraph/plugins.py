@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+import time
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -14,6 +15,7 @@ import pluggy
 from nodegraph import hooks
 from nodegraph.errors import NodegraphError
 from nodegraph.node import node_of
+from nodegraph.started import LOADED
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,7 @@ def from_file(path: Path) -> Plugin:
     if spec is None or spec.loader is None:
         raise NodegraphError(f"{path}: a plugin file is Python, with the suffix .py")
     module = importlib.util.module_from_spec(spec)
+    vars(module)[LOADED] = time.time_ns()
     sys.modules.setdefault(path.stem, module)
     try:
         spec.loader.exec_module(module)

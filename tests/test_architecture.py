@@ -28,7 +28,7 @@ FLOORS = (  # from the top
     {"node"},
     {"signature"},
     {"ports", "values"},
-    {"errors", "collection", "display"},
+    {"errors", "collection", "display", "started"},
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}
 MACHINE = sorted((ROOT / "nodegraph").rglob("*.py"))

@@ -17,10 +17,14 @@ from nodegraph.code.live import Live
 from nodegraph.code.parts import short_digest
 from nodegraph.code.places import Places
 from nodegraph.code.sources import Sources
+from nodegraph.code.spots import Module
+from nodegraph.code.staleness import edited_since
 from nodegraph.code.spots import Reach
 
 _FORMAT = 1
 _PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
+
+_Gathered = tuple[defaultdict[str, set[str]], set[str], set[str], set[Module]]
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,8 @@ class Code:
 
     def _find(self, function: Callable[..., Any]) -> Reached:
         live = Live(self._links, self._places)
-        found, versioned, troubles = self._gather(live.look_at(function))
+        found, versioned, troubles, modules = self._gather(live.look_at(function))
+        troubles |= set(edited_since(modules, function))
         for label, digests in live.units.items():
             found[label] |= digests
         units = {label: _one(digests) for label, digests in sorted(found.items())}
@@ -106,8 +111,8 @@ class Code:
             "; ".join(dict.fromkeys([*live.troubles, *sorted(troubles)])),
         )
 
-    def _gather(self, reach: Reach) -> tuple[defaultdict[str, set[str]], set[str], set[str]]:
-        """Return the digests by label, the modules whose version counts, and troubles."""
+    def _gather(self, reach: Reach) -> _Gathered:
+        """Return digests by label, modules whose version counts, troubles, and modules read."""
         found: defaultdict[str, set[str]] = defaultdict(set)
         versioned, troubles = set(reach.versioned), set()
         seen = set(reach.spots)
@@ -120,7 +125,7 @@ class Code:
             new = unit.reach.spots - seen
             seen |= new
             waiting.extend(new)
-        return found, versioned, troubles
+        return found, versioned, troubles, {spot.module for spot in seen}
 
 
 @contextmanager

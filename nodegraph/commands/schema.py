@@ -1,0 +1,21 @@
+"""``nodegraph schema``."""
+
+from __future__ import annotations
+
+import json
+from argparse import Namespace
+
+from nodegraph.registry import Registry
+
+
+def schema(arguments: Namespace) -> int:
+    """Print or write a JSON Schema of graph files."""
+    from nodegraph.schema import graph_schema
+
+    made = graph_schema(Registry.installed(arguments.plugin))
+    text = json.dumps(made, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    if arguments.out:
+        arguments.out.write_text(text + "\n", encoding="utf-8")
+    else:
+        print(text)
+    return 0
