@@ -1,0 +1,73 @@
+"""nodegraph: from the text of a graph file to values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from nodegraph import node
+from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.recall import open_store
+from nodegraph.graph import build as build_graph
+from nodegraph.plan import plan
+from nodegraph.registry import Registry
+from nodegraph.spec import read_graph_text
+from tests.benchmarks.work import Build, Engine, Run, Work
+
+HERE = Path()
+
+
+def chain_text(count: int) -> str:
+    """Return the text of a chain of so many steps, one line each."""
+    lines = [f"  n{at + 1}: {{use: bench.step, in: n{at}}}" for at in range(count)]
+    return "\n".join(["nodegraph: 1", "nodes:", "  n0: {use: bench.first}", *lines, ""])
+
+
+def registry_of(work: Work) -> Registry:
+    return Registry.of([node("bench.first")(work.first), node("bench.step")(work.step)])
+
+
+def nodegraph(executor: str) -> Engine:
+    """Return the engine with one of its executors; its build reads and checks the whole text."""
+
+    def prepare(work: Work, count: int) -> Build:
+        text, registry, how = chain_text(count), registry_of(work), HowToRun(executor)
+
+        def build() -> Run:
+            made = plan(build_graph(read_graph_text(text, "chain.yaml", HERE), registry))
+
+            def run() -> Any:
+                return execute(made, how=how, keep=[f"n{count}"])[f"n{count}"].value
+
+            return run
+
+        return build
+
+    return prepare
+
+
+def nodegraph_stored(folder: Path, *, asked: bool) -> Engine:
+    """Return the engine that keeps its results in a folder; the first run fills it.
+
+    Its run returns the last value if it is asked for, else nothing: then nothing is read again.
+    """
+
+    def prepare(work: Work, count: int) -> Build:
+        registry, last = registry_of(work), f"n{count}"
+        made = plan(build_graph(read_graph_text(chain_text(count), "chain.yaml", HERE), registry))
+
+        def build() -> Run:
+            def run() -> Any:
+                store = open_store(registry, folder, _fail)
+                done = execute(made, how=HowToRun("serial"), store=store)
+                return done[last].value if asked else None
+
+            return run
+
+        return build
+
+    return prepare
+
+
+def _fail(text: str) -> None:
+    raise AssertionError(text)
