@@ -7,6 +7,7 @@ Status 0: all well. 1: some step failed. 2: the graph or the command is wrong, a
 from __future__ import annotations
 
 import argparse
+import gc
 import os
 import sys
 import warnings
@@ -17,6 +18,15 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import NodegraphError
+
+
+def program() -> int:
+    """Be the program: run the command that it was started with."""
+    status = main()
+    # the process ends here; looking for garbage once more would take longer than many a command
+    gc.freeze()
+    gc.disable()
+    return status
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -182,4 +192,4 @@ def _show_warning(message: Warning | str, *rest: Any, **more: Any) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(program())

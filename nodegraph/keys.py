@@ -109,7 +109,7 @@ class Keys:
 
     def fixed(self, step: Step) -> Fixed:
         """Return what of a step's key does not come from other steps."""
-        at = (id(step.method), id(step.settings))
+        at = (id(step.method.node), id(step.settings))
         found = self._fixed.get(at)
         if found is None:
             found = self._fixed[at] = self._made(step)

@@ -208,6 +208,8 @@ def _without_left_out(
     nodes: Mapping[str, GraphNode], left_out: list[LeftOut]
 ) -> dict[str, GraphNode]:
     """Leave out the nodes of which a label is gone, and whatever needs them."""
+    if not left_out:
+        return dict(nodes)
     gone = {one.node for one in left_out}
     kept: dict[str, GraphNode] = {}
     for name, node in nodes.items():

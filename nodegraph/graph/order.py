@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -22,19 +23,49 @@ def sorted_names(wires: Mapping[str, Sequence[tuple[str, Place]]], problems: Pro
         Where a cycle is noted, with the way around it. What is part of one comes in any order,
         so that the rest can be checked.
     """
-    import networkx as nx
+    needs = {name: {one for one, _ in feeds if one in wires} for name, feeds in wires.items()}
+    order = _in_order(needs)
+    if len(order) == len(wires):
+        return order
+    return _in_order(_without_cycles(needs, wires, problems))
+
+
+def _in_order(needs: Mapping[str, set[str]]) -> list[str]:
+    """Return the names, each after its needs and as early as it stands; none of a cycle."""
+    names = list(needs)
+    waiting = [len(feeds) for feeds in needs.values()]
+    readers: dict[str, list[int]] = {name: [] for name in names}
+    for index, feeds in enumerate(needs.values()):
+        for one in feeds:
+            readers[one].append(index)
+    ready = [index for index, count in enumerate(waiting) if not count]
+    order: list[str] = []
+    while ready:
+        name = names[heapq.heappop(ready)]
+        order.append(name)
+        for reader in readers[name]:
+            waiting[reader] -= 1
+            if not waiting[reader]:
+                heapq.heappush(ready, reader)
+    return order
+
+
+def _without_cycles(
+    needs: Mapping[str, set[str]],
+    wires: Mapping[str, Sequence[tuple[str, Place]]],
+    problems: Problems,
+) -> dict[str, set[str]]:
+    """Note a way around each knot of nodes that feed each other; return what else they need."""
+    import networkx as nx  # late: to import it takes as long as to check most graphs
 
     network: nx.DiGraph[str] = nx.DiGraph()
-    network.add_nodes_from(wires)
-    for name, feeds in wires.items():
-        network.add_edges_from((source, name) for source, _ in feeds if source in wires)
-    if not nx.is_directed_acyclic_graph(network):
-        for knot in list(nx.strongly_connected_components(network)):
-            edges = list(network.subgraph(knot).edges)
-            _note_cycle(network.subgraph(knot), wires, problems)
-            network.remove_edges_from(edges)
-    position = {name: index for index, name in enumerate(wires)}
-    return list(nx.lexicographical_topological_sort(network, position.__getitem__))
+    network.add_nodes_from(needs)
+    network.add_edges_from((one, name) for name, feeds in needs.items() for one in feeds)
+    left = dict(needs)
+    for knot in nx.strongly_connected_components(network):
+        _note_cycle(network.subgraph(knot), wires, problems)
+        left |= {name: needs[name] - knot for name in knot}
+    return left
 
 
 def _note_cycle(

@@ -22,6 +22,7 @@ from nodegraph.spec.parts import Variable, Written
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
+_encode = json.JSONEncoder(default=str).encode
 _ADVICE = {
     "missing": "must be given",
     "extra_forbidden": "is not a setting of this node",
@@ -36,9 +37,17 @@ class SettingsReader:
         self._sizes = sizes
         self._registry = registry
         self._problems = problems
+        self._defaults: dict[Node, Settings] = {}
 
     def read(self, where: str, chosen: Chosen, node: Node) -> Settings:
         """Return the settings of one method; `where` names it in messages."""
+        if chosen.settings or any(one.required for one in node.settings.values()):
+            return self._read(where, chosen, node)
+        if node not in self._defaults:
+            self._defaults[node] = self._read(where, chosen, node)
+        return self._defaults[node]
+
+    def _read(self, where: str, chosen: Chosen, node: Node) -> Settings:
         known = {
             n: one for n, one in chosen.settings.items() if self._is_known(where, n, one, node)
         }
@@ -96,7 +105,7 @@ class SettingsReader:
         if not node.settings:
             return {}
         try:
-            model = node.model.model_validate_json(json.dumps(given, default=str))
+            model = node.model.model_validate_json(_encode(given))
         except ValidationError as error:
             for name, message, hint in _complaints(where, node, error):
                 if name in wrong:

@@ -77,6 +77,8 @@ class Written:
 
     def variables(self) -> Iterator[Variable]:
         """Yield the inputs and axes that the value names."""
+        if not isinstance(self.value, (Variable, dict, list)):
+            return  # as most values do not
         pending = [self.value]
         while pending:
             one = pending.pop()

@@ -8,8 +8,9 @@ can exhaust the stack.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import yaml
@@ -31,6 +32,10 @@ _WORDS = {
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
 
+_NOT_A_WORD = frozenset("~nNtTfF.+-0123456789")
+"""How anything begins that may stand for something other than itself."""
+
+_NO_KEYS: Mapping[Any, Place] = MappingProxyType({})
 Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -49,7 +54,7 @@ class Located:
 
     value: Any
     place: Place
-    keys: dict[Any, Place] = field(default_factory=dict)
+    keys: Mapping[Any, Place] = field(default_factory=lambda: _NO_KEYS)
 
     def plain(self) -> Any:
         """Return the value without its places."""
@@ -97,6 +102,8 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
 
 def scalar(text: str) -> Any:
     """Return what an unquoted word means in YAML 1.2: null, a boolean, a number, or itself."""
+    if text and text[0] not in _NOT_A_WORD:
+        return text
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text):
@@ -123,6 +130,7 @@ class _Open:
     """A list or mapping that is being read; size and height count what aliases repeat."""
 
     item: Located
+    keys: dict[Any, Place]
     anchor: str | None
     key: Any = None
     has_key: bool = False
@@ -139,40 +147,47 @@ class _Reader:
         self._root: Located | None = None
 
     def read(self, text: str) -> Located:
-        for event in _events(text):
-            self._take(event)
+        takes: Mapping[type, Callable[[Any], None]] = {
+            yaml.ScalarEvent: self._scalar,
+            yaml.MappingStartEvent: self._start,
+            yaml.SequenceStartEvent: self._start,
+            yaml.MappingEndEvent: self._end,
+            yaml.SequenceEndEvent: self._end,
+            yaml.AliasEvent: self._alias,
+            yaml.DocumentStartEvent: self._document,
+        }
+        following = Parser(text).get_event
+        while (event := following()) is not None:
+            if take := takes.get(type(event)):
+                take(event)
         return self._root or Located(None, Place(self._file, 1, 1))
 
-    def _take(self, event: Any) -> None:
-        if isinstance(event, yaml.ScalarEvent):
-            self._scalar(event)
-        elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
-            self._start(event)
-        elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
-            self._end()
-        elif isinstance(event, yaml.AliasEvent):
-            self._alias(event)
-        elif isinstance(event, yaml.DocumentStartEvent) and self._root is not None:
+    def _document(self, event: Any) -> None:
+        if self._root is not None:
             self._fail(self._place(event), "a second document; a graph file holds one")
 
     def _scalar(self, event: Any) -> None:
         place = self._place(event)
-        self._refuse_tag(event, place)
+        if event.tag is not None:
+            self._refuse_tag(event, place)
         item = Located(scalar(event.value) if event.implicit[0] else event.value, place)
         self._add(item, 1, 0)
-        self._remember(event.anchor, item, 1, 0)
+        if event.anchor is not None:
+            self._anchors[event.anchor] = (item, 1, 0)
 
     def _start(self, event: Any) -> None:
         place = self._place(event)
         self._refuse_tag(event, place)
         self._refuse_depth(place, len(self._open) + 1)
         kind: dict[Any, Any] | list[Any] = {} if isinstance(event, yaml.MappingStartEvent) else []
-        self._open.append(_Open(Located(kind, place), event.anchor))
+        keys: dict[Any, Place] = {}
+        self._open.append(_Open(Located(kind, place, keys), keys, event.anchor))
 
-    def _end(self) -> None:
+    def _end(self, event: Any) -> None:
         done = self._open.pop()
         self._add(done.item, done.size, done.height)
-        self._remember(done.anchor, done.item, done.size, done.height)
+        if done.anchor is not None:
+            self._anchors[done.anchor] = (done.item, done.size, done.height)
 
     def _alias(self, event: Any) -> None:
         place = self._place(event)
@@ -192,13 +207,15 @@ class _Reader:
             return
         parent = self._open[-1]
         parent.size += size
-        parent.height = max(parent.height, height + 1)
+        if height >= parent.height:
+            parent.height = height + 1
         if parent.size > _MOST_VALUES:
             self._fail(item.place, f"aliases unfold to more than {_MOST_VALUES:,} values")
-        if isinstance(parent.item.value, list):
-            parent.item.value.append(item)
+        into = parent.item.value
+        if type(into) is list:
+            into.append(item)
         elif parent.has_key:
-            parent.item.value.setdefault(parent.key, item)
+            into.setdefault(parent.key, item)
             parent.has_key = False
         else:
             self._key(parent, item)
@@ -206,32 +223,22 @@ class _Reader:
     def _key(self, parent: _Open, item: Located) -> None:
         if isinstance(item.value, (list, dict)):
             self._fail(item.place, "a key must be one word or number")
-        first = parent.item.keys.get(item.value)
-        if first is not None:
+        first = parent.keys.setdefault(item.value, item.place)
+        if first is not item.place:
             message = f"key {item.value!r} is there twice; first in line {first.line}"
             self._problems.add(item.place, message)
-        parent.item.keys.setdefault(item.value, item.place)
         parent.key, parent.has_key = item.value, True
 
-    def _remember(self, anchor: str | None, item: Located, size: int, height: int) -> None:
-        if anchor is not None:
-            self._anchors[anchor] = (item, size, height)
-
     def _refuse_tag(self, event: Any, place: Place) -> None:
-        if event.tag is not None and event.tag != "!":
+        if event.tag not in (None, "!"):
             self._fail(place, f"tag {event.tag!r} has no meaning in a graph file; leave it out")
 
     def _place(self, event: Any) -> Place:
-        return Place(self._file, event.start_mark.line + 1, event.start_mark.column + 1)
+        mark = event.start_mark
+        return Place(self._file, mark.line + 1, mark.column + 1)
 
     def _fail(self, place: Place, message: str) -> None:
         raise GraphError([*self._problems.all(), Problem(place, message)])
-
-
-def _events(text: str) -> Iterator[Any]:
-    parser = Parser(text)
-    while (event := parser.get_event()) is not None:
-        yield event
 
 
 def located(value: Any, place: Place) -> Located:
