@@ -72,12 +72,15 @@ def from_file(path: Path) -> Plugin:
         raise NodegraphError(f"{path}: a plugin file is Python, with the suffix .py")
     module = importlib.util.module_from_spec(spec)
     vars(module)[LOADED] = time.time_ns()
-    sys.modules.setdefault(path.stem, module)
+    before = sys.modules.get(path.stem)
+    if before is None or LOADED in vars(before):
+        sys.modules[path.stem] = module  # classes of its values are found there by name
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         if sys.modules.get(path.stem) is module:
             del sys.modules[path.stem]
+            sys.modules.update({path.stem: before} if before else {})
         raise NodegraphError(f"{path}: the plugin does not import: {_reason(error)}") from error
     return Plugin(path.stem, _with_nodes(module))
 

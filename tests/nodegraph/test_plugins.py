@@ -151,3 +151,24 @@ def test_a_file_whose_node_cannot_be_read_is_refused(
     text = NODE.replace("-> float", "-> None | float")
     with pytest.raises(NodegraphError, match=r"toy_out.py: .*fill\.mine: output"):
         Registry.installed([written(tmp_path, "toy_out.py", text)])
+
+
+def test_a_file_that_is_read_again_takes_the_place_of_the_first(tmp_path: Path) -> None:
+    path = tmp_path / "read_again.py"
+    path.write_text("number = 1\n")
+    first = plugins.from_file(path).module
+    path.write_text("number = 2\n\n")
+    second = plugins.from_file(path).module
+    assert (first.number, second.number) == (1, 2)
+    assert sys.modules["read_again"] is second
+    path.write_text("number = 1 / 0\n\n\n")
+    with pytest.raises(NodegraphError, match="ZeroDivisionError"):
+        plugins.from_file(path)
+    assert sys.modules.pop("read_again") is second
+
+
+def test_a_module_that_is_no_plugin_keeps_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "json.py"
+    path.write_text("number = 1\n")
+    plugins.from_file(path)
+    assert hasattr(sys.modules["json"], "dumps")

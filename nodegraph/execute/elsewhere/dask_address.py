@@ -46,9 +46,10 @@ def check_scheduler(address: str) -> None:
 
 
 async def _kind(address: str) -> str:
-    how: Any = Security().get_connection_args("client")
+    security: Any = Security
+    how = security().get_connection_args("client")
     async with asyncio.timeout(_PATIENCE):
-        async with rpc(address, connection_args=how) as asked:
+        async with rpc(address, connection_args=how) as asked:  # type: ignore[no-untyped-call]
             return str((await asked.identity())["type"])
 
 

@@ -20,13 +20,8 @@ from nodegraph.execute.elsewhere.quiet import no_logs
 if TYPE_CHECKING:
     from nodegraph.execute.executors.protocol import HowToRun
 
-_ADDRESS = re.compile(
-    r"(?:(?:tcp|tls|wss?|ucxx?)://)?(?P<host>[^\s/:]+|\[[0-9a-f:]+\]):(?P<port>\d+)"
-)
-_PATIENCE = 10.0
-"""Seconds in which a scheduler that listens must answer."""
 _AT_HAND = 3.0
-"""Seconds in which a machine must take a connection, or an end must be made of one."""
+"""Seconds in which an end must be made of a connection."""
 
 
 class Cluster:

@@ -6,9 +6,11 @@ import os
 import subprocess
 import sys
 import textwrap
+import threading
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
@@ -155,3 +157,19 @@ def reason(run: Run, node: str) -> str:
     """Return why the only step of a node has no value."""
     (found,) = (outcome for step, outcome in run.settled() if step.node == node)
     return found.reason
+
+
+@pytest.fixture
+def listen() -> Callable[[Path, subprocess.Popen[str]], IO[str]]:
+    """Open a named pipe that a script opens, or that nobody opens because it has ended."""
+
+    def open_it(path: Path, process: subprocess.Popen[str]) -> IO[str]:
+        def end() -> None:
+            process.wait()
+            with suppress(OSError):
+                os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
+
+        threading.Thread(target=end, daemon=True).start()
+        return open(path)
+
+    return open_it

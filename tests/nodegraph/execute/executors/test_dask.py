@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import pytest
 from distributed import Client, LocalCluster
@@ -320,6 +321,13 @@ def test_an_address_at_which_nobody_answers(
         study("nodes: {a: {use: away.number}}", HowToRun("dask", scheduler=address))
 
 
+def test_an_address_at_which_something_else_listens(study: Callable[..., Run]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        how = HowToRun("dask", scheduler=f"tcp://127.0.0.1:{silent.getsockname()[1]}")
+        with pytest.raises(NodegraphError, match="no Dask scheduler answers at tcp://127"):
+            study("nodes: {a: {use: away.number}}", how)
+
+
 def test_dask_must_be_installed(study: Callable[..., Run], monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [one for one in sys.modules if one.startswith("nodegraph") and "dask" in one]:
         monkeypatch.delitem(sys.modules, name)
@@ -335,12 +343,14 @@ def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Pop
 
 
 def test_ctrl_c_ends_a_script_with_its_workers(
-    script: Callable[..., subprocess.Popen[str]], fifo: Callable[[str], Path]
+    script: Callable[..., subprocess.Popen[str]],
+    fifo: Callable[[str], Path],
+    listen: Callable[..., IO[str]],
 ) -> None:
     alive = fifo("alive")
     nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
     parent = script(nodes, "dask")
-    with open(alive) as opened:
+    with listen(alive, parent) as opened:
         opened.readline()
         parent.send_signal(signal.SIGINT)
         _, complained = parent.communicate(timeout=60)

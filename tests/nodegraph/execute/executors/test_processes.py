@@ -6,7 +6,7 @@ import subprocess
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
@@ -179,12 +179,14 @@ def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Pop
 
 
 def test_processes_end_with_the_one_that_started_them(
-    script: Callable[..., subprocess.Popen[str]], fifo: Callable[[str], Path]
+    script: Callable[..., subprocess.Popen[str]],
+    fifo: Callable[[str], Path],
+    listen: Callable[..., IO[str]],
 ) -> None:
     alive = fifo("alive")
     nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
     parent = script(nodes, "processes")
-    with open(alive) as opened:
+    with listen(alive, parent) as opened:
         assert int(opened.readline()) != parent.pid
         parent.kill()
         parent.communicate()
@@ -192,12 +194,14 @@ def test_processes_end_with_the_one_that_started_them(
 
 
 def test_ctrl_c_ends_a_script(
-    script: Callable[..., subprocess.Popen[str]], fifo: Callable[[str], Path]
+    script: Callable[..., subprocess.Popen[str]],
+    fifo: Callable[[str], Path],
+    listen: Callable[..., IO[str]],
 ) -> None:
     alive = fifo("alive")
     nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
     parent = script(nodes, "processes")
-    with open(alive) as opened:
+    with listen(alive, parent) as opened:
         opened.readline()
         parent.send_signal(signal.SIGINT)
         _, complained = parent.communicate(timeout=60)
