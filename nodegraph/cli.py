@@ -22,8 +22,9 @@ from nodegraph.errors import NodegraphError
 
 def program() -> int:
     """Be the program: run the command that it was started with."""
+    # most commands end before there is any garbage worth looking for
+    gc.set_threshold(50_000, 20, 20)
     status = main()
-    # the process ends here; looking for garbage once more would take longer than many a command
     gc.freeze()
     gc.disable()
     return status

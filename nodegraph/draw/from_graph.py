@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from nodegraph.draw.as_svg import svg
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
 from nodegraph.draw.text import shortened
 from nodegraph.graph import Graph, GraphNode
@@ -12,7 +13,16 @@ from nodegraph.ports import Label, Port
 from nodegraph.spec.parts import Reference
 
 _MOST_METHODS = 12
+_MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 16
+
+
+def drawing_for_page(graph: Graph) -> str:
+    """Return a graph as SVG for a page among other things, or nothing if it is too large for one.
+
+    A drawing of thousands of nodes is tens of megabytes, and nobody would find anything in it.
+    """
+    return svg(picture_of(graph)) if len(graph.nodes) <= _MOST_ON_A_PAGE else ""
 
 
 def picture_of(graph: Graph) -> Picture:

@@ -6,8 +6,7 @@ import re
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from nodegraph.draw import svg
-from nodegraph.draw.from_graph import labels_text, picture_of
+from nodegraph.draw.from_graph import drawing_for_page, labels_text
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.report.compose import compose
@@ -35,7 +34,8 @@ def graph_html(graph: Graph) -> str:
             style=_style(),
             title=graph.title,
             axes=_axes(graph),
-            drawing=svg(picture_of(graph)),
+            drawing=drawing_for_page(graph),
+            nodes=len(graph.nodes),
         )
     )
 

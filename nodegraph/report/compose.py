@@ -10,8 +10,7 @@ from typing import Any
 
 from nodegraph.bibliography import references
 from nodegraph.describe import describe_settings, shown
-from nodegraph.draw import svg
-from nodegraph.draw.from_graph import picture_of
+from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
 from nodegraph.execute.record import versions
 from nodegraph.graph import Graph, GraphNode, Method
@@ -48,7 +47,7 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
         answer=_answer(value for *_, value in found),
         notes_markdown=graph.spec.notes,
         sections=sections,
-        graph_svg=svg(picture_of(graph)),
+        graph_svg=drawing_for_page(graph),
         axes=tuple(AxisRow(one.name, tuple(map(str, one.labels))) for one in graph.axes.values()),
         inputs=tuple(SettingRow(name, shown(value)) for name, value in graph.inputs.items()),
         known=tuple(str(one) for one in graph.spec.known),

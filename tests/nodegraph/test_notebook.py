@@ -132,3 +132,10 @@ def test_nothing_is_fetched(run: Run) -> None:
 def test_what_stands_below_finds_the_way_by_name(graph_of: Callable[..., Graph]) -> None:
     graph = graph_of(TEXT)
     assert in_notebook("graph_html", graph) == graph_html(graph)
+
+
+def test_a_graph_that_is_too_large_to_draw_says_so(graph_of: Callable[..., Graph]) -> None:
+    nodes = "\n".join(f"  n{i}: {{use: read.number}}" for i in range(501))
+    shown = graph_html(graph_of(f"nodes:\n{nodes}"))
+    assert "<svg" not in shown
+    assert "501 nodes are too many to draw here" in shown
