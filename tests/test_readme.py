@@ -26,10 +26,22 @@ def table_of_nodes() -> str:
 
 
 def test_the_graph_is_a_good_one(tmp_path: Path) -> None:
-    (graph,) = blocks("yaml")
+    graph, _ = blocks("yaml")
     path = tmp_path / "graph.yaml"
     path.write_text(graph)
     assert list(ng.load(path).nodes) == ["capture", "gaps", "fill", "error", "table"]
+
+
+def test_the_graph_that_stands_where_a_node_does_is_a_good_one(tmp_path: Path) -> None:
+    graph, clean = blocks("yaml")
+    (tmp_path / "clean.yaml").write_text(clean)
+    use, fixed = re.findall(r"`(?:clean: )?({(?:use|from): .*?}+)`", README)[-2:]
+    path = tmp_path / "graph.yaml"
+    more = f"  clean: {use}\n  one: {{use: fill.linear, in: {fixed}}}\nreport: [table, one, clean]"
+    path.write_text(graph.replace("report: [table]", more))
+    loaded = ng.load(path, only={"clean.fill": "lin"})
+    assert loaded.nodes["clean"].axes == ("trial", "length", "clean.fill")
+    assert {"clean.fill", "one"} <= loaded.nodes.keys()
 
 
 def test_the_method_that_it_adds_joins_the_comparison(tmp_path: Path) -> None:

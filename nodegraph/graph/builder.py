@@ -43,7 +43,7 @@ class Builder:
         self._choices = choices
         self._names = Names(spec, flat.ports, choices, problems)
         self._sizes = Sizes(self._names.axes, problems)
-        self._settings = SettingsReader(self._names, self._sizes, registry, problems)
+        self._settings = SettingsReader(self._names, registry, problems)
         self._chosen = {
             name: choose(one, registry, flat.graphs.get(name, {}), problems)
             for name, one in spec.nodes.items()
@@ -66,7 +66,7 @@ class Builder:
         self._names.check_choices()
         self._check_skip()
         check_requires(self._spec, self._problems)
-        self._sizes.check()
+        self._settings.fill(in_full=self._sizes.can_be_run())
         kept = _without_left_out(self._nodes, self._left_out)
         return Graph(
             self._spec,

@@ -81,7 +81,9 @@ class Names:
             for name, part in parts.items():
                 if name not in self.used and name.isidentifier():
                     message = f"nothing uses the {kind} {name!r}"
-                    where = f"in: ${name}" if name in self._ports else f"${name} as a setting's value"
+                    where = (
+                        f"in: ${name}" if name in self._ports else f"${name} as a setting's value"
+                    )
                     self._problems.add(part.place, message, f"write {where}")
 
     def axis_of(self, variable: Variable) -> str | None:

@@ -24,6 +24,8 @@ class HandsOn(Node):
     asks : tuple of Port
         What whoever uses it must feed. For a graph these are its own ports, which feed the nodes
         inside; what it takes comes from there.
+    offers : tuple of str
+        The outputs of all that it stands for: a graph's, of which it may hand on one alone.
     about : str
         What a reader of the report sees.
     """
@@ -31,6 +33,7 @@ class HandsOn(Node):
     takes: tuple[Port, ...] = ()
     gives: tuple[Port, ...] = ()
     asks: tuple[Port, ...] = ()
+    offers: tuple[str, ...] = ()
     about: str = ""
 
     @cached_property
@@ -64,21 +67,33 @@ def asked(node: Node) -> tuple[Port, ...]:
     return node.asks if isinstance(node, HandsOn) else node.inputs
 
 
+def offered(node: Node) -> tuple[str, ...]:
+    """Return the outputs that a reference to a node may name."""
+    return node.offers if isinstance(node, HandsOn) else tuple(one.name for one in node.outputs)
+
+
 def passing(sibling: Node) -> HandsOn:
     """Return what hands on its first input, typed and named as the sibling's first output."""
     gives = sibling.outputs[:1]
     takes = tuple(replace(port, type=gives[0].type) for port in asked(sibling)[:1])
-    return HandsOn("pass", _hand_on, (), takes, gives, takes, "Hand on the input as it is.")
+    about = "Hand on the input as it is."
+    return HandsOn("pass", _hand_on, (), takes, gives, takes, (gives[0].name,), about)
 
 
-def graph_node(use: str, title: str, asks: tuple[Port, ...], outputs: tuple[Port, ...]) -> HandsOn:
+def graph_node(
+    use: str,
+    title: str,
+    asks: tuple[Port, ...],
+    outputs: tuple[Port, ...],
+    offers: tuple[str, ...],
+) -> HandsOn:
     """Return what stands for a graph used as a node: it hands on what the nodes inside give."""
-    return HandsOn(use, _hand_on, (), outputs, outputs, asks, title)
+    return HandsOn(use, _hand_on, (), outputs, outputs, asks, offers, title)
 
 
 def port_node(port: Port) -> HandsOn:
     """Return what stands inside a graph for one of its ports, while it is checked by itself."""
-    return HandsOn(f"${port.name}", _hand_on, (), (), (Port("value", port.type),))
+    return HandsOn(port.type.__name__, _hand_on, (), (), (Port("value", port.type),))
 
 
 def _hand_on(**inputs: Any) -> Any:

@@ -141,9 +141,7 @@ def _tainted(hider: str, wires: _Wires) -> Mapping[str, _Wire | None]:
     return came_from
 
 
-def _carries(
-    wire: _Wire, hider: str, came_from: Mapping[str, _Wire | None], wires: _Wires
-) -> bool:
+def _carries(wire: _Wire, hider: str, came_from: Mapping[str, _Wire | None], wires: _Wires) -> bool:
     """Whether a wire carries the answer."""
     if wire.known:
         return False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from nodegraph.errors import Place, Problems, UnknownNodeError, nearest
@@ -42,7 +42,7 @@ def choose(
     problems
     """
     found = list(_unfolded(spec, registry, problems))
-    chosen = _replaced(found)
+    chosen = _replaced(found, spec.methods)
     siblings = [one for one in chosen.values() if one.use != PASS]
     if not spec.has_alternatives and spec.methods and spec.methods[0].use == PASS:
         problems.add(spec.methods[0].place, "'pass' stands only among alternatives")
@@ -71,11 +71,15 @@ def _unfolded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterato
             yield replace(method, label=label, use=one.full_name)
 
 
-def _replaced(methods: list[MethodSpec]) -> dict[str, MethodSpec]:
+def _replaced(methods: list[MethodSpec], written: Sequence[MethodSpec]) -> dict[str, MethodSpec]:
     """Let a label written by itself stand for the family's method of that label."""
+    if len(methods) == 1:
+        return {methods[0].label: methods[0]}
+    own = {id(one) for one in written}
     chosen: dict[str, MethodSpec] = {}
     for one in methods:
-        chosen[one.label] = one
+        if id(one) in own or id(chosen.get(one.label)) not in own:
+            chosen[one.label] = one
     return chosen
 
 

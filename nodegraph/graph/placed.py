@@ -1,4 +1,4 @@
-"""One use of a graph as a node: its nodes with the names, feeds and settings that they get there."""
+"""A graph where a node uses it: its nodes with the names, feeds and settings they get there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from nodegraph.spec.parts import (
     Written,
 )
 
-MOST_VALUES = 1_000_000
+MOST_VALUES = 100_000
 MOST_DEPTH = 100
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,6 @@ from nodegraph.errors import NodegraphError, Problems, nearest
 from nodegraph.graph.choices import Names
 from nodegraph.graph.methods import Chosen
 from nodegraph.graph.model import Settings
-from nodegraph.graph.sizes import Sizes
 from nodegraph.node import Node
 from nodegraph.ports import Label
 from nodegraph.registry import Registry
@@ -29,18 +29,34 @@ _ADVICE = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class _Unread:
+    """Settings of one method, with where their values go."""
+
+    where: str
+    chosen: Chosen
+    node: Node
+    known: Mapping[str, Written]
+    axes: tuple[str, ...]
+    values: dict[tuple[Label, ...], Mapping[str, Any]]
+    shown: dict[tuple[Label, ...], Mapping[str, Any]]
+
+
 class SettingsReader:
     """Checks settings and notes every mistake with its place."""
 
-    def __init__(self, names: Names, sizes: Sizes, registry: Registry, problems: Problems) -> None:
+    def __init__(self, names: Names, registry: Registry, problems: Problems) -> None:
         self._names = names
-        self._sizes = sizes
         self._registry = registry
         self._problems = problems
         self._defaults: dict[Node, Settings] = {}
+        self._unread: list[_Unread] = []
 
     def read(self, where: str, chosen: Chosen, node: Node) -> Settings:
-        """Return the settings of one method; `where` names it in messages."""
+        """Return the settings of one method, whose values are still to come.
+
+        `where` names it in messages.
+        """
         if chosen.settings or any(one.required for one in node.settings.values()):
             return self._read(where, chosen, node)
         if node not in self._defaults:
@@ -52,24 +68,36 @@ class SettingsReader:
             n: one for n, one in chosen.settings.items() if self._is_known(where, n, one, node)
         }
         axes = self._axes(known)
+        unread = _Unread(where, chosen, node, known, axes, {}, {})
+        self._unread.append(unread)
+        return Settings(axes, unread.values, unread.shown)
+
+    def fill(self, *, in_full: bool) -> None:
+        """Check the values of all settings that were read, at every label.
+
+        Of more combinations than can be run, which is told, the first alone shows other mistakes.
+        """
+        for unread in self._unread:
+            self._fill(unread, in_full=in_full)
+        self._unread.clear()
+
+    def _fill(self, unread: _Unread, *, in_full: bool) -> None:
+        known, axes = unread.known, unread.axes
         sound, along = known, axes
         if self._names.unknown:
             sound = {name: one for name, one in known.items() if self._is_sound(one)}
             along = self._axes(sound)
-        values: dict[tuple[Label, ...], Mapping[str, Any]] = {}
-        shown: dict[tuple[Label, ...], Mapping[str, Any]] = {}
         every = itertools.product(*(self._names.axes[axis].labels for axis in along))
-        # of more combinations than can be run, which is told, one shows other mistakes
-        for labels in every if self._sizes.has_room(along) else itertools.islice(every, 1):
+        for labels in every if in_full else itertools.islice(every, 1):
             given = {
                 name: self._substituted(one.value, dict(zip(along, labels, strict=True)))
                 for name, one in sound.items()
             }
             wrong = known.keys() - sound.keys()
-            checked = self._checked(where, chosen, node, given, wrong)
-            values[labels] = {**checked, **self._files(where, node, sound, given, wrong)}
-            shown[labels] = {**checked, **given}
-        return Settings(axes, values, shown)
+            checked = self._checked(unread.where, unread.chosen, unread.node, given, wrong)
+            files = self._files(unread.where, unread.node, sound, given, wrong)
+            unread.values[labels] = {**checked, **files}
+            unread.shown[labels] = {**checked, **given}
 
     def _is_sound(self, written: Written) -> bool:
         return self._names.unknown.isdisjoint(written.variables())
@@ -152,9 +180,7 @@ class SettingsReader:
         return written.folder or self._names.graph_folder
 
 
-def _complaints(
-    where: str, node: Node, error: ValidationError
-) -> Iterator[tuple[str, str, str]]:
+def _complaints(where: str, node: Node, error: ValidationError) -> Iterator[tuple[str, str, str]]:
     """Yield the setting that pydantic complains of, what is wrong, and what there is."""
     for one in error.errors():
         if not one["loc"]:

@@ -19,15 +19,9 @@ class Sizes:
     def __init__(self, axes: Mapping[str, Axis], problems: Problems) -> None:
         self._axes = axes
         self._problems = problems
-        self._settings = 0
         self._total = 0
         self._largest = 0
         self._where: tuple[GraphNode, tuple[str, ...]] | None = None
-
-    def has_room(self, axes: Iterable[str]) -> bool:
-        """Whether the settings of one more method, which has these axes, may be expanded."""
-        self._settings += self._count(axes)
-        return self._settings <= MOST
 
     def add(self, node: GraphNode, nodes: Mapping[str, GraphNode]) -> None:
         """Count a node's own combinations, or those that it takes together if they are more."""
@@ -41,10 +35,10 @@ class Sizes:
             along = (*node.axes, *node.gathered) if gathered > 1 else node.axes
             self._largest, self._where = count, (node, along)
 
-    def check(self) -> None:
-        """Note that there are too many, and where most of them come from."""
+    def can_be_run(self) -> bool:
+        """Whether there are few enough; else note where most of them come from."""
         if self._total <= MOST or self._where is None:
-            return
+            return True
         node, axes = self._where
         sizes = " x ".join(f"{axis} ({len(self._axes[axis].labels):,})" for axis in axes)
         self._problems.add(
@@ -53,6 +47,7 @@ class Sizes:
             f"a graph may have {MOST:,}, and this one has {_shown(self._total)}",
             "run fewer labels, as with --axis or --only, or leave an axis out",
         )
+        return False
 
     def _gathered(self, fed: Gather, node: GraphNode, nodes: Mapping[str, GraphNode]) -> int:
         sources = fed.sources.values()

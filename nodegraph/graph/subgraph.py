@@ -57,7 +57,9 @@ def subgraph_of(flat: Flat, graph: Graph, problems: Problems) -> Subgraph:
             problems.add(known.place, message)
     kept = _leading_to(flat.spec.outputs, graph)
     nodes = {name: one for name, one in flat.spec.nodes.items() if name in kept}
-    axes = {name for one in kept for m in graph.nodes[one].methods.values() for name in m.settings.axes}
+    axes = {
+        name for one in kept for m in graph.nodes[one].methods.values() for name in m.settings.axes
+    }
     spec = replace(
         _with_settings_only(flat, flat.spec),
         nodes=nodes,

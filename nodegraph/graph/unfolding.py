@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from nodegraph.errors import Place, Problems, nearest
+from nodegraph.errors import Place, Problems
 from nodegraph.graph.flat import Feed, Flat
 from nodegraph.graph.hands_on import HandsOn, port_node
 from nodegraph.graph.placed import Placed
@@ -72,9 +72,7 @@ class Unfolding:
             self._stand(f"${name}", port_node(port), self._spec.inputs[name].place, {})
         for node in self._spec.nodes.values():
             methods = tuple(self._method(node, one) for one in node.methods)
-            self._nodes[node.name] = replace(
-                node, methods=methods, wiring=self._led(node.wiring)
-            )
+            self._nodes[node.name] = replace(node, methods=methods, wiring=self._led(node.wiring))
         outputs = self._spec.outputs.items()
         spec = replace(
             self._spec,
@@ -114,16 +112,19 @@ class Unfolding:
         placed = Placed(use.prefix, use.graph.spec, self._led(use.wiring), use.settings)
         self._put(placed, use)
         outputs = placed.fed(use.graph.spec.outputs)
-        first, *others = outputs
-        if not node.has_alternatives:
-            for name in others:
-                if name not in use.graph.spec.nodes:
-                    wiring = {name: outputs[name]}
-                    self._stand(use.prefix + name, use.stand_in(name), node.place, wiring)
-            outputs = {first: outputs[first]}
-        made = Registered(use.stand_in(*outputs), "nodegraph")
+        handed = outputs if node.has_alternatives else self._parted(use, outputs)
+        made = Registered(use.stand_in(*handed), "nodegraph")
         self._graphs.setdefault(node.name, {})[method.label] = made
-        return replace(method, wiring=outputs, settings={})
+        return replace(method, wiring=handed, settings={})
+
+    def _parted(self, use: Use, outputs: Wiring) -> Wiring:
+        """Give all outputs but the first nodes of their own, where they are none; return that."""
+        first, *others = outputs
+        for name in others:
+            if name not in use.graph.spec.nodes:
+                stand_in, wiring = use.stand_in(name), {name: outputs[name]}
+                self._stand(use.prefix + name, stand_in, use.node.place, wiring)
+        return {first: outputs[first]}
 
     def _stand(self, name: str, node: HandsOn, place: Place, wiring: Wiring) -> None:
         method = MethodSpec("", node.name, place, wiring)
@@ -164,14 +165,10 @@ class Unfolding:
         if (source.node, "") not in self._fitting:
             return source
         use = self._uses[source.node, ""]
-        first = next(iter(use.graph.outputs))
-        if source.port in ("", first):
-            return source
-        if source.port in use.graph.outputs:
+        _, *others = use.graph.outputs
+        if source.port in others:
             return replace(source, node=use.prefix + source.port, port="")
-        message = f"{source.node} ({use.method.use}) has no output {source.port!r}"
-        self._problems.add(source.place, message, nearest(source.port, use.graph.outputs))
-        return replace(source, passed=True)
+        return source
 
     def _all_led(self, references: Iterable[Reference]) -> Iterator[Reference]:
         """Yield references to nodes; one to a node that uses a graph means all its outputs."""

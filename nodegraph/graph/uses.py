@@ -63,7 +63,8 @@ class Use:
         """Return what hands on some of the graph's outputs."""
         ports = tuple(self.graph.outputs[name] for name in outputs)
         asks = tuple(self.graph.asks.values())
-        return graph_node(self.method.use, self.graph.spec.title, asks, ports)
+        offers = tuple(self.graph.outputs)
+        return graph_node(self.method.use, self.graph.spec.title, asks, ports, offers)
 
 
 def fits(use: Use, problems: Problems) -> bool:
@@ -85,7 +86,9 @@ class _Check:
     def check(self) -> None:
         if not self._graph.spec.outputs:
             message = f"{self._use.where}: {self._name} has no 'outputs': nothing comes out of it"
-            self._problems.add(self._use.method.place, message, "write there: outputs: {name: node}")
+            self._problems.add(
+                self._use.method.place, message, "write there: outputs: {name: node}"
+            )
         for name, fed in self._use.wiring.items():
             self._check_port(name, fed)
         self._check_open_ports()

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.choices import Names
+from nodegraph.graph.hands_on import offered
 from nodegraph.graph.methods import Chosen
 from nodegraph.graph.model import Gather, GraphNode
 from nodegraph.node import Node
@@ -93,7 +94,7 @@ class Wirer:
             found = method.node.output(written.port) if written.port else method.node.outputs[0]
             name = f"{written.node} ({method.node.name})"
             if found is None:
-                there = nearest(written.port, [one.name for one in method.node.outputs])
+                there = nearest(written.port, offered(method.node))
                 message = f"{where}: {name} has no output {written.port!r}"
                 self._problems.add(written.place, message, there)
             elif target is not None and (said := misfit(found, target)):

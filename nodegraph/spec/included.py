@@ -40,11 +40,12 @@ def read_graph_text(text: str, file: str, folder: Path) -> GraphSpec:
 
 @dataclass(frozen=True)
 class _Size:
-    """How much a graph unfolds to, and how deep."""
+    """How much a graph unfolds to, and how deep; or that it is too much."""
 
     nodes: int
     labels: int
     depth: int = 0
+    is_refused: bool = False
 
     def __add__(self, used: _Size) -> _Size:
         depth = max(self.depth, used.depth + 1)
@@ -65,16 +66,21 @@ class _Reader:
         return replace(whole, graphs=self._specs, problems=self._problems.all())
 
     def _followed(self, spec: GraphSpec, way: _Way) -> tuple[GraphSpec, _Size]:
-        """Return a spec that knows where the graphs lie that it uses, and its size."""
+        """Return a spec that knows where the graphs lie that it uses, and its size.
+
+        One that is too large uses none, nor is it used: that is told once, where it grew so.
+        """
         uses: dict[str, Path] = {}
-        size = _Size(len(spec.nodes), sum(len(axis.labels) for axis in spec.axes.values()))
+        size = _Size(len(spec.nodes), sum(len(one.labels) for one in spec.axes.values()))
         for method in _graph_uses(spec):
             path = self._path(spec, method)
             used = self._size(spec, method, path, way) if path is not None else None
-            if path is None or used is None or self._is_too_large(method, size + used, way):
+            if path is None or used is None:
                 continue
-            uses[method.use] = path
             size += used
+            if used.is_refused or self._is_too_large(method, size, way):
+                return spec, replace(size, is_refused=True)
+            uses[method.use] = path
         return replace(spec, uses=uses), size
 
     def _path(self, spec: GraphSpec, method: MethodSpec) -> Path | None:

@@ -58,6 +58,7 @@ def methods(graph: Graph, name: str = "fill") -> dict[str, str]:
             "{fill.*: {}, hold: {use: fill.scale, with: {power: 3}}, most: fill.scale, pass: {}}",
             {"hold": "fill.scale", "scale": "fill.scale", "most": "fill.scale", "pass": "pass"},
         ),
+        ("{hold: fill.scale, fill.*: {}}", {"hold": "fill.scale", "scale": "fill.scale"}),
         ("{without: {use: pass}, hold: fill.hold}", {"without": "pass", "hold": "fill.hold"}),
     ],
 )

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from nodegraph import GraphError
+from nodegraph import GraphError, InputFile, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
@@ -18,7 +18,7 @@ Mistakes = Callable[..., list[Problem]]
     [
         ("nodes: {a: {use: @@read.numbr}}", "no node 'read.numbr'", "did you mean 'read.number'"),
         ("nodes: {a: {use: @@pass}}", "'pass' stands only among alternatives", ""),
-        ("nodes: {a: {use: @@sub.yaml}}", "a graph cannot be used as a node here", ""),
+        ("nodes: {a: {use: @@sub.yaml}}", "sub.yaml: no such graph file", "in that folder"),
         (
             "nodes: {a: {use: read.number}, b: {use: fill.hold, in: @@aa}}",
             "b: no node 'aa'",
@@ -209,35 +209,71 @@ def test_each_first_output_must_fit_every_reader(mistakes_of: Mistakes) -> None:
     assert "b (text.write)" in found[0].message
 
 
-def test_twenty_mistakes_are_told_in_one_go(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
-        """
-        @@titel: x
-        inputs: {@@a-b: 1, unused: @@2}
-        axes:
-          one: @@[]
-          two: [1, @@1]
-          three: @@5
-          four: @@{count: @@0}
-        nodes:
-          a: {use: @@read.numbre, with: {start: $one}}
-          b: {use: read.number, with: {strat: @@$two}}
-          c: {use: read.number, with: {start: @@x}}
-          d: {use: read.number, with: {start: $three.field}}
-          e: {use: gaps.cut, in: @@nowhere, with: {length: @@0, seed: @@1.5}}
-          f: {use: gaps.cut, in: c, with: {length: @@100}}
-          g: {use: fill.hold, in: @@f.gap}
-          h: {use: fill.hold, in: @@f.truth}
-          i: {use: @@score.gaps, in: {estimate: c, truth: f.truth}}
-          j: {@@us: read.number, use: read.number}
-          k: {alternatives: @@[]}
-          l: {alternatives: {x: {use: @@text.wriet}, y: {use: text.write}}}
-          m: {use: fill.hold, in: {recording: c, other: @@c}}
-        skip: [@@{nothing: 1}]
-        report: [@@nobody]
-        """
-    )
-    assert len(found) >= 20
+EVERY_KIND = """
+    @@titel: an unknown key
+    notes: @@[not, text]
+    inputs: {@@a-b: 1, unused: @@2, text: word}
+    axes:
+      none: @@[]
+      twice: [1, @@1]
+      scalar: @@5
+      endless: {count: @@1000000000}
+      unread: @@[1]
+      fields: {x: {a: 1}, y: {b: 2}}
+      good: [1, 2]
+    nodes:
+      n: {use: read.number}
+      cut: {use: gaps.cut, in: n, with: {length: $good}}
+      unknown: {use: @@read.numbre, with: {start: $none, other: @@$nothing}, in: @@nowhere}
+      setting: {use: read.number, with: {strat: @@$twice, start: @@x}}
+      axis: {use: fill.scale, in: n, with: {power: $scalar, max_gap: @@1.5}}
+      variable: {use: fill.scale, in: n, with: {power: @@$nothing, max_gap: @@fast}}
+      empty: {use: fill.scale, in: n, with: {power: $endless, max_gap: @@x}}
+      bounds: {use: gaps.cut, in: @@nowhere, with: {length: @@0, seed: @@1.5}}
+      field: {use: gaps.cut, in: n, with: {length: @@@@$fields.a, seed: @@$text.part}}
+      port: {use: fill.hold, in: {recording: @@cut.gap, other: @@n}}
+      truth: {use: fill.hold, in: @@cut.truth}
+      type: {use: text.join, in: {first: @@n, second: @@nowhere.x.y}}
+      unfed: {use: @@score.gaps, in: {estimate: n, truth: cut.truth}}
+      several: {use: fill.hold, in: {recording: @@{a: n, b: @@missing}}}
+      value: {use: fill.hold, in: @@$text}
+      keys: {@@us: read.number, use: read.number}
+      neither: @@{in: n}
+      family: {use: @@fill.*, in: n}
+      no_family: {in: n, alternatives: @@fil.*}
+      no_label: {alternatives: @@[]}
+      labels: {in: n, alternatives: {x: {use: @@fill.hodl}, @@3: fill.hold}}
+      lacking: {in: n, with: {power: @@3}, alternatives: fill.*}
+      passing: {use: @@pass, in: n}
+      one: {use: fill.hold, in: @@two}
+      two: {use: fill.hold, in: one}
+      at_axis: {use: fill.hold, in: {from: @@cut, at: {god: 1}}}
+      at_label: {use: fill.hold, in: {from: @@cut, at: {good: 3}}}
+      at_form: {use: fill.hold, in: {from: cut, at: @@[good]}}
+      over: {use: compare.table, in: cut, over: [@@bad]}
+      matched: {use: compare.beside, in: {scores: cut, reference: cut}, over: [@@good]}
+      plain: {use: fill.hold, in: n, over: [@@good]}
+      file: {use: read.file, with: {path: @@nowhere.txt}}
+      file_too: {use: set.two, with: {path: @@nowhere.txt, number: @@x}}
+      again: {use: read.number}
+      @@again: {use: read.number}
+      @@good: {use: read.number}
+      graph: {use: @@nowhere.yaml, in: @@nobody}
+    skip: [@@@@{nothing: 1, good: 9}, @@{good: 7}, @@[good]]
+    known: [@@nobody, n]
+    requires: [@@no-such-package-here, numpy]
+    outputs: {out: @@n.put}
+    report: [@@nobody, @@"not a reference"]
+    """
+
+
+def test_every_kind_of_mistake_is_told_in_one_go(mistakes_of: Mistakes) -> None:
+    @node("set.two")
+    def two(*, path: InputFile, number: float) -> float:
+        return 0.0
+
+    found = mistakes_of(EVERY_KIND, more=[two])
+    assert len({one.message for one in found}) == 64
 
 
 def test_the_message_is_what_a_user_reads(graph_of: Callable[..., Graph]) -> None:

@@ -156,11 +156,17 @@ def test_a_field_that_a_label_lacks_is_named(mistakes_of: Mistakes) -> None:
     assert found[0].instead == "did you mean 'hole'? there is: hole"
 
 
-def test_an_input_has_no_fields(mistakes_of: Mistakes) -> None:
-    (found,) = mistakes_of(
-        "inputs: {n: {a: 1}}\nnodes: {a: {use: set.all, with: {whole: @@$n.a}}}", more=[everything]
-    )
-    assert "only an axis has fields" in found.message
+def test_an_input_has_the_fields_of_its_value(
+    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+) -> None:
+    text = "inputs: {n: VALUE}\nnodes: {a: {use: set.all, with: {whole: @@$n.a}}}"
+    good = text.replace("VALUE", "{a: 1}").replace("@@", "")
+    assert values(graph_of(good, more=[everything]))["whole"] == 1
+    assert values(graph_of(good, more=[everything], inputs={"n": {"a": 2}}))["whole"] == 2
+    (found,) = mistakes_of(text.replace("VALUE", "5"), more=[everything])
+    assert found.message == "$n.a: the input 'n' has no fields, 5"
+    found, _ = mistakes_of(text.replace("VALUE", "{b: 1}").replace("@@", "@@@@"), more=[everything])
+    assert found.message == "$n.a: the input 'n' has no field 'a'"
 
 
 def test_paths_start_at_the_graph_or_where_they_were_given(
