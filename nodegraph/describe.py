@@ -77,7 +77,15 @@ def shown(value: Any) -> str:
 
 @lru_cache(maxsize=512)
 def _schema(node: Node) -> dict[str, Any]:
-    return node.model.model_json_schema() if node.settings else {"properties": {}}
+    if not node.settings:
+        return {"properties": {}}
+    from pydantic.json_schema import GenerateJsonSchema
+
+    class Lenient(GenerateJsonSchema):
+        def handle_invalid_for_json_schema(self, schema: Any, error_info: str) -> dict[str, Any]:
+            return {}  # a class that JSON knows nothing of is "a value"
+
+    return node.model.model_json_schema(schema_generator=Lenient)
 
 
 def _option(schema: dict[str, Any]) -> str:

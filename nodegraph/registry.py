@@ -84,9 +84,9 @@ class Registry:
         UnknownNodeError
             If no plugin has it, or several do; the message says which.
         """
-        plugin, _, bare = name.rpartition(":")
+        plugin, colon, bare = name.rpartition(":")
         claimed = self._by_name.get(bare, [])
-        found = [one for one in claimed if not plugin or one.plugin == plugin]
+        found = [one for one in claimed if not colon or one.plugin == plugin]
         if len(found) == 1:
             return found[0]
         if found:

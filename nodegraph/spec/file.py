@@ -112,7 +112,7 @@ class _SpecReader:
         found = root.value.get("nodegraph")
         if found is None:
             self._problems.add(root.place, "the format's number is missing", "write 'nodegraph: 1'")
-        elif found.value != FORMAT:
+        elif found.value != FORMAT or found.value is True:  # which Python holds for 1
             message = f"this program reads format {FORMAT}, not {found.value!r}"
             self._problems.add(found.place, message)
 

@@ -133,7 +133,13 @@ class NodeReader:
                 item.place, f"alternative {label!r} has no 'use'", _ALTERNATIVE_FORMS
             )
             return ""
-        return use.value if self._is_word(use, "'use' names a node") else ""
+        if not self._is_word(use, "'use' names a node"):
+            return ""
+        if use.value.endswith(".*"):
+            message = f"{use.value!r} has a label for each of its methods, and takes none"
+            self._problems.add(use.place, message, f"write {{{use.value}: {{}}}}")
+            return ""
+        return str(use.value)
 
     def _refuse_repeats(self, methods: list[MethodSpec]) -> None:
         seen: set[str] = set()

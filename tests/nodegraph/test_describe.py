@@ -127,3 +127,18 @@ def test_meanings_are_plain_words() -> None:
     described = node_of(quoted)
     assert described is not None
     assert describe_settings(described)[0].meaning == "A file, or sample:NAME; see recording."
+
+
+class Odd:
+    """A class that JSON knows nothing of."""
+
+
+@node("odd.setting")
+def odd(*, kind: Odd | None = None, size: int = 3) -> float:
+    return size
+
+
+def test_a_setting_of_any_class_can_be_shown() -> None:
+    described = node_of(odd)
+    assert described is not None
+    assert [one.kind for one in describe_settings(described)] == ["value or null", "whole number"]

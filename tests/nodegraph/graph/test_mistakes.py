@@ -283,3 +283,18 @@ def test_the_message_is_what_a_user_reads(graph_of: Callable[..., Graph]) -> Non
         "toy.yaml:3:12: no node 'read.numbr'\n"
         "    did you mean 'read.number'? there is: read.file, read.number"
     )
+
+
+def test_a_family_takes_no_label_and_a_plugin_needs_a_name(
+    mistakes_of: Callable[..., list[Problem]],
+) -> None:
+    text = """
+        nodes:
+          a: {use: read.number}
+          b: {in: a, alternatives: {one: @@fill.*, two: {use: @@strict.*}}}
+          c: {in: a, use: @@":fill.hold"}
+        """
+    family, other, nameless = mistakes_of(text)
+    assert "'fill.*' has a label for each of its methods" in family.message
+    assert other.instead == "write {strict.*: {}}"
+    assert "no node ':fill.hold'" in nameless.message

@@ -260,7 +260,7 @@ def test_each_setting_has_its_unit_meaning_kind_and_default(judge_of: Any) -> No
 def test_a_setting_that_no_file_can_hold_is_left_to_the_loader(judge_of: Any) -> None:
     judge = judge_of([anything, setting_of(range | None, None)])
     found = judge.schema["$defs"]["toy.set"]["properties"]["with"]["properties"]["value"]
-    assert found == {"description": "A value. Default: null.", "default": None}
+    assert found == {"description": "Value or null. Default: null.", "default": None}
 
 
 def test_an_error_names_the_one_thing_that_is_wrong(judge: Any) -> None:
