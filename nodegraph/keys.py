@@ -117,10 +117,13 @@ class Keys:
 
     def unchanged(self, step: Step) -> bool:
         """Whether the files that a step's settings name are still as they were for its key."""
-        return all(
-            self._files.digest(path) == self.fixed(step).files[name]
-            for name, path in _files(step).items()
-        )
+        files = self.fixed(step).files
+        try:
+            return all(
+                self._files.digest(path) == files[name] for name, path in _files(step).items()
+            )
+        except OSError:
+            return False
 
     def why_none(self, step: Step) -> str:
         """Return why a step has no key."""

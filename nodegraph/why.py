@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.recall import Recall
-from nodegraph.plan import Gathered, Plan, Step
+from nodegraph.plan import Gathered, Plan, Step, StepInput
 
 _Cell = tuple[str, tuple[tuple[str, Any], ...]]
 
@@ -23,7 +24,8 @@ class Explained:
     stored : bool
         Whether its result is in the store now.
     changes : tuple of str
-        What differs from the earlier run, the root causes upstream included.
+        What differs from the earlier run, the root causes upstream included; if nothing does,
+        why there is no result all the same.
     """
 
     step: Step
@@ -39,24 +41,54 @@ class Why:
     plan
     recall
         In which the plan has been looked up.
+    ended : mapping of step index to Outcome
+        What that found.
     record
         The earlier run's record, as ``run.json`` holds it.
     """
 
-    def __init__(self, plan: Plan, recall: Recall, record: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        recall: Recall,
+        ended: Mapping[int, Outcome],
+        record: Mapping[str, Any],
+    ) -> None:
         self._plan = plan
         self._recall = recall
+        self._ended = ended
         self._code = record.get("code", {})
+        steps = record["steps"]
+        self._by_index: dict[int, Mapping[str, Any]] = {one["step"]: one for one in steps}
         self._before: dict[_Cell, Mapping[str, Any]] = {
-            _cell(one["node"], one["labels"]): one for one in record.get("steps", ())
+            _cell(one["node"], one["labels"]): one for one in steps
         }
+        self._keys = {one["key"]: one for one in steps if one.get("key")}
         self._changes: dict[int, tuple[str, ...]] = {}
 
     def explain(self, node: str) -> Iterator[Explained]:
         """Yield what is to be said of each step of a node."""
         for index in dict.fromkeys(self._plan.cells[node].values()):
             step = self._plan.steps[index]
-            yield Explained(step, index in self._recall, self._upstream(step))
+            stored = index in self._recall
+            changes = self._upstream(step)
+            if not stored and not changes:
+                changes = (self._lacking(step),)
+            yield Explained(step, stored, changes)
+
+    def _lacking(self, step: Step) -> str:
+        """Return why a step of which nothing has changed has no result."""
+        ended, before = self._ended.get(step.index), self._earlier(step)
+        if ended is not None:
+            return f"{ended.state}, as before: {ended.reason}"
+        if before is not None and before["state"] == "done" and not before.get("digests"):
+            return "its key is as it was; that run could not store its result"
+        return "its key is as it was; the result is not in the store"
+
+    def _earlier(self, step: Step) -> Mapping[str, Any] | None:
+        """Return what the record has of a step, or of one that had the same result."""
+        same = self._keys.get(self._recall.keys.of[step.index])
+        return same or self._before.get(_cell(step.node, step.labels))
 
     def _upstream(self, step: Step) -> tuple[str, ...]:
         """Return the changes of a step, and of all that it needs, each told once."""
@@ -72,34 +104,51 @@ class Why:
 
     def _of(self, step: Step) -> tuple[str, ...]:
         if step.index not in self._changes:
-            before = self._before.get(_cell(step.node, step.labels))
-            found = (
-                self._compared(step, before) if before else [_named(step, "was not in that run")]
-            )
+            before = self._earlier(step)
+            found = self._compared(step, before) if before else self._new(step)
             self._changes[step.index] = tuple(found)
         return self._changes[step.index]
 
+    def _new(self, step: Step) -> list[str]:
+        """Return that a step is new, if not all that follows from one that feeds it."""
+        if any(self._earlier(self._plan.steps[one]) is None for one in step.needed):
+            return []
+        return [_named(step, "was not in that run")]
+
     def _compared(self, step: Step, before: Mapping[str, Any]) -> list[str]:
+        if before["state"] == "failed":
+            then = "; it has a result now" if step.index in self._recall else ", and is tried again"
+            return [_named(step, f"failed in that run{then}: {before.get('reason')}")]
         if before.get("key") and before["key"] == self._recall.keys.of[step.index]:
             return []
         use = step.method.node.name
         if before["use"] != use:
             return [_named(step, f"used {before['use']}, now {use}")]
-        return [
+        found = [
             *self._code_changes(step),
             *_settings(step, before),
             *self._files(step, before),
-            *_wiring(step, before),
+            *self._wiring(step, before),
         ]
+        return found or self._unnamed(step)
+
+    def _unnamed(self, step: Step) -> list[str]:
+        """Return that a step's key differs in what no record says, if nothing upstream does."""
+        if any(self._upstream(self._plan.steps[one]) for one in step.needed):
+            return []
+        return [_named(step, "takes other outputs, or labels, of what feeds it")]
 
     def _code_changes(self, step: Step) -> Iterator[str]:
-        now = self._recall.keys.fixed(step).reached
+        fixed = self._recall.keys.fixed(step)
+        now = fixed.reached
         before = self._code.get(f"{step.method.plugin}:{step.method.node.name}")
         use = step.method.node.name
-        if now.unstable:
-            yield f"{use}: {now.unstable}"
+        if fixed.reason:
+            yield f"{use}: its results cannot be stored: {fixed.reason}"
         if before is None:
-            yield f"{use}: its code was not noted in that run"
+            yield f"{use}: its code was not noted in that run" + (
+                "" if self._code else ", which stored nothing"
+            )
             return
         for name, how in _differences(before.get("units", {}), now.units):
             yield f"{use}: code: {name} {how}"
@@ -113,6 +162,21 @@ class Why:
             if before.get("files", {}).get(name) != digest:
                 yield _named(step, f"{name}: the content of {step.settings[name]} is another")
 
+    def _wiring(self, step: Step, before: Mapping[str, Any]) -> Iterator[str]:
+        was = {port: self._sources(fed) for port, fed in before["inputs"].items()}
+        now = {port: _sources(self._plan, fed) for port, fed in step.inputs.items()}
+        for port in {**was, **now}:
+            then, here = was.get(port, ()), now.get(port, ())
+            if len(then) != len(here):
+                yield _named(step, f"{port} took {len(then)} values, now {len(here)}")
+            elif set(then) != set(here):
+                yield _named(step, f"{port} took {_listed(then)}, now {_listed(here)}")
+
+    def _sources(self, fed: Any) -> tuple[str, ...]:
+        """Return the nodes that fed a port, once for each value."""
+        indices = fed if isinstance(fed, list) else [fed]
+        return tuple(self._by_index[one]["node"] for one in indices)
+
 
 def _settings(step: Step, before: Mapping[str, Any]) -> Iterator[str]:
     was = before["settings"]
@@ -121,20 +185,6 @@ def _settings(step: Step, before: Mapping[str, Any]) -> Iterator[str]:
     for name in {**was, **now}:
         if name not in files and was.get(name) != now.get(name):
             yield _named(step, f"{name} was {was.get(name)!r}, now {now.get(name)!r}")
-
-
-def _wiring(step: Step, before: Mapping[str, Any]) -> Iterator[str]:
-    def count(fed: Any) -> int:
-        return len(fed) if isinstance(fed, list) else 1
-
-    was = {port: count(fed) for port, fed in before["inputs"].items()}
-    now = {
-        port: len(fed.entries) if isinstance(fed, Gathered) else 1
-        for port, fed in step.inputs.items()
-    }
-    for port in {**was, **now}:
-        if was.get(port, 0) != now.get(port, 0):
-            yield _named(step, f"{port} took {was.get(port, 0)} values, now {now.get(port, 0)}")
 
 
 def _differences(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[tuple[str, str]]:
@@ -151,5 +201,14 @@ def _named(step: Step, said: str) -> str:
     return f"{step.name}: {said}"
 
 
+def _sources(plan: Plan, fed: StepInput) -> tuple[str, ...]:
+    outputs = [one for _, one in fed.entries] if isinstance(fed, Gathered) else [fed]
+    return tuple(plan.steps[one.step].node for one in outputs)
+
+
+def _listed(nodes: tuple[str, ...]) -> str:
+    return ", ".join(dict.fromkeys(nodes))
+
+
 def _cell(node: str, labels: Mapping[str, Any]) -> _Cell:
-    return node, tuple(sorted(labels.items()))
+    return node, tuple(sorted(plain(labels).items()))

@@ -38,9 +38,8 @@ def errors_of(folder: Path) -> dict[tuple[str, str], float]:
 def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run on built-in data, with two trials of two lengths."""
     folder = tmp_path_factory.mktemp("walk")
-    done = nodegraph(
-        "run", str(GRAPH), "--axis", "trial=0,1", "--only", "length=5,45", folder=folder
-    )
+    words = ["--axis", "trial=0,1", "--only", "length=5,45", "--store", "store"]
+    done = nodegraph("run", str(GRAPH), *words, folder=folder)
     assert done.returncode == 0, done.stderr
     assert done.stdout.rstrip().endswith("report.html")
     return folder / "runs" / "fill"

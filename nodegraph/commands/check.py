@@ -18,7 +18,9 @@ def check(arguments: Namespace) -> int:
 
     graph = graph_of(arguments)
     made = plan(graph)
-    stored = Recall(made, store_of(arguments, graph)).look_up()
+    recall = Recall(made, store_of(arguments, graph))
+    recall.look_up()
+    stored = {step.index for step in made.steps if step.index in recall}
     print(f"{graph.title}\n\n{columns(_rows(graph, made, stored))}\n")
     print(f"{len(made.steps)} steps, {len(stored)} of them stored")
     for one in graph.left_out:

@@ -27,9 +27,13 @@ def examples(arguments: Namespace) -> int:
 
 
 def _copy(path: Path, folder: Path) -> None:
-    target = folder / path.name
-    if target.exists():
-        raise NodegraphError(f"{target} is there already; it is left as it is")
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(path, target)
-    print(f"wrote {target}; run it with: nodegraph run {target}")
+    used = read_graph_file(path).included
+    targets = {folder / name: path.parent / name for name in (path.name, *used)}
+    for target in targets:
+        if target.exists():
+            raise NodegraphError(f"{target} is there already; it is left as it is")
+    for target, source in targets.items():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
+    first = folder / path.name
+    print(f"wrote {first}; run it with: nodegraph run {first}")

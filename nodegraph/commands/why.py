@@ -11,6 +11,7 @@ from typing import Any
 from nodegraph.commands.chosen import graph_of, run_folder, store_of
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.recall import Recall
+from nodegraph.execute.record import FORMAT
 from nodegraph.folder import RECORD
 from nodegraph.plan import plan
 from nodegraph.why import Explained, Why
@@ -29,8 +30,8 @@ def why(arguments: Namespace) -> int:
     record = _record(folder)
     made = plan(graph)
     recall = Recall(made, store_of(arguments, graph))
-    recall.look_up()
-    found = list(Why(made, recall, record).explain(arguments.node))
+    ended = recall.look_up()
+    found = list(Why(made, recall, ended, record).explain(arguments.node))
     stored = sum(one.stored for one in found)
     print(f"{arguments.node}: {stored} of {len(found)} steps are stored; compared with {folder}")
     for reason, steps in _by_reason(found).items():
@@ -51,6 +52,11 @@ def _record(folder: Path) -> dict[str, Any]:
         raise NodegraphError(f"{path} cannot be read: {error}") from error
     if not isinstance(found, dict) or "steps" not in found:
         raise NodegraphError(f"{path} is not the record of a run")
+    if found.get("format") != FORMAT:
+        raise NodegraphError(
+            f"{path} is of format {found.get('format')}, and only {FORMAT} can be compared; run "
+            "the graph again"
+        )
     return found
 
 
@@ -59,9 +65,8 @@ def _by_reason(found: list[Explained]) -> dict[str, list[Explained]]:
     for one in found:
         if one.stored and not one.changes:
             continue
-        said = one.changes or ("its key is as it was; the result is not in the store",)
         state = ["    stored under its new key"] if one.stored else []
-        grouped["\n".join([f"    {change}" for change in said] + state)].append(one)
+        grouped["\n".join([f"    {change}" for change in one.changes] + state)].append(one)
     return grouped
 
 

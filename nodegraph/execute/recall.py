@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.code import Code
+from nodegraph.collection import no_collection
 from nodegraph.execute.call import Outcome
+from nodegraph.execute.skipping import skipped
 from nodegraph.keys import Files, Keys, followed
 from nodegraph.plan import Plan, Step
 from nodegraph.store import About, DamagedEntry, Entry, Packer, Store, store_folder
@@ -62,21 +64,38 @@ class Recall:
         self._saved: set[str] = set()
         self.not_kept: Counter[str] = Counter()
 
+    @no_collection()
     def look_up(self) -> dict[int, Outcome]:
-        """Return how those steps ended that are stored, in the order of the plan."""
+        """Return how those steps ended that are stored, then those that are skipped for it."""
         known: dict[int, Outcome] = {}
         for step in self._plan.steps:
-            found = self._find(step, self.keys.make(step, known))
+            key = self.keys.make(step, known)
+            found = self._find(step, key) or skipped(self._plan, step, known)
             if found is not None:
                 known[step.index] = found
         self._remember()
-        return known
+        return dict(sorted(known.items(), key=lambda one: not one[1].stored))
 
-    def look_again(self, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome | None:
-        """Return how a step ended, if it is stored now that all is known of what feeds it."""
+    def look_again(
+        self, step: Step, outcomes: Mapping[int, Outcome], *, afresh: bool = False
+    ) -> Outcome | None:
+        """Return how a step ended, if it is stored now that all is known of what feeds it.
+
+        Parameters
+        ----------
+        step
+        outcomes
+        afresh
+            Whether a result of which any value is a stand-in is of no use.
+        """
         supposed = self.keys.of[step.index]
         key = self.keys.make(step, outcomes)
-        return self._find(step, key) if key != supposed or key in self._saved else None
+        if key == supposed and key not in self._saved:
+            return None
+        self._entries.pop(step.index, None)
+        found = self._find(step, key)
+        whole = not afresh or self.gives(step.index, range(len(step.method.node.outputs)))
+        return found if whole else None
 
     def known(self) -> dict[int, Outcome]:
         """Return how those steps ended whose results are in the store by now."""
@@ -84,14 +103,17 @@ class Recall:
 
     def gives(self, index: int, positions: Iterable[int]) -> bool:
         """Whether stored outputs are the values themselves, and no stand-ins to be shown."""
-        return all(self._entries[index].faithful[position] for position in positions)
+        entry = self._entries.get(index)
+        return entry is not None and all(entry.faithful[position] for position in positions)
 
     def __contains__(self, index: object) -> bool:
         """Whether a step is stored."""
         return index in self._entries
 
     def load(self, index: int) -> tuple[Any, ...] | None:
-        """Return the stored values of a step that was found, or None when they are damaged."""
+        """Return the stored values of a step, or None when there are none or they are damaged."""
+        if index not in self._entries:
+            return None
         try:
             return self.store.load(self._entries[index])
         except DamagedEntry:
@@ -107,6 +129,9 @@ class Recall:
             self.not_kept[self.keys.why_none(step)] += 1
             return outcome
         if not self.keys.unchanged(step):
+            # nor may anything be found or kept that is made of it
+            self.keys.of[step.index] = ""
+            self._entries.pop(step.index, None)
             self.not_kept["a file changed while it was read"] += 1
             return outcome
         about = About(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -121,23 +122,45 @@ class Run:
         return self.recall.load(step.index)
 
     def _computed(self, step: Step) -> tuple[Any, ...]:
-        known = self.recall.known() if self.recall is not None else {}
-        known.pop(step.index, None)
         again = Schedule(
             self.plan,
             recall=self.recall,
-            known=known,
+            known=self._known_but(step.index),
             packer=self.packer,
             keep=[step.index],
             wanted=[step.index],
         )
-        with warnings_heard():
+        with self._files_as_they_were(step), warnings_heard():
             for done, found in serial(again, HowToRun()):
                 again.finish(done, found)
-        if step.index not in again.values:
+        values = again.values.get(step.index) or self._loaded(step)
+        if values is None:
             reason = again.outcomes[step.index].reason
             raise NodegraphError(f"{step.name} cannot be computed again: {reason}")
-        return again.values[step.index]
+        return values
+
+    def _known_but(self, index: int) -> dict[int, Outcome]:
+        """Return how all but one step ended that need not be computed again."""
+        ended = ("refused", "failed", "skipped")
+        known = self.recall.known() if self.recall is not None else {}
+        known |= {at: one for at, one in self.outcomes.items() if one.state in ended}
+        known.pop(index, None)
+        return known
+
+    @contextmanager
+    def _files_as_they_were(self, step: Step) -> Iterator[None]:
+        """Refuse to compute a step again of files that changed since the run."""
+        if self.recall is None:
+            yield
+            return
+        keys = self.recall.keys.of
+        before = list(keys)
+        yield
+        if keys[step.index] != before[step.index]:
+            keys[:] = before
+            raise NodegraphError(
+                f"{step.name} cannot be computed again: a file that it is made of has changed"
+            )
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 from nodegraph.execute.call import Call, Outcome, perform
 from nodegraph.execute.recall import Recall
-from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
+from nodegraph.execute.skipping import skipped
+from nodegraph.plan import Output, Plan, Step, StepInput, absent_of
 from nodegraph.ports import Absent, Across
 from nodegraph.store import Packer
 
@@ -41,7 +42,8 @@ class Schedule:
     keep
         Steps whose values stay after their last reader.
     wanted
-        Steps whose outcome is asked for; by default all that nothing reads, and those to keep.
+        Steps that are computed even if they are stored; by default all that nothing reads, and
+        those to keep, are computed if they are not.
     hears
     """
 
@@ -68,7 +70,8 @@ class Schedule:
         self._unread: dict[int, int] = {}
         self._ready: list[int] = []
         self._running: dict[str, int] = {}
-        self._afresh: set[int] = set()
+        self._afresh: set[int] = set(wanted or ())
+        self._partly: set[int] = set()
         self._demand([*(_unread(plan) if wanted is None else wanted), *self._keep])
 
     @property
@@ -88,7 +91,7 @@ class Schedule:
             step = self._plan.steps[index]
             if self._recall is not None and not self._is_first(step, self._recall.keys.of[index]):
                 continue
-            lost = {one for one in step.needed if not self._at_hand(step, one)}
+            lost = [one for one in step.needed if not self._at_hand(step, one)]
             if lost:
                 self._compute_again(index, lost)
                 continue
@@ -117,12 +120,8 @@ class Schedule:
             self._settle(at, found)
             for reader in self._readers.pop(at, ()):
                 self._waiting[reader] -= 1
-                if not self._waiting[reader]:
-                    known = self._known(self._plan.steps[reader])
-                    if known is None:
-                        heapq.heappush(self._ready, reader)
-                    else:
-                        pending.append((reader, known))
+                if not self._waiting[reader] and (known := self._freed(reader)) is not None:
+                    pending.append((reader, known))
 
     def _demand(self, wanted: Iterable[int]) -> None:
         """Have steps computed that are not settled, with all that they need."""
@@ -136,8 +135,7 @@ class Schedule:
             step = self._plan.steps[index]
             for needed in step.needed:
                 self._unread[needed] = self._unread.get(needed, 0) + 1
-                if not self._gives(step, needed):
-                    self._forget(needed)
+                if needed not in self.outcomes:
                     waits += 1
                     self._readers.setdefault(needed, []).append(index)
                     pending.append(needed)
@@ -145,34 +143,55 @@ class Schedule:
             if not waits:
                 free.append(index)
         for index in free:
-            known = self._known(self._plan.steps[index])
-            if known is None:
-                heapq.heappush(self._ready, index)
-            else:
+            if (known := self._freed(index)) is not None:
                 self.finish(index, known)
+
+    def _freed(self, index: int) -> Outcome | None:
+        """Return how a step ends that waits for nothing, if that is known; else have it run."""
+        step = self._plan.steps[index]
+        # what was stored when the step was demanded may have turned out not to be of use since
+        forgotten = self._afresh and [one for one in step.needed if one not in self.outcomes]
+        if forgotten:
+            self._wait(index, forgotten)
+            return None
+        known = self._known(step)
+        if known is None:
+            heapq.heappush(self._ready, index)
+        return known
+
+    def _wait(self, reader: int, needed: Collection[int]) -> None:
+        self._waiting[reader] = len(needed)
+        for one in needed:
+            self._readers.setdefault(one, []).append(reader)
 
     def _gives(self, reader: Step, needed: int) -> bool:
         """Whether a step is settled such that a reader can take what it needs from it."""
         outcome = self.outcomes.get(needed)
         if outcome is None:
             return False
-        if self._recall is None or not outcome.stored or outcome.state != "done":
+        if self._recall is None or outcome.state != "done":
             return True
-        positions = {one.position for one in reader.reads() if one.step == needed}
-        return needed in self.values or self._recall.gives(needed, positions)
+        if needed in self.values and needed not in self._partly:
+            return True
+        return self._recall.gives(
+            needed, {one.position for one in reader.reads() if one.step == needed}
+        )
 
     def _at_hand(self, reader: Step, needed: int) -> bool:
         """Whether what a reader takes from a step is in memory; load it if it is stored."""
-        if needed in self.values:
+        if self._recall is None or (needed in self.values and needed not in self._partly):
             return True
         if not self._gives(reader, needed):
             return False
-        if self._recall is None or self.outcomes[needed].state != "done":
+        if needed in self.values or self.outcomes[needed].state != "done":
             return True
         values = self._recall.load(needed)
-        if values is not None:
-            self.values[needed] = values
-        return values is not None
+        if values is None:
+            return False
+        self.values[needed] = values
+        if not self._recall.gives(needed, range(len(values))):
+            self._partly.add(needed)
+        return True
 
     def _is_first(self, step: Step, key: str) -> bool:
         """Whether no step of the same key is being computed; else wait for that one."""
@@ -180,22 +199,25 @@ class Schedule:
         if first == step.index or first in self.outcomes:
             self._running[key] = step.index
             return True
-        self._waiting[step.index] = 1
-        self._readers.setdefault(first, []).append(step.index)
+        self._wait(step.index, [first])
         return False
 
-    def _compute_again(self, reader: int, lost: set[int]) -> None:
-        """Have steps computed whose stored values are damaged; a reader waits for them."""
-        self._waiting[reader] = len(lost)
+    def _compute_again(self, reader: int, lost: Collection[int]) -> None:
+        """Have steps computed whose stored values cannot be used; a reader waits for them."""
         for needed in lost:
             self._forget(needed)
-            self._readers.setdefault(needed, []).append(reader)
+        self._wait(reader, lost)
         self._demand(lost)
 
     def _forget(self, index: int) -> None:
         """Have a step computed even if it is stored: what is stored cannot be used."""
         if self.outcomes.pop(index, None) is not None:
             self._afresh.add(index)
+            self._drop(index)
+
+    def _drop(self, index: int) -> None:
+        self.values.pop(index, None)
+        self._partly.discard(index)
 
     def _settle(self, index: int, outcome: Outcome) -> None:
         self._waiting.pop(index, None)
@@ -207,36 +229,20 @@ class Schedule:
         for needed in self._plan.steps[index].needed:
             if self._unread.get(needed):
                 self._unread[needed] -= 1
-                if not self._unread[needed] and needed not in self._keep:
-                    self.values.pop(needed, None)
+                if not self._unread[needed] and (
+                    needed not in self._keep or needed in self._partly
+                ):
+                    self._drop(needed)
         if self._hears is not None:
             self._hears.settled(self._plan.steps[index], outcome)
 
     def _known(self, step: Step) -> Outcome | None:
         """Return how a step ends, if that is known without computing it."""
-        stopped = self._stopped(step)
-        if stopped is None and self._recall is not None and step.index not in self._afresh:
-            return self._recall.look_again(step, self.outcomes)
+        stopped = skipped(self._plan, step, self.outcomes)
+        if stopped is None and self._recall is not None:
+            afresh = step.index in self._afresh
+            return self._recall.look_again(step, self.outcomes, afresh=afresh)
         return stopped
-
-    def _stopped(self, step: Step) -> Outcome | None:
-        """Return why a step cannot run, if one that it needs has no value."""
-        for fed in step.inputs.values():
-            outputs = [one for _, one in fed.entries] if isinstance(fed, Gathered) else [fed]
-            lacking = [one for one in outputs if self.outcomes[one.step].state != "done"]
-            if isinstance(fed, Gathered) and len(lacking) < len(outputs):
-                continue
-            if lacking:
-                return self._because(lacking[0])
-        return None
-
-    def _because(self, output: Output) -> Outcome:
-        cause = self.outcomes[output.step]
-        name = self._plan.steps[output.step].name
-        reason = (
-            cause.reason if cause.state == "skipped" else f"{name} {cause.state}: {cause.reason}"
-        )
-        return Outcome("skipped", reason=reason, cause=cause.cause)
 
     def _value(self, fed: StepInput) -> Any:
         if isinstance(fed, Output):

@@ -55,3 +55,18 @@ def test_an_example_never_overwrites(
     assert status == 2
     assert said in err
     assert Path("toy.yaml").read_text() == "mine"
+
+
+def test_what_an_example_uses_comes_with_it(command: Command, examples: Path) -> None:
+    (examples / "parts").mkdir()
+    inner = "nodegraph: 1\nnodes: {a: {use: toy.number}}\noutputs: {number: a}\n"
+    (examples / "parts" / "inner.yaml").write_text(inner)
+    outer = "nodegraph: 1\nnodes: {n: {use: ./parts/inner.yaml}, b: {use: fill.hold, in: n}}\n"
+    (examples / "toy.yaml").write_text(outer)
+    assert command("examples", "toy", "--to", "new")[0] == 0
+    assert Path("new/parts/inner.yaml").read_text() == inner
+    status, out, err = command("run", "new/toy.yaml")
+    assert (status, "3 steps: 3 computed" in out) == (0, True), err
+    assert Path("runs/toy/parts/inner.yaml").read_text() == inner
+    assert command("run", "runs/toy/graph.yaml")[0] == 0
+    assert command("examples", "toy", "--to", "new")[0] == 2

@@ -78,6 +78,10 @@ def test_an_earlier_run_is_needed(command: Command) -> None:
     status, _, err = command("why", "toy.yaml", "totla", "--run", "elsewhere")
     assert status == 2
     assert "did you mean 'total'" in err
+    Path("elsewhere/run.json").write_text('{"format": 0, "steps": []}')
+    status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
+    assert status == 2
+    assert "is of format 0, and only 1 can be compared; run the graph again" in err
     Path("elsewhere/run.json").write_text("{")
     status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
     assert status == 2

@@ -1,0 +1,387 @@
+"""Random graphs with stored results come to what they come to without any."""
+
+from __future__ import annotations
+
+import hashlib
+import random
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph import Across, Refusal, Value, hookimpl, node
+from nodegraph.execute import Event, HowToRun, Run, execute, open_store
+from nodegraph.graph import build
+from nodegraph.hooks import Storage
+from nodegraph.plan import Gathered, Plan, Step, plan
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.spec import read_graph_text
+from nodegraph.store import Entry, Upkeep
+
+AXES = {"i": (1, 2), "j": (3, 4, 5)}
+WAYS = [HowToRun("serial"), HowToRun("threads", 3)]
+SEEDS = range(14)
+
+
+@dataclass(frozen=True)
+class Word(Value):
+    """A text, as long as one that lies in a file of its own, or short."""
+
+    text: str
+    letters: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sketch(Word):
+    """A word of which only a stand-in is kept."""
+
+
+class Pair(NamedTuple):
+    word: Word
+    sketch: Word
+
+
+def stand_in(text: str) -> Word:
+    return Sketch(f"stand-in of {text}", np.zeros(1))
+
+
+SKETCHES = Storage(Sketch, lambda word: word.text, stand_in, faithful=False)
+
+
+def word_of(name: str, *parts: object, kind: type[Word] = Word) -> Word:
+    """Return a word that tells all its parts apart, and now and then none at all."""
+    digest = hashlib.sha256(repr((name, parts)).encode()).digest()
+    if digest[0] < 20 and parts:
+        raise Refusal(f"{name} does not take {digest[0]}")
+    if digest[0] > 240 and parts:
+        raise ValueError(f"{name} cannot take {digest[0]}")
+    letters = np.frombuffer(digest, np.uint8).astype(float)
+    return kind(digest.hex()[:12], np.resize(letters, 400 if digest[1] % 2 else 3))
+
+
+def told(word: Word | None) -> object:
+    return word and (word.text, word.letters.tobytes())
+
+
+@node("word.make")
+def make(*, mark: int = 0) -> Pair:
+    return Pair(word_of("make", mark), word_of("sketch", mark, kind=Sketch))
+
+
+@node("word.join")
+def join(first: Word, second: Word | None = None, *, mark: int = 0) -> Word:
+    return word_of("join", told(first), told(second), mark)
+
+
+@node("word.draw")
+def draw(first: Word, second: Word | None = None, *, mark: int = 0) -> Word:
+    return word_of("draw", told(first), told(second), mark, kind=Sketch)
+
+
+@node("word.all")
+def gather(parts: Across[Word], second: Word | None = None, *, mark: int = 0) -> Word:
+    there = [(sorted(labels.items()), told(word)) for labels, word in parts]
+    absent = [(sorted(one.labels.items()), one.kind, one.reason) for one in parts.absent]
+    return word_of("all", there, absent, told(second), mark)
+
+
+NODES = (make, join, draw, gather)
+MODULE = SimpleNamespace(__name__="sketches", nodegraph_storages=hookimpl(lambda: [SKETCHES]))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One node of a random graph."""
+
+    name: str
+    kind: str
+    first: str = ""
+    second: str = ""
+    mark: str = "0"
+
+    def text(self) -> str:
+        second = f", second: {self.second}" if self.second else ""
+        if self.kind == "make":
+            return f"  {self.name}: {{use: word.make, with: {{mark: {self.mark}}}}}"
+        if self.kind == "choose":
+            use = "alternatives: {join: word.join, draw: word.draw, pass: {}}"
+        else:
+            use = f"use: word.{self.kind}"
+        port = "parts" if self.kind == "all" else "first"
+        fed = f"in: {{{port}: {self.first}{second}}}"
+        return f"  {self.name}: {{{use}, {fed}, with: {{mark: {self.mark}}}}}"
+
+
+class Study:
+    """A random graph, the ways to run it, and what it comes to without stored results."""
+
+    def __init__(self, seed: int, folder: Path) -> None:
+        self.chance = random.Random(seed)
+        self.folder = folder
+        self.registry = Registry.of(NODES, plugin="words")
+        self.registry.loaded.append(Plugin("sketches", MODULE))
+        self.drawn = self._drawn()
+        self.kept: set[int] = set()
+        self.skip = self.chance.choice(["", "", "i", "j"])
+
+    def plan(self) -> Plan:
+        used = [axis for axis in AXES if any(one.mark == f"${axis}" for one in self.drawn)]
+        lines = ["nodegraph: 1", "axes: {" if used else ""]
+        lines += [f"  {axis}: {list(AXES[axis])}," for axis in used] + ["}" if used else ""]
+        lines += ["nodes:", *(one.text() for one in self.drawn)]
+        if self.skip in used:
+            lines.append(f"skip: [{{{self.skip}: {AXES[self.skip][0]}}}]")
+        return plan(build(read_graph_text("\n".join(lines), "random.yaml", Path()), self.registry))
+
+    def run(
+        self,
+        how: HowToRun,
+        say: Callable[[str], None] = pytest.fail,
+        hear: Iterable[Callable[[Event], None]] = (),
+    ) -> tuple[Run, list[int]]:
+        """Run with the store; return the indices of the steps that were called, too."""
+        made, events = self.plan(), list[Event]()
+        store = open_store(self.registry, self.folder, say)
+        keep = [name for name in made.graph.nodes if self.chance.random() < 0.3]
+        self.kept = {index for name in keep for index in made.cells[name].values()}
+        listeners = [events.append, *hear]
+        run = execute(made, how=how, store=store, keep=keep, listeners=listeners)
+        last = [one.detail for one in events if one.kind == "progress"][-1:]
+        assert all(one["left"] == 0 for one in last)
+        return run, [one.step for one in events if one.kind == "started"]
+
+    def alone(self) -> Run:
+        made = self.plan()
+        return execute(made, how=WAYS[0], keep=list(made.graph.nodes))
+
+    def change(self) -> None:
+        at = self.chance.randrange(len(self.drawn))
+        self.drawn[at] = replace(self.drawn[at], mark=str(self.chance.randrange(100, 1000)))
+
+    def _drawn(self) -> list[Drawn]:
+        choice = self.chance.choice
+        drawn = [Drawn("n0", "make", mark="$i"), Drawn("n1", "make", mark="$j")]
+        for number in range(2, self.chance.randint(5, 8)):
+            chosen = sum(one.kind == "choose" for one in drawn)
+            kinds = ["join", "draw", "all", "all"] + ["choose"] * (2 if chosen < 2 else 0)
+            ports = [one.name for one in drawn]
+            ports += [f"{one.name}.sketch" for one in drawn if one.kind == "make"]
+            mark = choice(["7", "8", "$i", "$j"])
+            second = choice(["", choice(ports)])
+            drawn.append(Drawn(f"n{number}", choice(kinds), choice(ports), second, mark))
+        return drawn
+
+
+def same(run: Run, alone: Run, *, unneeded: bool = False) -> None:
+    """Assert that a run ended as one without stored results did."""
+    for step, expected in alone.settled():
+        found = run.outcomes[step.index]
+        if not (unneeded and found.state == "unneeded"):
+            assert (found.state, found.reason) == (expected.state, expected.reason), step.name
+
+
+def same_values(run: Run, alone: Run) -> None:
+    """Assert that a run gives each value as one without stored results does."""
+    for step, _ in alone.settled("done"):
+        found, expected = run.values_of(step.index), alone.values_of(step.index)
+        assert list(map(told, found)) == list(map(told, expected)), step.name
+        assert list(map(type, found)) == list(map(type, expected)), step.name
+
+
+class Needed:
+    """Says plainly which steps must be called, given those that are stored."""
+
+    def __init__(self, alone: Run, stored: set[int], kept: set[int]) -> None:
+        self._alone = alone
+        self._steps = alone.plan.steps
+        self._stored = stored
+        self.called: set[int] = set()
+        self._certain: dict[int, bool] = {}
+        read = {one for step in self._steps for one in step.needed}
+        self._settled: set[int] = set()
+        for step in self._steps:
+            if step.index not in read or step.index in kept:
+                self._settle(step)
+
+    def _settle(self, step: Step) -> None:
+        """Have a step end; if it is stored under the key that it has at the outset, it has."""
+        if step.index in self._settled:
+            return
+        self._settled.add(step.index)
+        if step.index in self._stored and self._is_certain(step):
+            return
+        for one in step.needed:
+            self._settle(self._steps[one])
+        if step.index not in self._stored and self._state(step.index) != "skipped":
+            self._call(step)
+
+    def _call(self, step: Step) -> None:
+        if step.index in self.called:
+            return
+        self.called.add(step.index)
+        for one in step.needed:
+            self._settle(self._steps[one])
+            values = self._alone.kept.get(one, ())
+            read = {output.position for output in step.reads() if output.step == one}
+            lent = any(type(values[position]) is Sketch for position in read if values)
+            if lent or (one not in self._stored and self._state(one) == "done"):
+                self._call(self._steps[one])
+
+    def _is_certain(self, step: Step) -> bool:
+        """Whether a step's key is known before anything is computed."""
+        if step.index not in self._certain:
+            gathered = [fed for fed in step.inputs.values() if isinstance(fed, Gathered)]
+            entries = {one.step for fed in gathered for _, one in fed.entries}
+            self._certain[step.index] = all(
+                self._is_certain(self._steps[one]) for one in step.needed
+            ) and all(self._state(one) == "done" or self._is_known(one) for one in entries)
+        return self._certain[step.index]
+
+    def _is_known(self, index: int) -> bool:
+        """Whether it is known before anything is computed that a step has no value."""
+        step = self._steps[index]
+        if self._state(index) != "skipped":
+            return index in self._stored and self._is_certain(step)
+        for fed in step.inputs.values():
+            outputs = [one for _, one in fed.entries] if isinstance(fed, Gathered) else [fed]
+            if all(self._state(one.step) != "done" and self._is_known(one.step) for one in outputs):
+                return True
+        return False
+
+    def _state(self, index: int) -> str:
+        return self._alone.outcomes[index].state
+
+
+def keys_in(folder: Path) -> set[str]:
+    """Return the keys of all entries that a store's folder has."""
+    return {path.parent.name + path.stem for path in folder.glob("*/entries/*/*.json")}
+
+
+def there(run: Run, keys: set[str]) -> set[int]:
+    """Return the steps of a run whose keys are among some."""
+    assert run.recall is not None
+    return {index for index, key in enumerate(run.recall.keys.of) if key in keys}
+
+
+@pytest.fixture(params=SEEDS)
+def study(request: pytest.FixtureRequest, tmp_path: Path) -> Study:
+    return Study(request.param, tmp_path)
+
+
+@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
+def test_stored_results_change_nothing(study: Study, how: HowToRun) -> None:
+    alone = study.alone()
+    first, called = study.run(how)
+    same(first, alone)
+    assert len(called) == len(set(called))
+    same_values(first, alone)
+    keys = keys_in(study.folder)
+    second, called = study.run(how)
+    same(second, alone)
+    assert set(called) == Needed(alone, there(second, keys), study.kept).called
+    same_values(second, alone)
+
+
+@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
+def test_a_setting_has_its_dependants_computed_and_no_others(study: Study, how: HowToRun) -> None:
+    study.run(how)
+    study.change()
+    alone, keys = study.alone(), keys_in(study.folder)
+    run, called = study.run(how)
+    same(run, alone)
+    assert set(called) == Needed(alone, there(run, keys), study.kept).called
+    same_values(run, alone)
+
+
+@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
+def test_damage_is_told_and_mended(study: Study, how: HowToRun) -> None:
+    alone = study.alone()
+    study.run(how)
+    damaged = damage(study)
+    keys = keys_in(study.folder) - {path.parent.name + path.stem for path in damaged}
+    said: list[str] = []
+    run, called = study.run(how, said.append)
+    same(run, alone, unneeded=True)
+    for path, content in damaged.items():
+        if "entries" in path.parts and content is not None and read(path) != content:
+            assert any(str(path) in line for line in said)
+    blobs = {path.parent.name + path.name for path in damaged if "blobs" in path.parts}
+    harmed = {entry.key for entry in entries(study) if blobs & entry.blobs().keys()}
+    assert set(called) <= Needed(alone, there(run, keys - harmed), study.kept).called
+    faithful = [one for one in called if not is_sketch(alone, one)]
+    assert len(faithful) == len(set(faithful))
+    same_values(run, alone)
+
+
+@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
+def test_a_run_goes_on_where_it_was_interrupted(study: Study, how: HowToRun) -> None:
+    alone = study.alone()
+    heard: list[Event] = []
+    most = study.chance.randrange(4 * len(alone.outcomes))
+
+    def hear(event: Event) -> None:
+        heard.append(event)
+        if len(heard) == most:
+            raise KeyboardInterrupt
+
+    with suppress(KeyboardInterrupt):
+        study.run(how, hear=[hear])
+    done = {event.step for event in heard if event.kind in ("done", "refused")}
+    run, called = study.run(how)
+    same(run, alone)
+    assert not {one for one in done.intersection(called) if not is_sketch(alone, one)}
+    same_values(run, alone)
+
+
+def test_two_runs_may_use_a_store_at_once(study: Study) -> None:
+    alone = study.alone()
+    runs: list[Run] = []
+    both = [threading.Thread(target=lambda: runs.append(study.run(WAYS[1])[0])) for _ in range(2)]
+    for one in both:
+        one.start()
+    for one in both:
+        one.join()
+    assert len(runs) == 2
+    for run in runs:
+        same(run, alone, unneeded=True)
+        same_values(run, alone)
+
+
+def is_sketch(alone: Run, index: int) -> bool:
+    """Whether a stored output of a step is a stand-in."""
+    return any(type(value) is Sketch for value in alone.kept.get(index, ()))
+
+
+def entries(study: Study) -> Iterator[Entry]:
+    return (one.entry for one in Upkeep(study.folder).entries())
+
+
+def read(path: Path) -> bytes | None:
+    return path.read_bytes() if path.exists() else None
+
+
+def damage(study: Study) -> dict[Path, bytes | None]:
+    """Damage some files of the store; return what they hold now, None where they are gone."""
+    files = sorted(study.folder.glob("*/entries/*/*")) + sorted(study.folder.glob("*/blobs/*/*"))
+    before = {path: path.read_bytes() for path in files}
+    chosen = study.chance.sample(files, min(len(files), study.chance.randint(1, 6)))
+    for path in chosen:
+        how, content = study.chance.choice(["gone", "cut", "swapped"]), path.read_bytes()
+        others = [one for one in files if one.exists() and one != path]
+        if how == "gone" or not content or not others:
+            path.unlink()
+        elif how == "cut":
+            path.write_bytes(content[: study.chance.randrange(len(content))])
+        else:
+            other = study.chance.choice(others)
+            path.write_bytes(other.read_bytes())
+            other.write_bytes(content)
+    return {path: read(path) for path in files if read(path) != before[path]}
