@@ -9,7 +9,7 @@ from typing import Any
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.recall import Recall
-from nodegraph.plan import Gathered, Plan, Step, StepInput
+from nodegraph.plan import Output, Plan, Step, StepInput
 
 _Cell = tuple[str, tuple[tuple[str, Any], ...]]
 
@@ -169,13 +169,17 @@ class Why:
             then, here = was.get(port, ()), now.get(port, ())
             if len(then) != len(here):
                 yield _named(step, f"{port} took {len(then)} values, now {len(here)}")
-            elif set(then) != set(here):
-                yield _named(step, f"{port} took {_listed(then)}, now {_listed(here)}")
+            elif then != here:
+                at = next(index for index, one in enumerate(then) if one != here[index])
+                yield _named(step, f"{port} took {then[at]}, now {here[at]}")
 
     def _sources(self, fed: Any) -> tuple[str, ...]:
-        """Return the nodes that fed a port, once for each value."""
-        indices = fed if isinstance(fed, list) else [fed]
-        return tuple(self._by_index[one]["node"] for one in indices)
+        """Return what fed a port: of each value the node, the output and its labels."""
+        listed = fed if isinstance(fed, list) else [fed]
+        return tuple(
+            _source(self._by_index[one["step"]]["node"], one["output"], one.get("labels", {}))
+            for one in listed
+        )
 
 
 def _settings(step: Step, before: Mapping[str, Any]) -> Iterator[str]:
@@ -202,12 +206,21 @@ def _named(step: Step, said: str) -> str:
 
 
 def _sources(plan: Plan, fed: StepInput) -> tuple[str, ...]:
-    outputs = [one for _, one in fed.entries] if isinstance(fed, Gathered) else [fed]
-    return tuple(plan.steps[one.step].node for one in outputs)
+    if isinstance(fed, Output):
+        return (_output(plan, fed, {}),)
+    return tuple(
+        _output(plan, one, dict(zip(fed.axes, at, strict=True))) for at, one in fed.entries
+    )
 
 
-def _listed(nodes: tuple[str, ...]) -> str:
-    return ", ".join(dict.fromkeys(nodes))
+def _output(plan: Plan, output: Output, labels: Mapping[str, Any]) -> str:
+    step = plan.steps[output.step]
+    return _source(step.node, step.method.node.outputs[output.position].name, plain(labels))
+
+
+def _source(node: str, output: str, labels: Mapping[str, Any]) -> str:
+    at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
+    return f"{node}.{output}" + (f" as {at}" if at else "")
 
 
 def _cell(node: str, labels: Mapping[str, Any]) -> _Cell:

@@ -17,9 +17,8 @@ from nodegraph.code.live import Live
 from nodegraph.code.parts import short_digest
 from nodegraph.code.places import Places
 from nodegraph.code.sources import Sources
-from nodegraph.code.spots import Module
+from nodegraph.code.spots import Module, Reach
 from nodegraph.code.staleness import edited_since
-from nodegraph.code.spots import Reach
 
 _FORMAT = 1
 _PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"

@@ -18,7 +18,9 @@ def edited_since(modules: Iterable[Module], function: Callable[..., Any]) -> Ite
     """
     own = getattr(function, "__globals__", {})
     for module in modules:
-        there = own if own.get("__file__") == module.file else vars(sys.modules.get(module.name, sys))
+        there = (
+            own if own.get("__file__") == module.file else vars(sys.modules.get(module.name, sys))
+        )
         if module.file and (module.name in sys.modules or there is own):
             loaded = there.get(LOADED, STARTED)
             if _changed(module.file) > loaded:

@@ -79,10 +79,10 @@ class Teller:
         self._listeners = listeners
         self._began = time.perf_counter()
         self._counts: Counter[str] = Counter()
-        self._settled = 0
+        self._ended: dict[int, str] = {}
         self._each = max(1, len(plan.steps) // _PROGRESS)
         self._steps = len(plan.steps)
-        self.left: Callable[[], int] = lambda: self._steps - self._settled
+        self.left: Callable[[], int] = lambda: self._steps - len(self._ended)
         self._tell(
             "planned",
             None,
@@ -115,8 +115,10 @@ class Teller:
         detail |= {"warnings": list(outcome.warnings)} if outcome.warnings else {}
         self._tell(kind, step, detail)
         self._counts[kind] += 1
-        self._settled += 1
-        if self._settled % self._each == 0:
+        if step.index in self._ended:  # what was stored of it could not be used
+            self._counts[self._ended[step.index]] -= 1
+        self._ended[step.index] = kind
+        if len(self._ended) % self._each == 0:
             self._tell("progress", None, self._progress())
 
     def interrupted(self) -> None:
@@ -134,7 +136,7 @@ class Teller:
         counts = {
             state: self._counts[state] for state in ("stored", "refused", "failed", "skipped")
         }
-        unneeded = self._steps - self._settled - left
+        unneeded = self._steps - sum(self._counts.values()) - left
         counts = {"run": self._counts["done"], **counts, "unneeded": unneeded}
         return {**counts, "left": left, "to_go": to_go}
 

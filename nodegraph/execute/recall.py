@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -63,6 +64,7 @@ class Recall:
         self._entries: dict[int, Entry] = {}
         self._saved: set[str] = set()
         self.not_kept: Counter[str] = Counter()
+        self._lock = threading.Lock()
 
     @no_collection()
     def look_up(self) -> dict[int, Outcome]:
@@ -126,13 +128,13 @@ class Recall:
             return outcome
         key = self.keys.of[step.index]
         if not key:
-            self.not_kept[self.keys.why_none(step)] += 1
+            self._count(self.keys.why_none(step))
             return outcome
         if not self.keys.unchanged(step):
             # nor may anything be found or kept that is made of it
             self.keys.of[step.index] = ""
             self._entries.pop(step.index, None)
-            self.not_kept["a file changed while it was read"] += 1
+            self._count("a file changed while it was read")
             return outcome
         about = About(
             step.method.node.name,
@@ -148,6 +150,10 @@ class Recall:
         self._entries[step.index] = entry
         self._saved.add(key)
         return replace(outcome, digests=entry.digests)
+
+    def _count(self, reason: str) -> None:
+        with self._lock:
+            self.not_kept[reason] += 1
 
     def _find(self, step: Step, key: str) -> Outcome | None:
         entry = self.store.find(key) if key else None

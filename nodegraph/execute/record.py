@@ -13,7 +13,7 @@ from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Run
 from nodegraph.graph import Graph, GraphNode
-from nodegraph.plan import Gathered, Step
+from nodegraph.plan import Output, Step, StepInput
 
 FORMAT = 1
 _LIBRARIES = ("nodegraph", "numpy", "scipy", "pandas", "numba", "scikit-learn", "matplotlib")
@@ -95,7 +95,7 @@ def _step(run: Run, step: Step, outcome: Outcome, command: str) -> dict[str, Any
         "use": step.method.node.name,
         "labels": plain(step.labels),
         "settings": {name: plain(value) for name, value in step.shown.items()},
-        "inputs": {port: _needs(fed) for port, fed in step.inputs.items()},
+        "inputs": {port: _needs(run, fed) for port, fed in step.inputs.items()},
         "state": outcome.state,
         "seconds": round(outcome.seconds, 6),
     }
@@ -113,8 +113,19 @@ def _step(run: Run, step: Step, outcome: Outcome, command: str) -> dict[str, Any
     return made | {key: one for key, one in said.items() if one}
 
 
-def _needs(fed: Any) -> Any:
-    return [one.step for _, one in fed.entries] if isinstance(fed, Gathered) else fed.step
+def _needs(run: Run, fed: StepInput) -> Any:
+    """Return which outputs of which steps feed a port, with their labels where it gathers."""
+    if isinstance(fed, Output):
+        return _output(run, fed)
+    return [
+        {"labels": plain(dict(zip(fed.axes, at, strict=True))), **_output(run, one)}
+        for at, one in fed.entries
+    ]
+
+
+def _output(run: Run, output: Output) -> dict[str, Any]:
+    ports = run.plan.steps[output.step].method.node.outputs
+    return {"step": output.step, "output": ports[output.position].name}
 
 
 def _skipped(run: Run) -> list[Mapping[str, Any]]:

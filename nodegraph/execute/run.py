@@ -45,19 +45,19 @@ def execute(
     executor = executor_of(how, plan.graph.registry.executors)
     teller = Teller(tuple(listeners), plan)
     recall = Recall(plan, store) if store is not None else None
-    known = recall.look_up() if recall is not None else {}
-    for index, outcome in known.items():
-        teller.settled(plan.steps[index], outcome)
-    schedule = Schedule(
-        plan,
-        recall=recall,
-        known=known,
-        packer=store.packer if store is not None else Packer(plan.graph.registry.storages),
-        keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
-        hears=teller,
-    )
-    teller.left = lambda: schedule.left
     try:
+        known = recall.look_up() if recall is not None else {}
+        for index, outcome in known.items():
+            teller.settled(plan.steps[index], outcome)
+        schedule = Schedule(
+            plan,
+            recall=recall,
+            known=known,
+            packer=store.packer if store is not None else Packer(plan.graph.registry.storages),
+            keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
+            hears=teller,
+        )
+        teller.left = lambda: schedule.left
         with warnings_heard():
             for index, outcome in executor(schedule, how):
                 schedule.finish(index, outcome)

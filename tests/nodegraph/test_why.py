@@ -68,7 +68,7 @@ def test_a_step_that_failed_is_tried_again(why_of: WhyOf) -> None:
         (
             "[-1, 1, 2]", "[1, 2, 3]", ("a(start=3): was not in that run",)
         ),
-        ("in: c", "in: a", ("d: scores took c, now a",)),
+        ("in: c", "in: a", ("d: scores took c.output as start=-1, now a.output as start=-1",)),
         ("use: fill.hold", "use: fill.scale", ("c(start=1): used fill.hold, now fill.scale",)),
         ("table, in: c", "table, in: c, with: {metric: y}", ("d: metric was 'x', now 'y'",)),
         (
@@ -87,7 +87,8 @@ def test_the_root_of_a_change_is_named(
 def test_labels_of_what_is_gathered_are_a_change(why_of: WhyOf) -> None:
     text = TEXT.replace("in: c}", "in: {scores: {before: a, after: c}}}")
     [changes] = why_of(text, text.replace("before", "first"), "d")
-    assert changes == ("d: takes other outputs, or labels, of what feeds it",)
+    first, now = ("a.output as scores=before, start=-1", "a.output as scores=first, start=-1")
+    assert changes == (f"d: scores took {first}, now {now}",)
 
 
 def test_versions_and_edits_and_what_was_not_noted(why_of: WhyOf) -> None:

@@ -42,7 +42,7 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
     steps = {(one["node"], *one["labels"].values()): one for one in said["steps"]}
     gaps = steps["gaps", 1, "MB"]
     assert gaps["settings"] == {"length": 6, "seed": 1}
-    assert gaps["inputs"] == {"recording": steps["a",]["step"]}
+    assert gaps["inputs"] == {"recording": {"step": steps["a",]["step"], "output": "output"}}
     assert gaps["state"] == "done"
     assert steps["bad",]["reason"] == "-3.0 is negative"
     assert "ValueError" in steps["bad",]["trace"]
