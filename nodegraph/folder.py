@@ -41,6 +41,7 @@ class RunFolder:
 
     def __init__(self, path: Path, graph: str, used: Mapping[str, str] | None = None) -> None:
         self.path = path
+        self._begun = False
         try:
             self.moved = _make_room(path)
             path.mkdir(parents=True, exist_ok=True)
@@ -51,6 +52,7 @@ class RunFolder:
 
     def hear(self, event: Event) -> None:
         """Write one event as a line of JSON; a folder that is full costs the lines, not the run."""
+        self._begun |= event.kind in ("done", "failed")
         if self._events.closed:
             return
         try:
@@ -59,6 +61,14 @@ class RunFolder:
             warnings.warn(f"{self.path / EVENTS} ends here: {error}", stacklevel=2)
             with suppress(OSError):
                 self._events.close()
+
+    def abandon(self) -> None:
+        """Undo what was done to begin a run that could not begin; the earlier one comes back."""
+        self._events.close()
+        if not self._begun:
+            shutil.rmtree(self.path)
+            if self.moved is not None:
+                self.moved.rename(self.path)
 
     def finish(self, files: Mapping[str, bytes], record: Mapping[str, Any]) -> None:
         """Write what the run came to; the record last, since it says that all is there."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from nodegraph.commands.chosen import command_of, graph_of, run_folder, say, store_of
+from nodegraph.errors import NodegraphError
 from nodegraph.terminal import progress
 
 
@@ -25,8 +26,6 @@ def run(arguments: Namespace) -> int:
     folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)
     for one in graph.left_out:
         say(f"left out: {one.node}: {one.reason}")
-    if folder.moved:
-        say(f"the earlier run is now in {folder.moved}")
     try:
         with progress() as shown:
             done = execute(
@@ -36,10 +35,15 @@ def run(arguments: Namespace) -> int:
                 keep=reported(graph),
                 listeners=[shown.hear, folder.hear],
             )
+    except NodegraphError:
+        folder.abandon()
+        raise
     except KeyboardInterrupt:
         if not arguments.no_cache:
             say("what is done is stored: the same command goes on from there")
         raise
+    if folder.moved:
+        say(f"the earlier run is now in {folder.moved}")
     files, study = report_files(done, command=command)
     folder.finish(files, record(done, command))
     print(f"{summary(study, done)}\n\n{folder.path / 'report.html'}")

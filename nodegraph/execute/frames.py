@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas as pd
 
-    from nodegraph.execute.results import Values
+    from nodegraph.execute.values import Values
     from nodegraph.plan import Combination
 
 _PLAIN = (bool, int, float, str)

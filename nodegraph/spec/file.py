@@ -10,8 +10,9 @@ from typing import Any
 
 from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
 from nodegraph.spec.axes import read_axis
-from nodegraph.spec.node import NodeReader, read_reference
+from nodegraph.spec.node import NodeReader
 from nodegraph.spec.parts import GraphSpec, InputSpec, SkipSpec
+from nodegraph.spec.reference import read_reference
 from nodegraph.spec.yaml_text import Located, read_yaml
 
 FORMAT = 1

@@ -82,3 +82,28 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(NodegraphError, match="the run cannot be written there"):
         RunFolder(tmp_path / "file" / "run", "")
+
+
+def test_a_run_that_cannot_begin_leaves_the_earlier_one_where_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    finished(path, b"first")
+    folder = RunFolder(path, "nodegraph: 1\n")
+    folder.hear(Event("planned", 0.0))
+    folder.abandon()
+    assert [one.name for one in tmp_path.iterdir()] == ["run"]
+    assert (path / "report.html").read_bytes() == b"first"
+
+
+def test_a_run_that_has_begun_is_not_undone(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    folder = RunFolder(path, "nodegraph: 1\n")
+    folder.hear(Event("done", 0.0, 0, "a"))
+    folder.abandon()
+    assert (path / "events.jsonl").is_file()
+
+
+def test_graphs_that_are_used_lie_where_they_are_looked_for(tmp_path: Path) -> None:
+    used = {"parts/inner.yaml": "inner", "../outside.yaml": "not here"}
+    RunFolder(tmp_path / "run", "outer", used)._events.close()
+    assert (tmp_path / "run" / "parts" / "inner.yaml").read_text() == "inner"
+    assert not (tmp_path / "outside.yaml").exists()

@@ -100,3 +100,13 @@ def test_a_run_that_cannot_begin_ends_with_2(command: Command, words: list[str],
     assert (status, out) == (2, "")
     assert said in err
     assert "def number" in Path("toys.py").read_text()
+
+
+def test_a_cluster_that_does_not_answer_costs_nothing(command: Command) -> None:
+    command("run", "toy.yaml")
+    words = ["--executor", "dask", "--scheduler", "tcp://127.0.0.1:9"]
+    status, out, err = command("run", "toy.yaml", *words, "--no-cache")
+    assert (status, out) == (2, "")
+    assert "no Dask scheduler answers at tcp://127.0.0.1:9" in err
+    assert [one.name for one in Path("runs").iterdir()] == ["toy"]
+    assert Path("runs/toy/report.html").is_file()

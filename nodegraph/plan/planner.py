@@ -4,99 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from nodegraph.collection import no_collection
 from nodegraph.graph import Gather, Graph, GraphNode, Method
-from nodegraph.ports import Absent, Label
+from nodegraph.plan.order import lean_order, moved_step, needed_by
+from nodegraph.plan.steps import Combination, Gathered, Output, Plan, Step, StepInput
+from nodegraph.ports import Label
 from nodegraph.spec.parts import Reference
-
-Combination = tuple[Label, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Output:
-    """One output of a step: the step's index, and the position among its outputs."""
-
-    step: int
-    position: int
-
-
-@dataclass(frozen=True, slots=True)
-class Gathered:
-    """What a gathering port takes: outputs with their labels, and combinations left out."""
-
-    axes: tuple[str, ...]
-    entries: tuple[tuple[Combination, Output], ...]
-    absent: tuple[tuple[Combination, str], ...]
-
-
-StepInput = Output | Gathered
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One call of one method.
-
-    Attributes
-    ----------
-    index : int
-        Its place in the order of the plan: what it needs comes before it.
-    node : str
-    method : Method
-    labels : mapping of axis to label
-        The first combination that needs the step; others may share it.
-    settings : mapping
-        What the function is called with.
-    shown : mapping
-        The same as a reader wrote it.
-    inputs : mapping of port to Output or Gathered
-    needed : tuple of int
-        The steps that feed it, each once.
-    """
-
-    index: int
-    node: str
-    method: Method
-    labels: Mapping[str, Label]
-    settings: Mapping[str, Any]
-    shown: Mapping[str, Any]
-    inputs: Mapping[str, StepInput]
-    needed: tuple[int, ...]
-
-    @property
-    def name(self) -> str:
-        """The node and its combination: ``fill(length=5, fill=muscle)``."""
-        labels = ", ".join(f"{axis}={label}" for axis, label in self.labels.items())
-        return f"{self.node}({labels})" if labels else self.node
-
-    def reads(self) -> Iterator[Output]:
-        """Yield the outputs that feed it."""
-        for fed in self.inputs.values():
-            if isinstance(fed, Gathered):
-                yield from (output for _, output in fed.entries)
-            else:
-                yield fed
-
-
-@dataclass(frozen=True)
-class Plan:
-    """All steps of a graph, and which step computes which combination.
-
-    Attributes
-    ----------
-    graph : Graph
-    steps : tuple of Step
-        Each after what feeds it, and as soon after it as can be, so that values are released early.
-    cells : mapping of node to (mapping of combination to step index)
-    skipped : mapping of node to (mapping of combination to reason)
-    """
-
-    graph: Graph
-    steps: tuple[Step, ...]
-    cells: Mapping[str, Mapping[Combination, int]]
-    skipped: Mapping[str, Mapping[Combination, str]]
 
 
 @no_collection()
@@ -130,9 +45,9 @@ class _Planner:
                 skipped[combination] = reason
 
     def plan(self) -> Plan:
-        order = _lean_order(self._steps)
+        order = lean_order(self._steps)
         moved = {old: new for new, old in enumerate(order)}
-        steps = tuple(_moved(self._steps[old], moved) for old in order)
+        steps = tuple(moved_step(self._steps[old], moved) for old in order)
         cells = {
             name: {combination: moved[step] for combination, step in found.items()}
             for name, found in self._cells.items()
@@ -170,7 +85,7 @@ class _Planner:
                     settings.values[row],
                     settings.shown[row],
                     inputs,
-                    _needed(inputs),
+                    needed_by(inputs),
                 )
             )
         cells[combination] = index
@@ -236,62 +151,3 @@ class _Planner:
 def _texts(method: Method) -> dict[Combination, str]:
     """Return each row of settings as one text: equal texts are equal settings."""
     return {row: repr(sorted(values.items())) for row, values in method.settings.values.items()}
-
-
-def _lean_order(steps: list[Step]) -> list[int]:
-    """Return the steps depth first from the last ones, so that few values wait at a time."""
-    read = {needed for step in steps for needed in step.needed}
-    order: list[int] = []
-    done: set[int] = set()
-    for last in (step for step in steps if step.index not in read):
-        pending = [(last, iter(last.needed))]
-        done.add(last.index)
-        while pending:
-            step, needs = pending[-1]
-            following = next((one for one in needs if one not in done), None)
-            if following is None:
-                order.append(step.index)
-                pending.pop()
-            else:
-                done.add(following)
-                pending.append((steps[following], iter(steps[following].needed)))
-    return order
-
-
-def _needed(inputs: Mapping[str, StepInput]) -> tuple[int, ...]:
-    found: dict[int, None] = {}
-    for fed in inputs.values():
-        if isinstance(fed, Output):
-            found[fed.step] = None
-        else:
-            found.update((output.step, None) for _, output in fed.entries)
-    return tuple(found)
-
-
-def _moved(step: Step, moved: Mapping[int, int]) -> Step:
-    inputs = {port: _moved_input(fed, moved) for port, fed in step.inputs.items()}
-    return Step(
-        moved[step.index],
-        step.node,
-        step.method,
-        step.labels,
-        step.settings,
-        step.shown,
-        inputs,
-        tuple([moved[one] for one in step.needed]),
-    )
-
-
-def _moved_input(fed: StepInput, moved: Mapping[int, int]) -> StepInput:
-    if isinstance(fed, Output):
-        return Output(moved[fed.step], fed.position)
-    entries = tuple((at, Output(moved[one.step], one.position)) for at, one in fed.entries)
-    return Gathered(fed.axes, entries, fed.absent)
-
-
-def absent_of(gathered: Gathered) -> tuple[Absent, ...]:
-    """Return the combinations that the plan itself has left out of a gathering."""
-    return tuple(
-        Absent(dict(zip(gathered.axes, at, strict=True)), "skipped", reason)
-        for at, reason in gathered.absent
-    )
