@@ -149,6 +149,8 @@ class _Lines(Shown):
         tenths = 10 * settled // total if total else 0
         if tenths > self._tenths:
             self._tenths = tenths
+            if not detail["run"] and not detail["failed"]:
+                return  # stored results are looked up faster than anybody reads
             self.say(f"{settled} of {total} steps: {counts_text(detail)}")
 
 

@@ -74,18 +74,25 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
 def test_steps_that_are_not_needed_are_not_waited_for(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    told = events(["stored"] * 10, left=10)
+    told = events(["stored"] * 9 + ["done"], left=10)
     shown([told[0], told[-2], told[-1]])
-    assert "10 of 20 steps: stored 10" in capsys.readouterr().err.replace("run 0 · ", "")
+    assert "10 of 20 steps: run 1 · stored 9" in capsys.readouterr().err
 
 
 def test_while_stored_results_are_looked_up_all_steps_count(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    shown(events(["stored"] * 3 + ["done"] * 17, left=0)[:3])
-    assert capsys.readouterr().err.splitlines()[1:] == []
-    shown(events(["stored"] * 3 + ["done"] * 17, left=0)[:5])
-    assert "2 of 20 steps: run 0 · stored 2" in capsys.readouterr().err
+    told = events(["done"] + ["stored"] * 19, left=0)
+    shown([told[0], *told[3:6]])
+    assert "2 of 20 steps: run 1 · stored 1" in capsys.readouterr().err
+
+
+def test_stored_results_alone_are_told_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
+    shown(events(["stored"] * 20))
+    assert capsys.readouterr().err.splitlines() == [
+        "20 steps of 2 nodes",
+        "finished after 3.0 s: run 0 · stored 20",
+    ]
 
 
 def test_a_run_of_no_steps_is_told(capsys: pytest.CaptureFixture[str]) -> None:
