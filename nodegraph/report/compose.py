@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any
@@ -162,6 +162,10 @@ def _seeds(graph: Graph) -> tuple[tuple[str, str], ...]:
 
 def _timings(run: Run) -> tuple[TimingRow, ...]:
     took: dict[str, list[float]] = defaultdict(list)
+    stored: Counter[str] = Counter()
     for step, outcome in run.settled("done"):
         took[step.node].append(outcome.seconds)
-    return tuple(TimingRow(node, len(one), sum(one), max(one)) for node, one in took.items())
+        stored[step.node] += outcome.stored
+    return tuple(
+        TimingRow(node, len(one), sum(one), max(one), stored[node]) for node, one in took.items()
+    )

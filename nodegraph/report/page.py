@@ -37,6 +37,7 @@ def page(study: Study) -> str:
             notes=_markdown(study.notes_markdown),
             policy=policy(trusted, script),
             steps=sum(row.steps for row in study.timings),
+            stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,
             many=_MANY,
             script=_trusted(script),

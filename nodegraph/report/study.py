@@ -113,12 +113,16 @@ class StepNote:
 
 @dataclass(frozen=True, slots=True)
 class TimingRow:
-    """How long a node took: its steps, all their seconds, and those of the longest."""
+    """How long a node took: its steps, all their seconds, those of the longest; how many stored.
+
+    A stored step counts with the time that it took when it was computed.
+    """
 
     node: str
     steps: int
     seconds: float
     longest: float = 0.0
+    stored: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from nodegraph.execute import Run, execute
 from nodegraph.graph import build
 from nodegraph.plan import plan
 from nodegraph.registry import Registry
+from nodegraph.report import page
 from nodegraph.report.compose import compose
 from nodegraph.report.study import StepNote, Study
 from nodegraph.report.write import report_files, summary
@@ -159,3 +160,13 @@ def test_an_output_is_found_by_its_name_in_every_alternative() -> None:
     assert [value for _, value in run["a.value"]] == [1.0, 2.0]
     assert [value for _, value in run["a"]] == [1.0, "two"]
     assert [one.rendered.text for one in _study(run).sections] == ["1.0", "2.0"]
+
+
+def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: Path) -> None:
+    text = "nodes: {a: {use: read.number}, b: {use: text.write, with: {number: 3}}}"
+    run_of(text, store=tmp_path)
+    study = _study(run_of(text, store=tmp_path))
+    assert all(row.steps == row.stored == 1 for row in study.timings)
+    shown = page(study)
+    assert "all of them from stored results" in shown
+    assert "a stored result counts with the time that it took to compute" in shown
