@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 import pytest
@@ -14,8 +15,10 @@ from nodegraph.registry import Registered, Registry, default_registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import sample_folder
 
+HERE = Path(__file__).parent
 NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
     "read.recording": lambda: {"path": sample_folder("face")},
+    "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "weights.csv"},
 }
 """Values for settings that have no default."""
 

@@ -9,8 +9,10 @@ from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.files_c3d import c3d_bytes, read_c3d, write_c3d
 from nodegraph_mocap.files_csv import csv_bytes, read_csv, write_csv
+from nodegraph_mocap.files_live_link import read_live_link
 from nodegraph_mocap.files_marker_set import marker_set_text, read_marker_set
 from nodegraph_mocap.files_npz import npz_bytes, read_npz, write_npz
+from nodegraph_mocap.files_trc import read_trc, trc_bytes, write_trc
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
@@ -37,12 +39,16 @@ __all__ = [
     "npz_bytes",
     "read_c3d",
     "read_csv",
+    "read_live_link",
     "read_marker_set",
     "read_npz",
+    "read_trc",
     "sample_folder",
+    "trc_bytes",
     "write_c3d",
     "write_csv",
     "write_npz",
+    "write_trc",
 ]
 
 
@@ -50,8 +56,9 @@ __all__ = [
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the nodes of this package."""
     from nodegraph_mocap.read_recording import read_recording
+    from nodegraph_mocap.read_weights import read_weights
 
-    return (read_recording,)
+    return (read_recording, read_weights)
 
 
 @hookimpl

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from codecs import BOM_UTF8
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,11 +11,12 @@ from nodegraph import InputFile, node
 from nodegraph_mocap.files_csv import read_csv
 from nodegraph_mocap.files_marker_set import read_marker_set
 from nodegraph_mocap.files_npz import read_npz
+from nodegraph_mocap.files_trc import FIRST_WORD, read_trc
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.paths import find_file
 from nodegraph_mocap.recording import Trajectories
 
-_RECORDINGS = ("recording.c3d", "recording.npz", "recording.csv")
+_RECORDINGS = ("recording.c3d", "recording.npz", "recording.trc", "recording.csv")
 _MARKER_SETS = ("markers.yaml",)
 _TABLES = (".csv", ".tsv", ".txt")
 
@@ -23,7 +25,7 @@ _TABLES = (".csv", ".tsv", ".txt")
 def read_recording(
     *, path: InputFile, marker_set: InputFile | None = None, zeros_missing: bool = True
 ) -> Trajectories:
-    """Read a recording: C3D, CSV, TSV or NPZ, told apart by content, then by suffix.
+    """Read a recording: C3D, TRC, CSV, TSV or NPZ, told apart by content, then by suffix.
 
     Parameters
     ----------
@@ -57,17 +59,22 @@ def read_recording(
 
 def _read(file: Path, zeros_missing: bool) -> Trajectories:
     with file.open("rb") as opened:
-        start = opened.read(4)
+        start = opened.read(16)
     # A C3D file starts with a small number, a text that has a P in second place does not.
     if (start[1:2] == b"\x50" and start[0] < 0x20) or file.suffix.lower() == ".c3d":
         from nodegraph_mocap.files_c3d import read_c3d
 
         return read_c3d(file, zeros_missing=zeros_missing)
-    if start == b"PK\x03\x04":
+    if start.startswith(b"PK\x03\x04"):
         return read_npz(file, zeros_missing=zeros_missing)
+    if (
+        start.removeprefix(BOM_UTF8).startswith(FIRST_WORD.encode())
+        or file.suffix.lower() == ".trc"
+    ):
+        return read_trc(file, zeros_missing=zeros_missing)
     if file.suffix.lower() in _TABLES:
         return read_csv(file, zeros_missing=zeros_missing)
-    raise ValueError(f"{file}: neither C3D, NPZ nor a table ({', '.join(_TABLES)})")
+    raise ValueError(f"{file}: neither C3D, TRC, NPZ nor a table ({', '.join(_TABLES)})")
 
 
 def _marker_set(path: Path, file: Path, given: Path | None) -> MarkerSet | None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+from codecs import BOM_UTF8
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,11 @@ from nodegraph_mocap import (
     marker_set_text,
     npz_bytes,
     sample_folder,
+    trc_bytes,
     write_c3d,
     write_csv,
     write_npz,
+    write_trc,
 )
 from nodegraph_mocap.read_recording import read_recording
 
@@ -45,10 +48,9 @@ def test_the_marker_set_of_a_real_take_fits_it(take: str) -> None:
 @pytest.mark.parametrize(
     ("file", "told"),
     [
-        ("vicon/comma_separated_truncated.trc", "neither C3D, NPZ nor a table"),
         ("livelink/actor_a_60fps.csv", "no columns NAME.X"),
         ("facecap/model_60_markers.npz", "no array positions, rate; there is"),
-        ("facecap/markers.yaml", "neither C3D, NPZ nor a table"),
+        ("facecap/markers.yaml", "neither C3D, TRC, NPZ nor a table"),
     ],
 )
 def test_a_real_file_of_another_kind_is_refused(file: str, told: str) -> None:
@@ -56,7 +58,7 @@ def test_a_real_file_of_another_kind_is_refused(file: str, told: str) -> None:
         read_recording(path=DATA / file)
 
 
-@pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz])
+@pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz, write_trc])
 @pytest.mark.parametrize("name", ["it.csv", "it.tsv", "it.txt", "it.dat", "it"])
 def test_the_content_tells_the_form_then_the_suffix(
     gappy: Trajectories, tmp_path: Path, write: Callable[..., None], name: str
@@ -64,7 +66,7 @@ def test_the_content_tells_the_form_then_the_suffix(
     path = tmp_path / name
     write(gappy, path)
     if write is write_csv and path.suffix not in (".csv", ".tsv", ".txt"):
-        with pytest.raises(ValueError, match=r"neither C3D, NPZ nor a table \(\.csv, \.tsv"):
+        with pytest.raises(ValueError, match=r"neither C3D, TRC, NPZ nor a table \(\.csv, \.tsv"):
             read_recording(path=path)
         return
     read = read_recording(path=path)
@@ -84,6 +86,26 @@ def test_a_bad_c3d_file_is_called_one(tmp_path: Path, content: bytes) -> None:
     path.write_bytes(content)
     with pytest.raises(ValueError, match=r"it\.C3D: not a readable C3D recording"):
         read_recording(path=path)
+
+
+def test_a_bad_trc_file_is_called_one(tmp_path: Path) -> None:
+    path = tmp_path / "it.TRC"
+    path.write_text("frame,a.x,a.y,a.z")
+    with pytest.raises(ValueError, match=r"it\.TRC: no TRC file"):
+        read_recording(path=path)
+
+
+def test_a_trc_file_may_begin_with_a_byte_order_mark(gappy: Trajectories, tmp_path: Path) -> None:
+    path = tmp_path / "it.dat"
+    path.write_bytes(BOM_UTF8 + trc_bytes(gappy))
+    np.testing.assert_array_equal(read_recording(path=path).positions, gappy.positions)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+def test_a_real_trc_file_is_read() -> None:
+    with pytest.warns(UserWarning, match="the header says 652 frames, the file holds 93"):
+        read = read_recording(path=DATA / "vicon" / "comma_separated_truncated.trc")
+    assert read.positions.shape == (93, 51, 3)
 
 
 @pytest.mark.parametrize("name", ["face", "actor_a", "actor_b", "actor_c"])
@@ -145,7 +167,7 @@ def test_a_recording_without_samples_is_refused(tmp_path: Path, shape: Any) -> N
         read_recording(path=path)
 
 
-@pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz])
+@pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz, write_trc])
 def test_a_recording_of_nothing_but_gaps_is_read_and_told(
     tmp_path: Path, write: Callable[..., None]
 ) -> None:
