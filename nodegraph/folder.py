@@ -36,17 +36,23 @@ class RunFolder:
     Raises
     ------
     NodegraphError
-        If something else lies there, or the folder cannot be made.
+        If something else lies there, or another run is writing there, or the folder cannot be
+        made.
     """
 
     def __init__(self, path: Path, graph: str, used: Mapping[str, str] | None = None) -> None:
         self.path = path
+        # a node may change the working directory while it runs
+        self._place = path.absolute()
         self._begun = False
         try:
             self.moved = _make_room(path)
             path.mkdir(parents=True, exist_ok=True)
+            self._events: TextIOWrapper = (path / EVENTS).open("a", encoding="utf-8", buffering=1)
+            if not _locked(self._events):
+                self._events.close()
+                raise _busy(path)
             _write_graph(path, {GRAPH: graph, **(used or {})})
-            self._events: TextIOWrapper = (path / EVENTS).open("w", encoding="utf-8", buffering=1)
         except OSError as error:
             raise NodegraphError(f"{path}: the run cannot be written there: {error}") from error
 
@@ -66,20 +72,22 @@ class RunFolder:
         """Undo what was done to begin a run that could not begin; the earlier one comes back."""
         self._events.close()
         if not self._begun:
-            shutil.rmtree(self.path)
+            shutil.rmtree(self._place)
             if self.moved is not None:
-                self.moved.rename(self.path)
+                self._place.with_name(self.moved.name).rename(self._place)
 
     def finish(self, files: Mapping[str, bytes], record: Mapping[str, Any]) -> None:
         """Write what the run came to; the record last, since it says that all is there."""
-        self._events.close()
-        for name, content in files.items():
-            target = self.path / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(content)
-        unfinished = self.path / f"{RECORD}.part"
-        unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-        unfinished.replace(self.path / RECORD)
+        try:
+            for name, content in files.items():
+                target = self._place / name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(content)
+            unfinished = self._place / f"{RECORD}.part"
+            unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+            unfinished.replace(self._place / RECORD)
+        finally:
+            self._events.close()
 
 
 def _write_graph(path: Path, texts: Mapping[str, str]) -> None:
@@ -94,6 +102,8 @@ def _write_graph(path: Path, texts: Mapping[str, str]) -> None:
 def _make_room(path: Path) -> Path | None:
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         return None
+    if _is_written(path / EVENTS):
+        raise _busy(path)
     marks = [one for one in (path / RECORD, path / EVENTS) if one.is_file()]
     if marks and {one.name for one in path.iterdir()} <= {EVENTS, GRAPH}:
         shutil.rmtree(path)  # a run that was interrupted: it holds no result
@@ -104,6 +114,31 @@ def _make_room(path: Path) -> Path | None:
     raise NodegraphError(
         f"{path} holds something that is not a run; name another folder with --out"
     )
+
+
+def _is_written(events: Path) -> bool:
+    """Return whether a run that has not ended writes these events."""
+    if not events.is_file():
+        return False
+    with events.open(encoding="utf-8") as file:
+        return not _locked(file)
+
+
+def _locked(file: TextIOWrapper) -> bool:
+    """Lock a file for as long as it is open; return False if another run holds it."""
+    try:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except (ImportError, OSError):
+        pass  # neither this system nor this disk knows locks
+    return True
+
+
+def _busy(path: Path) -> NodegraphError:
+    return NodegraphError(f"{path}: another run is writing there; name another folder with --out")
 
 
 def _free(path: Path) -> Path:

@@ -58,7 +58,11 @@ def locked(value: Any) -> Any:
         same = all(one is other for one, other in zip(kept, value, strict=True))
         return value if same else kept
     numpy = sys.modules.get("numpy")
-    return read_only(value) if numpy and isinstance(value, numpy.ndarray) else value
+    if not numpy or not isinstance(value, numpy.ndarray):
+        return value
+    array = read_only(value)
+    # its owner could be unlocked again, a view of it cannot
+    return array.view() if array.base is None else array
 
 
 def _base_is_locked(array: NDArray[Any]) -> bool:

@@ -55,6 +55,10 @@ def command_of(arguments: Namespace) -> str:
         for one in getattr(arguments, option):
             words += [f"--{option}", str(one)]
     words += ["--store", str(arguments.store)] if arguments.store else []
+    # what ends its process, or fails on the way to another, does so only where it ran
+    if arguments.executor != "threads":
+        words += ["--executor", arguments.executor]
+    words += ["--scheduler", arguments.scheduler] if arguments.scheduler else []
     return shlex.join(words)
 
 

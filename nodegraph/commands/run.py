@@ -5,7 +5,6 @@ from __future__ import annotations
 from argparse import Namespace
 
 from nodegraph.commands.chosen import command_of, graph_of, run_folder, say, store_of
-from nodegraph.errors import NodegraphError
 from nodegraph.terminal import progress
 
 
@@ -35,7 +34,7 @@ def run(arguments: Namespace) -> int:
                 keep=reported(graph),
                 listeners=[shown.hear, folder.hear],
             )
-    except NodegraphError:
+    except Exception:
         folder.abandon()
         raise
     except KeyboardInterrupt:

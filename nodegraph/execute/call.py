@@ -88,16 +88,17 @@ def perform(call: Call) -> Outcome:
         values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
     except Refusal as refusal:
         state, values, reason, trace = "refused", (), str(refusal) or "no reason given", ""
-    except (Exception, SystemExit) as error:
-        state, values, reason, trace = "failed", (), _reason(error), traceback.format_exc()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        state, values, reason, trace = "failed", (), _reason(error), _trace(error)
     else:
         state, reason, trace = "done", "", ""
     finally:
         _heard.reset(token)
     seconds = time.perf_counter() - began
-    return Outcome(
-        state, values, reason, trace, tuple(dict.fromkeys(heard)) if heard else (), seconds, state
-    )
+    said = tuple(dict.fromkeys(map(_shown, heard))) if heard else ()
+    return Outcome(state, values, _shown(reason), _shown(trace), said, seconds, state)
 
 
 @contextmanager
@@ -148,5 +149,17 @@ def _split(node: Node, returned: Any) -> tuple[Any, ...]:
 
 
 def _reason(error: BaseException) -> str:
-    said = str(error) or "no message"
+    try:
+        said = str(error) or "no message"
+    except Exception:
+        said = "its message cannot be shown"
     return said if isinstance(error, (ValueError, OSError)) else f"{type(error).__name__}: {said}"
+
+
+def _trace(error: BaseException) -> str:
+    return "".join(traceback.format_exception(error))
+
+
+def _shown(text: str) -> str:
+    """Return a text without what cannot be written, such as parts of a file's unreadable name."""
+    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()

@@ -22,7 +22,7 @@ from nodegraph.store import Packer
 _STATES = ("done", "stored", "refused", "failed", "skipped", "unneeded")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """A finished run.
 
@@ -45,6 +45,16 @@ class Run:
     seconds: float
     recall: Recall | None
     packer: Packer
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {state}" for state, count in self.counts().items() if count)
+        return f"<Run of {self.plan.graph.title!r}: {counts}>"
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.plan.cells)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.plan.cells
 
     def __getitem__(self, name: str) -> Values:
         """Return the values of a node, or of one output: ``run["gaps.truth"]``."""

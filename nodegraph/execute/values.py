@@ -16,13 +16,18 @@ if TYPE_CHECKING:
     from nodegraph.execute.results import Run
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Values:
     """The values of one output of a node, by labels; an empty port is each method's first."""
 
     run: Run
     node: str
     port: str
+
+    def __repr__(self) -> str:
+        name = f"{self.node}.{self.port}" if self.port else self.node
+        along = f" along {', '.join(self.axes)}" if self.axes else ""
+        return f"<Values of {name!r}: {len(self)}{along}>"
 
     @property
     def axes(self) -> tuple[str, ...]:

@@ -16,7 +16,9 @@ _WORDS = {"done": "computed", "unneeded": "not needed"}
 def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
     """Return the report, the tables and the figures of a run by file name, and its study."""
     study, files = compose(run, command=command)
-    return {**files, "report.html": page(study).encode()}, study
+    # what failed may name a file whose name is no text
+    text = page(study).encode(errors="backslashreplace")
+    return {**files, "report.html": text}, study
 
 
 def summary(study: Study, run: Run) -> str:

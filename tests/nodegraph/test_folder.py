@@ -107,3 +107,27 @@ def test_graphs_that_are_used_lie_where_they_are_looked_for(tmp_path: Path) -> N
     RunFolder(tmp_path / "run", "outer", used)._events.close()
     assert (tmp_path / "run" / "parts" / "inner.yaml").read_text() == "inner"
     assert not (tmp_path / "outside.yaml").exists()
+
+
+def test_a_run_that_is_going_on_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    going = RunFolder(path, "first")
+    going.hear(Event("planned", 0.0, detail={"steps": 1}))
+    with pytest.raises(NodegraphError, match="another run is writing there; name another folder"):
+        RunFolder(path, "second")
+    assert (path / "graph.yaml").read_text() == "first"
+    going.finish({"report.html": b"x"}, {})
+    assert len((path / "events.jsonl").read_text().splitlines()) == 1
+    assert finished(path).moved is not None
+
+
+def test_what_a_run_came_to_lies_in_its_folder_whatever_a_node_did_to_the_working_directory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = RunFolder(Path("runs/fill"), "")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    folder.finish({"report.html": b"x"}, {"format": 1})
+    assert {"report.html", "run.json"} <= set(names(tmp_path / "runs" / "fill"))
+    assert not names(tmp_path / "elsewhere")

@@ -18,7 +18,7 @@ def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make several calls at a time, each in a thread of this process."""
     calls: _Calls = SimpleQueue()
     outcomes: _Outcomes = SimpleQueue()
-    jobs = how.at_a_time
+    jobs = min(how.at_a_time, len(schedule.plan.steps))
     # daemons, because a node that never returns must not keep an interrupted program alive
     for _ in range(jobs):
         work = threading.Thread(target=_work, args=(schedule.perform, calls, outcomes), daemon=True)

@@ -43,6 +43,12 @@ def test_a_failed_step_ends_with_1(command: Command) -> None:
     assert Path("runs/toy/report.html").is_file()
 
 
+def test_a_failed_step_is_repeated_where_it_ran(command: Command) -> None:
+    _, out, _ = command("run", "toy.yaml", "--set", "start=-100", "--executor", "serial")
+    alone = next(line for line in out.splitlines() if "repeat it alone" in line)
+    assert " --executor serial " in alone
+
+
 def test_a_failed_step_is_repeated_alone_by_one_command(command: Command) -> None:
     _, out, _ = command("run", "toy.yaml", "--set", "start=-100")
     alone = next(line for line in out.splitlines() if "repeat it alone" in line)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from nodegraph import Refusal, Value, node
@@ -207,3 +208,52 @@ def test_each_thread_hears_its_own_warnings() -> None:
 def test_warnings_from_elsewhere_are_shown_as_before() -> None:
     with pytest.warns(UserWarning, match="from the machine"), warnings_heard():
         warnings.warn("from the machine", stacklevel=1)
+
+
+class Mute(Exception):
+    def __str__(self) -> str:
+        raise RuntimeError("no words")
+
+
+@node("says.nothing")
+def mute(x: float) -> float:
+    raise Mute
+
+
+@node("says.unprintable")
+def unprintable(x: float) -> float:
+    raise ValueError("\udcff")
+
+
+@node("leaves.early")
+def leaves(x: float) -> float:
+    raise GeneratorExit("early")
+
+
+@node("array.made")
+def array(x: float) -> np.ndarray:
+    return np.ones(3)
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (mute, "Mute: its message cannot be shown"),
+        (unprintable, "\\udcff"),
+        (leaves, "GeneratorExit: early"),
+    ],
+)
+def test_whatever_a_node_raises_becomes_a_reason(function: Any, said: str) -> None:
+    described = node_of(function)
+    assert described is not None
+    outcome = perform(Call(0, described, "toys", {"x": 1.0}, {}))
+    assert (outcome.state, outcome.reason) == ("failed", said)
+    outcome.trace.encode()
+
+
+def test_what_a_node_made_cannot_be_unlocked() -> None:
+    described = node_of(array)
+    assert described is not None
+    (made,) = perform(Call(0, described, "toys", {"x": 1.0}, {})).values
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        made.setflags(write=True)

@@ -100,3 +100,10 @@ def test_what_cannot_be_computed_again_is_told(run_of: Callable[..., Run], tmp_p
     assert run["c"].value == 3.5
     with pytest.raises(NodegraphError, match=r"b cannot be computed again: a failed: .*take\.txt"):
         _ = run["b"].value
+
+
+def test_a_run_says_in_a_line_what_it_is(run_of: Callable[..., Run]) -> None:
+    run = run_of("axes: {k: [1, 2]}\nnodes: {a: {use: read.number, with: {start: $k}}}")
+    assert repr(run) == "<Run of 'toy.yaml': 2 done>"
+    assert repr(run["a"]) == "<Values of 'a': 2 along k>"
+    assert (list(run), "a" in run, "b" in run) == (["a"], True, False)

@@ -121,6 +121,12 @@ def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..
     assert f"repeat it alone: {command}" in text
 
 
+def test_a_reason_that_is_no_text_costs_no_report(run_of: Callable[..., Run]) -> None:
+    run = run_of("nodes: {a: {use: read.number, with: {start: -1}}, b: {use: strict.fails, in: a}}")
+    files, _ = report_files(run, command="nodegraph run \udc80.yaml")
+    assert b"\\udc80.yaml" in files["report.html"]
+
+
 def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> None:
     def explode(value: object, title: str) -> Rendered:
         raise RuntimeError("no ink")
