@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import Contract, hookimpl
@@ -14,8 +15,15 @@ if TYPE_CHECKING:
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
     from nodegraph_score.gaps import gaps
+    from nodegraph_score.tracking import tracking
 
-    return (gaps,)
+    return (gaps, tracking)
+
+
+@hookimpl
+def nodegraph_bibtex() -> str:
+    """Return what the scores cite."""
+    return files(__name__).joinpath("references.bib").read_text(encoding="utf-8")
 
 
 @hookimpl

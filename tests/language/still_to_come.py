@@ -7,7 +7,6 @@ from typing import Literal, NamedTuple
 
 from nodegraph import Across, InputFile, Value, node
 from nodegraph_mocap import Figure, Table, Trajectories
-from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
 
@@ -83,11 +82,6 @@ def curve(
     compare: str,
     mark: Literal["none", "minimum", "shared"] = "none",
 ) -> Curve:
-    raise AssertionError
-
-
-@node("track.assignment")
-def assignment(detections: Detections) -> Trajectories:
     raise AssertionError
 
 

@@ -1,0 +1,125 @@
+"""How well tracks follow markers, a row per marker."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Truth, node
+from nodegraph_mocap import Table, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+UNITS = {
+    "samples": "frames",
+    "tracked": "share",
+    "links": "links",
+    "right": "share",
+    "switches": "count",
+    "fragments": "count",
+}
+
+
+@node("score.tracking", cite="bernardin2008")
+def tracking(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
+    """Score of tracks against the markers that they should follow, a row per true marker.
+
+    A marker's sample is tracked where a track has the very same position in that frame: a
+    tracker gives the points as they came. A link joins two successive tracked samples of a
+    marker, with or without frames between them. Identity switches are those of the CLEAR MOT
+    metrics (Bernardin & Stiefelhagen, 2008); switches and fragments are counted as py-motmetrics
+    counts ``num_switches`` and ``num_fragmentations``:
+
+    ========= ============================================================================
+    marker    its name
+    samples   its present samples
+    tracked   share of them that a track has
+    links     its links
+    right     share of its links whose two samples are in the same track
+    switches  how often a tracked sample is in another track than the marker's last tracked
+              one
+    fragments how often it goes from tracked to present but not tracked, and is tracked
+              again later
+    ========= ============================================================================
+
+    A sample that was dropped from the points counts as one that no track has: it lowers
+    `tracked` and raises `fragments` for every tracker alike, and leaves `right` and `switches`.
+    Where there is nothing to divide by, the value is NaN. Names are not compared.
+
+    Parameters
+    ----------
+    estimate
+        Tracks, T frames.
+    truth
+        The markers, T frames.
+
+    Returns
+    -------
+    Table
+        As above, in the order of the truth's markers.
+
+    Raises
+    ------
+    ValueError
+        If frame counts differ.
+    """
+    from pandas import DataFrame
+
+    if estimate.frames != truth.frames:
+        raise ValueError(f"estimate has {estimate.frames} frames, the truth has {truth.frames}")
+    track = _tracks(estimate, truth)
+    rows = [_row(track[truth.present[:, column], column]) for column in range(len(truth.markers))]
+    table = DataFrame(rows, columns=list(UNITS))
+    table.insert(0, "marker", np.array(truth.markers, dtype=object))
+    table.attrs.update(title="Tracks", notes=_notes(estimate, track), units=dict(UNITS))
+    return table
+
+
+def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:
+    """Return which track has each sample of the truth, (T, M); -1 where none has."""
+    mine, theirs = np.nonzero(truth.present), np.nonzero(estimate.present)
+    samples = [
+        np.column_stack([where[0], one.positions[where]])
+        for where, one in ((mine, truth), (theirs, estimate))
+    ]
+    _, index = np.unique(np.concatenate(samples), axis=0, return_inverse=True)
+    place = index.ravel()
+    owner = np.full(len(place), -1)
+    owner[place[len(mine[0]) :]] = theirs[1]
+    track = np.full(truth.origin.shape, -1)
+    track[mine] = owner[place[: len(mine[0])]]
+    return track
+
+
+def _row(track: NDArray[np.intp]) -> tuple[float, ...]:
+    """Return a marker's values; `track` says, for each present sample, which one has it."""
+    has = track >= 0
+    followed = track[has]
+    links = max(len(followed) - 1, 0)
+    switches = int(np.count_nonzero(followed[1:] != followed[:-1]))
+    lost = int(np.count_nonzero(has[:-1] & ~has[1:]))
+    # The last loss is no fragment where no track finds the marker again.
+    final = int(has.any() and not has[-1])
+    return (
+        len(track),
+        float(has.mean()) if len(track) else np.nan,
+        links,
+        1.0 - switches / links if links else np.nan,
+        switches,
+        lost - final,
+    )
+
+
+def _notes(estimate: Trajectories, track: NDArray[np.intp]) -> list[str]:
+    extra = np.count_nonzero(estimate.present) - np.count_nonzero(track >= 0)
+    if extra <= 0:
+        return []
+    told = (
+        f"{extra} of {np.count_nonzero(estimate.present)} samples in tracks are no sample of the "
+        "truth: ghosts, or moved points"
+    )
+    warnings.warn(told, stacklevel=3)
+    return [f"{told}."]

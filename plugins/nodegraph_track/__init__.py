@@ -1,0 +1,33 @@
+"""Track: take the names off a recording's points, and follow unlabelled points through time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from importlib.resources import files
+from typing import Any
+
+from nodegraph import Contract, hookimpl
+
+
+@hookimpl
+def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+    """Return the scatterer of points and the trackers."""
+    from nodegraph_track.assignment import assignment
+    from nodegraph_track.nearest import nearest
+    from nodegraph_track.scatter import scatter
+
+    return (assignment, nearest, scatter)
+
+
+@hookimpl
+def nodegraph_bibtex() -> str:
+    """Return what the trackers cite."""
+    return files(__name__).joinpath("references.bib").read_text(encoding="utf-8")
+
+
+@hookimpl
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
+    """Return what every tracker promises."""
+    from nodegraph_track.contracts import CONTRACTS
+
+    return {"track": CONTRACTS}

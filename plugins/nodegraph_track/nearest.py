@@ -1,0 +1,57 @@
+"""Each track takes the nearest point: the plainest tracker, to compare others with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from nodegraph import node
+from nodegraph_mocap import Detections, Trajectories
+from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow
+from nodegraph_track.linking import take_nearest
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@node("track.nearest")
+def nearest(
+    detections: Detections, *, gate: Gate = None, patience: Patience = 30, shortest: Shortest = 3
+) -> Trajectories:
+    """Follow points by giving each track the nearest one to its last position.
+
+    In each frame the pair of track and point that is nearest is linked first, then the nearest
+    of those left, and so on within the gate. No motion is predicted.
+
+    A point that no track takes opens one. A track without a point stays open; but one that has
+    fewer than `shortest` points yet ends at once. Tracks are named t000, t001, ... in the order
+    of their first points, those of one frame by x, then y, then z. What a track has no point
+    for is missing. Nothing depends on the order of the points within a frame, unless points
+    coincide.
+
+    Looks ahead 0 frames to link a frame's points, and to the take's end to drop short tracks
+    (and for a `gate` made from the data).
+
+    Parameters
+    ----------
+    detections
+        Unlabelled points.
+    gate
+        How far from its last position a track finds a point. None: half the median distance
+        from a point to the nearest one of the same frame, in 200 frames of the take.
+    patience
+        How many frames a track stays open without a point.
+    shortest
+        Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
+        the take has frames.
+
+    Returns
+    -------
+    Trajectories
+        The tracks; every sample is a point of that frame, and no point is used twice.
+    """
+    return follow(detections, _link, gate=gate, patience=patience, shortest=shortest)
+
+
+def _link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
+    return Links(tracks.place, *take_nearest(tracks.place, points, gate))

@@ -1,0 +1,114 @@
+"""Unlabelled points made from a recording, whose truth is known."""
+
+from __future__ import annotations
+
+import zlib
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Truth, Unit, node
+from nodegraph_mocap import Detections, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+GROWN = 0.1
+"""By how much of its size a frame's box is grown on each side to hold its ghosts."""
+
+
+class Scattered(NamedTuple):
+    """Points without names, and whose they were.
+
+    Attributes
+    ----------
+    detections : Detections
+        The points that were kept, and ghosts, in random order within each frame.
+    truth : Trajectories
+        The recording as it came.
+    """
+
+    detections: Detections
+    truth: Truth[Trajectories]
+
+
+@node("points.scatter")
+def scatter(
+    recording: Trajectories,
+    *,
+    dropout: Annotated[float, Field(ge=0.0, lt=1.0), Unit("share")] = 0.0,
+    ghosts: Annotated[float, Field(ge=0.0), Unit("share")] = 0.0,
+    seed: Annotated[int, Field(ge=0)] = 0,
+) -> Scattered:
+    """Take the names off a recording's points, drop some, add ghosts, shuffle each frame.
+
+    Dropped samples are drawn among all present ones; their number is exact to one. Ghosts are
+    spread over the frames that have a point, uniformly in time and, within a frame, uniformly
+    in the box around its points, grown by a tenth of its size on each side. Which samples are
+    dropped, the order and the ghosts are drawn from separate streams of the seed: another share
+    of one changes nothing of the others, and with a larger share what was dropped stays dropped.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    dropout
+        Share of the present samples that are dropped.
+    ghosts
+        Ghosts per present sample of the recording: 0.01 adds one where there are a hundred.
+    seed
+        Same seed and recording, same points.
+
+    Returns
+    -------
+    Scattered
+        detections, truth.
+    """
+    frame, marker = np.nonzero(recording.present)
+    kept = np.ones(len(frame), dtype=np.bool_)
+    kept[_stream("dropout", seed).permutation(len(frame))[: round(dropout * len(frame))]] = False
+    points = recording.positions[frame[kept], marker[kept]]
+    when, where = _ghosts(recording, round(ghosts * len(frame)), _stream("ghosts", seed))
+    return Scattered(
+        _shuffled(
+            np.concatenate([frame[kept], when]),
+            np.concatenate([points, where]),
+            recording,
+            _stream("order", seed),
+        ),
+        recording,
+    )
+
+
+def _stream(tag: str, seed: int) -> np.random.Generator:
+    return np.random.default_rng(np.random.SeedSequence([seed, zlib.crc32(tag.encode())]))
+
+
+def _ghosts(
+    recording: Trajectories, count: int, random: np.random.Generator
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return the frame, (count,), and the place, (count, 3), of each ghost."""
+    seen = np.flatnonzero(recording.present.any(axis=1))
+    if not count:
+        return np.empty(0, dtype=np.intp), np.empty((0, 3))
+    drawn = random.random((count, 4))
+    frame = seen[(drawn[:, 0] * len(seen)).astype(np.intp)]
+    low = np.nanmin(recording.positions[frame], axis=1)
+    high = np.nanmax(recording.positions[frame], axis=1)
+    return frame, low + (high - low) * (drawn[:, 1:] * (1.0 + 2.0 * GROWN) - GROWN)
+
+
+def _shuffled(
+    frame: NDArray[np.intp],
+    points: NDArray[np.float64],
+    recording: Trajectories,
+    random: np.random.Generator,
+) -> Detections:
+    order = np.lexsort((random.random(len(frame)), frame))
+    counts = np.bincount(frame, minlength=recording.frames)
+    return Detections(
+        points=points[order],
+        offsets=np.concatenate([[0], np.cumsum(counts)]),
+        rate=recording.rate,
+    )

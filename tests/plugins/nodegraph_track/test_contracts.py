@@ -1,0 +1,82 @@
+"""A tracker that breaks a promise is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nodegraph_mocap
+import nodegraph_track
+from nodegraph import node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Detections, Trajectories
+from nodegraph_track.assignment import assignment
+from nodegraph_track.nearest import nearest
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("track", nodegraph_track)])
+
+
+def moved(given: Detections, made: Trajectories) -> Trajectories:
+    return replace(made, positions=made.positions + 1e-9)
+
+
+def twice(given: Detections, made: Trajectories) -> Trajectories:
+    positions = np.concatenate([made.positions, made.positions], axis=1)
+    names = tuple(f"t{index:03d}" for index in range(positions.shape[1]))
+    return Trajectories(positions=positions, markers=names, rate=made.rate)
+
+
+def faster(given: Detections, made: Trajectories) -> Trajectories:
+    return replace(made, rate=2 * made.rate)
+
+
+def by_order(given: Detections, made: Trajectories) -> Trajectories:
+    first = np.argmin(np.abs(made.positions[0] - given.points[0]).sum(axis=1))
+    return made.keep([name for index, name in enumerate(made.markers) if index != first])
+
+
+def one_side(given: Detections, made: Trajectories) -> Trajectories:
+    positions = np.where(made.positions[..., :1] > 0, made.positions, np.nan)
+    return Trajectories(positions=positions, markers=made.markers, rate=made.rate)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (moved, "samples are no point of their frame"),
+        (twice, "points are used more than once"),
+        (faster, "rate went in as"),
+        (by_order, "in another order give other tracks"),
+        (one_side, "the turned points give other tracks"),
+    ],
+)
+def test_a_tracker_that_breaks_a_promise(
+    spoil: Callable[[Detections, Trajectories], Trajectories], text: str
+) -> None:
+    @node("track.broken")
+    def broken(detections: Detections) -> Trajectories:
+        """Follow points, and spoil the tracks."""
+        return spoil(detections, nearest(detections, shortest=1))
+
+    with pytest.raises(AssertionError, match=text):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_tracker_with_other_ports() -> None:
+    @node("track.broken")
+    def broken(points: Detections) -> Trajectories:
+        """Follow points."""
+        return nearest(points)
+
+    with pytest.raises(AssertionError, match="name the points `detections`"):
+        check_node(broken, registry=REGISTRY)
+
+
+@pytest.mark.parametrize("tracker", [assignment, nearest])
+def test_good_ones_pass(tracker: Callable[..., Trajectories]) -> None:
+    check_node(tracker, registry=REGISTRY)

@@ -1,0 +1,78 @@
+"""Tracks are born, wait, are linked again, end and are named as they should be."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_mocap import Detections
+from nodegraph_track.follow import default_gate
+from nodegraph_track.nearest import nearest
+
+
+def detections(*frames: list[float]) -> Detections:
+    """Return points on the x axis, given frame by frame."""
+    points = [[x, 0.0, 0.0] for frame in frames for x in frame]
+    offsets = np.cumsum([0, *map(len, frames)])
+    return Detections(points=np.array(points).reshape(-1, 3), offsets=offsets, rate=30.0)
+
+
+def along(points: Detections, *, patience: int = 1, shortest: int = 1) -> list[list[float]]:
+    made = nearest(points, gate=1.0, patience=patience, shortest=shortest)
+    assert made.markers == tuple(f"t{index:03d}" for index in range(len(made.markers)))
+    assert made.rate == points.rate
+    return [np.nan_to_num(track, nan=-1.0).tolist() for track in made.positions[..., 0].T]
+
+
+def test_tracks_are_named_by_their_first_points_then_by_x() -> None:
+    assert along(detections([9, 5], [5, 1, 9])) == [[5, 5], [9, 9], [-1, 1]]
+
+
+def test_a_track_waits_for_as_many_frames_as_it_has_patience() -> None:
+    points = detections([5], [], [], [5])
+    assert along(points, patience=2) == [[5, -1, -1, 5]]
+    assert along(points, patience=1) == [[5, -1, -1, -1], [-1, -1, -1, 5]]
+
+
+def test_without_patience_it_goes_from_frame_to_frame_only() -> None:
+    assert along(detections([5], [5.5], [], [5]), patience=0) == [
+        [5, 5.5, -1, -1],
+        [-1, -1, -1, 5],
+    ]
+
+
+def test_short_tracks_are_dropped_and_counted() -> None:
+    points = detections([5], [5, 8], [5], [5, 1], [5, 1])
+    with pytest.warns(UserWarning, match=r"2 of 3 tracks .* fewer than 3 points .* 3 of 8 points"):
+        assert along(points, shortest=3) == [[5, 5, 5, 5, 5]]
+
+
+def test_a_ghost_does_not_wait() -> None:
+    points = detections([5, 8], [5], [5, 8], [5, 8], [5, 8])
+    with pytest.warns(UserWarning, match="1 of 3 tracks"):
+        assert along(points, patience=9, shortest=2)[1] == [-1, -1, 8, 8, 8]
+
+
+def test_a_take_of_one_frame_is_not_all_ghosts() -> None:
+    assert along(detections([5, 8]), shortest=3) == [[5], [8]]
+
+
+def test_no_point_at_all_is_refused() -> None:
+    with pytest.raises(Refusal, match="needs at least one point"):
+        nearest(detections([], []))
+
+
+def test_the_gate_is_half_the_spacing() -> None:
+    assert default_gate(detections([0, 4, 8], [0, 4], [1])) == 2.0
+    assert default_gate(detections([0, 0, 6])) == 3.0
+    assert default_gate(detections([3], [3], [9])) == np.inf
+
+
+def test_a_single_marker_is_followed_however_fast() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made = nearest(detections([3], [90], [-500]))
+    assert made.positions[:, 0, 0].tolist() == [3, 90, -500]
