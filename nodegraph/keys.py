@@ -15,15 +15,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from nodegraph.code import Code, Reached
-from nodegraph.plan import Gathered, Plan, Step, StepInput
+from nodegraph.code import SETTLED, Code, Reached
+from nodegraph.plan import Gathered, Plan, Step
 
 if TYPE_CHECKING:
     from nodegraph.registry import Registry
 
 _AT_AN_ADDRESS = " at 0x"
-_SETTLED = 2_000_000_000
-"""Nanoseconds after which a file counts as no longer being written."""
 
 
 class Ended(Protocol):
@@ -198,27 +196,14 @@ class Files:
         with open(path, "rb") as opened:
             digest = hashlib.file_digest(opened, "sha256").hexdigest()
         # a file that was written just now may be written again within one tick of its clock
-        if time.time_ns() - status.st_mtime_ns > _SETTLED:
+        if time.time_ns() - status.st_mtime_ns > SETTLED:
             self._known[path] = [mark, digest]
         return digest
-
-
-def keys_of(plan: Plan, *, code: Mapping[str, Any], files: Mapping[str, Any]) -> tuple[Keys, Code]:
-    """Return what makes the keys of a plan, with what earlier processes have remembered."""
-    reader = Code(followed(plan.graph.registry), code)
-    return Keys(plan, reader, Files(files)), reader
 
 
 def followed(registry: Registry) -> set[str]:
     """Return the packages whose code counts by what is in it, and not by its version."""
     return {"nodegraph", *(one.module.__name__.partition(".")[0] for one in registry.loaded)}
-
-
-def source_keys(fed: StepInput, keys: Keys) -> tuple[str, ...]:
-    """Return the keys of what feeds a port."""
-    if isinstance(fed, Gathered):
-        return tuple(keys.of[one.step] for _, one in fed.entries)
-    return (keys.of[fed.step],)
 
 
 def _files(step: Step) -> Mapping[str, Path]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from nodegraph.code.parts import Part, Summary, from_plain, to_plain
 
-_SETTLED = 2_000_000_000
+SETTLED = 2_000_000_000
 """Nanoseconds after which an edit gets another time, on any file system."""
 
 
@@ -77,7 +77,7 @@ def is_source(file: str) -> bool:
 def _still_true(entry: Any, state: os.stat_result) -> Summary | None:
     try:
         same = (entry["size"], entry["mtime_ns"]) == (state.st_size, state.st_mtime_ns)
-        if same and entry["mtime_ns"] + _SETTLED <= entry["read_ns"]:
+        if same and entry["mtime_ns"] + SETTLED <= entry["read_ns"]:
             return from_plain(entry["summary"])
     except (TypeError, KeyError, ValueError, AttributeError):
         pass  # not of our making: read again

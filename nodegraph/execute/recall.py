@@ -58,8 +58,9 @@ class Recall:
     def __init__(self, plan: Plan, store: Store) -> None:
         self.store = store
         self._plan = plan
-        self._code = Code(followed(plan.graph.registry), store.recall(_CODE))
-        self._files = Files(store.recall(_FILES))
+        self._before = {name: store.recall(name) for name in (_CODE, _FILES)}
+        self._code = Code(followed(plan.graph.registry), self._before[_CODE])
+        self._files = Files(self._before[_FILES])
         self.keys = Keys(plan, self._code, self._files)
         self._entries: dict[int, Entry] = {}
         self._saved: set[str] = set()
@@ -164,8 +165,10 @@ class Recall:
 
     def _remember(self) -> None:
         """Leave to the next process what it need not read again."""
-        self.store.remember(_CODE, self._code.remembered())
-        self.store.remember(_FILES, self._files.remembered())
+        now = {_CODE: self._code.remembered(), _FILES: self._files.remembered()}
+        for name, known in now.items():
+            if known != self._before[name]:
+                self.store.remember(name, known)
 
 
 def _outcome(entry: Entry) -> Outcome:

@@ -11,10 +11,10 @@ from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.report.compose import compose
 from nodegraph.report.group import note_kinds, titled
-from nodegraph.report.page import duration
+from nodegraph.report.page import duration, templates_of
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    pass
 
 _MOST = 24
 _FEW = 3
@@ -28,7 +28,7 @@ _DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
 def graph_html(graph: Graph) -> str:
     """Return a graph for a notebook: its title, its axes, its drawing."""
     return (
-        _environment()
+        templates_of("nodegraph.notebook")
         .get_template("graph.html")
         .render(
             style=_style(),
@@ -45,7 +45,7 @@ def run_html(run: Run) -> str:
     graph = run.plan.graph
     study, _ = compose(run, command="")
     return (
-        _environment()
+        templates_of("nodegraph.notebook")
         .get_template("run.html")
         .render(
             style=_style(),
@@ -84,18 +84,3 @@ def _style() -> str:
 
 def _text(package: str, *path: str) -> str:
     return files(package).joinpath(*path).read_text(encoding="utf-8")
-
-
-def _environment() -> Environment:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup
-
-    environment = Environment(
-        loader=PackageLoader("nodegraph.notebook", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["trusted"] = Markup
-    return environment

@@ -28,7 +28,7 @@ def page(study: Study) -> str:
     script = _source("page.js")
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
     return (
-        _environment()
+        templates_of("nodegraph.report")
         .get_template("page.html")
         .render(
             study=study,
@@ -46,11 +46,12 @@ def page(study: Study) -> str:
     )
 
 
-def _environment() -> Environment:
+def templates_of(package: str) -> Environment:
+    """Return what fills in a package's templates; all that is not marked as trusted is escaped."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("nodegraph.report", "templates"),
+        loader=PackageLoader(package, "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import re
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.samples_missing import mark_missing
+from nodegraph_mocap.text_cells import cell_numbers, text_lines
 from nodegraph_mocap.units import MILLIMETRES, millimetres_in
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 _COLUMN = re.compile(r"(.+)[._: ]([xyzXYZ])(?: *[\[(].*[\])])?")
 _COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)(?:\s+\w+)?")
 _COUNTER = re.compile(r"(frame|time)\b.*", re.IGNORECASE)
-_MISSING = {"", "nan", "na", "null"}
 _SEPARATORS = ",;\t"
 
 
@@ -100,10 +99,7 @@ def csv_bytes(recording: Trajectories) -> bytes:
 
 
 def _text(path: Path) -> _Text:
-    try:
-        lines = path.read_text(encoding="utf-8-sig").split("\n")
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not a table of text: {error}") from None
+    lines = text_lines(path)
     comments = (_COMMENT.fullmatch(line.strip()) for line in lines)
     rows = [(number, line) for number, line in enumerate(lines, 1) if _is_row(line)]
     if len(rows) < 2:
@@ -138,31 +134,8 @@ def _cells(text: _Text) -> NDArray[np.float64]:
                 f"{text.path}:{number}: {len(found)} cells, but {len(text.names)} columns have "
                 "names"
             )
-        cells[row] = _numbers(text, number, found)
+        cells[row] = cell_numbers(text.path, number, found, names=text.names)
     return cells
-
-
-def _numbers(text: _Text, line: int, cells: Sequence[str]) -> list[float]:
-    try:
-        if not any("_" in cell for cell in cells):
-            return [float(cell or "nan") for cell in cells]
-    except ValueError:
-        pass  # one of them is special, or wrong
-    return [_number(text, line, column, cell) for column, cell in enumerate(cells, 1)]
-
-
-def _number(text: _Text, line: int, column: int, cell: str) -> float:
-    plain = cell.strip()
-    if plain.lower() in _MISSING:
-        return float("nan")
-    try:
-        # Python reads 1_000 as a number; a table does not mean one.
-        return float(plain.replace("_", "?"))
-    except ValueError:
-        raise ValueError(
-            f"{text.path}:{line}:{column}: {plain!r} is not a number "
-            f"(column {text.names[column - 1]})"
-        ) from None
 
 
 def _columns(text: _Text) -> dict[str, dict[str, int]]:

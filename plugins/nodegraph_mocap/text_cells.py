@@ -22,7 +22,9 @@ def text_lines(path: Path) -> list[str]:
         raise ValueError(f"{path}: not a table of text: {error}") from None
 
 
-def cell_numbers(path: Path, line: int, cells: Sequence[str], *, first: int = 1) -> list[float]:
+def cell_numbers(
+    path: Path, line: int, cells: Sequence[str], *, first: int = 1, names: Sequence[str] = ()
+) -> list[float]:
     """Return the numbers of a line's cells; an empty cell, or one that says NaN, is NaN.
 
     Parameters
@@ -33,6 +35,8 @@ def cell_numbers(path: Path, line: int, cells: Sequence[str], *, first: int = 1)
         As they are written.
     first
         Number of the first one's column, counted from 1.
+    names
+        Of the columns, where they have any, for the message.
 
     Raises
     ------
@@ -44,10 +48,14 @@ def cell_numbers(path: Path, line: int, cells: Sequence[str], *, first: int = 1)
             return [float(cell or "nan") for cell in cells]
     except ValueError:
         pass  # one of them is special, or wrong
-    return [_number(path, line, column, cell) for column, cell in enumerate(cells, first)]
+    said = [f" (column {name})" for name in names] or [""] * len(cells)
+    return [
+        _number(f"{path}:{line}:{column}", cell, where)
+        for column, (cell, where) in enumerate(zip(cells, said, strict=True), first)
+    ]
 
 
-def _number(path: Path, line: int, column: int, cell: str) -> float:
+def _number(place: str, cell: str, where: str) -> float:
     plain = cell.strip()
     if plain.lower() in _MISSING:
         return float("nan")
@@ -55,4 +63,4 @@ def _number(path: Path, line: int, column: int, cell: str) -> float:
         # Python reads 1_000 as a number; a table does not mean one.
         return float(plain.replace("_", "?"))
     except ValueError:
-        raise ValueError(f"{path}:{line}:{column}: {plain!r} is not a number") from None
+        raise ValueError(f"{place}: {plain!r} is not a number{where}") from None
