@@ -7,7 +7,7 @@ from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
 from nodegraph.hooks import Contract, Rendered, Renderer, Storage, Tried, hookimpl
 from nodegraph.node import node
 from nodegraph.ports import Absent, Across, InputFile, Label, Truth, Unit
-from nodegraph.values import Value, read_only
+from nodegraph.values import Files, Value, read_only
 
 if TYPE_CHECKING:
     from nodegraph.api import load, run
@@ -17,6 +17,7 @@ __all__ = [
     "Absent",
     "Across",
     "Contract",
+    "Files",
     "GraphError",
     "InputFile",
     "Label",

@@ -84,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_show(commands)
     _add_examples(commands)
     _add_why(commands)
+    _add_export(commands)
     _add_cache(commands)
     _add_schema(commands)
     return parser
@@ -140,6 +141,20 @@ def _add_why(commands: Any) -> None:
     why.add_argument("node", metavar="NODE", help="a node of the graph")
     why.add_argument("--run", type=Path, metavar="DIR", help="the earlier run (runs/NAME)")
     _add_store(why)
+
+
+def _add_export(commands: Any) -> None:
+    export = _add(commands, "export", "write a value of a run as a file")
+    export.add_argument("run", type=Path, metavar="RUN", help="the folder of a run: runs/NAME")
+    export.add_argument("node", metavar="NODE", help="a node, or one of its outputs: gaps.truth")
+    export.add_argument(
+        "--at", action="append", default=[], metavar="AXIS=LABEL", help="which one: fill=muscle"
+    )
+    export.add_argument(
+        "--out", type=Path, required=True, metavar="FILE", help="its suffix says in which form"
+    )
+    _add_plugin(export)
+    _add_store(export)
 
 
 def _add_cache(commands: Any) -> None:

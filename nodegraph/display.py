@@ -1,4 +1,4 @@
-"""How what stands below shows itself in a notebook: by code above, found by its name."""
+"""How what stands below shows itself: sizes as text; in a notebook by code above, by its name."""
 
 from __future__ import annotations
 
@@ -13,3 +13,12 @@ def in_notebook(function: str, value: Any) -> str:
     before somebody looks.
     """
     return str(getattr(import_module("nodegraph.notebook"), function)(value))
+
+
+SIZES = {"TB": 10**12, "GB": 10**9, "MB": 10**6, "KB": 10**3, "B": 1}
+
+
+def size_text(size: int) -> str:
+    """Return a number of bytes as a person says it: ``1.2 MB``."""
+    unit = next((one for one in SIZES if size >= SIZES[one]), "B")
+    return f"{size} B" if unit == "B" else f"{size / SIZES[unit]:.1f} {unit}"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import fields
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -20,6 +22,34 @@ class Value:
     """
 
     __slots__ = ()
+
+
+@dataclass(frozen=True)
+class Files(Value):
+    """Files that a node has made: the machine alone writes them, into the folder of the run.
+
+    Attributes
+    ----------
+    content : mapping of str to bytes
+        By name: ``recording.c3d``, or ``takes/one.csv`` in a folder of its own.
+
+    Raises
+    ------
+    ValueError
+        If a name is empty, or leads out of the folder; or if what stands there is no bytes.
+    """
+
+    content: Mapping[str, bytes]
+
+    def __post_init__(self) -> None:
+        for name, content in self.content.items():
+            parts = PurePosixPath(name).parts
+            plain = "/".join(parts) == name and name.isprintable() and "\\" not in name
+            if not parts or not plain or ".." in parts or name.startswith("/") or ":" in name:
+                raise ValueError(f"{name!r} is no name of a file: write one such as recording.c3d")
+            if not isinstance(content, bytes):
+                raise ValueError(f"file {name!r}: must be bytes, got {type(content).__name__}")
+        object.__setattr__(self, "content", dict(self.content))
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:

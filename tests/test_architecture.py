@@ -16,6 +16,7 @@ FLOORS = (  # from the top
     {"cli"},
     {"commands", "notebook"},
     {"api", "report", "testing"},
+    {"finished", "forms"},
     {"draw", "terminal", "folder", "schema", "why"},
     {"execute"},
     {"keys"},

@@ -6,12 +6,12 @@ import re
 import time
 from argparse import Namespace
 
+from nodegraph.display import SIZES, size_text
 from nodegraph.errors import NodegraphError
 from nodegraph.store import Amount, Kept, Upkeep, store_folder
 from nodegraph.terminal import columns
 
 _AGES = {"d": 86400, "h": 3600, "m": 60}
-_SIZES = {"TB": 10**12, "GB": 10**9, "MB": 10**6, "KB": 10**3, "B": 1}
 
 
 def cache(arguments: Namespace) -> int:
@@ -49,7 +49,7 @@ def _row(kept: Kept, now: float) -> tuple[str, ...]:
     entry = kept.entry
     took = _seconds(entry.seconds)
     used = f"{_seconds(max(0.0, now - kept.used), whole=True)} ago"
-    return (entry.node, entry.step, entry.state, _bytes(entry.size), took, used)
+    return (entry.node, entry.step, entry.state, size_text(entry.size), took, used)
 
 
 def _prune(upkeep: Upkeep, arguments: Namespace) -> None:
@@ -75,17 +75,12 @@ def _bytes_of(text: str) -> int:
     found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMGT]?B)", text, re.IGNORECASE)
     if found is None:
         raise NodegraphError(f"--keep {text}: write a size with its unit, such as 10GB or 500MB")
-    return int(float(found[1]) * _SIZES[found[2].upper()])
+    return int(float(found[1]) * SIZES[found[2].upper()])
 
 
 def _amount(amount: Amount) -> str:
     results = "result" if amount.entries == 1 else "results"
-    return f"{amount.entries} {results} ({_bytes(amount.size)}, arrays in {amount.blobs} files)"
-
-
-def _bytes(size: int) -> str:
-    unit = next((one for one in _SIZES if size >= _SIZES[one]), "B")
-    return f"{size} B" if unit == "B" else f"{size / _SIZES[unit]:.1f} {unit}"
+    return f"{amount.entries} {results} ({size_text(amount.size)}, arrays in {amount.blobs} files)"
 
 
 def _seconds(seconds: float, *, whole: bool = False) -> str:

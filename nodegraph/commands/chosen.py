@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,9 +63,19 @@ def command_of(arguments: Namespace) -> str:
     return shlex.join(words)
 
 
+def labels_of(option: str, words: Iterable[str]) -> dict[str, str]:
+    """Return the label of each axis: from ``fill=muscle``, or from several joined by commas."""
+    single = (one for word in words for one in re.split(r",(?=[^,=]+=)", word))
+    return dict(_split(option, single))
+
+
 def _pairs(arguments: Namespace, option: str) -> list[tuple[str, str]]:
+    return _split(option, getattr(arguments, option))
+
+
+def _split(option: str, words: Iterable[str]) -> list[tuple[str, str]]:
     pairs: list[tuple[str, str]] = []
-    for word in getattr(arguments, option):
+    for word in words:
         name, equals, text = word.partition("=")
         if not equals or not name:
             raise NodegraphError(f"--{option} {word}: write --{option} NAME=VALUE")

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from argparse import Namespace
 from collections import defaultdict
-from pathlib import Path
-from typing import Any
 
 from nodegraph.commands.chosen import graph_of, run_folder, store_of
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.recall import Recall
-from nodegraph.execute.record import FORMAT
-from nodegraph.folder import RECORD
+from nodegraph.finished import FinishedRun
 from nodegraph.plan import plan
 from nodegraph.why import Explained, Why
 
@@ -27,7 +23,7 @@ def why(arguments: Namespace) -> int:
             f"the graph has no node {arguments.node!r}; {nearest(arguments.node, graph.nodes)}"
         )
     folder = arguments.run or run_folder(arguments)
-    record = _record(folder)
+    record = FinishedRun(folder).record
     made = plan(graph)
     recall = Recall(made, store_of(arguments, graph))
     ended = recall.look_up()
@@ -37,27 +33,6 @@ def why(arguments: Namespace) -> int:
     for reason, steps in _by_reason(found).items():
         print(f"\n{_names(steps)}\n{reason}")
     return 0
-
-
-def _record(folder: Path) -> dict[str, Any]:
-    path = folder / RECORD
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise NodegraphError(
-            f"{path}: there is no earlier run to compare with; run the graph, or name its folder "
-            "with --run"
-        ) from None
-    except (OSError, ValueError) as error:
-        raise NodegraphError(f"{path} cannot be read: {error}") from error
-    if not isinstance(found, dict) or "steps" not in found:
-        raise NodegraphError(f"{path} is not the record of a run")
-    if found.get("format") != FORMAT:
-        raise NodegraphError(
-            f"{path} is of format {found.get('format')}, and only {FORMAT} can be compared; run "
-            "the graph again"
-        )
-    return found
 
 
 def _by_reason(found: list[Explained]) -> dict[str, list[Explained]]:

@@ -36,7 +36,7 @@ def record(run: Run, command: str) -> dict[str, Any]:
         "counts": run.counts(),
         "seconds": round(run.seconds, 6),
         "not_kept": dict(run.recall.not_kept) if run.recall else {},
-        "steps": [_step(run, step, outcome, command) for step, outcome in run.settled()],
+        "steps": _steps(run, command),
         "skipped": _skipped(run),
         "versions": versions(graph),
     }
@@ -62,7 +62,11 @@ def _node(node: GraphNode) -> dict[str, Any]:
         "axes": list(node.axes),
         "gathered": list(node.gathered),
         "methods": {
-            label or node.first.node.name: {"use": method.node.name, "plugin": method.plugin}
+            label or node.first.node.name: {
+                "use": method.node.name,
+                "plugin": method.plugin,
+                "outputs": [port.name for port in method.node.outputs],
+            }
             for label, method in node.methods.items()
         },
     }
@@ -86,6 +90,27 @@ def _code(run: Run) -> dict[str, Any]:
         name: {"units": dict(one.units), "versions": dict(one.versions)}
         for name, one in reached.items()
     }
+
+
+def _steps(run: Run, command: str) -> list[dict[str, Any]]:
+    shared = _shared(run)
+    return [
+        _step(run, step, outcome, command) | shared.get(step.index, {})
+        for step, outcome in run.settled()
+    ]
+
+
+def _shared(run: Run) -> dict[int, dict[str, Any]]:
+    """Return the other combinations of steps that stand for several: equal work is done once."""
+    others: dict[int, list[dict[str, Any]]] = {}
+    for name, cells in run.plan.cells.items():
+        axes = run.plan.graph.nodes[name].axes
+        for combination, index in cells.items():
+            labels = dict(zip(axes, combination, strict=True))
+            step = run.plan.steps[index]
+            if (step.node, step.labels) != (name, labels):
+                others.setdefault(index, []).append({"node": name, "labels": plain(labels)})
+    return {index: {"also": found} for index, found in others.items()}
 
 
 def _step(run: Run, step: Step, outcome: Outcome, command: str) -> dict[str, Any]:

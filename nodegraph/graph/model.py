@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from nodegraph.errors import Place
 from nodegraph.node import Node
 from nodegraph.ports import Label
 from nodegraph.spec.parts import Reference
+from nodegraph.values import Files
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -196,12 +197,20 @@ class Graph:
 
     @property
     def reported(self) -> tuple[tuple[str, str], ...]:
-        """The nodes, and ports, that the report shows: as listed, else nodes that nothing reads."""
-        if self.spec.report:
-            found = dict.fromkeys((one.node, one.port) for one in self.spec.report)
-            return tuple(one for one in found if one[0] in self.nodes)
+        """The nodes, and ports, that the report shows: as listed, else nodes that nothing reads.
+
+        Those that make files come last in any case.
+        """
         read = {source.node for _, _, source, _ in self.wires()}
-        return tuple((name, "") for name in self.nodes if name not in read)
+        listed = dict.fromkeys((one.node, one.port) for one in self.spec.report)
+        shown = listed or dict.fromkeys((name, "") for name in self.nodes if name not in read)
+        files = (
+            (name, port)
+            for name, node in self.nodes.items()
+            for port in _files(node)
+            if (name, "") not in shown
+        )
+        return tuple(one for one in dict.fromkeys((*shown, *files)) if one[0] in self.nodes)
 
     def _repr_html_(self) -> str:
         """Return how a notebook shows the graph."""
@@ -226,3 +235,11 @@ class Graph:
 def sources_of(fed: Reference | Gather) -> tuple[Reference, ...]:
     """Return the sources of whatever feeds a port."""
     return tuple(fed.sources.values()) if isinstance(fed, Gather) else (fed,)
+
+
+def _files(node: GraphNode) -> Iterator[str]:
+    """Return the outputs by which a node gives files; an empty name where it is the only one."""
+    outputs = node.first.node.outputs
+    return (
+        port.name if len(outputs) > 1 else "" for port in outputs if issubclass(port.type, Files)
+    )

@@ -10,6 +10,7 @@ from typing import Any
 
 from nodegraph.bibliography import references
 from nodegraph.describe import describe_settings, shown
+from nodegraph.display import size_text
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
 from nodegraph.execute.record import versions
@@ -25,6 +26,7 @@ from nodegraph.report.study import (
     Study,
     TimingRow,
 )
+from nodegraph.values import Files
 
 _MOST_VALUES = 12
 
@@ -92,6 +94,11 @@ def _sections(
     sections: list[Section] = []
     files: dict[str, bytes] = {}
     for title, labels, name, value in found:
+        if isinstance(value, Files):
+            made = {f"{name}/{file}": content for file, content in value.content.items()}
+            sections.append(_files_section(title, labels, made))
+            files |= made
+            continue
         rendered = _rendered(value, f"{title} {labels}".strip(), renderers)
         if rendered is None:
             continue
@@ -100,6 +107,12 @@ def _sections(
         links = tuple(Link(one.rpartition(".")[2].upper(), one) for one in beside)
         sections.append(Section(title, rendered, labels, links))
     return tuple(sections), files
+
+
+def _files_section(title: str, labels: str, made: Mapping[str, bytes]) -> Section:
+    said = [f"{path} ({size_text(len(content))})" for path, content in made.items()]
+    links = tuple(Link(path.rpartition("/")[2], path) for path in made)
+    return Section(title, Rendered("", "\n".join(said) or "no files"), labels, links)
 
 
 def _rendered(value: Any, title: str, renderers: Iterable[Renderer]) -> Rendered | None:

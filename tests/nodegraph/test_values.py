@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph import read_only
+from nodegraph import Files, read_only
 
 
 def test_an_array_of_its_own_is_locked_without_a_copy() -> None:
@@ -50,3 +50,17 @@ def test_a_view_into_memory_that_nobody_can_write_to_is_passed_on() -> None:
         assert read_only(array) is array
     open_memory = np.frombuffer(bytearray(16))
     assert read_only(open_memory) is not open_memory
+
+
+@pytest.mark.parametrize(
+    "name", ["", ".", "/a.c3d", "../a", "a/../../b", "a//b", "a/", "c:a", "a\\b", "a\nb"]
+)
+def test_files_stay_in_their_folder(name: str) -> None:
+    with pytest.raises(ValueError, match="is no name of a file"):
+        Files({name: b""})
+
+
+def test_files_are_bytes() -> None:
+    assert Files({"one.c3d": b"1", "more/two.csv": b"2"}).content["more/two.csv"] == b"2"
+    with pytest.raises(ValueError, match=r"file 'a.csv': must be bytes, got str"):
+        Files({"a.csv": "text"})  # type: ignore[dict-item]

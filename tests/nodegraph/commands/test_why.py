@@ -72,7 +72,7 @@ def test_a_result_that_was_removed_is_said_to_be(command: Command) -> None:
 def test_an_earlier_run_is_needed(command: Command) -> None:
     status, out, err = command("why", "toy.yaml", "total")
     assert (status, out) == (2, "")
-    assert "there is no earlier run to compare with" in err
+    assert "there is no finished run; run the graph" in err
     command("run", "toy.yaml", "--out", "elsewhere")
     assert command("why", "toy.yaml", "total", "--run", "elsewhere")[0] == 0
     status, _, err = command("why", "toy.yaml", "totla", "--run", "elsewhere")
@@ -81,7 +81,7 @@ def test_an_earlier_run_is_needed(command: Command) -> None:
     Path("elsewhere/run.json").write_text('{"format": 0, "steps": []}')
     status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
     assert status == 2
-    assert "is of format 0, and only 1 can be compared; run the graph again" in err
+    assert "is of format 0, and only 1 can be read; run the graph again" in err
     Path("elsewhere/run.json").write_text("{")
     status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
     assert status == 2

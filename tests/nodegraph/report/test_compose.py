@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import pytest
 
-from nodegraph import Rendered, Renderer, node
+from nodegraph import Files, Rendered, Renderer, node
 from nodegraph.execute import Run, execute
 from nodegraph.graph import build
 from nodegraph.plan import plan
@@ -176,3 +176,32 @@ def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: 
     shown = page(study)
     assert "all of them from stored results" in shown
     assert "a stored result counts with the time that it took to compute" in shown
+
+
+def test_files_lie_in_a_folder_for_each_combination_whatever_the_report_lists() -> None:
+    @node("read.one")
+    def one(*, start: float) -> float:
+        return start
+
+    @node("write.number")
+    def written(number: float, *, name: str = "one") -> Files:
+        return Files({f"{name}.txt": str(number).encode(), "more/about.md": b"a number"})
+
+    text = """
+nodegraph: 1
+axes: {start: [1.5, 2.5]}
+nodes:
+  one: {use: read.one, with: {start: $start}}
+  out: {use: write.number, in: one}
+report: [one]
+"""
+    spec = read_graph_text(text, "toy.yaml", Path())
+    graph = build(spec, Registry.of([one, written]))
+    files, study = report_files(execute(plan(graph)), command=COMMAND)
+    assert files["out_start-1.5/one.txt"] == b"1.5"
+    assert files["out_start-2.5/more/about.md"] == b"a number"
+    last = study.sections[-1]
+    assert (last.title, last.labels) == ("out", "start=2.5")
+    assert last.rendered.text == ("out_start-2.5/one.txt (3 B)\nout_start-2.5/more/about.md (8 B)")
+    assert [one.text for one in last.files] == ["one.txt", "about.md"]
+    assert 'out_start-1.5/one.txt">one.txt</a>' in files["report.html"].decode()

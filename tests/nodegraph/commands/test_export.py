@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Command = Callable[..., tuple[int, str, str]]
+
+WRITERS = """
+from nodegraph import Files
+
+@node("write.txt")
+def write_txt(x: float, *, name: str = "number") -> Files:
+    return Files({f"{name}.txt": repr(x).encode(), f"{name}.note": b"a number"})
+
+@node("write.number_raw")
+def write_raw(x: float) -> Files:
+    raise TypeError("no numbers today")
+
+@node("write.pair")
+def write_pair(x: float, y: float) -> Files:
+    return Files({"x.pair": b""})
+"""
+
+
+@pytest.fixture
+def ran(command: Command) -> Path:
+    """The toy graph, run with writers of numbers."""
+    toys = Path("toys.py")
+    toys.write_text(toys.read_text() + WRITERS)
+    graph = Path("toy.yaml").read_text()
+    Path("toy.yaml").write_text(graph + "  again: {use: fill.hold, in: {x: one}}\n")
+    assert command("run", "toy.yaml", "--store", "kept")[0] == 0
+    return Path("runs/toy")
+
+
+def exported(command: Command, *words: str) -> tuple[int, str, str]:
+    return command("export", "runs/toy", *words, "--store", "kept")
+
+
+@pytest.mark.usefixtures("ran")
+def test_a_value_is_written_in_the_form_that_the_suffix_names(command: Command) -> None:
+    status, out, _ = exported(
+        command, "fill", "--at", "fill=hold,length=1", "--out", "there/four.txt"
+    )
+    assert status == 0
+    assert Path("there/four.txt").read_text() == "4.0"
+    assert "there/four.txt (3 B)" in out
+    assert Path("there/number.note").read_text() == "a number"
+
+
+@pytest.mark.usefixtures("ran")
+def test_an_output_is_named_after_a_point_and_labels_may_come_one_by_one(command: Command) -> None:
+    status, _, _ = exported(command, "gaps.truth", "--at", "length=5", "--out", "truth.txt")
+    assert (status, Path("truth.txt").read_text()) == (0, "5.0")
+    status, _, _ = exported(
+        command, "fill", "--at", "fill=strict", "--at", "length=5", "--out", "new/strict.TXT"
+    )
+    assert (status, Path("new/strict.TXT").read_text()) == (0, "0.0")
+
+
+def test_a_combination_that_another_step_stands_for_is_found(ran: Path, command: Command) -> None:
+    record = json.loads((ran / "run.json").read_text())
+    shared = [one for step in record["steps"] for one in step.get("also", ())]
+    assert {"node": "one", "labels": {}} in shared
+    status, _, _ = exported(command, "one", "--out", "one.txt")
+    assert (status, Path("one.txt").read_text()) == (0, "0.0")
+
+
+@pytest.mark.usefixtures("ran")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("fil", "--out", "a.txt"), "the run has no node 'fil'; did you mean 'fill'?"),
+        (("gaps.truht", "--out", "a.txt"), "'gaps' has no output 'truht'; did you mean 'truth'?"),
+        (("fill", "--at", "fill=hold", "--out", "a.txt"), "has 2 values; say by --at: length (1,"),
+        (("fill", "--at", "fil=hold", "--out", "a.txt"), "'fill' has no axis 'fil'"),
+        (("fill", "--at", "length=2", "--out", "a.txt"), "'length' has no label '2'; there is: 1"),
+        (("total", "--out", "a.xyz"), "of type float can be written as .raw"),
+        (("total", "--out", "a.raw"), "a.raw: TypeError: no numbers today"),
+        (("fill", "--at", "fill", "--out", "a.txt"), "--at fill: write --at NAME=VALUE"),
+        (("a", "--out", "toy.yaml"), "toy.yaml is there already; name another file"),
+    ],
+)
+def test_what_cannot_be_written_is_told(
+    command: Command, words: tuple[str, ...], said: str
+) -> None:
+    before = sorted(Path().iterdir())
+    status, _, err = exported(command, *words)
+    assert status == 2
+    assert said in err
+    assert sorted(Path().iterdir()) == before
+
+
+@pytest.mark.usefixtures("ran")
+def test_a_value_that_is_no_longer_stored_comes_with_the_command_that_makes_it(
+    command: Command,
+) -> None:
+    status, _, err = command("export", "runs/toy", "a", "--out", "a.txt", "--store", "elsewhere")
+    assert status == 2
+    assert "a: its value is not in the store" in err
+    assert "nodegraph run toy.yaml --plugin toys.py --store kept" in err
+
+
+@pytest.mark.usefixtures("ran")
+def test_what_was_refused_or_failed_has_no_value(command: Command) -> None:
+    assert command("run", "toy.yaml", "--set", "start=-20", "--store", "kept")[0] == 0
+    words = ("--at", "fill=strict,length=1", "--out", "a.txt")
+    status, _, err = exported(command, "fill", *words)
+    assert status == 2
+    assert "fill(fill=strict, length=1) was refused: too small" in err
+
+
+def test_a_folder_that_is_no_run_is_told(command: Command) -> None:
+    status, _, err = command("export", ".", "a", "--out", "a.txt")
+    assert status == 2
+    assert "run.json: there is no finished run; run the graph" in err
