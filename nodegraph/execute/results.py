@@ -13,6 +13,7 @@ from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.executors import HowToRun
 from nodegraph.execute.executors.serial import serial
+from nodegraph.execute.one_thread import one_thread_each
 from nodegraph.execute.recall import Recall
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.values import Values
@@ -137,7 +138,7 @@ class Run:
             keep=[step.index],
             wanted=[step.index],
         )
-        with self._files_as_they_were(step), warnings_heard():
+        with self._files_as_they_were(step), warnings_heard(), one_thread_each():
             for done, found in serial(again, HowToRun()):
                 again.finish(done, found)
         values = again.values.get(step.index) or self._loaded(step)

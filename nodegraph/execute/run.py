@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import nullcontext
 
 from nodegraph.collection import collecting_only_what_is_new
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.events import Listener, Teller
 from nodegraph.execute.executors import HowToRun, executor_of
+from nodegraph.execute.one_thread import one_thread_each
 from nodegraph.execute.recall import Recall
 from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule
@@ -58,7 +60,7 @@ def execute(
             hears=teller,
         )
         teller.left = lambda: schedule.left
-        with warnings_heard():
+        with warnings_heard(), one_thread_each() if schedule.left else nullcontext():
             for index, outcome in executor(schedule, how):
                 schedule.finish(index, outcome)
     except BaseException:

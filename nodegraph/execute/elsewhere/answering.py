@@ -17,6 +17,7 @@ from nodegraph.execute.elsewhere.letters import (
     Answer,
     Question,
 )
+from nodegraph.execute.one_thread import one_thread_each
 from nodegraph.store import Unreadable, Unstorable
 
 
@@ -61,7 +62,7 @@ def _without_values(kind: str, reason: str) -> Answer:
 
 
 class _Hearing:
-    """Hears what nodes warn of for as long as any thread here calls one."""
+    """Hears what nodes warn of, and holds them to one thread each, while any is called here."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -75,6 +76,7 @@ class _Hearing:
             self._calls += 1
             if self._calls == 1:
                 self._open.enter_context(warnings_heard())
+                self._open.enter_context(one_thread_each())
         try:
             yield
         finally:

@@ -12,6 +12,7 @@ from queue import SimpleQueue
 from nodegraph.execute.elsewhere.answering import answer
 from nodegraph.execute.elsewhere.frames import read_frames, write_frames
 from nodegraph.execute.elsewhere.letters import Question
+from nodegraph.execute.one_thread import one_thread_each
 
 
 def main() -> None:
@@ -21,12 +22,13 @@ def main() -> None:
     write_frames(replies, [b"ready"])
     work = _Work(requests)
     threading.Thread(target=work.read, daemon=True).start()
-    while (question := work.next()) is not None:
-        frames = answer(question).frames()
-        sys.stdout.flush()
-        work.answering = False
-        write_frames(replies, frames)
-        del question, frames
+    with one_thread_each():
+        while (question := work.next()) is not None:
+            frames = answer(question).frames()
+            sys.stdout.flush()
+            work.answering = False
+            write_frames(replies, frames)
+            del question, frames
 
 
 class _Work:

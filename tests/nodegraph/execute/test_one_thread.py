@@ -1,0 +1,84 @@
+"""Whatever runs a step, numerical libraries use one thread in it; afterwards, what they used."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.one_thread import one_thread_each
+from nodegraph.graph import build
+from nodegraph.plan import plan
+from nodegraph.registry import Registry
+from nodegraph.spec import read_graph_text
+
+GRAPH = """
+nodegraph: 1
+axes: {trial: {count: 4}}
+nodes:
+  a: {use: toy.threads, with: {seed: $trial}}
+  most: {use: toy.most, in: a}
+"""
+NODES = """
+import os
+import numpy
+from threadpoolctl import threadpool_info
+from nodegraph import Across, node
+
+@node("toy.threads")
+def threads(*, seed: int) -> int:
+    numpy.ones((2, 2)) @ numpy.ones((2, 2))
+    loaded = [one["num_threads"] for one in threadpool_info()]
+    return max([int(os.environ["OPENBLAS_NUM_THREADS"]), *loaded])
+
+@node("toy.most")
+def most(many: Across[int]) -> int:
+    return max(many.values())
+"""
+
+
+@pytest.fixture(autouse=True)
+def _two_threads(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    with threadpool_limits(limits=2):
+        yield
+
+
+def threads_now() -> set[int]:
+    np.linalg.norm(np.ones((3, 3)))
+    return {one["num_threads"] for one in threadpool_info()}
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+def test_steps_see_one_thread(executor: str, tmp_path: Path) -> None:
+    file = tmp_path / "threads.py"
+    file.write_text(NODES)
+    graph = build(read_graph_text(GRAPH, "toy.yaml", Path()), Registry.installed([file]))
+    run = execute(plan(graph), how=HowToRun(executor, 2), keep=["most"])
+    assert run["most"].value == 1
+    assert threads_now() == {2}
+
+
+def test_a_value_that_is_computed_again_is_the_same(tmp_path: Path) -> None:
+    file = tmp_path / "threads.py"
+    file.write_text(NODES)
+    graph = build(read_graph_text(GRAPH, "toy.yaml", Path()), Registry.installed([file]))
+    assert execute(plan(graph))["a"].at(trial=2) == 1
+
+
+def test_the_limit_holds_until_the_last_is_done_and_leaves_no_trace() -> None:
+    first, second = one_thread_each(), one_thread_each()
+    with first:
+        second.__enter__()
+    assert threads_now() == {1}
+    assert os.environ["OMP_NUM_THREADS"] == "1"
+    second.__exit__(None, None, None)
+    assert threads_now() == {2}
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "2"
+    assert "OMP_NUM_THREADS" not in os.environ
