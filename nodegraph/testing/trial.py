@@ -57,16 +57,12 @@ class Trial:
             What came out; or why the node declined this specimen; or None after a fault.
         """
         before = copy.deepcopy((self.inputs, self.settings))
-        made: Mapping[str, Any] | str | None
         try:
-            with _chance(1) as drawn:
-                made = self.call(self.inputs)
-        except _DECLINED as declined:
-            made = f"{type(declined).__name__}: {declined}"
+            made, drawn = self._watched()
         except Exception as error:
             self._note_error(error)
             return None
-        if drawn():
+        if drawn:
             self.fault(_GLOBAL)
             return None
         changed = self._changed(before)
@@ -74,6 +70,19 @@ class Trial:
             self.fault(_MUTATES, changed or str(made))
             return None
         return made if made is None or isinstance(made, str) else self._repeated(made)
+
+    def _watched(self) -> tuple[Mapping[str, Any] | str | None, bool]:
+        """Return what came out, or why it declined, and whether it drew from a global state."""
+        for _ in range(2):
+            with _chance(1) as drawn:
+                try:
+                    made: Mapping[str, Any] | str | None = self.call(self.inputs)
+                except _DECLINED as declined:
+                    made = f"{type(declined).__name__}: {declined}"
+            if not drawn():
+                return made, False
+            # once may be a library that draws while it is imported
+        return made, True
 
     def call(self, inputs: Mapping[str, Any]) -> Mapping[str, Any] | None:
         """Call the node as the machine does; None when it returned what it does not promise."""

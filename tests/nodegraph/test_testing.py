@@ -533,3 +533,16 @@ def test_same_looks_into_what_values_are_made_of() -> None:
 )
 def test_a_difference_has_its_place(one: Any, other: Any, text: str) -> None:
     assert difference(one, other) == text
+
+
+def test_a_library_that_draws_while_it_is_imported_is_no_fault() -> None:
+    imported: list[float] = []
+
+    @node("fill.late")
+    def late(x: float) -> float:
+        """Import late."""
+        if not imported:
+            imported.append(random.random())
+        return x
+
+    check_node(late, inputs={"x": 1.0}, registry=Registry.of([]))
