@@ -73,8 +73,8 @@ def indices(
 def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
     """Return the names as a tuple in which each occurs once."""
     listed = tuple(str(name) for name in names)
-    repeated = sorted({name for name in listed if listed.count(name) > 1})
-    if repeated:
+    if len(set(listed)) < len(listed):
+        repeated = sorted({name for name in listed if listed.count(name) > 1})
         raise ValueError(f"{what}: named twice: {', '.join(repeated)}")
     return listed
 

@@ -50,7 +50,7 @@ def _free(label: str, place: int, taken: set[str]) -> str:
 def _without_subject(labels: list[str]) -> list[str]:
     parts = [label.partition(":") for label in labels]
     subjects = Counter(subject for subject, _, marker in parts if marker)
-    shared = len(subjects) == 1 and subjects.total() == len(labels)
+    shared = len(subjects) == 1 and subjects.total() == len([label for label in labels if label])
     return [marker for _, _, marker in parts] if shared else labels
 
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from codecs import BOM_UTF8
-from dataclasses import replace
 from pathlib import Path
 
 from nodegraph import InputFile, node
-from nodegraph_mocap.files_csv import read_csv
-from nodegraph_mocap.files_marker_set import read_marker_set
-from nodegraph_mocap.files_npz import read_npz
-from nodegraph_mocap.files_trc import FIRST_WORD, read_trc
-from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.files.marker_set_beside import marker_set_for, with_marker_set
+from nodegraph_mocap.files.npz import read_npz
 from nodegraph_mocap.paths import find_file
 from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.text.csv_table import read_csv
+from nodegraph_mocap.text.text_file import start_in_utf8
+from nodegraph_mocap.text.trc import FIRST_WORD, read_trc
 
 _RECORDINGS = ("recording.c3d", "recording.npz", "recording.trc", "recording.csv")
-_MARKER_SETS = ("markers.yaml",)
 _TABLES = (".csv", ".tsv", ".txt")
 
 
@@ -53,43 +50,21 @@ def read_recording(
         raise ValueError(f"{path}: the recording holds no samples")
     if not recording.present.any():
         warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=2)
-    found = _marker_set(Path(path), file, marker_set)
-    return recording if found is None else _with_set(recording, found, file)
+    return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
 
 
 def _read(file: Path, zeros_missing: bool) -> Trajectories:
     with file.open("rb") as opened:
-        start = opened.read(16)
+        start = opened.read(2 + 2 * len(FIRST_WORD))
     # A C3D file starts with a small number, a text that has a P in second place does not.
     if (start[1:2] == b"\x50" and start[0] < 0x20) or file.suffix.lower() == ".c3d":
-        from nodegraph_mocap.files_c3d import read_c3d
+        from nodegraph_mocap.files.c3d import read_c3d
 
         return read_c3d(file, zeros_missing=zeros_missing)
     if start.startswith(b"PK\x03\x04"):
         return read_npz(file, zeros_missing=zeros_missing)
-    if (
-        start.removeprefix(BOM_UTF8).startswith(FIRST_WORD.encode())
-        or file.suffix.lower() == ".trc"
-    ):
+    if start_in_utf8(start).startswith(FIRST_WORD.encode()) or file.suffix.lower() == ".trc":
         return read_trc(file, zeros_missing=zeros_missing)
     if file.suffix.lower() in _TABLES:
         return read_csv(file, zeros_missing=zeros_missing)
     raise ValueError(f"{file}: neither C3D, TRC, NPZ nor a table ({', '.join(_TABLES)})")
-
-
-def _marker_set(path: Path, file: Path, given: Path | None) -> MarkerSet | None:
-    if given is not None:
-        return read_marker_set(find_file(given, _MARKER_SETS))
-    beside = file.parent / _MARKER_SETS[0]
-    asked_for_folder = path != file
-    return read_marker_set(beside) if asked_for_folder and beside.is_file() else None
-
-
-def _with_set(recording: Trajectories, found: MarkerSet, file: Path) -> Trajectories:
-    absent = [name for name in found.markers if name not in recording.markers]
-    if absent:
-        raise ValueError(
-            f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "
-            f"{', '.join(recording.markers)}"
-        )
-    return replace(recording, marker_set=found)

@@ -8,8 +8,8 @@ import numpy as np
 
 from nodegraph import InputFile, node
 from nodegraph_mocap.face_model import Weights
-from nodegraph_mocap.files_live_link import read_live_link
 from nodegraph_mocap.paths import find_file
+from nodegraph_mocap.text.live_link import read_live_link
 
 _WEIGHTS = ("weights.csv",)
 

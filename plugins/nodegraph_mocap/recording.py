@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Value
 from nodegraph_mocap.checks import distinct, positive_rate, set_fields
+from nodegraph_mocap.pieces import pieces
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -68,9 +69,11 @@ class Trajectories(Value):
         positions = np.asarray(self.positions, dtype=np.float64)
         _check_shape(positions, self.markers)
         missing = _missing(positions, self.markers)
-        made = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
-        origin = made if self.origin is None else np.asarray(self.origin, dtype=np.uint8)
-        _check_origin(origin, missing)
+        if self.origin is None:
+            origin = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
+        else:
+            origin = np.asarray(self.origin, dtype=np.uint8)
+            _check_origin(origin, missing)
         set_fields(
             self,
             positions=positions,
@@ -174,17 +177,27 @@ def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> No
 
 
 def _missing(positions: NDArray[np.float64], markers: tuple[str, ...]) -> NDArray[np.bool_]:
-    # Over an axis of three, `any` takes twenty times as long as two bitwise operations.
-    nan = np.isnan(positions)
-    missing = np.asarray(nan[..., 0] | nan[..., 1] | nan[..., 2])
-    if np.count_nonzero(nan) != 3 * np.count_nonzero(missing) or np.isinf(positions).any():
-        bad = np.isinf(positions).any(axis=2) | (missing & ~nan.all(axis=2))
-        frame, marker = np.argwhere(bad)[0]
-        raise ValueError(
-            f"frame {frame}, marker {markers[marker]!r}: {positions[frame, marker]} is neither a "
-            f"position nor wholly missing ({np.count_nonzero(bad)} such samples)"
-        )
+    missing = np.zeros(positions.shape[:2], dtype=np.bool_)
+    for piece in pieces(len(positions), positions[:1].nbytes):
+        finite = np.isfinite(positions[piece])
+        lacking = finite.size - np.count_nonzero(finite)
+        if lacking:
+            # Over an axis of three, `any` takes twenty times as long as two bitwise operations.
+            nan = np.isnan(positions[piece])
+            missing[piece] = nan[..., 0] | nan[..., 1] | nan[..., 2]
+            if not lacking == np.count_nonzero(nan) == 3 * np.count_nonzero(missing[piece]):
+                raise _broken(positions, markers)
     return missing
+
+
+def _broken(positions: NDArray[np.float64], markers: tuple[str, ...]) -> ValueError:
+    nan = np.isnan(positions)
+    bad = np.isinf(positions).any(axis=2) | (nan.any(axis=2) & ~nan.all(axis=2))
+    frame, marker = np.argwhere(bad)[0]
+    return ValueError(
+        f"frame {frame}, marker {markers[marker]!r}: {positions[frame, marker]} is neither a "
+        f"position nor wholly missing ({np.count_nonzero(bad)} such samples)"
+    )
 
 
 def _check_origin(origin: NDArray[np.uint8], missing: NDArray[np.bool_]) -> None:

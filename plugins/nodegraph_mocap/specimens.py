@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
+from nodegraph_mocap.selection import Selection
 from nodegraph_mocap.tables import Figure, Table
 
 if TYPE_CHECKING:
@@ -41,10 +43,12 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
         Trajectories: recordings,
         Mask: masks,
         MarkerSet: marker_sets,
+        Selection: selections,
         Detections: detections,
         BlendshapeModel: lambda: {"complete": _model()},
         Head: lambda: {"complete": _head()},
         Weights: lambda: {"complete": _weights(FRAMES), "one frame": _weights(1)},
+        Animation: animations,
         HeadMotion: lambda: {name: _still(one.frames) for name, one in recordings().items()},
         Table: tables,
         Figure: lambda: {"complete": _figure()},
@@ -94,6 +98,20 @@ def marker_sets() -> dict[str, MarkerSet]:
     return {"complete": _marker_set(), "one marker": MarkerSet(markers=("nose",))}
 
 
+def selections() -> dict[str, Selection]:
+    """Return some of the face's markers with all that a search tells, and one marker alone."""
+    marker_set = _marker_set()
+    pairs = (*marker_set.pairs, *((name,) for name in marker_set.midline))
+    found = Selection(
+        chosen=(*marker_set.pairs[2], *marker_set.pairs[0], "nose"),
+        pairs=pairs,
+        frequencies=np.array([0.9, 0.25, 1.0, 0.0, 0.75, 0.5]),
+        columns=("k", "markers", "stability"),
+        history=np.array([[5.0, 5.0, 2.65], [10.0, 8.0, np.nan]]),
+    )
+    return {"complete": found, "one marker": Selection(chosen=("nose",))}
+
+
 def detections() -> dict[str, Detections]:
     """Return the present samples of each recording without their names."""
     made = {}
@@ -105,6 +123,18 @@ def detections() -> dict[str, Detections]:
             rate=recording.rate,
         )
     return made
+
+
+def animations() -> dict[str, Animation]:
+    """Return the head with weights: complete ones, a single frame, and with some missing."""
+    head, weights = _head(), _weights(FRAMES)
+    gappy = weights.values.copy()
+    gappy[:3, 0] = gappy[10:14, 1] = np.nan
+    return {
+        "complete": Animation(head=head, weights=weights, head_motion=_still(FRAMES)),
+        "one frame": Animation(head=head, weights=_weights(1), head_motion=_still(1)),
+        "gaps": Animation(head=head, weights=replace(weights, values=gappy)),
+    }
 
 
 def tables() -> dict[str, Table]:

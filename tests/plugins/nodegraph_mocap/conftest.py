@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import random
 import struct
-from collections.abc import Callable, Mapping
+import tracemalloc
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -132,6 +134,40 @@ def build_c3d(tmp_path: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture
+def damaged() -> Callable[[bytes, random.Random], bytes]:
+    """What changes, drops and adds bytes of a file, mostly near its start, or cuts it short."""
+
+    def change(content: bytearray, chance: random.Random) -> None:
+        at = chance.randrange(min(len(content), chance.choice([1500, len(content)])))
+        kind = chance.random()
+        if kind < 0.7:
+            content[at] = chance.choice([0, 1, 127, 128, 254, 255, chance.randrange(256)])
+        elif kind < 0.8:
+            content[at : at + chance.randrange(1, 9)] = b""
+        elif kind < 0.9:
+            content[at:at] = chance.randbytes(chance.randrange(1, 9))
+        else:
+            del content[chance.randrange(1, len(content)) :]
+
+    def made(good: bytes, chance: random.Random) -> bytes:
+        content = bytearray(good)
+        for _ in range(chance.choice([1, 2, 5])):
+            if len(content) > 1:
+                change(content, chance)
+        return bytes(content)
+
+    return made
+
+
+@pytest.fixture
+def peak_memory() -> Iterator[Callable[[], int]]:
+    """What tells how many bytes the test has had in use at once so far."""
+    tracemalloc.start()
+    yield lambda: tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+
+
+@pytest.fixture
 def samples() -> NDArray[np.float64]:
     """(20, 3, 4), positions that 32 bits hold exactly, none missing."""
     made = np.zeros((20, 3, 4))
@@ -145,3 +181,15 @@ def gappy() -> Trajectories:
     positions = np.random.default_rng(1).normal(size=(6, 3, 3)) * 100
     positions[2, 1] = positions[5, 0] = np.nan
     return Trajectories(positions=positions, markers=("a", "b c", "é"), rate=59.94)
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Callable[[str], Path]:
+    """What writes a text into a file, whose path it returns."""
+
+    def write(text: str) -> Path:
+        path = tmp_path / "take.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

@@ -17,6 +17,11 @@ def test_a_subject_that_all_share_is_taken_off() -> None:
     assert unique_names(["Ann:lip", "Ann:nose:tip"], 2) == ("lip", "nose:tip")
 
 
+def test_a_marker_without_a_label_has_no_other_subject() -> None:
+    with pytest.warns(UserWarning, match="'' is now 'unnamed_2'"):
+        assert unique_names(["Ann:lip", "", "Ann:nose"], 3) == ("lip", "unnamed_2", "nose")
+
+
 @pytest.mark.parametrize("labels", [["Ann:lip", "Bob:lip"], ["Ann:lip", "nose"], ["a:", "a:x"]])
 def test_a_prefix_that_is_not_shared_stays(labels: list[str]) -> None:
     assert unique_names(labels, 2) == tuple(labels)

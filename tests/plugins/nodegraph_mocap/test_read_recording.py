@@ -35,16 +35,6 @@ def test_the_node_keeps_its_promises() -> None:
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
-@pytest.mark.parametrize("take", ["animface/jaw", "animface/cheeks", "facecap/take001"])
-def test_the_marker_set_of_a_real_take_fits_it(take: str) -> None:
-    path = DATA / f"{take}.c3d"
-    recording = read_recording(path=path, marker_set=path.with_name("markers.yaml"))
-    assert recording.marker_set is not None
-    assert set(recording.marker_set.markers) == set(recording.markers)
-    assert read_recording(path=path).marker_set is None
-
-
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
 @pytest.mark.parametrize(
     ("file", "told"),
     [
@@ -99,13 +89,6 @@ def test_a_trc_file_may_begin_with_a_byte_order_mark(gappy: Trajectories, tmp_pa
     path = tmp_path / "it.dat"
     path.write_bytes(BOM_UTF8 + trc_bytes(gappy))
     np.testing.assert_array_equal(read_recording(path=path).positions, gappy.positions)
-
-
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
-def test_a_real_trc_file_is_read() -> None:
-    with pytest.warns(UserWarning, match="the header says 652 frames, the file holds 93"):
-        read = read_recording(path=DATA / "vicon" / "comma_separated_truncated.trc")
-    assert read.positions.shape == (93, 51, 3)
 
 
 @pytest.mark.parametrize("name", ["face", "actor_a", "actor_b", "actor_c"])

@@ -1,0 +1,1 @@
+"""How tables and figures appear, and how they are kept."""

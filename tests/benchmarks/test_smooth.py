@@ -1,0 +1,163 @@
+"""Smoothing 60 markers: the B-spline of order 3 beside a memory copy, and the other methods.
+
+New memory costs more than the arithmetic: rows that write into a buffer in hand are told apart
+from those that allocate their result.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph.registry import default_registry
+from nodegraph_mocap import Trajectories
+from nodegraph_smooth.bspline import bspline, curve_into
+from nodegraph_smooth.bspline_weights import first_rows, middle
+from nodegraph_smooth.gcv import gcv
+from nodegraph_smooth.runs import Runs
+from tests.benchmarks.conftest import Clock
+
+Positions = NDArray[np.float64]
+MARKERS = 60
+CASE = "B-spline of order 3, ns per frame of 60 markers"
+COUNTS = {600: 2000, 60_000: 40}
+WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
+
+
+def noisy(frames: int) -> Trajectories:
+    random = np.random.default_rng(0)
+    positions = np.cumsum(random.normal(0, 0.3, (frames, MARKERS, 3)), axis=0)
+    names = tuple(f"m{index}" for index in range(MARKERS))
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+def into_a_buffer(take: Trajectories) -> Callable[[], Positions]:
+    from nodegraph_smooth import bspline_kernel
+
+    made, runs = np.zeros_like(take.positions), Runs.of(take)
+    places = middle(3), runs.marker, runs.start, runs.stop, first_rows(3, "vertex")
+
+    def run() -> Positions:
+        bspline_kernel.curve_into(made, take.positions, *places)
+        return made
+
+    return run
+
+
+def into_new_memory(take: Trajectories) -> Callable[[], Positions]:
+    runs = Runs.of(take)
+
+    def run() -> Positions:
+        made = np.empty_like(take.positions)
+        curve_into(made, take.positions, runs, 3, "vertex")
+        return made
+
+    return run
+
+
+def copy(take: Trajectories) -> Callable[[], Positions]:
+    made = np.zeros_like(take.positions)
+
+    def run() -> Positions:
+        np.copyto(made, take.positions)
+        return made
+
+    return run
+
+
+def convolved(take: Trajectories, made: Positions | None) -> Callable[[], Positions]:
+    from scipy.ndimage import convolve1d
+
+    return lambda: np.asarray(
+        convolve1d(take.positions, WEIGHTS, axis=0, mode="nearest", output=made)
+    )
+
+
+def vectorised(take: Trajectories) -> Callable[[], Positions]:
+    def run() -> Positions:
+        x = take.positions
+        made = np.empty_like(x)
+        made[1:-1] = (x[:-2] + 4.0 * x[1:-1] + x[2:]) / 6.0
+        made[[0, -1]] = x[[0, -1]]
+        return made
+
+    return run
+
+
+def plain_loop(take: Trajectories) -> Callable[[], Positions]:
+    def run() -> Positions:
+        made = take.positions.copy()
+        for marker in range(MARKERS):
+            for axis in range(3):
+                x = take.positions[:, marker, axis].tolist()
+                made[1:-1, marker, axis] = [
+                    (x[t - 1] + 4.0 * x[t] + x[t + 1]) / 6.0 for t in range(1, len(x) - 1)
+                ]
+        return made
+
+    return run
+
+
+ROWS: dict[str, Callable[[Trajectories], Callable[[], Positions]]] = {
+    "nodegraph": into_a_buffer,
+    "memory copy into a buffer": copy,
+    "scipy convolve1d into a buffer": lambda take: convolved(take, np.zeros_like(take.positions)),
+    "nodegraph, new memory": into_new_memory,
+    "nodegraph, the whole node": lambda take: lambda: bspline(take).positions,
+    "scipy convolve1d, new memory": lambda take: convolved(take, None),
+    "vectorised NumPy": vectorised,
+    "plain loop": plain_loop,
+}
+
+
+@pytest.mark.parametrize("frames", COUNTS)
+@pytest.mark.parametrize("name", ROWS)
+def test_bspline(name: str, frames: int, clock: Clock) -> None:
+    take, rounds = noisy(frames), COUNTS[frames]
+    if name == "plain loop":
+        rounds = 3
+    run = ROWS[name](take)
+    made = clock(CASE, name, f"{frames:,} frames", run, per=frames, scale=1e9, rounds=rounds)
+    expected = take.positions if "copy" in name else vectorised(take)()
+    np.testing.assert_allclose(made[1:-1], expected[1:-1], rtol=0, atol=1e-11)
+
+
+def smoothings() -> list[str]:
+    return [one.node.name for one in default_registry() if one.node.family == "smooth"]
+
+
+@pytest.mark.parametrize("name", smoothings())
+def test_every_smoothing(name: str, clock: Clock) -> None:
+    take, smooth = noisy(600), default_registry().find(name).node.function
+    case = "every smoothing by its defaults, 600 x 60"
+    made = clock(case, name, "us/frame", lambda: smooth(take), per=600, rounds=5)
+    assert np.any(made.positions != take.positions)
+
+
+def scipy_gcv(take: Trajectories) -> Positions:
+    from scipy.interpolate import make_smoothing_spline
+
+    frame = np.arange(float(take.frames))
+    made = [make_smoothing_spline(frame, run)(frame) for run in take.positions[:, 0].T]
+    return np.stack(made, axis=1)
+
+
+PEERS: dict[str, Callable[[Trajectories], Any]] = {
+    "nodegraph": lambda take: gcv(take).positions[:, 0],
+    "scipy make_smoothing_spline": scipy_gcv,
+}
+
+
+@pytest.mark.parametrize("name", PEERS)
+def test_cross_validation(name: str, clock: Clock) -> None:
+    one = noisy(600).keep(["m0"])
+    case = "smoothing spline by cross-validation, 600 frames of one marker"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        made = clock(case, name, "ms", lambda: PEERS[name](one), scale=1e3, rounds=3)
+    assert np.abs(made - one.positions[:, 0]).max() < 3.0

@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph.registry import default_registry
+from nodegraph.store import Packer
+from nodegraph.testing import same
+from nodegraph_mocap import Animation, Head, HeadMotion, Weights
+from nodegraph_mocap.specimens import specimens
+
+
+@pytest.fixture
+def head() -> Head:
+    made: Head = specimens()[Head]()["complete"]
+    return replace(made, names=("jawOpen", "mouthSmile_L", "mouthSmile_R"))
+
+
+def weights(*names: str, frames: int = 4) -> Weights:
+    values = np.arange(1.0, 1 + frames * len(names)).reshape(frames, len(names))
+    return Weights(values=values, names=names, rate=30.0)
+
+
+def still(frames: int) -> HeadMotion:
+    return HeadMotion(
+        rotations=np.tile(np.eye(3), (frames, 1, 1)),
+        translations=np.zeros((frames, 3)),
+        scales=np.ones(frames),
+    )
+
+
+def test_weights_find_their_morph_targets(head: Head) -> None:
+    given = weights("MouthSmileRight", "JawOpen")
+    made = Animation(head=head, weights=given, head_motion=still(4))
+    assert (made.frames, made.rate) == (4, 30.0)
+    expected = np.column_stack([given.values[:, 1], np.zeros(4), given.values[:, 0]])
+    np.testing.assert_array_equal(made.morph_weights, expected)
+
+
+def test_a_missing_weight_stays_missing(head: Head) -> None:
+    given = replace(weights("jawOpen"), values=np.array([[np.nan], [1.0]]))
+    made = Animation(head=head, weights=given).morph_weights
+    np.testing.assert_array_equal(made, [[np.nan, 0, 0], [1, 0, 0]])
+
+
+def test_frames_must_agree(head: Head) -> None:
+    with pytest.raises(ValueError, match="the weights have 4 frames, the head motion 5"):
+        Animation(head=head, weights=weights("jawOpen"), head_motion=still(5))
+
+
+def test_a_weight_needs_a_morph_target(head: Head) -> None:
+    message = (
+        "no morph target for the weights HeadYaw, cheekPuff; it has jawOpen, mouthSmile_L, mouthSm"
+    )
+    with pytest.raises(ValueError, match=message):
+        Animation(head=head, weights=weights("HeadYaw", "jawOpen", "cheekPuff"))
+
+
+def test_a_weight_that_may_be_two_morph_targets_is_refused(head: Head) -> None:
+    twice = replace(head, names=("jawOpen", "mouthSmile_L", "MouthSmileLeft"))
+    with pytest.raises(ValueError, match="may be 'mouthSmile_L' or 'MouthSmileLeft'"):
+        Animation(head=twice, weights=weights("mouthSmileLeft"))
+
+
+@pytest.mark.parametrize("name", ["complete", "gaps"])
+def test_an_animation_is_stored_as_it_is(name: str) -> None:
+    made: Animation = specimens()[Animation]()[name]
+    packer = Packer(default_registry().storages)
+    packed = packer.pack(made)
+    back = packer.unpack(packed.head, packed.buffers)
+    assert same(back, made)
+    assert back.head_motion is None or back.head_motion.frames == made.frames
