@@ -1,0 +1,53 @@
+"""Part of a take."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+from pydantic import Field
+
+from nodegraph import Unit, node
+from nodegraph_mocap import Trajectories
+
+Frame = Annotated[int, Field(ge=0), Unit("frame")]
+
+
+@node("recording.crop")
+def crop(recording: Trajectories, *, first: Frame = 0, last: Frame | None = None) -> Trajectories:
+    """Cut a part out of a take.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, T frames.
+    first
+        The first frame that is kept; frames are counted from 0.
+    last
+        The last frame that is kept, itself included; none: the take's last.
+
+    Returns
+    -------
+    Trajectories
+        ``last - first + 1`` frames.
+
+    Raises
+    ------
+    ValueError
+        If the take has no such frames, or `last` comes before `first`.
+    """
+    end = recording.frames - 1 if last is None else last
+    if max(first, end) >= recording.frames:
+        raise ValueError(
+            f"frames {first} to {end} asked; the take has {recording.frames} frames, "
+            f"0 to {recording.frames - 1}"
+        )
+    if end < first:
+        raise ValueError(f"the last frame, {end}, comes before the first, {first}")
+    kept = slice(first, end + 1)
+    return replace(
+        recording,
+        positions=recording.positions[kept],
+        origin=recording.origin[kept],
+        sigma=None if recording.sigma is None else recording.sigma[kept],
+    )

@@ -1,0 +1,200 @@
+"""A marker set proposed from where markers are and how they move."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Refusal, Unit, node
+from nodegraph_markers.edges import edges_of
+from nodegraph_markers.known import listed
+from nodegraph_markers.landmarks import still_landmarks
+from nodegraph_markers.mirror import ALONE, Mirror, find_mirror, partners
+from nodegraph_markers.rigid import spacing
+from nodegraph_markers.sides import Axes, face_axes, told_side
+from nodegraph_markers.stillness import head_frame
+from nodegraph_mocap import MarkerSet, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_FEWEST = 4
+_FLAT = 0.02
+"""Extent of a shape in its thinnest direction, to that in its longest, to tell a left side."""
+_NEAR = 0.75
+_POOR = 2 / 3
+
+
+class Inferred(NamedTuple):
+    """A recording with a marker set, and the set by itself.
+
+    Attributes
+    ----------
+    recording : Trajectories
+        The samples as they came.
+    marker_set : MarkerSet
+        What was found.
+    """
+
+    recording: Trajectories
+    marker_set: MarkerSet
+
+
+class _Found(NamedTuple):
+    """Numbers of markers, and what to tell the user."""
+
+    pairs: list[tuple[int, int]]
+    midline: list[int]
+    stable: list[int]
+    edges: list[tuple[int, int]]
+    told: list[str]
+
+
+@node("markers.infer", cite=("combes2008", "kabsch1976"))
+def infer(
+    recording: Trajectories,
+    *,
+    tolerance: Annotated[float, Field(gt=0), Unit("mm")] | None = None,
+) -> Inferred:
+    """Propose a marker set: pairs, midline, stable landmarks and edges, to be corrected by hand.
+
+    The head's motion is taken out by the markers that move least, and each marker stands where
+    its median is. The plane in which this shape mirrors itself best is found from many starts,
+    in turns of partners by optimal assignment and the plane that suits them (as Combes et al.
+    do for point clouds). Then:
+
+    - pairs: markers that are each other's mirror image within the tolerance, by a matching that
+      minimizes the distances as a whole; midline: those that are their own;
+    - left and right: as the pair's names tell (``L_``, ``left``, ``Leyebrow``, ``Chin_L1``);
+      where they do not, as most other names tell. Where no name does, it is guessed: the front
+      is where the middle of the face stands out, up is where the face moves less (a single
+      frame: where it is wider), and a warning says that it was guessed;
+    - stable: the sixth of the markers that moves least in the head's frame, three at least and
+      not on a line; a pair as a whole; none from a single frame;
+    - edges: a Delaunay triangulation as seen from the front, without its long thin triangles.
+
+    A warning names what found no partner, and says how well the face mirrors itself. A marker
+    set that the recording has is not used, and replaced. Save the proposal, correct it, and read
+    it with the recording from then on.
+
+    Looks at the whole take (600 frames of it, evenly spread, if there are more).
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    tolerance
+        How far a marker may be from the mirror image of its partner. None: three quarters of the
+        median distance between neighbouring markers.
+
+    Returns
+    -------
+    Inferred
+        recording, marker_set.
+
+    Raises
+    ------
+    Refusal
+        If fewer than four markers are ever present, or they lie on a line or a plane.
+    """
+    known = np.flatnonzero(recording.present.any(axis=0))
+    if len(known) < _FEWEST:
+        raise Refusal(f"needs {_FEWEST} markers that are ever present; there are {len(known)}")
+    shape, motion = head_frame(recording)
+    _check_solid(shape[known])
+    names = [recording.markers[column] for column in known]
+    found = _found(shape[known], None if motion is None else motion[known], names, tolerance)
+    unseen = len(recording.markers) - len(known)
+    told = [f"{unseen} markers are never present and in no part of the set"] if unseen else []
+    told += found.told
+    if told:
+        warnings.warn("; ".join(told), stacklevel=2)
+    marker_set = MarkerSet(
+        markers=recording.markers,
+        pairs=tuple((names[one], names[other]) for one, other in found.pairs),
+        midline=tuple(names[one] for one in found.midline),
+        stable=tuple(names[one] for one in found.stable),
+        edges=tuple((names[one], names[other]) for one, other in found.edges),
+    )
+    return Inferred(replace(recording, marker_set=marker_set), marker_set)
+
+
+def _check_solid(shape: NDArray[np.float64]) -> None:
+    extents = np.linalg.svd(shape - shape.mean(axis=0), compute_uv=False)
+    for number, what in ((1, "line"), (2, "plane")):
+        if extents[number] <= _FLAT * extents[0]:
+            raise Refusal(
+                f"the {len(shape)} markers lie on a {what}, which has no left and right side; "
+                "needs a face with depth"
+            )
+
+
+def _found(
+    shape: NDArray[np.float64],
+    motion: NDArray[np.float64] | None,
+    names: list[str],
+    tolerance: float | None,
+) -> _Found:
+    width = _NEAR * spacing(shape) if tolerance is None else tolerance
+    mirror = find_mirror(shape, width)
+    partner = partners(shape, mirror, width)
+    axes = face_axes(shape, mirror.normal, motion)
+    numbers = np.arange(len(shape))
+    couples = [(one, int(partner[one])) for one in numbers.tolist() if one < partner[one]]
+    pairs, told = _sided(couples, mirror, shape, axes, names)
+    front = shape @ np.stack([mirror.normal, axes.up], axis=1)
+    return _Found(
+        pairs=pairs,
+        midline=np.flatnonzero(partner == numbers).tolist(),
+        stable=[] if motion is None else still_landmarks(shape, motion, partner),
+        edges=edges_of(front),
+        told=[*_symmetry(shape, mirror, partner, names, width), *told],
+    )
+
+
+def _sided(
+    couples: list[tuple[int, int]],
+    mirror: Mirror,
+    shape: NDArray[np.float64],
+    axes: Axes,
+    names: list[str],
+) -> tuple[list[tuple[int, int]], list[str]]:
+    """Return the couples with the left one first, and what there is to say about that."""
+    said = np.array([told_side(names[one], names[other]) for one, other in couples], dtype=int)
+    side = np.array([mirror.signed(shape[one]) - mirror.signed(shape[two]) for one, two in couples])
+    vote = float(said @ np.sign(side))
+    left = vote if vote else float(mirror.normal @ axes.left)
+    by_place = np.where(side * left > 0, 1, -1)
+    sign = np.where(said == 0, by_place, said)
+    pairs = [pair if one > 0 else pair[::-1] for pair, one in zip(couples, sign, strict=True)]
+    told = []
+    if couples and not vote:
+        told.append("no name tells left from right: guessed from shape and movement, look at it")
+    crossed = [names[one] for (one, _), bad in zip(pairs, sign != by_place, strict=True) if bad]
+    if crossed:
+        told.append(f"{len(crossed)} pairs lie the other way round than named: {listed(crossed)}")
+    return pairs, told
+
+
+def _symmetry(
+    shape: NDArray[np.float64],
+    mirror: Mirror,
+    partner: NDArray[np.intp],
+    names: list[str],
+    width: float,
+) -> list[str]:
+    alone = [names[one] for one in np.flatnonzero(partner == ALONE)]
+    if not alone:
+        return []
+    residual = float(np.median(mirror.distances(shape).min(axis=1)))
+    matched = len(names) - len(alone)
+    poor = "symmetry is poor: " if matched < _POOR * len(names) else ""
+    return [
+        f"{poor}{len(alone)} of {len(names)} markers have no mirrored partner within {width:.1f} "
+        f"mm: {listed(alone)}; in the best plane, half of the markers are within "
+        f"{residual:.1f} mm of a mirror image"
+    ]

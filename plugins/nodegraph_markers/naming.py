@@ -1,0 +1,125 @@
+"""Which track is which marker: poses, expected places and names, found in turns."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_markers.assigning import assign
+from nodegraph_markers.registration import Match, closest, register
+from nodegraph_markers.rigid import fit_robustly
+from nodegraph_markers.tracks import UNNAMED, Tracks
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+_ROUNDS, _SAMPLES, _TRIED = 40, 24, 16
+ENOUGH = 4
+"""A frame can be a start when it has points at one in so many places of the shape."""
+_FULL = 0.9
+
+
+def names(tracks: Tracks) -> NDArray[np.intp]:
+    """Return the number of the place that each track is, (K,), or -1.
+
+    Begins at the frame that looks most like the shape, goes on until no name changes, and begins
+    again where frames are left that no named track reaches.
+    """
+    named = np.full(tracks.present.shape[1], UNNAMED)
+    reached = np.zeros(len(tracks.present), dtype=np.bool_)
+    while (start := _start(tracks, ~reached)) is not None:
+        frame, match = start
+        named[np.flatnonzero(tracks.present[frame])[match.point]] = match.place
+        named = _settled(tracks, named)
+        before, reached = reached, reached | tracks.poses(named).known
+        if np.array_equal(before, reached):
+            break
+    return named
+
+
+def track_distances(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the median distance from each track to where each marker is expected, (K, M).
+
+    Over up to 24 frames of a track, evenly spread among those that have a pose; infinite where
+    none has.
+    """
+    found = tracks.expectation(named)
+    frames, seen = _sampled(tracks, found.poses.known)
+    columns = np.flatnonzero(seen)
+    distances = np.full((len(seen), len(tracks.shape)), np.inf)
+    if len(columns):
+        every = [tracks.distances(found, frame, columns) for frame in frames[columns].T]
+        distances[columns] = np.median(every, axis=0)
+    return distances
+
+
+def _settled(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.intp]:
+    seen = {named.tobytes()}
+    for _ in range(_ROUNDS):
+        named = assign(track_distances(tracks, named), tracks.present, tracks.gate)
+        if named.tobytes() in seen:
+            break
+        seen.add(named.tobytes())
+    return named
+
+
+def _start(tracks: Tracks, allowed: NDArray[np.bool_]) -> tuple[int, Match] | None:
+    """Return the frame among those allowed that fits the shape best, and how it fits.
+
+    The fullest frame is registered whatever its pose; from there the tracks lead to others,
+    which may show less expression. None where no frame has enough points, or they do not fit.
+    """
+    counts = np.where(allowed, tracks.present.sum(axis=1), 0)
+    enough = max(3, tracks.fewest, len(tracks.shape) // ENOUGH)
+    if counts.max(initial=0) < enough:
+        return None
+    full = int(np.argmax(counts))
+    match = register(_points(tracks, full), tracks.shape, tracks.gate)
+    if match is None:
+        return None
+    found = [(full, match), *_elsewhere(tracks, full, match, counts)]
+    frame, best = min(found, key=lambda one: one[1].cost)
+    return (frame, best) if len(best.point) >= enough else None
+
+
+def _elsewhere(
+    tracks: Tracks, full: int, match: Match, counts: NDArray[np.intp]
+) -> Iterator[tuple[int, Match]]:
+    """Yield other full frames, and how they fit in the pose to which the tracks lead."""
+    frames = np.flatnonzero(counts >= _FULL * counts[full])
+    frames = frames[np.unique(np.linspace(0, len(frames) - 1, _TRIED).astype(np.intp))]
+    there = tracks.present[full]
+    way = fit_robustly(
+        tracks.positions[frames][:, there],
+        tracks.positions[full, there],
+        tracks.present[frames][:, there],
+        width=tracks.gate,
+        fewest=tracks.fewest,
+    )
+    for number in np.flatnonzero(way.known):
+        rotation = match.rotation @ way.rotations[number]
+        translation = match.rotation @ way.translations[number] + match.translation
+        points = _points(tracks, int(frames[number]))
+        found = closest(points, tracks.shape, rotation, translation, tracks.gate)
+        yield int(frames[number]), found
+
+
+def _points(tracks: Tracks, frame: int) -> NDArray[np.float64]:
+    return np.asarray(tracks.positions[frame, tracks.present[frame]])
+
+
+def _sampled(
+    tracks: Tracks, known: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Return up to 24 frames of each track that have a pose, (K, 24), and which have any."""
+    frames = np.zeros((len(tracks.frames), _SAMPLES), dtype=np.intp)
+    seen = np.zeros(len(tracks.frames), dtype=np.bool_)
+    for column, own in enumerate(tracks.frames):
+        posed = own[known[own]]
+        if len(posed):
+            frames[column] = posed[np.linspace(0, len(posed) - 1, _SAMPLES).astype(np.intp)]
+            seen[column] = True
+    return frames, seen

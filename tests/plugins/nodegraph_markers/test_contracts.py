@@ -1,0 +1,80 @@
+"""A node of the family that breaks its promises is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nodegraph_markers
+import nodegraph_mocap
+from nodegraph import node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_markers.infer import infer
+from nodegraph_markers.label import label
+from nodegraph_mocap import Origin, Trajectories
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("markers", nodegraph_markers)])
+
+
+def moved(given: Trajectories) -> Trajectories:
+    return replace(given, positions=given.positions + 1e-9)
+
+
+def twice(given: Trajectories) -> Trajectories:
+    return replace(
+        given,
+        positions=np.concatenate([given.positions] * 2, axis=1),
+        origin=np.concatenate([given.origin] * 2, axis=1),
+        sigma=None,
+        markers=(*given.markers, *(f"{name}_again" for name in given.markers)),
+    )
+
+
+def marked(given: Trajectories) -> Trajectories:
+    return replace(given, origin=np.where(given.present, Origin.FILLED, Origin.MISSING))
+
+
+def shorter(given: Trajectories) -> Trajectories:
+    sigma = None if given.sigma is None else given.sigma[1:]
+    return replace(given, positions=given.positions[1:], origin=given.origin[1:], sigma=sigma)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (moved, "samples are none of their frame"),
+        (twice, "samples are used more than once"),
+        (marked, "or their origin changed"),
+        (shorter, "frames went in as"),
+    ],
+)
+def test_a_node_that_breaks_a_promise(
+    spoil: Callable[[Trajectories], Trajectories], text: str
+) -> None:
+    @node("markers.broken")
+    def broken(recording: Trajectories) -> Trajectories:
+        """Spoil a recording."""
+        return spoil(recording)
+
+    with pytest.raises(AssertionError, match=text):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_node_with_other_ports() -> None:
+    @node("markers.broken")
+    def broken(take: Trajectories) -> Trajectories:
+        """Hand on a recording."""
+        return take
+
+    with pytest.raises(AssertionError, match="name the recording `recording`"):
+        check_node(broken, registry=REGISTRY)
+
+
+@pytest.mark.parametrize("good", [label, infer])
+def test_good_ones_pass(good: Callable[..., object]) -> None:
+    check_node(good, registry=REGISTRY)

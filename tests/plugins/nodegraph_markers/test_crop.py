@@ -1,0 +1,40 @@
+"""A part of a take is that part."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nodegraph_markers.crop import crop
+from nodegraph_mocap.specimens import recordings
+
+FACE = recordings()["filled, repaired and with sigma"]
+
+
+def test_both_ends_are_kept() -> None:
+    made = crop(FACE, first=5, last=12)
+    assert made.frames == 8
+    assert np.array_equal(made.positions, FACE.positions[5:13], equal_nan=True)
+    assert np.array_equal(made.origin, FACE.origin[5:13])
+    assert FACE.sigma is not None
+    assert made.sigma is not None
+    assert np.array_equal(made.sigma, FACE.sigma[5:13], equal_nan=True)
+    assert (made.markers, made.rate, made.marker_set) == (FACE.markers, FACE.rate, FACE.marker_set)
+
+
+def test_by_default_it_reaches_from_the_first_to_the_last_frame() -> None:
+    assert crop(FACE).frames == FACE.frames
+    assert crop(FACE, first=FACE.frames - 1).frames == 1
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "what"),
+    [
+        (0, 40, "frames 0 to 40 asked; the take has 40 frames, 0 to 39"),
+        (40, None, "the take has 40 frames"),
+        (12, 11, "the last frame, 11, comes before the first, 12"),
+    ],
+)
+def test_frames_that_are_not_there(first: int, last: int | None, what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        crop(FACE, first=first, last=last)

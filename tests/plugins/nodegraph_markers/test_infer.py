@@ -1,0 +1,199 @@
+"""A marker set is recovered from bare positions, in whatever pose, size and order."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_markers.infer import infer
+from nodegraph_mocap import MarkerSet, Trajectories, marker_set_text, sample_folder
+from nodegraph_mocap.read_recording import read_recording
+from nodegraph_synthesize.face import SyntheticFace
+
+Face = Callable[..., SyntheticFace]
+Unnamed = Callable[..., Trajectories]
+Take = Callable[[str], tuple[Trajectories, MarkerSet]]
+GUESSED = "no name tells left from right"
+
+
+def found_again(
+    recording: Trajectories, unnamed: Unnamed, quiet: Callable[[], Any], seed: int = 0
+) -> MarkerSet:
+    """Return what is inferred from a recording without names, in its own names."""
+    bare = unnamed(recording, seed)
+    with quiet():
+        made = infer(bare).marker_set
+    order = np.random.default_rng(seed).permutation(len(recording.markers))
+    own = {name: recording.markers[index] for name, index in zip(bare.markers, order, strict=True)}
+
+    def couples(part: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
+        return tuple((own[one], own[two]) for one, two in part)
+
+    return MarkerSet(
+        markers=recording.markers,
+        pairs=couples(made.pairs),
+        midline=tuple(own[name] for name in made.midline),
+        stable=tuple(own[name] for name in made.stable),
+        edges=couples(made.edges),
+    )
+
+
+@pytest.mark.parametrize("markers", [10, 17, 30, 60, 150])
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("what", ["neutral", "captured"])
+def test_pairs_sides_and_midline_of_made_faces(
+    face: Face, unnamed: Unnamed, quiet: Callable[[], Any], markers: int, seed: int, what: str
+) -> None:
+    made = face(seed=seed, seconds=3.0, markers=markers)
+    found = found_again(getattr(made, what), unnamed, quiet)
+    assert set(found.pairs) == set(made.marker_set.pairs)
+    assert set(found.midline) == set(made.marker_set.midline)
+
+
+@pytest.mark.parametrize("name", ["jaw", "cheeks", "take001"])
+def test_pairs_sides_and_midline_of_real_and_animated_faces(
+    take: Take, unnamed: Unnamed, quiet: Callable[[], Any], name: str
+) -> None:
+    recording, truth = take(name)
+    found = found_again(recording, unnamed, quiet)
+    assert set(found.pairs) == set(truth.pairs)
+    assert set(found.midline) == set(truth.midline)
+
+
+def test_the_sample_face() -> None:
+    given = read_recording(path=sample_folder("face"))
+    assert given.marker_set is not None
+    bare = replace(given, marker_set=None)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # nothing is guessed, nothing is left over
+        made = infer(bare)
+    assert set(made.marker_set.pairs) == set(given.marker_set.pairs)
+    assert set(made.marker_set.midline) == set(given.marker_set.midline)
+    assert made.recording.marker_set is made.marker_set
+    assert made.recording.positions is given.positions
+
+
+def test_landmarks_hardly_move(face: Face) -> None:
+    for seed in range(3):
+        made = face(seed=seed)
+        stable = infer(made.captured).marker_set.stable
+        turns, shifts = made.head_motion.rotations, made.head_motion.translations
+        still = (made.truth.positions - shifts[:, None]) @ turns
+        motion = np.linalg.norm(still - np.median(still, axis=0), axis=2).mean(axis=0)
+        chosen = motion[[made.captured.markers.index(name) for name in stable]]
+        assert 10 <= len(stable) <= 11
+        assert chosen.max() < np.median(motion)
+
+
+def test_edges_join_every_marker_to_its_neighbours(face: Face) -> None:
+    made = face(seed=1)
+    shape = dict(zip(made.neutral.markers, made.neutral.positions[0], strict=True))
+    edges = infer(made.neutral).marker_set.edges
+    lengths = np.array([np.linalg.norm(shape[one] - shape[two]) for one, two in edges])
+    assert {name for edge in edges for name in edge} == set(made.neutral.markers)
+    assert lengths.max() < 4 * np.median(lengths)
+    known = {frozenset(edge) for edge in made.marker_set.edges}
+    assert len(known & {frozenset(edge) for edge in edges}) > 0.9 * len(known)
+
+
+@pytest.mark.parametrize("scale", [0.1, 1.0, 25.0])
+def test_pose_size_and_order_do_not_matter(
+    face: Face,
+    unnamed: Unnamed,
+    quiet: Callable[[], Any],
+    turned: Callable[[Trajectories], Trajectories],
+    scale: float,
+) -> None:
+    given = face(seed=2, seconds=3.0).captured
+    moved = turned(replace(given, positions=scale * given.positions))
+    plain, other = (
+        found_again(one, unnamed, quiet, seed) for seed, one in enumerate((given, moved), 1)
+    )
+    assert set(plain.pairs) == set(other.pairs)
+    assert set(plain.midline) == set(other.midline)
+    assert set(plain.stable) == set(other.stable)
+    edges = [{frozenset(one) for one in found.edges} for found in (plain, other)]
+    assert len(edges[0] ^ edges[1]) <= 2  # of two equally good diagonals, rounding takes one
+
+
+def test_the_same_recording_gives_the_same_text(face: Face) -> None:
+    given = face(seed=0, seconds=3.0).captured
+    assert marker_set_text(infer(given).marker_set) == marker_set_text(infer(given).marker_set)
+
+
+def test_a_guess_of_sides_is_told_and_names_are_believed(face: Face, unnamed: Unnamed) -> None:
+    given = face(seed=0, seconds=3.0).captured
+    with pytest.warns(UserWarning, match=GUESSED):
+        infer(unnamed(given))
+    mirrored = replace(given, positions=given.positions * [-1.0, 1.0, 1.0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert set(infer(mirrored).marker_set.pairs) == set(infer(given).marker_set.pairs)
+
+
+def test_a_pair_that_lies_the_other_way_round_than_it_is_named(face: Face) -> None:
+    given = face(seed=0, seconds=3.0).captured
+    crossed = {"L_brow2": "R_brow2", "R_brow2": "L_brow2"}
+    wrong = replace(given, markers=tuple(crossed.get(name, name) for name in given.markers))
+    with pytest.warns(UserWarning, match="1 pairs lie the other way round than named: L_brow2"):
+        found = infer(wrong).marker_set
+    assert ("L_brow2", "R_brow2") in found.pairs
+
+
+def test_what_has_no_partner_is_told(face: Face) -> None:
+    given = face(seed=0, seconds=3.0).captured
+    lacking = given.keep([name for name in given.markers if name != "R_cheek2"])
+    with pytest.warns(UserWarning, match="1 of 59 markers have no .* L_cheek2; in the best plane"):
+        found = infer(lacking).marker_set
+    assert len(found.pairs) == 25
+
+
+def test_a_marker_that_is_never_there_is_in_the_set_alone(face: Face) -> None:
+    given = face(seed=0, seconds=3.0).neutral
+    positions = given.positions.copy()
+    positions[:, given.markers.index("M_nose1")] = np.nan
+    with pytest.warns(UserWarning, match="1 markers are never present"):
+        found = infer(Trajectories(positions=positions, markers=given.markers, rate=60.0))
+    assert "M_nose1" in found.marker_set.markers
+    assert "M_nose1" not in found.marker_set.midline
+
+
+def test_a_narrow_tolerance_leaves_more_alone(take: Take, quiet: Callable[[], Any]) -> None:
+    recording, truth = take("jaw")
+    with quiet():
+        assert len(infer(recording, tolerance=3.0).marker_set.pairs) < len(truth.pairs) / 2
+        assert len(infer(recording, tolerance=14.0).marker_set.pairs) == len(truth.pairs)
+
+
+def test_one_frame_has_no_landmarks(face: Face) -> None:
+    assert infer(face(seed=0, seconds=3.0).neutral).marker_set.stable == ()
+
+
+def test_a_body_is_poorly_symmetric(shoulder: Trajectories) -> None:
+    with pytest.warns(
+        UserWarning, match=r"symmetry is poor: .* within 2\d\.\d mm: .* mm of a mirror im"
+    ):
+        found = infer(shoulder).marker_set
+    assert len(found.pairs) < 10
+
+
+@pytest.mark.parametrize(
+    ("positions", "what"),
+    [
+        (np.eye(3), "needs 4 markers that are ever present; there are 3"),
+        (np.linspace([0.0, 0, 0], [30, 60, 90], 6), "the 6 markers lie on a line"),
+        (np.random.default_rng(0).normal(0, 30, (6, 3)) * [1, 1, 0], "lie on a plane"),
+        (np.ones((5, 3)), "lie on a line"),
+        (np.full((5, 3), np.nan), "there are 0"),
+    ],
+)
+def test_what_has_no_left_and_right(positions: Any, what: str) -> None:
+    names = tuple("abcdef"[: len(positions)])
+    with pytest.raises(Refusal, match=what):
+        infer(Trajectories(positions=positions[None], markers=names, rate=60.0))

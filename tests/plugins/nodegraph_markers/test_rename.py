@@ -1,0 +1,65 @@
+"""Names change, in the marker set too; nothing else does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph_markers.rename import rename
+from nodegraph_mocap import MarkerSet
+from nodegraph_mocap.specimens import recordings
+
+FACE = recordings()["gaps"]
+
+
+def test_recording_and_every_part_of_the_marker_set_are_renamed() -> None:
+    made = rename(FACE, names={"brow_left": "LBRO", "forehead": "FHD", "temple_left": "LTMP"})
+    assert made.markers[0] == "LBRO"
+    assert made.marker_set is not None
+    assert made.marker_set.markers == made.markers
+    assert made.marker_set.pairs[0] == ("LBRO", "brow_right")
+    assert made.marker_set.midline == ("nose", "FHD")
+    assert made.marker_set.stable == ("LTMP", "temple_right", "nose", "FHD")
+    assert made.marker_set.edges[:2] == (("LBRO", "FHD"), ("FHD", "brow_right"))
+    assert made.positions is FACE.positions
+    assert np.array_equal(made.origin, FACE.origin)
+
+
+def test_markers_swap_their_names() -> None:
+    made = rename(FACE, names={"nose": "forehead", "forehead": "nose"})
+    swapped = made.keep(["forehead", "nose"]).positions
+    assert np.array_equal(swapped, FACE.keep(["nose", "forehead"]).positions, equal_nan=True)
+
+
+def test_renaming_back_gives_the_recording_again() -> None:
+    names = {"nose": "a", "lip_left": "b"}
+    made = rename(rename(FACE, names=names), names={new: old for old, new in names.items()})
+    assert made.markers == FACE.markers
+    assert made.marker_set == FACE.marker_set
+
+
+def test_a_recording_without_a_marker_set_keeps_none() -> None:
+    made = rename(replace(FACE, marker_set=None), names={"nose": "a"})
+    assert made.marker_set is None
+
+
+@pytest.mark.parametrize(
+    ("names", "what"),
+    [
+        ({"noze": "a"}, r"'noze' \(did you mean 'nose'\?\)"),
+        ({"nose": "forehead"}, "'nose' and 'forehead' would both be called 'forehead'"),
+        ({"nose": "a", "forehead": "a"}, "'nose' and 'forehead' would both be called 'a'"),
+        ({"nose": " "}, "the new name of nose is empty"),
+    ],
+)
+def test_names_that_cannot_be_given(names: dict[str, str], what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        rename(FACE, names=names)
+
+
+def test_a_clash_within_a_larger_marker_set_is_told() -> None:
+    larger = MarkerSet(markers=(*FACE.markers, "chin"))
+    with pytest.raises(ValueError, match="marker set: 'nose' and 'chin'"):
+        rename(replace(FACE, marker_set=larger), names={"nose": "chin"})
