@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from inspect import signature
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -10,6 +11,7 @@ from pydantic import Field
 from nodegraph import Truth, Unit, node
 from nodegraph_gaps.groups import AnyMarkers, Groups, contiguous, region
 from nodegraph_gaps.places import free_places, place_events
+from nodegraph_gaps.transplant import transplanted
 from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
@@ -40,6 +42,7 @@ class Cut(NamedTuple):
 @node("gaps.cut")
 def cut(
     recording: Trajectories,
+    pattern_from: Trajectories | None = None,
     *,
     length: Annotated[int, Field(ge=1), Unit("frames")] = 15,
     count: Annotated[int, Field(ge=1), Unit("gap events")] = 20,
@@ -59,10 +62,31 @@ def cut(
     left too little room for all of them, they are drawn instead from a dense packing, which
     begins at the take's start.
 
+    With `pattern_from`, the gaps of that recording are laid over this one instead, once and as a
+    whole; `length`, `count`, `simultaneous` and `pattern` must then be left at their defaults.
+
+    - A gap is a run of missing (or filled) samples of one marker with a measured sample on each
+      side; runs that reach the beginning or the end of the take are left out and counted.
+    - Times are in seconds: a gap of n frames at a rate r has ``n rate / r`` frames here, rounded,
+      one at least, and begins as much later than the first gap of all, rounded. Where rounding
+      would make two gaps of a marker touch, the later one waits until a sample is between them.
+      So as many markers are missing at once as in that recording, but for rounding.
+    - When the first gap begins is drawn by the seed among the frames at which everything fits;
+      in a long recording up to 1000 frames are tried.
+    - All gaps of one marker go to one marker, in the order of their first gaps. A marker that is
+      missing at the same time as ones that have their place goes to the free marker nearest (in
+      the reference shape) to the one that it shares the most frames with; others go to any free
+      marker, drawn by the seed. Free is a marker that takes no other's gaps and where all of
+      these fit.
+
+    Of that recording nothing but its gaps and its rate counts.
+
     Parameters
     ----------
     recording
         Trajectories, with or without gaps of their own.
+    pattern_from
+        A recording with gaps, whose pattern is taken; its markers may be of any kind.
     length
         Frames that an event hides.
     count
@@ -86,9 +110,39 @@ def cut(
     Raises
     ------
     ValueError
-        If the events do not fit; the message says how many do.
+        If the events do not fit; the message says how many do. With `pattern_from`: if it has
+        no gap, or another setting than `seed` is given.
     """
     random = np.random.default_rng(seed)
+    if pattern_from is None:
+        hidden = _events(recording, length, count, simultaneous, pattern, random)
+    else:
+        _refuse(length=length, count=count, simultaneous=simultaneous, pattern=pattern)
+        hidden = transplanted(recording, pattern_from, random)
+    return Cut(
+        _without(recording, hidden), recording, Mask(hidden=hidden, markers=recording.markers)
+    )
+
+
+def _refuse(**settings: Any) -> None:
+    """Refuse settings that the pattern of a recording decides."""
+    known = signature(cut).parameters
+    given = [name for name, value in settings.items() if value != known[name].default]
+    if given:
+        raise ValueError(
+            f"{', '.join(given)}: the gaps come from pattern_from; leave these settings out, or "
+            "leave pattern_from open"
+        )
+
+
+def _events(
+    recording: Trajectories,
+    length: int,
+    count: int,
+    simultaneous: int,
+    pattern: Pattern,
+    random: np.random.Generator,
+) -> NDArray[np.bool_]:
     free = free_places(recording, length, at_end=pattern == "end")
     groups = _groups(recording, pattern, simultaneous, random)
     events, fitting = place_events(free, length, count, groups, random)
@@ -101,9 +155,7 @@ def cut(
     hidden = np.zeros(recording.origin.shape, dtype=np.bool_)
     for start, markers in events:
         hidden[start : start + length, markers] = True
-    return Cut(
-        _without(recording, hidden), recording, Mask(hidden=hidden, markers=recording.markers)
-    )
+    return hidden
 
 
 def _groups(

@@ -1,20 +1,30 @@
-"""Made faces: recordings of which everything is known."""
+"""Made faces, of which everything is known, and known damage for any recording."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import hookimpl
+from nodegraph import Contract, hookimpl
 
 
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the nodes of this package."""
     from nodegraph_synthesize.face import synthesize_face
+    from nodegraph_synthesize.impulses import add as add_impulses
+    from nodegraph_synthesize.noise import add as add_noise
 
-    return (synthesize_face,)
+    return (synthesize_face, add_noise, add_impulses)
+
+
+@hookimpl
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
+    """Return what every node that adds noise or impulses promises."""
+    from nodegraph_synthesize.contracts import CONTRACTS
+
+    return CONTRACTS
 
 
 @hookimpl

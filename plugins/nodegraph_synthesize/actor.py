@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from nodegraph_synthesize.edges import edges_between
 from nodegraph_synthesize.layout import make_layout
 from nodegraph_synthesize.muscles import CHANNELS
 from nodegraph_synthesize.proportions import Proportions, draw_proportions
+from nodegraph_synthesize.streams import random_for
 from nodegraph_synthesize.surface import make_surface
 
 if TYPE_CHECKING:
@@ -41,11 +41,6 @@ class Actor:
     def anatomy(self, points: NDArray[np.float64]) -> Anatomy:
         """Return what moves (N, 3) points of the neutral face."""
         return make_anatomy(points, self.proportions, self.strengths)
-
-
-def random_for(purpose: str, seed: int) -> np.random.Generator:
-    """Return a generator for one purpose, so that no purpose disturbs another."""
-    return np.random.default_rng([seed, zlib.crc32(purpose.encode())])
 
 
 def draw_actor(seed: int) -> Actor:

@@ -62,24 +62,52 @@ def impulses(
     Single frames: no marker is hit in two frames in a row, nor in the first or last frame. Each
     is off by 4 to 10 mm in a direction of its own.
     """
-    frames, markers = present.shape
-    keys = random.random((frames, markers))
-    sizes = random.uniform(SMALLEST_IMPULSE, LARGEST_IMPULSE, (frames, markers))
-    directions = random.standard_normal((frames, markers, 3))
-    directions *= (sizes / np.linalg.norm(directions, axis=2))[..., None]
-    # A sample whose key is lower than those before and after it: never two in a row.
-    single = np.zeros_like(present)
-    single[1:-1] = (keys[1:-1] < keys[:-2]) & (keys[1:-1] < keys[2:]) & present[1:-1]
+    keys = random.random(present.shape)
+    sizes = random.uniform(SMALLEST_IMPULSE, LARGEST_IMPULSE, present.shape)
+    jumps = offsets(random, sizes)
     wanted = round(share * np.count_nonzero(present))
-    possible = np.flatnonzero(single)
-    if len(possible) < wanted:
+    hit = lone_samples(keys, present, wanted)
+    if np.count_nonzero(hit) < wanted:
         warnings.warn(
-            f"{len(possible)} impulses instead of {wanted}: single frames leave room for no more",
+            f"{np.count_nonzero(hit)} impulses instead of {wanted}: single frames leave room for "
+            "no more",
             stacklevel=3,
         )
-    hit = np.zeros_like(present)
-    hit.ravel()[possible[np.argsort(keys.ravel()[possible])[:wanted]]] = True
-    return hit, np.where(hit[..., None], directions, 0.0)
+    return hit, np.where(hit[..., None], jumps, 0.0)
+
+
+def lone_samples(
+    keys: NDArray[np.float64], allowed: NDArray[np.bool_], wanted: int
+) -> NDArray[np.bool_]:
+    """Return which samples are chosen, (T, M): no marker's in two frames in a row.
+
+    Samples whose key is lower than those of the frames before and after are candidates, about a
+    third of all; the allowed ones of lowest key are chosen, so that a larger number contains a
+    smaller one's choice.
+
+    Parameters
+    ----------
+    keys
+        (T, M) random numbers.
+    allowed
+        (T, M), True where a sample may be chosen; the first and last frame never are.
+    wanted
+        How many; fewer where there are fewer candidates.
+    """
+    single = np.zeros_like(allowed)
+    single[1:-1] = (keys[1:-1] < keys[:-2]) & (keys[1:-1] < keys[2:]) & allowed[1:-1]
+    possible = np.flatnonzero(single)
+    # in C order whatever the order of `allowed`, as `flatnonzero` counts
+    chosen = np.zeros(allowed.size, dtype=np.bool_)
+    chosen[possible[np.argsort(keys.ravel()[possible])[:wanted]]] = True
+    return chosen.reshape(allowed.shape)
+
+
+def offsets(random: np.random.Generator, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return vectors, (..., 3), of these lengths, each in a random direction."""
+    directions = random.standard_normal((*lengths.shape, 3))
+    directions *= (lengths / np.linalg.norm(directions, axis=-1))[..., None]
+    return directions
 
 
 def unlabelled(random: np.random.Generator, captured: Trajectories) -> Detections:

@@ -20,12 +20,13 @@ from nodegraph_mocap import (
     Weights,
 )
 from nodegraph_synthesize.activation import activations
-from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of, random_for
+from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on
 from nodegraph_synthesize.damage import occlusions, unlabelled
 from nodegraph_synthesize.movement import head_motion as motion_of_head
 from nodegraph_synthesize.movement import moved, no_head_motion, skin_movement
 from nodegraph_synthesize.muscles import CHANNELS
+from nodegraph_synthesize.streams import random_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

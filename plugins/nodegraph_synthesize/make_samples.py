@@ -7,17 +7,12 @@ the actor (NPZ), from which each reader takes its file.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 import nodegraph_mocap
-from nodegraph_mocap.files_c3d import write_c3d
-from nodegraph_mocap.files_marker_set import marker_set_text
+from nodegraph_mocap import model_bytes
+from nodegraph_mocap.files.c3d import write_c3d
+from nodegraph_mocap.files.marker_set_yaml import marker_set_text
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
-
-if TYPE_CHECKING:
-    from nodegraph_mocap import BlendshapeModel
 
 FOLDER = Path(nodegraph_mocap.__file__).parent / "samples"
 
@@ -37,7 +32,7 @@ def write_sample(folder: Path, face: SyntheticFace) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     write_c3d(face.captured, folder / "recording.c3d")
     (folder / "markers.yaml").write_text(marker_set_text(face.marker_set), encoding="utf-8")
-    _write_model(face.model, folder / "model.npz")
+    (folder / "model.npz").write_bytes(model_bytes(face.model))
 
 
 def main() -> None:
@@ -49,16 +44,6 @@ def main() -> None:
 
 def _complete(*, seed: int) -> SyntheticFace:
     return synthesize_face(noise=0.05, missing=0.0, impulses=0.0, seed=seed)
-
-
-def _write_model(model: BlendshapeModel, path: Path) -> None:
-    np.savez(
-        path,
-        neutral=model.neutral,
-        shapes=model.shapes,
-        shape_names=np.array(model.names),
-        markers=np.array(model.markers),
-    )
 
 
 if __name__ == "__main__":

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
 from nodegraph_gaps.cut import Cut, cut
@@ -130,6 +134,39 @@ def _fits_half_space(directions: NDArray[np.float64]) -> bool:
     random = np.random.default_rng(0)
     sides = directions @ random.normal(size=(3, 5000))
     return bool((sides >= 0).all(axis=0).any())
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    missing=arrays.arrays(np.float64, (30, 8), elements=st.floats(0, 1)),
+    pattern=st.sampled_from(PATTERNS),
+    simultaneous=st.integers(1, 3),
+    seed=st.integers(0, 2**40),
+)
+def test_only_seed_gaps_and_reference_shape_decide(
+    missing: NDArray[np.float64], pattern: Pattern, simultaneous: int, seed: int
+) -> None:
+    """The first complete frame gives the shape; what the others hold does not count."""
+    source = recording(frames=30, markers=8)
+    positions = np.where((missing > 0.95)[..., None], np.nan, source.positions)
+    positions[0] = source.positions[0]
+    elsewhere = 5.0 - 3.0 * positions
+    elsewhere[0] = positions[0]
+    one, other = (
+        replace(source, positions=held, origin=Trajectories.origin)
+        for held in (positions, elsewhere)
+    )
+    masks: list[str | bytes] = []
+    for take in (one, other):
+        try:
+            made = cut(
+                take, length=2, count=2, simultaneous=simultaneous, pattern=pattern, seed=seed
+            )
+        except ValueError as error:
+            masks.append(str(error))
+        else:
+            masks.append(made.hidden.hidden.tobytes())
+    assert masks[0] == masks[1]
 
 
 def events(made: Cut) -> list[set[int]]:

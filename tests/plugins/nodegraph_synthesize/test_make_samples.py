@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from nodegraph_mocap import sample_folder
-from nodegraph_mocap.files_c3d import read_c3d
-from nodegraph_mocap.files_marker_set import read_marker_set
+from nodegraph_mocap.files.c3d import read_c3d
+from nodegraph_mocap.files.marker_set_yaml import read_marker_set
 from nodegraph_synthesize.face import SyntheticFace
 from nodegraph_synthesize.make_samples import made_samples, write_sample
 

@@ -1,0 +1,115 @@
+"""Impulses on a recording: single samples that are far off, at known places."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Truth, Unit, node
+from nodegraph_mocap import Mask, Trajectories
+from nodegraph_synthesize.damage import lone_samples, offsets
+from nodegraph_synthesize.streams import random_for
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Spiky(NamedTuple):
+    """A recording with impulses, and where they are.
+
+    Attributes
+    ----------
+    spiky : Trajectories
+        The recording with impulses.
+    truth : Trajectories
+        The recording as it came.
+    impulses : Mask
+        The samples that an impulse has hit.
+    """
+
+    spiky: Trajectories
+    truth: Truth[Trajectories]
+    impulses: Truth[Mask]
+
+
+@node("impulses.add")
+def add(
+    recording: Trajectories,
+    *,
+    share: Annotated[float, Field(ge=0.0, le=0.2), Unit("share")] = 0.005,
+    size: Annotated[float, Field(gt=0.0, le=1000.0), Unit("mm")] = 5.0,
+    seed: Annotated[int, Field(ge=0)] = 0,
+) -> Spiky:
+    """Put single samples off by one distance, each in a random direction.
+
+    An impulse moves one sample of one marker by exactly `size`, in a direction uniform over the
+    sphere; the frames before and after are as they were. A sample is hit only where its marker
+    is present in the frame before and in the frame after, and no marker is hit in two frames in
+    a row: so none is hit in the first or last frame or beside a gap, where a rule that looks at
+    both steps of a sample cannot see an impulse at all. `origin` and `sigma` stay as they are,
+    as the recording does not know what has hit it.
+
+    Places and directions are drawn from the seed and the present samples alone: another `size`
+    hits the same samples in the same directions, and a larger `share` hits those of a smaller
+    one, in the same directions, and more. In a recording without gaps about a third of the
+    samples can be hit at most: those whose random key is the lowest of three frames.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    share
+        Of the present samples, the number that are hit, to the nearest whole one.
+    size
+        Distance of each hit sample from where it was.
+    seed
+        Same seed and present samples, same places and directions.
+
+    Returns
+    -------
+    Spiky
+        spiky, truth, impulses.
+
+    Raises
+    ------
+    ValueError
+        If the impulses do not fit; the message says how many do.
+    """
+    present = recording.present
+    random = random_for("impulses.add", seed)
+    keys = random.random(present.shape)
+    jumps = offsets(random, np.full(present.shape, size))
+    wanted = round(share * np.count_nonzero(present))
+    hit = lone_samples(keys, _inside(present), wanted)
+    _check(hit, present, wanted, share, seed)
+    positions = np.where(hit[..., None], recording.positions + jumps, recording.positions)
+    return Spiky(
+        replace(recording, positions=positions),
+        recording,
+        Mask(hidden=hit, markers=recording.markers),
+    )
+
+
+def _inside(present: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where a sample and those before and after it are present."""
+    inside = np.zeros_like(present)
+    inside[1:-1] = present[:-2] & present[1:-1] & present[2:]
+    return inside
+
+
+def _check(
+    hit: NDArray[np.bool_], present: NDArray[np.bool_], wanted: int, share: float, seed: int
+) -> None:
+    samples, fitting = np.count_nonzero(present), np.count_nonzero(hit)
+    if fitting < wanted:
+        raise ValueError(
+            f"{wanted} impulses asked ({share} of {samples} present samples), {fitting} fit with "
+            f"seed {seed}, in single frames with a present sample on each side: ask for a "
+            "smaller share"
+        )
+    if share > 0 and not wanted:
+        warnings.warn(f"no impulse: {share} of {samples} present samples is none", stacklevel=3)

@@ -1,0 +1,113 @@
+"""Noise of the stated size on every present sample, and on nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph.node import node_of
+from nodegraph_mocap import Origin, Trajectories
+from nodegraph_synthesize.face import synthesize_face
+from nodegraph_synthesize.noise import add
+
+
+def recording(frames: int = 400, markers: int = 15, *, missing: float = 0.1) -> Trajectories:
+    random = np.random.default_rng(2)
+    positions = random.normal(0, 60, (frames, markers, 3))
+    positions[random.random((frames, markers)) < missing] = np.nan
+    names = tuple(f"m{index}" for index in range(markers))
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+def test_ports_and_settings_are_as_promised() -> None:
+    found = node_of(add)
+    assert found is not None
+    assert [str(port) for port in found.inputs] == ["recording: Trajectories"]
+    assert [str(port) for port in found.outputs] == [
+        "noisy: Trajectories",
+        "truth: Truth[Trajectories]",
+    ]
+    assert {name: one.default for name, one in found.settings.items()} == {"sigma": 0.1, "seed": 0}
+    assert found.settings["sigma"].unit == "mm"
+
+
+def test_each_coordinate_is_off_by_sigma_and_independent_of_the_others() -> None:
+    take = recording(3000, 12)
+    noisy, truth = add(take, sigma=0.25, seed=4)
+    assert truth is take
+    error = (noisy.positions - take.positions)[take.present]
+    np.testing.assert_allclose(error.std(axis=0), 0.25, rtol=0.02)
+    np.testing.assert_allclose(error.mean(axis=0), 0.0, rtol=0, atol=0.006)
+    np.testing.assert_allclose(np.corrcoef(error.T), np.eye(3), rtol=0, atol=0.02)
+    # of a normal distribution 68.27 % lie within one standard deviation, 95.45 % within two
+    for width, share in ((1, 0.6827), (2, 0.9545)):
+        assert np.mean(np.abs(error) < 0.25 * width) == pytest.approx(share, abs=0.006)
+
+
+def test_neither_frames_nor_markers_share_noise() -> None:
+    take = recording(3000, 4, missing=0.0)
+    error = (add(take).noisy.positions - take.positions).reshape(3000, 12)
+    np.testing.assert_allclose(np.corrcoef(error.T), np.eye(12), rtol=0, atol=0.08)
+    following = [np.corrcoef(column[1:], column[:-1])[0, 1] for column in error.T]
+    np.testing.assert_allclose(following, 0.0, rtol=0, atol=0.08)
+
+
+def test_gaps_and_origins_stay() -> None:
+    take = recording()
+    origin = np.where(take.present, np.uint8(Origin.FILLED), np.uint8(Origin.MISSING))
+    origin[take.present & (np.arange(take.frames)[:, None] % 2 == 0)] = Origin.MEASURED
+    take = replace(take, origin=origin)
+    noisy = add(take).noisy
+    np.testing.assert_array_equal(noisy.origin, take.origin)
+    np.testing.assert_array_equal(noisy.present, take.present)
+    assert (noisy.positions != take.positions)[take.present].all()
+
+
+@settings(max_examples=20, deadline=None)
+@given(sigma=st.floats(0.01, 10.0), seed=st.integers(0, 2**40))
+def test_another_sigma_is_the_same_noise_at_another_scale(sigma: float, seed: int) -> None:
+    take = recording(20, 3)
+    unit, other = (
+        add(take, sigma=size, seed=seed).noisy.positions - take.positions for size in (1.0, sigma)
+    )
+    np.testing.assert_allclose(other, sigma * unit, rtol=0, atol=1e-12)
+
+
+def test_a_gap_changes_nothing_of_the_noise_around_it() -> None:
+    whole = recording(missing=0.0)
+    gappy = whole.positions.copy()
+    gappy[10:30, 2] = np.nan
+    take = replace(whole, positions=gappy, origin=Trajectories.origin)
+    one, other = add(whole).noisy, add(take).noisy
+    np.testing.assert_array_equal(
+        one.positions[take.present], other.positions[take.present], strict=True
+    )
+
+
+def test_no_sigma_is_no_noise() -> None:
+    take = recording()
+    np.testing.assert_array_equal(add(take, sigma=0.0).noisy.positions, take.positions)
+
+
+def test_the_recordings_own_sigma_adds_in_quadrature() -> None:
+    take = recording()
+    own = np.where(take.present, 0.3, np.nan)
+    noisy = add(replace(take, sigma=own), sigma=0.4).noisy
+    assert noisy.sigma is not None
+    np.testing.assert_allclose(noisy.sigma, np.where(take.present, 0.5, np.nan), rtol=1e-15)
+    assert add(take, sigma=0.4).noisy.sigma is None
+
+
+def test_seeds_and_other_nodes_have_noise_of_their_own() -> None:
+    face = synthesize_face(seconds=5, markers=20, missing=0.0, impulses=0.0)
+    measured = (face.captured.positions - face.truth.positions).ravel()
+    first, second = (
+        (add(face.truth, seed=seed).noisy.positions - face.truth.positions).ravel()
+        for seed in (0, 1)
+    )
+    assert abs(np.corrcoef(first, measured)[0, 1]) < 0.03
+    assert abs(np.corrcoef(first, second)[0, 1]) < 0.03
