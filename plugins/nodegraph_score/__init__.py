@@ -14,10 +14,14 @@ if TYPE_CHECKING:
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
+    from nodegraph_score.distance import distance
     from nodegraph_score.gaps import gaps
+    from nodegraph_score.impulses import impulses
+    from nodegraph_score.roughness import roughness
+    from nodegraph_score.smoothness import smoothness
     from nodegraph_score.tracking import tracking
 
-    return (gaps, tracking)
+    return (distance, gaps, impulses, roughness, smoothness, tracking)
 
 
 @hookimpl

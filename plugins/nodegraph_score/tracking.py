@@ -15,10 +15,11 @@ if TYPE_CHECKING:
 
 UNITS = {
     "samples": "frames",
-    "tracked": "share",
     "links": "links",
+    "wrong": "of 1000 links",
     "right": "share",
     "switches": "count",
+    "tracked": "share",
     "fragments": "count",
 }
 
@@ -36,18 +37,20 @@ def tracking(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
     ========= ============================================================================
     marker    its name
     samples   its present samples
-    tracked   share of them that a track has
     links     its links
-    right     share of its links whose two samples are in the same track
+    wrong     how many of 1000 links have their two samples in two tracks; lower is better
+    right     share of its links whose two samples are in the same track, ``1 - wrong / 1000``
     switches  how often a tracked sample is in another track than the marker's last tracked
-              one
+              one: its wrong links
+    tracked   share of its present samples that a track has
     fragments how often it goes from tracked to present but not tracked, and is tracked
               again later
     ========= ============================================================================
 
     A sample that was dropped from the points counts as one that no track has: it lowers
-    `tracked` and raises `fragments` for every tracker alike, and leaves `right` and `switches`.
-    Where there is nothing to divide by, the value is NaN. Names are not compared.
+    `tracked` and raises `fragments` for every tracker alike, and leaves the others. Compare
+    trackers by `wrong`: few `switches` may also come from tracks that are lost. Where there is
+    nothing to divide by, the value is NaN. Names are not compared.
 
     Parameters
     ----------
@@ -105,10 +108,11 @@ def _row(track: NDArray[np.intp]) -> tuple[float, ...]:
     final = int(has.any() and not has[-1])
     return (
         len(track),
-        float(has.mean()) if len(track) else np.nan,
         links,
+        1000.0 * switches / links if links else np.nan,
         1.0 - switches / links if links else np.nan,
         switches,
+        float(has.mean()) if len(track) else np.nan,
         lost - final,
     )
 

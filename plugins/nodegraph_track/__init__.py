@@ -11,12 +11,14 @@ from nodegraph import Contract, hookimpl
 
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
-    """Return the scatterer of points and the trackers."""
+    """Return the trackers, and what gives them points."""
     from nodegraph_track.assignment import assignment
+    from nodegraph_track.literal import literal
     from nodegraph_track.nearest import nearest
+    from nodegraph_track.neighbours import neighbours
     from nodegraph_track.scatter import scatter
 
-    return (assignment, nearest, scatter)
+    return (assignment, nearest, neighbours, scatter, literal)
 
 
 @hookimpl

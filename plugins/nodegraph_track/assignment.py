@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
@@ -14,26 +16,36 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("track.assignment", cite=("crocker_grier1996", "crouse2016"))
+@node("track.assignment", cite=("crocker_grier1996", "crouse2016", "gardner_mckenzie1985"))
 def assignment(
-    detections: Detections, *, gate: Gate = None, patience: Patience = 30, shortest: Shortest = 3
+    detections: Detections,
+    *,
+    gate: Gate = None,
+    patience: Patience = 60,
+    shortest: Shortest = 3,
+    fade: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8,
 ) -> Trajectories:
     """Follow points by their velocity, assigning those of a frame as a whole.
 
-    A track m whose last point is ``p[m]``, at frame s, is expected at frame t at
-    ``x[m] = p[m] + (t - s) v[m]``, where the velocity ``v[m]`` is the median, coordinate by
-    coordinate, of the steps per frame between its last four points, steps that it does not have
-    yet being 0: one impulse, or one ghost taken by mistake, does not lead it away. With the
-    squared distance ``d[m, j]`` of ``x[m]`` and point j of the frame, the links are those that
-    minimize ``sum(d[m, j]) + gate^2 n`` among pairs within the gate, n being the number of
-    tracks that get no point (the cost of Crocker & Grier about the predicted positions), by
-    `scipy.optimize.linear_sum_assignment` (Crouse).
+    A track m that was at ``p[m]`` in the frame before is expected at ``x[m] = p[m] + v[m]``,
+    where the velocity ``v[m]`` is the median, coordinate by coordinate, of the steps per frame
+    between its last four points, steps that it does not have yet being 0: one impulse, or one
+    ghost taken by mistake, does not lead it away. A track that gets no point goes on to
+    ``x[m]``, and its velocity is multiplied by `fade` in each further frame (the damped trend
+    of Gardner & McKenzie): a face turns back sooner than a long occlusion ends.
 
-    A point that no track takes opens one. A track without a point stays open, going on at its
-    velocity; but one that has fewer than `shortest` points yet ends at once. Tracks are named
-    t000, t001, ... in the order of their first points, those of one frame by x, then y, then z.
-    What a track has no point for is missing. Nothing depends on the order of the points within
-    a frame, unless points coincide.
+    With the squared distance ``d[m, j]`` of ``x[m]`` and point j of the frame, the links are
+    those that minimize ``sum(d[m, j]) + gate^2 n`` among pairs within the gate, n being the
+    number of tracks that get no point (the cost of Crocker & Grier about the predicted
+    positions), by shortest augmenting paths (Crouse). A track that gets none is looked for in
+    the same way, among the points left, at its last point, for motion may have stopped; and
+    then at the point before, for its last one may be an impulse.
+
+    A point that no track takes opens one. A track without a point stays open; but one that has
+    fewer than `shortest` points yet ends at once. Tracks are named t000, t001, ... in the order
+    of their first points, those of one frame by x, then y, then z. What a track has no point
+    for is missing. Nothing depends on the order of the points within a frame, unless points
+    coincide.
 
     Looks ahead 0 frames to link a frame's points, and to the take's end to drop short tracks
     (and for a `gate` made from the data).
@@ -50,15 +62,25 @@ def assignment(
     shortest
         Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
         the take has frames.
+    fade
+        What is left of a track's velocity from frame to frame while it has no point: 1 goes on
+        at constant velocity, 0 stays after the first frame.
 
     Returns
     -------
     Trajectories
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
-    return follow(detections, _link, gate=gate, patience=patience, shortest=shortest)
+
+    def link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
+        return _link(tracks, points, frame, gate, fade)
+
+    return follow(detections, link, gate=gate, patience=patience, shortest=shortest)
 
 
-def _link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
-    expected = tracks.place + tracks.velocity
-    return Links(expected, *assign(expected, points, gate))
+def _link(
+    tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float, fade: float
+) -> Links:
+    expected = tracks.led_by_velocity(frame, fade)
+    last, before = tracks.last, tracks.last - tracks.jump
+    return Links(expected, *assign(expected, points, gate, last, before))

@@ -10,8 +10,7 @@ that end with fewer than `shortest` points are dropped as ghosts.
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, NamedTuple, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -27,8 +26,7 @@ Patience = Annotated[int, Field(ge=0), Unit("frames")]
 Shortest = Annotated[int, Field(ge=1), Unit("frames")]
 
 
-@dataclass(frozen=True)
-class OpenTracks:
+class OpenTracks(NamedTuple):
     """The tracks that may take a point of the next frame, in the order of their names.
 
     Attributes
@@ -38,64 +36,53 @@ class OpenTracks:
         Where the track is thought to be in the frame before; its point, if it had one there.
     last : (A, 3) array of float64
         Its last point.
+    jump : (A, 3) array of float64
+        mm from its last point but one to its last point; 0 where it has one only.
     steps : (A, 3, 3) array of float64
         mm per frame between its last points, the last step first; 0 where it has fewer points.
     seen : (A,) array of int
         The frame of its last point.
-    count : (A,) array of int
+    length : (A,) array of int
         How many points it has.
+    opened : int
+        How many tracks there have been, open or not: the name of the next one.
     """
 
     name: NDArray[np.intp]
     place: NDArray[np.float64]
     last: NDArray[np.float64]
+    jump: NDArray[np.float64]
     steps: NDArray[np.float64]
     seen: NDArray[np.intp]
-    count: NDArray[np.intp]
+    length: NDArray[np.intp]
+    opened: int
 
-    @property
-    def velocity(self) -> NDArray[np.float64]:
-        """(A, 3), the median of the last three steps: one point gone astray does not change it."""
-        from nodegraph_track import linking_kernel
+    def led_by_velocity(self, frame: int, fade: float) -> NDArray[np.float64]:
+        """Return where velocity leads each track in a frame, (A, 3).
 
-        return np.asarray(linking_kernel.median_steps(self.steps))
+        The velocity is the median of the last three steps, coordinate by coordinate: one point
+        gone astray does not change it. It is multiplied by `fade` for every frame without a point.
+        """
+        from nodegraph_track import motion_kernel
 
-    @staticmethod
-    def born(names: NDArray[np.intp], points: NDArray[np.float64], frame: int) -> OpenTracks:
-        """Return new tracks, one per point of a frame."""
-        size = len(points)
-        return OpenTracks(
-            names,
-            points,
-            points,
-            np.zeros((size, 3, 3)),
-            np.full(size, frame),
-            np.ones(size, np.intp),
-        )
-
-    def moved(self, links: Links, points: NDArray[np.float64], frame: int) -> OpenTracks:
-        """Return the tracks after a frame."""
-        from nodegraph_track import linking_kernel
-
-        state = links.predicted, self.last, self.steps, self.seen, self.count
-        here = points[links.point]
-        return OpenTracks(self.name, *linking_kernel.carried(*state, links.track, here, frame))
-
-    def where(self, chosen: NDArray[np.bool_]) -> OpenTracks:
-        """Return some of the tracks."""
-        return self if chosen.all() else OpenTracks(*(part[chosen] for part in self._parts()))
-
-    def and_also(self, others: OpenTracks) -> OpenTracks:
-        """Return the tracks and others behind them."""
-        pairs = zip(self._parts(), others._parts(), strict=True)
-        return OpenTracks(*(np.concatenate(pair) for pair in pairs))
-
-    def _parts(self) -> tuple[NDArray[Any], ...]:
-        return self.name, self.place, self.last, self.steps, self.seen, self.count
+        absent = frame - 1 - self.seen
+        carried = motion_kernel.carried_by_velocity(self.place, self.steps, absent, fade)
+        return np.asarray(carried)
 
 
-@dataclass(frozen=True)
-class Links:
+NO_TRACKS = OpenTracks(
+    np.empty(0, np.intp),
+    np.empty((0, 3)),
+    np.empty((0, 3)),
+    np.empty((0, 3)),
+    np.empty((0, 3, 3)),
+    np.empty(0, np.intp),
+    np.empty(0, np.intp),
+    0,
+)
+
+
+class Links(NamedTuple):
     """What a method says of one frame.
 
     Attributes
@@ -152,38 +139,47 @@ def follow(
     if not len(detections.points):
         raise Refusal("needs at least one point; no frame has any")
     shortest = min(shortest, detections.frames)
-    frame = np.repeat(np.arange(detections.frames), np.diff(detections.offsets))
+    offsets, frame = (
+        detections.offsets,
+        np.repeat(np.arange(detections.frames), np.diff(detections.offsets)),
+    )
     # In an order of their own, so that nothing hangs on the order in which they came, and by x
     # first, by which the links are searched.
-    points = detections.points[_order(detections.points, frame)]
-    width = default_gate(detections) if gate is None else gate
-    owner = _owners(points, detections.offsets, method, width, patience, shortest)
+    points = detections.points[_order(detections.points, offsets, frame)]
+    width = default_gate(points, offsets) if gate is None else gate
+    owner = _owners(points, offsets, method, width, patience, shortest)
     return _trajectories(points, frame, owner, detections, shortest)
 
 
-def default_gate(detections: Detections) -> float:
+def default_gate(points: NDArray[np.float64], offsets: NDArray[np.int64]) -> float:
     """Return half the median distance from a point to the nearest one of the same frame.
 
     A point nearer than that to where a marker is expected is likelier the marker's own than its
     neighbour's. Up to 200 frames are looked at, evenly spread over the take. Infinite where no
     frame has two points in different places: there is nothing to confuse.
-    """
-    from scipy.spatial import KDTree
 
-    chosen = np.unique(np.linspace(0, detections.frames - 1, 200).astype(np.intp))
-    found = [np.empty(0)]
-    for frame in chosen:
-        points = detections.points[detections.offsets[frame] : detections.offsets[frame + 1]]
-        if len(points) > 1:
-            found.append(np.asarray(KDTree(points).query(points, k=2)[0])[:, 1])
-    apart = np.concatenate(found)
+    Parameters
+    ----------
+    points : (N, 3) array of float64
+        Frame after frame, those of a frame in the order of x.
+    offsets : (T + 1,) array of int
+        The points of frame t are ``points[offsets[t]:offsets[t + 1]]``.
+    """
+    from nodegraph_track import linking_kernel
+
+    chosen = np.unique(np.linspace(0, len(offsets) - 2, 200).astype(np.intp))
+    apart = linking_kernel.spaces(points, offsets, chosen)
     apart = apart[apart > 0]
     return float(np.median(apart)) / 2.0 if len(apart) else np.inf
 
 
-def _order(points: NDArray[np.float64], frame: NDArray[np.intp]) -> NDArray[np.intp]:
+def _order(
+    points: NDArray[np.float64], offsets: NDArray[np.int64], frame: NDArray[np.intp]
+) -> NDArray[np.intp]:
     """Return the order by frame, then x, y, z; y and z are looked at only where x is equal."""
-    order = np.lexsort((points[:, 0], frame))
+    from nodegraph_track import linking_kernel
+
+    order = np.asarray(linking_kernel.order_by_x(points, offsets))
     equal = (np.diff(points[order, 0]) == 0) & (np.diff(frame) == 0)
     return np.lexsort((*points.T[::-1], frame)) if equal.any() else order
 
@@ -197,22 +193,15 @@ def _owners(
     shortest: int,
 ) -> NDArray[np.intp]:
     """Return the number of each point's track, (N,)."""
-    owner = np.empty(len(points), dtype=np.intp)
-    tracks, opened = OpenTracks.born(np.empty(0, np.intp), np.empty((0, 3)), 0), 0
+    from nodegraph_track import linking_kernel
+
+    owner, tracks = np.empty(len(points), dtype=np.intp), NO_TRACKS
     for frame in range(len(offsets) - 1):
         begin, end = offsets[frame], offsets[frame + 1]
         here, mine = points[begin:end], owner[begin:end]
         links = method(tracks, here, frame, gate)
-        mine[:] = -1
-        mine[links.point] = tracks.name[links.track]
-        tracks = tracks.moved(links, here, frame)
-        absent = frame - tracks.seen
-        tracks = tracks.where((absent == 0) | ((absent <= patience) & (tracks.count >= shortest)))
-        new = np.flatnonzero(mine < 0)
-        if len(new):
-            mine[new] = np.arange(opened, opened + len(new))
-            tracks = tracks.and_also(OpenTracks.born(mine[new], here[new], frame))
-            opened += len(new)
+        state = linking_kernel.next_tracks(tracks, links, here, frame, patience, shortest, mine)
+        tracks = OpenTracks(*state)
     return owner
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -32,23 +32,27 @@ def take_nearest(places: NDArray[np.float64], points: NDArray[np.float64], gate:
     """
     from nodegraph_track import linking_kernel
 
-    place, point, squared = linking_kernel.pairs_within(places, points, gate)
-    order = np.argsort(squared, kind="stable")
-    taken = linking_kernel.nearest_first(place, point, order, len(places), len(points))
-    return place[taken], point[taken]
+    return cast("Pairs", linking_kernel.nearest_first(places, points, gate))
 
 
-def assign(places: NDArray[np.float64], points: NDArray[np.float64], gate: float) -> Pairs:
+def assign(
+    places: NDArray[np.float64],
+    points: NDArray[np.float64],
+    gate: float,
+    *otherwise: NDArray[np.float64],
+) -> Pairs:
     """Link places to points so that the whole fits best.
 
     Minimizes the sum of the squared distances of all links plus ``gate**2`` for each place that
-    gets no point. Pairs that share neither place nor point, directly or through others, are
-    solved apart.
+    gets no point, by shortest augmenting paths.
 
     Parameters
     ----------
     places, points, gate
         As for `take_nearest`.
+    otherwise : (A, 3) arrays of float64
+        Where the places without a point are looked for next, among the points that are left, in
+        the same way; and so on.
 
     Returns
     -------
@@ -57,34 +61,5 @@ def assign(places: NDArray[np.float64], points: NDArray[np.float64], gate: float
     """
     from nodegraph_track import linking_kernel
 
-    place, point, squared = linking_kernel.pairs_within(places, points, gate)
-    alone = linking_kernel.alone(place, point, len(places), len(points))
-    if alone.all():
-        return place, point
-    linked = [np.flatnonzero(alone)]
-    others = np.flatnonzero(~alone)
-    group = linking_kernel.components(place[others], point[others], len(places), len(points))
-    order = np.argsort(group, kind="stable")
-    starts = np.flatnonzero(np.diff(group[order])) + 1
-    for members in np.split(others[order], starts):
-        linked.append(members[_best(place[members], point[members], squared[members], gate)])
-    chosen = np.concatenate(linked)
-    return place[chosen], point[chosen]
-
-
-def _best(
-    place: NDArray[np.intp], point: NDArray[np.intp], squared: NDArray[np.float64], gate: float
-) -> NDArray[np.intp]:
-    """Return which pairs of one component are linked."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, row = np.unique(place, return_inverse=True)
-    columns, column = np.unique(point, return_inverse=True)
-    pair = np.full((len(rows), len(columns)), -1)
-    pair[row, column] = np.arange(len(place))
-    # What leaving a place without a point costs; beyond any gate, more than all links together.
-    alone = gate**2 if np.isfinite(gate) else 1.0 + squared.sum()
-    cost = np.zeros(pair.shape)
-    cost[row, column] = squared - alone
-    chosen = pair[linear_sum_assignment(cost)]
-    return np.asarray(chosen[chosen >= 0])
+    in_turn = np.array([places, *otherwise])
+    return cast("Pairs", linking_kernel.assigned(in_turn, points, gate))

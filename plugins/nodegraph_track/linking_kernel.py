@@ -1,4 +1,7 @@
-"""The loops over tracks and points, compiled: import this module only when a tracker runs."""
+"""The loops over tracks and points, compiled: import this module only when a tracker runs.
+
+A kernel calls only kernels of its own file: numba's cache notices an edit of no other.
+"""
 
 from __future__ import annotations
 
@@ -12,132 +15,232 @@ compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, 
 
 
 @compiled
-def pairs_within(places: Any, points: Any, gate: float) -> Any:
+def order_by_x(points: Any, offsets: Any) -> Any:
+    """Return the order of points, (N,), by frame, then x; see `spaces`."""
+    order = np.empty(len(points), np.int64)
+    for frame in range(len(offsets) - 1):
+        first, end = offsets[frame], offsets[frame + 1]
+        order[first:end] = first + np.argsort(points[first:end, 0])
+    return order
+
+
+@compiled
+def spaces(points: Any, offsets: Any, frames: Any) -> Any:
+    """Return how far each point of some frames is from the nearest one of its frame, (K,) mm.
+
+    Parameters
+    ----------
+    points : (N, 3) array of float64
+        Frame after frame, those of a frame in the order of x, so that few are looked at.
+    offsets : (T + 1,) array of int
+        The points of frame t are ``points[offsets[t]:offsets[t + 1]]``.
+    frames : (F,) array of int
+        Those of one point have no space.
+    """
+    found, count = np.empty(len(points)), 0
+    for frame in frames:
+        first, end = offsets[frame], offsets[frame + 1]
+        for one in range(first, end if end - first > 1 else first):
+            nearest = np.inf
+            for way in (-1, 1):
+                other = one + way
+                while first <= other < end:
+                    dx = points[other, 0] - points[one, 0]
+                    dy, dz = points[other, 1] - points[one, 1], points[other, 2] - points[one, 2]
+                    if dx * dx > nearest:
+                        break
+                    nearest = min(nearest, dx * dx + dy * dy + dz * dz)
+                    other += way
+            found[count] = np.sqrt(nearest)
+            count += 1
+    return found[:count]
+
+
+@compiled
+def pairs_within(places: Any, points: Any, gate: float, wanting: Any, free: Any) -> Any:
     """Return which points lie within the gate of which place.
 
     Parameters
     ----------
     places : (A, 3) array of float64
+        Nothing is near one that is NaN.
     points : (P, 3) array of float64
         In the order of x, so that few of them are looked at.
     gate
         Millimetres.
+    wanting : (A,) array of bool
+    free : (P,) array of bool
+        Other places and points are in no pair.
 
     Returns
     -------
-    (K,), (K,), (K,) arrays
-        Place, point, squared distance; place after place.
+    (A + 1,), (K,), (K,) arrays
+        The first pair of each place; point and squared distance of each pair, by place, then
+        point.
     """
     # Room for every pair, so that the search itself allocates nothing.
-    place = np.empty(len(places) * len(points), np.int64)
-    point, squared = np.empty(len(place), np.int64), np.empty(len(place))
+    point = np.empty(len(places) * len(points), np.int64)
+    start, squared = np.empty(len(places) + 1, np.int64), np.empty(len(point))
     across = points[:, 0].copy()
     count, limit = 0, gate * gate
     for row in range(len(places)):
+        start[row] = count
         x, y, z = places[row, 0], places[row, 1], places[row, 2]
-        column = np.searchsorted(across, x - gate)
+        column = np.searchsorted(across, x - gate) if wanting[row] else len(across)
         while column < len(across) and across[column] <= x + gate:
             dx, dy, dz = across[column] - x, points[column, 1] - y, points[column, 2] - z
             distance = dx * dx + dy * dy + dz * dz
-            if distance <= limit:
-                place[count], point[count], squared[count] = row, column, distance
+            if distance <= limit and free[column]:
+                point[count], squared[count] = column, distance
                 count += 1
             column += 1
-    return place[:count].copy(), point[:count].copy(), squared[:count].copy()
+    start[len(places)] = count
+    return start, point[:count], squared[:count]
 
 
 @compiled
-def nearest_first(place: Any, point: Any, order: Any, places: int, points: int) -> Any:
-    """Return the pairs that remain when each takes its place and its point, in some order.
-
-    Parameters
-    ----------
-    place, point : (K,) arrays of int
-        The pairs.
-    order : (K,) array of int
-        Which pair comes first, second, ...
-    places, points
-        How many there are.
-
-    Returns
-    -------
-    (L,) array of int
-        The pairs that were taken.
-    """
-    free_place, free_point = np.ones(places, np.bool_), np.ones(points, np.bool_)
-    taken, count = np.empty(min(places, points), np.int64), 0
-    for pair in order:
-        if free_place[place[pair]] and free_point[point[pair]]:
-            free_place[place[pair]] = free_point[point[pair]] = False
-            taken[count] = pair
+def nearest_first(places: Any, points: Any, gate: float) -> Any:
+    """Return the links, nearest pair first: (L,) places and (L,) points."""
+    wanting, free = np.ones(len(places), np.bool_), np.ones(len(points), np.bool_)
+    start, point, squared = pairs_within(places, points, gate, wanting, free)
+    place = np.repeat(np.arange(len(places)), np.diff(start))
+    chosen, count = np.empty(min(len(places), len(points)), np.int64), 0
+    for pair in np.argsort(squared, kind="mergesort"):
+        if wanting[place[pair]] and free[point[pair]]:
+            wanting[place[pair]] = free[point[pair]] = False
+            chosen[count] = pair
             count += 1
-    return taken[:count]
+    return place[chosen[:count]], point[chosen[:count]]
 
 
 @compiled
-def components(place: Any, point: Any, places: int, points: int) -> Any:
-    """Return the connected component of each pair, (K,): the smallest place in it."""
-    of_place, of_point = np.arange(places), np.full(points, places)
-    changed = True
-    while changed:
-        changed = False
-        for pair in range(len(place)):
-            row, column = place[pair], point[pair]
-            least = min(of_place[row], of_point[column])
-            changed |= of_place[row] != least or of_point[column] != least
-            of_place[row] = of_point[column] = least
-    return of_place[place]
-
-
-@compiled
-def carried(
-    predicted: Any, last: Any, steps: Any, seen: Any, count: Any, track: Any, here: Any, frame: int
-) -> Any:
-    """Return the tracks after a frame: place, last point, steps, frame of it, number of points.
+def assigned(in_turn: Any, points: Any, gate: float) -> Any:
+    """Return the cheapest links, (L,) places and (L,) points.
 
     Parameters
     ----------
-    predicted, last, steps, seen, count
-        Of all open tracks; see `nodegraph_track.follow.OpenTracks`.
-    track : (L,) array of int
-        Those that got a point.
-    here : (L, 3) array of float64
-        Their points.
-    frame
-        Which frame it is.
+    in_turn : (S, A, 3) array of float64
+        The places; then where those that got no point are looked for among the points left.
+    points, gate
+        As for `pairs_within`.
     """
-    place, last, steps = predicted.copy(), last.copy(), steps.copy()
-    seen, count = seen.copy(), count.copy()
+    taken, free = np.full(in_turn.shape[1], -1), np.ones(len(points), np.bool_)
+    for places in in_turn:
+        wanting = taken < 0
+        if wanting.any() and free.any():
+            start, point, squared = pairs_within(places, points, gate, wanting, free)
+            # Beyond any gate: more than all links together.
+            alone = gate * gate if np.isfinite(gate) else 1.0 + squared.sum()
+            found = cheapest(start, point, squared, len(points), alone)
+            taken[wanting] = found[wanting]
+            free[taken[taken >= 0]] = False
+    place = np.flatnonzero(taken >= 0)
+    return place, taken[place]
+
+
+@compiled
+def cheapest(start: Any, point: Any, squared: Any, points: int, alone: float) -> Any:
+    """Return the point of each place, (A,), -1 for none, by shortest augmenting paths.
+
+    Place after place is added; the cheapest path of exchanges makes room for it.
+
+    Parameters
+    ----------
+    start, point, squared
+        Pairs; see `pairs_within`.
+    points
+        How many there are.
+    alone
+        The cost of a place without a point.
+    """
+    places = len(start) - 1
+    # Behind the points stands, for each place, a column of its own: to have none.
+    of_row, of_column = np.full(places, -1), np.full(points + places, -1)
+    row_price, column_price = np.zeros(places), np.zeros(points + places)
+    cost, back = np.full(points + places, np.inf), np.empty(points + places, np.int64)
+    done, touched = np.zeros(points + places, np.bool_), np.empty(points + places, np.int64)
+    for root in range(places):
+        row, reached, count, end = root, 0.0, 0, -1
+        while row >= 0:
+            for pair in range(start[row], start[row + 1] + 1):
+                none = pair == start[row + 1]
+                column = points + row if none else point[pair]
+                price = alone if none else squared[pair]
+                total = reached + price - row_price[row] - column_price[column]
+                if total < cost[column] and not done[column]:
+                    if cost[column] == np.inf:
+                        touched[count] = column
+                        count += 1
+                    cost[column], back[column] = total, row
+            end = _cheapest_open(touched[:count], cost, done)
+            done[end], reached, row = True, cost[end], of_column[end]
+        row_price[root] += reached
+        # The prices keep what is left of every cost from being negative, and of every link 0.
+        for column in touched[:count]:
+            if done[column] and column != end:
+                row_price[of_column[column]] += reached - cost[column]
+                column_price[column] -= reached - cost[column]
+            cost[column], done[column] = np.inf, False
+        while end >= 0:
+            row = back[end]
+            of_column[end] = row
+            end, of_row[row] = of_row[row], end
+    return np.where(of_row < points, of_row, -1)
+
+
+@compiled
+def _cheapest_open(columns: Any, cost: Any, done: Any) -> int:
+    best = -1
+    for column in columns:
+        if not done[column] and (best < 0 or cost[column] < cost[best]):
+            best = column
+    return best
+
+
+@compiled
+def next_tracks(
+    tracks: Any, links: Any, points: Any, frame: int, patience: int, shortest: int, owner: Any
+) -> Any:
+    """Return the open tracks after a frame, and write the owner of each point.
+
+    Parameters
+    ----------
+    tracks, links
+        See `nodegraph_track.follow.OpenTracks` and `Links`.
+    points : (P, 3) array of float64
+    frame, patience, shortest
+        Which frame it is; see `nodegraph_track.follow.follow`.
+    owner : (P,) array of int
+        Written: the name of the track that has each point.
+    """
+    name, opened, track, point = tracks.name, tracks.opened, links.track, links.point
+    place, last = links.predicted.copy(), tracks.last.copy()
+    jump, steps = tracks.jump.copy(), tracks.steps.copy()
+    seen, length = tracks.seen.copy(), tracks.length.copy()
+    owner[:] = -1
     for link in range(len(track)):
-        row = track[link]
+        row, column = track[link], point[link]
         elapsed = frame - seen[row]
         for axis in range(3):
-            now = here[link, axis]
-            steps[row, 2, axis] = steps[row, 1, axis]
-            steps[row, 1, axis] = steps[row, 0, axis]
-            steps[row, 0, axis] = (now - last[row, axis]) / elapsed
-            place[row, axis] = last[row, axis] = now
-        seen[row] = frame
-        count[row] += 1
-    return place, last, steps, seen, count
-
-
-@compiled
-def alone(place: Any, point: Any, places: int, points: int) -> Any:
-    """Return, for each pair, whether its place and its point are in no other, (K,) bool."""
-    crowd, rivals = np.zeros(places, np.int64), np.zeros(points, np.int64)
-    for pair in range(len(place)):
-        crowd[place[pair]] += 1
-        rivals[point[pair]] += 1
-    return (crowd[place] == 1) & (rivals[point] == 1)
-
-
-@compiled
-def median_steps(steps: Any) -> Any:
-    """Return the median of three steps, coordinate by coordinate: (A, 3, 3) to (A, 3)."""
-    velocity = np.empty((len(steps), 3))
-    for row in range(len(steps)):
-        for axis in range(3):
-            one, two, three = steps[row, 0, axis], steps[row, 1, axis], steps[row, 2, axis]
-            velocity[row, axis] = max(min(one, two), min(max(one, two), three))
-    return velocity
+            here = points[column, axis]
+            jump[row, axis] = here - last[row, axis]
+            steps[row, 2, axis], steps[row, 1, axis] = steps[row, 1, axis], steps[row, 0, axis]
+            steps[row, 0, axis] = jump[row, axis] / elapsed
+            place[row, axis] = last[row, axis] = here
+        owner[column], seen[row] = name[row], frame
+        length[row] += 1
+    stays = (seen == frame) | ((frame - seen <= patience) & (length >= shortest))
+    new = np.flatnonzero(owner < 0)
+    if stays.all() and not len(new):
+        return name, place, last, jump, steps, seen, length, opened
+    owner[new] = np.arange(opened, opened + len(new))
+    return (
+        np.concatenate((name[stays], owner[new])),
+        np.concatenate((place[stays], points[new])),
+        np.concatenate((last[stays], points[new])),
+        np.concatenate((jump[stays], np.zeros((len(new), 3)))),
+        np.concatenate((steps[stays], np.zeros((len(new), 3, 3)))),
+        np.concatenate((seen[stays], np.full(len(new), frame))),
+        np.concatenate((length[stays], np.ones(len(new), np.int64))),
+        opened + len(new),
+    )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @node("track.nearest")
 def nearest(
-    detections: Detections, *, gate: Gate = None, patience: Patience = 30, shortest: Shortest = 3
+    detections: Detections, *, gate: Gate = None, patience: Patience = 60, shortest: Shortest = 3
 ) -> Trajectories:
     """Follow points by giving each track the nearest one to its last position.
 

@@ -29,9 +29,25 @@ def test_values_of_a_case_counted_by_hand() -> None:
     table = tracking(estimate, truth)
     expected = [
         # present 8; tracked in frames 1 2 4 5 6 by p p p q q
-        {"samples": 8, "tracked": 5 / 8, "links": 4, "right": 3 / 4, "switches": 1, "fragments": 1},
+        {
+            "samples": 8,
+            "links": 4,
+            "wrong": 250,
+            "right": 3 / 4,
+            "switches": 1,
+            "tracked": 5 / 8,
+            "fragments": 1,
+        },
         # present 7; tracked in frames 0 1 4 5 6 7 by q q q p p r, lost in frame 2
-        {"samples": 7, "tracked": 6 / 7, "links": 5, "right": 3 / 5, "switches": 2, "fragments": 1},
+        {
+            "samples": 7,
+            "links": 5,
+            "wrong": 400,
+            "right": 3 / 5,
+            "switches": 2,
+            "tracked": 6 / 7,
+            "fragments": 1,
+        },
     ]
     assert table["marker"].tolist() == ["a", "b"]
     for row, values in zip(table.to_dict("records"), expected, strict=True):
@@ -42,6 +58,7 @@ def test_the_truth_itself_is_right_throughout() -> None:
     truth = recording(a=[1, 1, NO, 1], b=[2, 3, 4, 5])
     table = tracking(truth, truth)
     assert (table["right"] == 1).all()
+    assert (table["wrong"] == 0).all()
     assert (table["tracked"] == 1).all()
     assert table[["switches", "fragments"]].to_numpy().sum() == 0
 
@@ -49,7 +66,7 @@ def test_the_truth_itself_is_right_throughout() -> None:
 def test_a_marker_never_tracked_has_no_share() -> None:
     table = tracking(recording(p=[NO, NO]), recording(a=[1, 1], b=[NO, NO]))
     assert table["tracked"].tolist()[0] == 0
-    assert table[["right"]].isna().all(axis=None)
+    assert table[["right", "wrong"]].isna().all(axis=None)
     assert np.isnan(table["tracked"].tolist()[1])
 
 

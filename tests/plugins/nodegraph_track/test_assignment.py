@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from nodegraph_mocap import Detections, Trajectories
@@ -38,14 +39,41 @@ def test_two_that_pass_each_other_keep_their_names() -> None:
 def test_one_that_is_hidden_is_found_where_its_velocity_leads() -> None:
     positions = crossing()
     positions[6:12, 0] = np.nan
-    assert same(assignment(detections(positions), gate=3.0), positions)
-    assert len(assignment(detections(positions), gate=3.0, patience=5).markers) == 3
+    found = detections(positions)
+    assert same(assignment(found, gate=3.0, fade=1.0), positions)
+    assert len(assignment(found, gate=3.0, fade=1.0, patience=5).markers) == 3
+
+
+@pytest.mark.parametrize("fade", [0.0, 0.5, 0.8, 1.0])
+def test_the_velocity_of_one_that_is_hidden_fades(fade: float) -> None:
+    positions = np.zeros((18, 1, 3))
+    positions[:8, 0, 0] = np.arange(8) * 2.0
+    positions[8:13] = np.nan
+    expected = 14.0 + 2.0 * sum(fade**frame for frame in range(6))
+    for off, tracks in ((2.4, 1), (2.6, 2)):
+        positions[13:, 0, 0] = expected + off
+        assert len(assignment(detections(positions), gate=2.5, fade=fade).markers) == tracks
 
 
 def test_an_impulse_does_not_lead_a_track_away() -> None:
     positions = crossing()[:, :1]
     positions[10, 0, 1] += 2.5
     assert same(assignment(detections(positions), gate=3.0), positions)
+
+
+def test_after_an_impulse_as_wide_as_the_gate_a_track_goes_on() -> None:
+    positions = np.zeros((20, 1, 3))
+    positions[:, 0, 0] = np.arange(20) * 0.5
+    positions[10, 0] += [-1.4, 2.6, 0]  # 2.95 from where it is expected, 3.2 from the next point
+    assert same(assignment(detections(positions), gate=3.0), positions)
+    assert len(nearest(detections(positions), gate=3.0).markers) == 2
+
+
+def test_one_that_stops_while_it_is_hidden_is_found_where_it_was() -> None:
+    positions = np.zeros((30, 1, 3))
+    positions[:, 0, 0] = np.minimum(np.arange(30), 8.0)
+    positions[8:20] = np.nan
+    assert same(assignment(detections(positions), gate=1.5), positions)
 
 
 def test_a_frame_is_assigned_as_a_whole() -> None:

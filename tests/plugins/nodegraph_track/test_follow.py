@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 
 from nodegraph import Refusal
 from nodegraph_mocap import Detections
 from nodegraph_track.follow import default_gate
+from nodegraph_track.linking_kernel import spaces
 from nodegraph_track.nearest import nearest
 
 
@@ -65,10 +71,33 @@ def test_no_point_at_all_is_refused() -> None:
         nearest(detections([], []))
 
 
+def gate_of(*frames: list[float]) -> float:
+    made = detections(*frames)
+    return default_gate(made.points, made.offsets)
+
+
 def test_the_gate_is_half_the_spacing() -> None:
-    assert default_gate(detections([0, 4, 8], [0, 4], [1])) == 2.0
-    assert default_gate(detections([0, 0, 6])) == 3.0
-    assert default_gate(detections([3], [3], [9])) == np.inf
+    assert gate_of([0, 4, 8], [0, 4], [1]) == 2.0
+    assert gate_of([0, 0, 6]) == 3.0
+    assert gate_of([3], [3], [9]) == np.inf
+
+
+@settings(deadline=None)
+@given(
+    arrays(np.float64, (12, 3), elements=st.integers(-5, 5)),
+    st.lists(st.integers(0, 12), min_size=2, max_size=2),
+)
+def test_spaces_are_those_to_the_nearest_one_of_the_frame(
+    points: NDArray[np.float64], cuts: list[int]
+) -> None:
+    offsets = np.array([0, *sorted(cuts), 12])
+    expected: list[float] = []
+    for first, end in itertools.pairwise(offsets):
+        points[first:end] = points[first:end][np.argsort(points[first:end, 0])]
+        apart = np.linalg.norm(points[first:end, None] - points[first:end], axis=2)
+        np.fill_diagonal(apart, np.inf)
+        expected += apart.min(axis=1).tolist() if end - first > 1 else []
+    assert spaces(points, offsets, np.arange(3)).tolist() == pytest.approx(expected)
 
 
 def test_a_single_marker_is_followed_however_fast() -> None:

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from nodegraph_track.linking import assign, take_nearest
 
@@ -42,6 +43,41 @@ def test_an_assignment_costs_as_little_as_can_be(seed: int, gate: float) -> None
     links = set(zip(place.tolist(), point.tolist(), strict=True))
     assert all(squared[link] <= gate**2 for link in links)
     assert cost(squared, links, gate) == pytest.approx(cheapest(squared, gate))
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("gate", [0.7, 1.5, np.inf])
+def test_many_cost_as_little_as_scipy_makes_them(seed: int, gate: float) -> None:
+    random = np.random.default_rng(seed)
+    places, points = (random.uniform(0, 4, (random.integers(20, 40), 3)) for _ in range(2))
+    points = points[np.argsort(points[:, 0])]
+    squared = ((places[:, None] - points) ** 2).sum(axis=2)
+    alone = gate**2 if np.isfinite(gate) else 1e6
+    saved = np.minimum(squared - alone, 0.0)
+    expected = saved[linear_sum_assignment(saved)].sum()
+    place, point = assign(places, points, gate)
+    assert len(set(place)) == len(place) == len(set(point))
+    assert saved[place, point].sum() == pytest.approx(expected)
+
+
+def test_those_without_a_point_are_looked_for_elsewhere() -> None:
+    points = np.array([[0.0, 0, 0], [4, 0, 0], [9, 0, 0]])
+    places = np.array([[0.5, 0, 0], [6.5, 0, 0], [20, 0, 0]])
+    first, second = places + [[2, 0, 0]] * 3, np.array([[0.0, 0, 0], [4, 0, 0], [8, 0, 0]])
+    assert links_of(assign(places, points, 1.0)) == {(0, 0)}
+    assert links_of(assign(places, points, 1.0, first)) == {(0, 0), (1, 2)}
+    # what has a point keeps it, and nobody else gets it
+    assert links_of(assign(places, points, 1.0, second[::-1])) == {(0, 0), (1, 1)}
+    assert links_of(assign(places, points, 1.0, first, second)) == {(0, 0), (1, 2)}
+
+
+def links_of(pairs: tuple[NDArray[np.intp], NDArray[np.intp]]) -> set[tuple[int, int]]:
+    return set(zip(*(part.tolist() for part in pairs), strict=True))
+
+
+def test_a_place_that_is_nowhere_gets_no_point() -> None:
+    place, _ = assign(np.full((2, 3), np.nan), np.zeros((1, 3)), np.inf)
+    assert not len(place)
 
 
 @pytest.mark.parametrize("seed", range(20))

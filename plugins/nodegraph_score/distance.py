@@ -1,0 +1,142 @@
+"""How far markers are from where they should be, a row per frame."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Truth, node
+from nodegraph_mocap import Table, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+UNITS = {
+    "frame": "frame",
+    "markers": "markers",
+    "missing": "markers",
+    "squared": "mm^2",
+    "rms": "mm",
+    "mean": "mm",
+    "max": "mm",
+}
+
+
+@node("score.distance")
+def distance(estimate: Trajectories, reference: Truth[Trajectories]) -> Table:
+    """Distance between two recordings, a row per frame.
+
+    With ``d[m]`` the Euclidean distance between marker m of the estimate and marker m of the
+    reference, over the n markers that both have in the frame:
+
+    ======== ============================================================================
+    frame    its index
+    markers  how many markers are compared, n
+    missing  how many of the markers that both recordings name are not, as one of them lacks
+             the sample
+    squared  mm^2, sum of ``d[m]^2``: the squared Procrustes distance where the estimate is
+             aligned to the reference
+    rms      mm, ``sqrt(squared / n)``
+    mean     mm, mean of ``d[m]``
+    max      mm, largest ``d[m]``
+    farthest name of the marker that is so far off, the first of equals; empty where n = 0
+    ======== ============================================================================
+
+    Markers are matched by name, never by column. Those that only one of the two has are left
+    out, counted and named in a warning and in the table's notes. A reference of one frame is
+    compared with every frame of the estimate. In a frame in which nothing can be compared the
+    numbers are NaN; as a sum over fewer markers is smaller, compare `rms` and not `squared`
+    where samples are missing.
+
+    Parameters
+    ----------
+    estimate
+        T frames.
+    reference
+        T frames, or one.
+
+    Returns
+    -------
+    Table
+        As above.
+
+    Raises
+    ------
+    ValueError
+        If frame counts differ and the reference has more than one frame, or no marker is in
+        both.
+    """
+    if reference.frames not in (1, estimate.frames):
+        raise ValueError(
+            f"estimate has {estimate.frames} frames, the reference {reference.frames}: it must "
+            "have as many, or one"
+        )
+    shared = tuple(name for name in estimate.markers if name in set(reference.markers))
+    if not shared:
+        raise ValueError(
+            f"no marker is in both: estimate has {_list(estimate.markers)}, reference "
+            f"{_list(reference.markers)}"
+        )
+    apart = np.linalg.norm(
+        estimate.keep(shared).positions - reference.keep(shared).positions, axis=2
+    )
+    table = _table(apart, shared)
+    notes = [*_left_out(estimate, reference), *_lacking(table)]
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    table.attrs.update(title="Distances", notes=[f"{note}." for note in notes], units=dict(UNITS))
+    return table
+
+
+def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:
+    from pandas import DataFrame
+
+    known = np.isfinite(apart)
+    count = known.sum(axis=1)
+    some = count > 0
+    squared = np.where(
+        some, np.square(apart, where=known, out=np.zeros_like(apart)).sum(axis=1), np.nan
+    )
+    sums = np.where(known, apart, 0.0).sum(axis=1)
+    largest = np.where(known, apart, -1.0).argmax(axis=1)
+    names = np.array([*markers, ""], dtype=object)
+    return DataFrame(
+        {
+            "frame": np.arange(len(apart)),
+            "markers": count,
+            "missing": len(markers) - count,
+            "squared": squared,
+            "rms": np.sqrt(squared / np.maximum(count, 1)),
+            "mean": np.where(some, sums / np.maximum(count, 1), np.nan),
+            "max": apart[np.arange(len(apart)), largest],
+            "farthest": names[np.where(some, largest, -1)],
+        }
+    )
+
+
+def _left_out(estimate: Trajectories, reference: Trajectories) -> list[str]:
+    """Say which markers only one of the two has."""
+    told = []
+    for what, one, other in (
+        ("estimate", estimate, reference),
+        ("reference", reference, estimate),
+    ):
+        alone = [name for name in one.markers if name not in set(other.markers)]
+        if alone:
+            told.append(f"{len(alone)} markers only the {what} has are left out: {_list(alone)}")
+    return told
+
+
+def _lacking(table: Table) -> list[str]:
+    missing, compared = int(table["missing"].sum()), int(table["markers"].sum())
+    if not missing:
+        return []
+    empty = int((table["markers"] == 0).sum())
+    frames = f"; {empty} of {len(table)} frames have none at all" if empty else ""
+    return [f"{missing} of {missing + compared} samples are missing and not compared{frames}"]
+
+
+def _list(names: tuple[str, ...] | list[str]) -> str:
+    return ", ".join(names) or "none"

@@ -1,0 +1,196 @@
+"""Impulses found and good samples changed, a row per take or per marker."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+
+from nodegraph import Truth, node
+from nodegraph_mocap import Mask, Origin, Table, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Per = Literal["take", "marker"]
+
+UNITS = {
+    "samples": "samples",
+    "hits": "samples",
+    "found": "samples",
+    "false positives": "samples",
+    "rmse": "mm",
+    "error": "mm",
+    "missed": "share",
+    "false positive rate": "share",
+    "change": "mm",
+    "recall": "share",
+    "precision": "share",
+}
+
+
+@node("score.impulses")
+def impulses(
+    estimate: Trajectories,
+    truth: Truth[Trajectories],
+    impulses: Truth[Mask],
+    *,
+    per: Per = "take",
+) -> Table:
+    """Impulses that a method has found, and good samples that it took for some.
+
+    A sample is *hit* where the mask says so, else *clean*; it is *repaired* where the estimate
+    has it with that origin. With e the distance from the estimate's sample to the true one:
+
+    =================== ================================================================
+    marker              its name; ``all`` where a row is the take
+    samples             how many are judged
+    hits                how many of them are hit
+    found               how many hits are repaired
+    false positives     how many clean samples are repaired
+    rmse                mm, root of the mean of ``e^2`` over all samples
+    error               mm, mean of e over the hits, found or not
+    missed              share of the hits that are not found
+    false positive rate share of the clean samples that are repaired
+    change              mm, mean of e over the false positives: by how much good samples
+                        were moved, where the truth is the recording before the impulses
+    recall              share of the hits that are found, ``1 - missed``
+    precision           share of the repaired samples that are hits
+    =================== ================================================================
+
+    Of rmse, error, missed, false positive rate and change less is better. A share or mean of
+    nothing is NaN: error, missed and recall without a hit, precision without a repaired sample,
+    change without a false positive. A sample is judged where the truth and the estimate have
+    it, unless it was called repaired in the truth already, where nothing tells who repaired it.
+    Rows without a hit, and samples left out, are counted in a warning and in the table's notes.
+
+    Markers are matched by name.
+
+    Parameters
+    ----------
+    estimate
+        T frames of M markers, as a method has repaired them.
+    truth
+        The same frames and markers without impulses.
+    impulses
+        The samples that were hit, (T, M).
+    per
+        What a row is: the take, or a marker.
+
+    Returns
+    -------
+    Table
+        As above.
+
+    Raises
+    ------
+    ValueError
+        If frame counts or markers differ, or `per` is none of its choices.
+    """
+    if per not in get_args(Per):
+        raise ValueError(f"per must be take or marker, got {per!r}")
+    _check(estimate, truth, impulses)
+    estimate = estimate.keep(truth.markers)
+    hit = impulses.hidden[:, [impulses.markers.index(name) for name in truth.markers]]
+    both = estimate.present & truth.present
+    judged = both & (truth.origin != Origin.REPAIRED)
+    distance = np.linalg.norm(estimate.positions - truth.positions, axis=2)
+    repaired = estimate.origin == Origin.REPAIRED
+    rows = slice(None) if per == "marker" else np.newaxis
+    columns = _columns(judged.T[rows], hit.T[rows], repaired.T[rows], distance.T[rows])
+    table = _table(("all",) if per == "take" else truth.markers, columns)
+    notes = [*_without(table, per), *_left_out(estimate, truth, hit, both, judged)]
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    table.attrs.update(title="Impulses", notes=[f"{note}." for note in notes], units=dict(UNITS))
+    return table
+
+
+def _columns(
+    judged: NDArray[np.bool_],
+    hit: NDArray[np.bool_],
+    repaired: NDArray[np.bool_],
+    distance: NDArray[np.float64],
+) -> dict[str, NDArray[np.generic]]:
+    """Return the numbers of each row, over all axes but the first."""
+    hits, clean = judged & hit, judged & ~hit
+    found, wrong = hits & repaired, clean & repaired
+    error = np.where(judged, distance, 0.0)
+    missed = _share(_count(hits & ~repaired), _count(hits))
+    return {
+        "samples": _count(judged),
+        "hits": _count(hits),
+        "found": _count(found),
+        "false positives": _count(wrong),
+        "rmse": np.sqrt(_share(_total(error**2), _count(judged))),
+        "error": _share(_total(error * hits), _count(hits)),
+        "missed": missed,
+        "false positive rate": _share(_count(wrong), _count(clean)),
+        "change": _share(_total(error * wrong), _count(wrong)),
+        "recall": 1.0 - missed,
+        "precision": _share(_count(found), _count(found) + _count(wrong)),
+    }
+
+
+def _count(flags: NDArray[np.bool_]) -> NDArray[np.intp]:
+    return np.asarray(np.count_nonzero(flags.reshape(len(flags), -1), axis=1))
+
+
+def _total(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(values.reshape(len(values), -1).sum(axis=1))
+
+
+def _share(part: NDArray[np.generic], whole: NDArray[np.intp]) -> NDArray[np.float64]:
+    return np.where(whole > 0, part / np.maximum(whole, 1), np.nan)
+
+
+def _table(names: tuple[str, ...], columns: dict[str, NDArray[np.generic]]) -> Table:
+    from pandas import DataFrame
+
+    return DataFrame({"marker": np.array(names, dtype=object), **columns})
+
+
+def _without(table: Table, per: Per) -> list[str]:
+    """Say how many rows have no impulse."""
+    lacking = int((table["hits"] == 0).sum())
+    if not lacking:
+        return []
+    if per == "take":
+        return ["no sample is hit by an impulse: there is no error, missed or recall"]
+    return [f"{lacking} of {len(table)} markers have no impulse: no error, missed or recall"]
+
+
+def _left_out(
+    estimate: Trajectories,
+    truth: Trajectories,
+    hit: NDArray[np.bool_],
+    both: NDArray[np.bool_],
+    judged: NDArray[np.bool_],
+) -> list[str]:
+    """Say which samples are not judged."""
+    told = []
+    for what, where in (
+        ("that only the truth has", truth.present & ~estimate.present),
+        ("that only the estimate has", estimate.present & ~truth.present),
+        ("called repaired in the truth already", both & ~judged),
+    ):
+        if where.any():
+            hits = np.count_nonzero(where & hit)
+            told.append(f"{np.count_nonzero(where)} samples {what} are not judged ({hits} hit)")
+    return told
+
+
+def _check(estimate: Trajectories, truth: Trajectories, impulses: Mask) -> None:
+    for what, frames, markers in (
+        ("estimate", estimate.frames, estimate.markers),
+        ("impulses", len(impulses.hidden), impulses.markers),
+    ):
+        if frames != truth.frames:
+            raise ValueError(f"{what} has {frames} frames, the truth has {truth.frames}")
+        lacks = [name for name in truth.markers if name not in set(markers)]
+        adds = [name for name in markers if name not in set(truth.markers)]
+        if lacks or adds:
+            lists = (("lacks", lacks), ("has besides", adds))
+            told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
+            raise ValueError(f"{what} and truth differ in their markers: {what} {told}")

@@ -1,0 +1,98 @@
+"""How tracks move, compiled: import this module only when a tracker runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from nodegraph_track.linking_kernel import compiled
+
+
+@compiled
+def carried_by_velocity(place: Any, steps: Any, absent: Any, fade: float) -> Any:
+    """Return places moved by the median of their last steps, (A, 3).
+
+    Parameters
+    ----------
+    place : (A, 3) array of float64
+    steps : (A, 3, 3) array of float64
+        mm per frame between the last four points. The median is that of each coordinate.
+    absent : (A,) array of int
+        For how many frames no point was found.
+    fade
+        What is left of the velocity after each of these.
+    """
+    result = np.empty((len(place), 3))
+    for row in range(len(place)):
+        left = fade ** float(absent[row])
+        for axis in range(3):
+            one, two, three = steps[row, 0, axis], steps[row, 1, axis], steps[row, 2, axis]
+            median = max(min(one, two), min(max(one, two), three))
+            result[row, axis] = place[row, axis] + left * median
+    return result
+
+
+@compiled
+def carried_by_neighbours(
+    place: Any, moved: Any, motion: Any, neighbours: int, otherwise: Any
+) -> Any:
+    """Return places moved by the median motion of their nearest neighbours, (A, 3).
+
+    Parameters
+    ----------
+    place : (A, 3) array of float64
+    moved : (L,) array of int
+        The places whose motion is known, each once.
+    motion : (L, 3) array of float64
+        mm.
+    neighbours
+        How many of these, the place itself not among them, at most.
+    otherwise : (A, 3) array of float64
+        Where a place without any neighbour is.
+    """
+    result, values = otherwise.copy(), np.empty(neighbours)
+    near, apart = np.empty(neighbours, np.int64), np.empty(neighbours)
+    others, squared = place[moved], np.empty(len(moved))
+    x, y, z = others[:, 0].copy(), others[:, 1].copy(), others[:, 2].copy()
+    for row in range(len(place)):
+        for link in range(len(moved)):
+            dx, dy, dz = x[link] - place[row, 0], y[link] - place[row, 1], z[link] - place[row, 2]
+            squared[link] = dx * dx + dy * dy + dz * dz
+        squared[moved == row] = np.inf
+        found = _smallest(squared, near, apart)
+        for axis in range(3 if found else 0):
+            for rank in range(found):
+                values[rank] = motion[near[rank], axis]
+            result[row, axis] = place[row, axis] + _median(values[:found])
+    return result
+
+
+@compiled
+def _smallest(values: Any, which: Any, smallest: Any) -> int:
+    """Write which values are smallest, and these, the least first; return how many there are."""
+    found, most = 0, len(smallest)
+    for one in range(len(values)):
+        value = values[one]
+        if value == np.inf or (found == most and value >= smallest[most - 1]):
+            continue
+        rank = min(found, most - 1)
+        found = rank + 1
+        while rank > 0 and smallest[rank - 1] > value:
+            smallest[rank], which[rank] = smallest[rank - 1], which[rank - 1]
+            rank -= 1
+        smallest[rank], which[rank] = value, one
+    return found
+
+
+@compiled
+def _median(values: Any) -> Any:
+    """Return the median, and sort the values: a few of them only."""
+    for end in range(1, len(values)):
+        value, rank = values[end], end
+        while rank > 0 and values[rank - 1] > value:
+            values[rank] = values[rank - 1]
+            rank -= 1
+        values[rank] = value
+    middle = len(values) // 2
+    return (values[middle] + values[(len(values) - 1) // 2]) / 2.0

@@ -1,0 +1,167 @@
+"""Distances are those of markers of one name, and their sum is the one of the worked example."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
+
+import nodegraph_mocap
+import nodegraph_score
+from nodegraph.node import node_of
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Trajectories
+from nodegraph_score.distance import UNITS, distance
+
+NUMBERS = ["squared", "rms", "mean", "max"]
+
+
+def recording(frames: int = 12, markers: int = 4, *, seed: int = 0) -> Trajectories:
+    positions = np.random.default_rng(seed).normal(0, 20, (frames, markers, 3))
+    names = tuple("abcdefgh"[:markers])
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+def flat(*frames: NDArray[np.float64]) -> Trajectories:
+    """Return points in the plane, called a, b, c."""
+    positions = np.pad(np.stack(frames), ((0, 0), (0, 0), (0, 1)))
+    return Trajectories(positions=positions, markers=("a", "b", "c"), rate=1.0)
+
+
+def without(take: Trajectories, missing: NDArray[np.bool_]) -> Trajectories:
+    positions = np.where(missing[..., None], np.nan, take.positions)
+    return Trajectories(positions=positions, markers=take.markers, rate=take.rate)
+
+
+def test_ports_are_as_promised() -> None:
+    found = node_of(distance)
+    assert found is not None
+    assert [str(port) for port in found.inputs] == [
+        "estimate: Trajectories",
+        "reference: Truth[Trajectories]",
+    ]
+    assert not found.settings
+
+
+def test_the_squared_distances_of_the_worked_example() -> None:
+    """Two triangles: as they come, centred, scaled to a root mean square of 1, and rotated."""
+    x = np.array([(1.0, 1.0), (1.0, 2.0), (3.0, 2.0)])
+    y = np.array([(-3.0, -2.0), (-3.0, -4.0), (-7.0, -4.0)])
+    centred = [points - points.mean(axis=0) for points in (x, y)]
+    p, q = (points / np.sqrt(np.square(points).sum() / 3) for points in centred)
+    table = distance(flat(y, centred[1], q, -q), flat(x, centred[0], p, p))
+    np.testing.assert_allclose(table["squared"], [213, 30, 12, 0], rtol=0, atol=1e-12)
+    assert table["markers"].tolist() == [3, 3, 3, 3]
+    np.testing.assert_allclose(table["rms"], np.sqrt([71, 10, 4, 0]), rtol=0, atol=1e-12)
+    # by hand: (1, 1) to (-3, -2) is 5, (1, 2) to (-3, -4) sqrt(52), (3, 2) to (-7, -4) sqrt(136)
+    assert table["mean"][0] == pytest.approx((5 + math.sqrt(52) + math.sqrt(136)) / 3)
+    assert table["max"][0] == pytest.approx(math.sqrt(136))
+    assert table["farthest"][0] == "c"
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    missing=arrays.arrays(np.bool_, (2, 5, 4)),
+    one_frame=st.booleans(),
+    seed=st.integers(0, 99),
+)
+def test_every_number_is_the_documented_formula(
+    missing: NDArray[np.bool_], one_frame: bool, seed: int
+) -> None:
+    estimate = without(recording(5, seed=seed), missing[0])
+    reference = without(recording(5, seed=seed + 100), missing[1])
+    if one_frame:
+        reference = without(recording(1, seed=seed + 100), missing[1, :1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table = distance(estimate, reference)
+    assert table["frame"].tolist() == list(range(5))
+    for frame, row in enumerate(table.to_dict("records")):
+        apart = {}
+        for column, name in enumerate("abcd"):
+            here, there = estimate.positions, reference.positions
+            p, q = here[frame, column], there[0 if one_frame else frame, column]
+            if not (np.isnan(p).any() or np.isnan(q).any()):
+                apart[name] = math.dist(p, q)
+        assert row["markers"] == len(apart)
+        assert row["missing"] == 4 - len(apart)
+        if not apart:
+            assert all(np.isnan(row[name]) for name in NUMBERS)
+            assert row["farthest"] == ""
+            continue
+        assert row["squared"] == pytest.approx(sum(one**2 for one in apart.values()))
+        assert row["rms"] == pytest.approx(
+            math.sqrt(sum(one**2 for one in apart.values()) / len(apart))
+        )
+        assert row["mean"] == pytest.approx(sum(apart.values()) / len(apart))
+        assert row["max"] == pytest.approx(max(apart.values()))
+        assert row["farthest"] == max(apart, key=lambda name: apart[name])
+
+
+def test_markers_are_matched_by_name() -> None:
+    estimate, reference = recording(), recording(seed=1)
+    shuffled = reference.keep("dbac")
+    np.testing.assert_array_equal(
+        distance(estimate, shuffled)[NUMBERS], distance(estimate, reference)[NUMBERS]
+    )
+    assert (distance(estimate, estimate.keep("cdab"))["squared"] == 0).all()
+
+
+def test_markers_of_one_side_only_are_named() -> None:
+    estimate, reference = recording().keep("abc"), recording(seed=1).keep("bcd")
+    with pytest.warns(UserWarning, match="are left out") as caught:
+        table = distance(estimate, reference)
+    told = [
+        "1 markers only the estimate has are left out: a",
+        "1 markers only the reference has are left out: d",
+    ]
+    assert [str(one.message) for one in caught] == told
+    assert table.attrs["notes"] == [f"{one}." for one in told]
+    assert (table["markers"] == 2).all()
+    assert (table["missing"] == 0).all()
+
+
+def test_missing_samples_are_counted() -> None:
+    missing = np.zeros((12, 4), dtype=np.bool_)
+    missing[3, 1:3] = True
+    missing[7] = True
+    with pytest.warns(
+        UserWarning, match="6 of 48 samples are missing .*; 1 of 12 frames have none"
+    ):
+        table = distance(without(recording(), missing), recording(seed=1))
+    assert table["missing"].sum() == 6
+    assert table["markers"][[3, 7]].tolist() == [2, 0]
+
+
+@pytest.mark.parametrize(("frames", "others"), [(12, 11), (1, 12), (12, 2), (0, 3)])
+def test_other_frame_counts_are_refused(frames: int, others: int) -> None:
+    with pytest.raises(ValueError, match=f"{frames} frames, the reference {others}: it must have"):
+        distance(recording(frames), recording(others))
+
+
+def test_no_marker_in_common_is_refused() -> None:
+    estimate = recording().keep("ab")
+    other = replace(estimate, markers=("x", "y"))
+    with pytest.raises(ValueError, match="no marker is in both: estimate has a, b, reference x, y"):
+        distance(estimate, other)
+
+
+def test_the_table_says_what_its_columns_are() -> None:
+    table = distance(recording(), recording(seed=1))
+    assert list(table.columns) == [*UNITS, "farthest"]
+    assert table.attrs["units"] == UNITS
+    assert (table.attrs["title"], table.attrs["notes"]) == ("Distances", [])
+
+
+def test_it_keeps_what_scores_promise() -> None:
+    loaded = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
+    check_node(distance, registry=Registry(loaded=loaded))

@@ -1,0 +1,76 @@
+"""The variance of a marker's steps."""
+
+from __future__ import annotations
+
+import warnings
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_mocap import Origin, Trajectories
+from nodegraph_score.roughness import roughness
+
+
+def recording(positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Trajectories:
+    names = tuple(f"m{index}" for index in range(positions.shape[1]))
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+@settings(deadline=None, max_examples=60, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_equals_its_definition(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    positions = 500.0 + np.cumsum(random.normal(0.3, 1, (random.integers(1, 25), 4, 3)), axis=0)
+    positions[random.random(positions.shape[:2]) < 0.3] = np.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table = roughness(recording(positions))
+    for marker, row in enumerate(table.to_dict("records")):
+        steps = [
+            after - before
+            for before, after in pairwise(positions[:, marker])
+            if not np.isnan(before).any() and not np.isnan(after).any()
+        ]
+        assert row["marker"] == f"m{marker}"
+        assert row["vectors"] == len(steps)
+        if len(steps) < 2:
+            assert np.isnan(row["roughness"])
+        else:
+            away = np.array(steps) - np.mean(steps, axis=0)
+            assert row["roughness"] == pytest.approx(np.mean(np.sum(away**2, axis=1)), rel=1e-9)
+
+
+def test_even_movement_is_not_rough() -> None:
+    frame = np.arange(20.0)[:, None, None]
+    table = roughness(recording(frame * [[0.5, 1.0, -2.0], [0.0, 0.0, 0.0]]))
+    assert table["roughness"].tolist() == [0.0, 0.0]
+    assert table.attrs["units"]["roughness"] == "mm^2/frame^2"
+
+
+def test_filled_samples_count() -> None:
+    positions = np.random.default_rng(1).normal(0, 1, (9, 1, 3))
+    plain = recording(positions)
+    changed = np.zeros((9, 1), dtype=bool)
+    changed[3:5] = True
+    filled = plain.with_samples(positions, changed=changed, origin=Origin.FILLED)
+    assert roughness(filled).equals(roughness(plain))
+
+
+def test_under_two_steps_are_counted() -> None:
+    positions = np.zeros((4, 3, 3))
+    positions[2:, 0] = positions[1::2, 1] = np.nan
+    told = "2 of 3 markers have fewer than two steps and no roughness"
+    with pytest.warns(UserWarning, match=told):
+        table = roughness(recording(positions))
+    assert table["vectors"].tolist() == [1, 0, 3]
+    assert table["roughness"].isna().tolist() == [True, True, False]
+    assert table.attrs["notes"] == [f"{told}."]
+
+
+def test_one_frame_has_no_steps() -> None:
+    with pytest.warns(UserWarning, match="1 of 1 markers"):
+        table = roughness(recording(np.zeros((1, 1, 3))))
+    assert table["vectors"].tolist() == [0]

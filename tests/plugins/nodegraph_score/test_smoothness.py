@@ -1,0 +1,172 @@
+"""Error, lag and movement kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_mocap import Trajectories
+from nodegraph_score.smoothness import smoothness
+
+Positions = NDArray[np.float64]
+
+
+def recording(positions: Positions, rate: float = 60.0) -> Trajectories:
+    names = tuple(f"m{index}" for index in range(positions.shape[1]))
+    return Trajectories(positions=positions, markers=names, rate=rate)
+
+
+def moving(late: float = 0.0, frames: int = 600) -> Positions:
+    """Two markers that swing at several frequencies and drift, some frames late."""
+    seconds = (np.arange(frames) - late) / 60.0
+    swings = [np.sin(2 * np.pi * hertz * seconds + hertz) for hertz in (0.7, 1.3, 2.9)]
+    one = np.stack([8 * swings[0] + 5 * seconds, 3 * swings[1], swings[2]], axis=1)
+    other = np.stack([2 * swings[1], 4 * swings[0] * swings[2], -7 * swings[0]], axis=1)
+    return np.stack([one, other], axis=1)
+
+
+def rows(estimate: Positions, truth: Positions, rate: float = 60.0) -> list[dict[Any, Any]]:
+    return smoothness(recording(estimate, rate), recording(truth, rate)).to_dict("records")
+
+
+@pytest.mark.parametrize("late", [0.0, 0.25, 0.5, 1.0, 2.3, -1.7, -12.0])
+def test_lag_is_found_to_a_fraction_of_a_frame(late: float) -> None:
+    for row in rows(moving(late), moving()):
+        assert row["lag"] == pytest.approx(late, abs=0.02)
+        assert row["kept"] == pytest.approx(1.0, abs=0.1)
+
+
+def test_lag_of_a_filter_of_known_delay() -> None:
+    truth = moving()
+    estimate = truth.copy()
+    estimate[2:] = (truth[2:] + truth[1:-1] + truth[:-2]) / 3.0
+    assert rows(estimate, truth)[0]["lag"] == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("reach", [1, 5, 15])
+def test_a_mean_over_an_even_window_does_not_lag(reach: int) -> None:
+    truth = moving()
+    longer = np.pad(truth, ((reach, reach), (0, 0), (0, 0)), mode="reflect", reflect_type="odd")
+    windows = np.lib.stride_tricks.sliding_window_view(longer, 2 * reach + 1, axis=0)
+    for row in rows(windows.mean(axis=-1), truth):
+        assert row["lag"] == pytest.approx(0.0, abs=0.1)
+
+
+def test_noise_blurs_the_lag_by_as_much_as_is_said() -> None:
+    random = np.random.default_rng(4)
+    truth = np.repeat(0.2 * moving(frames=240)[:, :1], 200, axis=1)
+    made = truth + random.normal(0, 0.1, truth.shape)
+    lags = np.array([row["lag"] for row in rows(made, truth)])
+    rmse = np.sqrt(3) * 0.1
+    # a third of the noise lies in the direction in which the marker moves
+    spread = rmse / np.sqrt(3) / np.sqrt(np.sum(np.diff(truth[:, 0], axis=0) ** 2))
+    assert lags.std() == pytest.approx(spread, rel=0.2)
+    assert abs(lags.mean()) < 4 * spread / np.sqrt(200)
+
+
+def test_gaps_change_the_lag_little() -> None:
+    truth, estimate = moving(), moving(1.5)
+    truth[100:130] = truth[300:420, 0] = estimate[150:155] = np.nan
+    with pytest.warns(UserWarning, match="10 samples of the truth are missing in the estimate"):
+        found = rows(estimate, truth)
+    assert [row["samples"] for row in found] == [600 - 155, 600 - 35]
+    for row in found:
+        assert row["lag"] == pytest.approx(1.5, abs=0.05)
+        assert row["missing"] == 5
+
+
+def test_error_is_that_of_the_shared_frames() -> None:
+    truth = moving(frames=20)
+    away = np.random.default_rng(1).normal(0, 1, truth.shape)
+    estimate = truth + away
+    estimate[3, 0] = np.nan
+    with pytest.warns(UserWarning, match="1 samples of the truth"):
+        found = rows(estimate, truth)
+    squared = np.sum(away**2, axis=2)
+    assert found[0]["rmse"] == pytest.approx(np.sqrt(np.mean(np.delete(squared[:, 0], 3))))
+    assert found[1]["rmse"] == pytest.approx(np.sqrt(np.mean(squared[:, 1])))
+
+
+@pytest.mark.parametrize(
+    ("hertz", "counts"), [(2.0, True), (5.75, True), (6.0, False), (9.0, False)]
+)
+def test_only_what_is_slower_than_6_hz_counts_as_movement(hertz: float, counts: bool) -> None:
+    frame = (np.arange(240) + 0.5) / 60.0
+    slow, wave = np.cos(2 * np.pi * 1.0 * frame), np.cos(2 * np.pi * hertz * frame)
+    truth = np.zeros((240, 1, 3))
+    truth[:, 0, 0] = slow
+    estimate = truth.copy()
+    estimate[:, 0, 1] = 2.0 * wave
+    assert rows(estimate, truth)[0]["kept"] == pytest.approx(5.0 if counts else 1.0)
+
+
+def test_halving_the_movement_keeps_a_quarter_of_its_power() -> None:
+    truth = moving()
+    truth[200:210, 0] = np.nan
+    for row in rows(0.5 * truth, truth):
+        assert row["kept"] == pytest.approx(0.25)
+
+
+def still(truth: Positions) -> Positions:
+    return np.ones_like(truth)
+
+
+def absent(truth: Positions) -> Positions:
+    return np.full_like(truth, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("make", "kept", "told"),
+    [(still, 0.0, "2 of 2 markers have no lag"), (absent, np.nan, "2 of 2 markers have no error")],
+)
+def test_what_has_no_value_is_nan_and_told(
+    make: Callable[[Positions], Positions], kept: float, told: str
+) -> None:
+    truth = recording(moving())
+    with pytest.warns(UserWarning, match="2 of 2 markers have no |1200 samples of ") as caught:
+        table = smoothness(recording(make(truth.positions)), truth)
+    assert told in [str(one.message) for one in caught]
+    assert table.attrs["notes"] == [f"{one.message}." for one in caught]
+    assert table["lag"].isna().all()
+    np.testing.assert_array_equal(table["kept"], kept)
+
+
+@pytest.mark.filterwarnings("ignore:1 of 1 markers have no lag")
+def test_truth_that_stands_still_has_no_movement_to_keep() -> None:
+    truth = np.full((50, 1, 3), 0.1)
+    noise = np.random.default_rng(1).normal(0, 1, truth.shape)
+    with pytest.warns(UserWarning, match="1 of 1 markers have no share of power kept"):
+        row = rows(truth + noise, truth)[0]
+    assert np.isnan(row["kept"])
+    assert np.isnan(row["lag"])
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2, 3, 4, 5])
+@pytest.mark.filterwarnings("ignore:.* markers have no")
+def test_short_takes(frames: int) -> None:
+    table = smoothness(recording(moving(frames=frames)), recording(moving(frames=frames)))
+    assert table["samples"].tolist() == [frames, frames]
+    assert table["rmse"].isna().all() if frames == 0 else (table["rmse"] == 0).all()
+
+
+def test_markers_are_matched_by_name() -> None:
+    truth = recording(moving())
+    noise = np.random.default_rng(1).normal(0, [[1.0], [3.0]], truth.positions.shape)
+    estimate = replace(truth, positions=truth.positions + noise)
+    expected = smoothness(estimate, truth)
+    assert smoothness(estimate.keep(["m1", "m0"]), truth).equals(expected)
+
+
+def test_other_frames_rates_and_markers_are_errors() -> None:
+    truth = recording(moving())
+    with pytest.raises(ValueError, match="estimate has 9 frames, the truth has 600"):
+        smoothness(recording(moving(frames=9)), truth)
+    with pytest.raises(ValueError, match="estimate has 30 Hz, the truth has 60 Hz"):
+        smoothness(replace(truth, rate=30.0), truth)
+    with pytest.raises(ValueError, match="differ in their markers: estimate lacks m1; has besi"):
+        smoothness(replace(truth, markers=("m0", "x")), truth)

@@ -1,0 +1,131 @@
+"""Points typed into a graph become a recording, or an error that names the marker."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodegraph import GraphError
+from nodegraph.execute import HowToRun, execute
+from nodegraph.graph import Graph, build
+from nodegraph.plan import plan
+from nodegraph.registry import Registry
+from nodegraph.spec import read_graph_text
+from nodegraph.testing import check_node
+from nodegraph_mocap import Origin
+from nodegraph_track.literal import literal
+
+REGISTRY = Registry.of((literal,), plugin="track")
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9), 10**9)
+
+
+def test_points_in_the_plane_lie_at_z_0() -> None:
+    made = literal(points={"a": [1, 1], "b": [1, 2], "c": [3, 2]})
+    assert made.markers == ("a", "b", "c")
+    np.testing.assert_array_equal(made.positions, [[[1, 1, 0], [1, 2, 0], [3, 2, 0]]])
+    assert (made.rate, made.marker_set) == (1.0, None)
+    assert (made.origin == Origin.MEASURED).all()
+
+
+def test_several_frames_and_points_in_space() -> None:
+    made = literal(points={"b": [[1, 2, 3], [4, 5]], "a": [[0, 0], [7, 8, 9.5]]}, rate=30.0)
+    assert made.markers == ("b", "a")
+    assert made.rate == 30.0
+    np.testing.assert_array_equal(made.positions[0], [[1, 2, 3], [0, 0, 0]])
+    np.testing.assert_array_equal(made.positions[1], [[4, 5, 0], [7, 8, 9.5]])
+
+
+@given(
+    st.integers(1, 4).flatmap(
+        lambda frames: st.dictionaries(
+            st.text(),
+            st.lists(st.lists(NUMBERS, min_size=3, max_size=3), min_size=frames, max_size=frames),
+            min_size=1,
+            max_size=5,
+        )
+    )
+)
+def test_every_number_comes_out_where_it_went_in(points: dict[str, list[list[float]]]) -> None:
+    made = literal(points=points)
+    for column, (marker, frames) in enumerate(points.items()):
+        assert made.markers[column] == marker
+        np.testing.assert_array_equal(made.positions[:, column], np.array(frames, dtype=float))
+
+
+WRONG: list[tuple[dict[str, Any], str]] = [
+    ({"Brow": [1]}, "[x, y] or [x, y, z] in finite numbers for 'Brow', not [1]"),
+    ({"Brow": [1, 2, 3, 4]}, "for 'Brow', not [1, 2, 3, 4]"),
+    ({"Brow": "[1, 2]"}, "for 'Brow', not '[1, 2]'"),
+    ({"Brow": []}, "for 'Brow', not []"),
+    ({"Brow": [[1, 2], []]}, "for 'Brow', not []"),
+    ({"Brow": [[1, 2], 3]}, "for 'Brow', not 3"),
+    ({"Brow": [1, [2, 3]]}, "for 'Brow', not [1, [2, 3]]"),
+    ({"Brow": [1, math.nan]}, "for 'Brow', not [1, nan]"),
+    ({"Brow": [-math.inf, 1]}, "for 'Brow', not [-inf, 1]"),
+    ({"Brow": [10**400, 1]}, "for 'Brow', not [1"),
+    ({"Brow": [True, 1]}, "for 'Brow', not [True, 1]"),
+    ({"Brow": ["1", 1]}, "for 'Brow', not ['1', 1]"),
+    ({"Brow": [None, 1], "Lip": [1]}, "not [None, 1]; should have [x, y] or [x, y, z] in finite "),
+    ({"Brow": [[1, 2], None]}, "for 'Brow', not None"),
+    ({"Brow": [1, 2], "Lip": [[1, 2], [3, 4]]}, "for every marker: 'Brow' has 1, 'Lip' has 2"),
+    ({}, "should name at least one marker"),
+]
+
+
+@pytest.mark.parametrize(("points", "told"), WRONG)
+def test_what_is_no_point_names_its_marker(points: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=r"^points should ") as caught:
+        literal(points=points)
+    assert told in str(caught.value)
+
+
+def graph(folder: Path, points: str, more: str = "") -> Graph:
+    lines = (
+        "nodegraph: 1",
+        "title: Points",
+        "nodes:",
+        "  x:",
+        "    use: points.literal",
+        f"    with: {{points: {points}{more}}}",
+    )
+    return build(read_graph_text("\n".join(lines), "points.yaml", folder), REGISTRY)
+
+
+def test_a_graph_gives_the_points(tmp_path: Path) -> None:
+    made = graph(tmp_path, "{a: [1, 1e-3], b: [[-1, 2, 3]]}", ", rate: 25")
+    points = execute(plan(made), how=HowToRun("serial"))["x"].value
+    np.testing.assert_array_equal(points.positions, [[[1, 1e-3, 0], [-1, 2, 3]]])
+    assert points.rate == 25.0
+
+
+@pytest.mark.parametrize(
+    ("points", "told"),
+    [
+        ("{Brow_L: [1, x]}", "should have [x, y] or [x, y, z] in finite numbers for 'Brow_L', not"),
+        ("{Brow_L: 3}", "in finite numbers for 'Brow_L', not 3"),
+        ("[[1, 2]]", "should be an object"),
+        ("{Brow_L: [1, .inf]}", "for 'Brow_L', not [1, inf]"),
+        ("{Brow_L: [1, 2], Lip: []}", "for 'Lip', not []"),
+    ],
+)
+def test_a_graph_with_wrong_points_is_refused(tmp_path: Path, points: str, told: str) -> None:
+    with pytest.raises(GraphError) as caught:
+        graph(tmp_path, points)
+    assert "points.yaml:6:20: x: setting 'points' of points.literal " in str(caught.value)
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize("rate", ["0", "-1", ".inf", ".nan", "fast"])
+def test_the_rate_is_a_positive_number(tmp_path: Path, rate: str) -> None:
+    with pytest.raises(GraphError, match=r"setting 'rate' of points\.literal"):
+        graph(tmp_path, "{a: [1, 2]}", f", rate: {rate}")
+
+
+def test_it_keeps_what_nodes_promise() -> None:
+    check_node(literal, settings={"points": {"a": [1, 2]}}, registry=REGISTRY)
