@@ -1,0 +1,64 @@
+"""The Hampel filter: far from the window's median, measured by the window's own spread."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_despike.repair import repaired
+from nodegraph_despike.vector_median import Reach, running_median
+from nodegraph_mocap import Trajectories
+
+_NORMAL = 1.4826
+"""The standard deviation of a normal variable over its median absolute deviation."""
+
+
+@node("despike.hampel", cite=("pearson2016", "astola1990"))
+def hampel(
+    recording: Trajectories,
+    *,
+    reach: Reach = 3,
+    threshold: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] = 3.0,
+) -> Trajectories:
+    """Repair samples that lie far from their window's median, by the window's spread (Hampel).
+
+    The Hampel filter as Pearson et al. give it, with Euclidean lengths for absolute values: with
+    m the vector median of the samples of frames ``i - reach .. i + reach`` and
+    ``S = 1.4826 median_j |P_j - m|``, the sample ``P_i`` is bad when ``|P_i - m| > threshold S``
+    and is put at m, which is a sample of its window. For movement along a line that is the
+    filter in one dimension; for noise in space S is 2.28 times its standard deviation per
+    coordinate. Where more than half of the window lies in one place, S = 0 and any other sample
+    is bad; in the middle of steady motion the sample is the median itself, and never bad.
+
+    The vector median (Astola et al.) is the sample with the smallest sum of distances to the
+    others, so that nothing depends on how the axes lie; of equal sums, to one part in 10^9, the
+    nearest in time, then the earlier one. Missing samples are left out of the window, which is
+    cut off at the take's ends; a sample that has none before or none after it in its window is
+    not judged. Impulses of up to `reach` frames are found. How many samples were repaired, and
+    by how much, is in a warning; what an earlier method has filled or repaired counts as
+    present.
+
+    Looks ahead `reach` frames.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    reach
+        Frames on each side of a sample: the window has 2 reach + 1.
+    threshold
+        How many times S away a sample is bad; 0 puts every sample at its median.
+
+    Returns
+    -------
+    Trajectories
+        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
+    """
+    median, distance, spread = running_median(recording, reach)
+    judged = np.isfinite(spread)
+    bar = threshold * _NORMAL * np.where(judged, spread, 0.0)
+    bad = judged & (distance > bar)
+    return repaired(recording, np.where(bad[..., None], median, recording.positions))

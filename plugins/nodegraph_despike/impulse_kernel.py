@@ -1,0 +1,139 @@
+"""The loops of the impulse filter, compiled: import this module only when it runs.
+
+All that is compiled stays in this one file, because numba's cache does not notice an edited
+helper in another one. A missing sample is NaN, so that its steps are NaN, and no comparison
+with them holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from heapq import heappop, heappush
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
+    cache=True, nogil=True, forceinline=True
+)
+
+
+@compiled
+def simultaneous(positions: Any, factor: float) -> Any:
+    """Find bad samples and put each at the midpoint of its neighbours as they came.
+
+    Parameters
+    ----------
+    positions : (T, M, 3) array of float64
+        NaN where missing.
+    factor
+        How many times the mean step is a long one.
+
+    Returns
+    -------
+    (T, M, 3) array of float64
+    """
+    repaired, bar = positions.copy(), _bars(positions, factor)
+    _sweep(repaired, positions, bar)
+    return repaired
+
+
+@compiled
+def in_place(positions: Any, factor: float) -> Any:
+    """Go through the frames once, each judged and repaired after the one before it."""
+    repaired, bar = positions.copy(), _bars(positions, factor)
+    _sweep(repaired, repaired, bar)
+    return repaired
+
+
+@compiled
+def redetect(positions: Any, factor: float) -> Any:
+    """Repair a marker's worst sample, detect again, until none is left; each at most once."""
+    repaired, bar = positions.copy(), _bars(positions, factor)
+    for marker in range(positions.shape[1]):
+        track = positions[:, marker : marker + 1].copy()
+        _repair_worst_first(track, bar[marker])
+        repaired[:, marker] = track[:, 0]
+    return repaired
+
+
+@inlined
+def _sweep(repaired: Any, source: Any, bar: Any) -> None:
+    for now in range(1, len(source) - 1):
+        for marker in range(len(bar)):
+            if _is_bad(source, bar[marker], now, marker):
+                _to_midpoint(repaired, source, now, marker)
+
+
+@inlined
+def _repair_worst_first(track: Any, bar: float) -> None:
+    """Repair one marker, (T, 1, 3), in place."""
+    frames = len(track)
+    done = np.zeros(frames, np.bool_)
+    # The largest deviation first, of equals the earliest. What waits may be out of date: it
+    # counts if it still holds when its turn comes, and what has changed waits once more.
+    waiting = [(0.0, 0) for _ in range(0)]
+    for now in range(1, frames - 1):
+        if _is_bad(track, bar, now, 0):
+            heappush(waiting, (-_deviation(track, now), now))
+    while len(waiting):
+        deviation, now = heappop(waiting)
+        if done[now] or not _is_bad(track, bar, now, 0) or -deviation != _deviation(track, now):
+            continue
+        _to_midpoint(track, track, now, 0)
+        done[now] = True
+        for beside in range(max(now - 1, 1), min(now + 2, frames - 1)):
+            if not done[beside] and _is_bad(track, bar, beside, 0):
+                heappush(waiting, (-_deviation(track, beside), beside))
+
+
+@inlined
+def _bars(positions: Any, factor: float) -> Any:
+    """Return (M,), the length from which a marker's step is long; infinite where none is."""
+    frames, markers = positions.shape[:2]
+    total, count = np.zeros(markers), np.zeros(markers)
+    for now in range(1, frames):
+        for marker in range(markers):
+            step = _step(positions, now, marker)
+            if step == step:
+                total[marker] += step
+                count[marker] += 1.0
+    bar = np.full(markers, np.inf)
+    for marker in range(markers):
+        if total[marker] > 0.0:
+            bar[marker] = factor * (total[marker] / count[marker])
+    return bar
+
+
+@inlined
+def _is_bad(positions: Any, bar: float, now: int, marker: int) -> bool:
+    long: bool = _step(positions, now, marker) >= bar and _step(positions, now + 1, marker) >= bar
+    return long
+
+
+@inlined
+def _step(positions: Any, now: int, marker: int) -> float:
+    """Return how far a sample is from the one before it; NaN where one is missing."""
+    x = positions[now, marker, 0] - positions[now - 1, marker, 0]
+    y = positions[now, marker, 1] - positions[now - 1, marker, 1]
+    z = positions[now, marker, 2] - positions[now - 1, marker, 2]
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@inlined
+def _to_midpoint(repaired: Any, positions: Any, now: int, marker: int) -> None:
+    for axis in range(3):
+        before, after = positions[now - 1, marker, axis], positions[now + 1, marker, axis]
+        repaired[now, marker, axis] = (before + after) / 2.0
+
+
+@inlined
+def _deviation(track: Any, now: int) -> float:
+    """Return how far a sample is from the midpoint of its neighbours."""
+    x = track[now, 0, 0] - (track[now - 1, 0, 0] + track[now + 1, 0, 0]) / 2.0
+    y = track[now, 0, 1] - (track[now - 1, 0, 1] + track[now + 1, 0, 1]) / 2.0
+    z = track[now, 0, 2] - (track[now - 1, 0, 2] + track[now + 1, 0, 2]) / 2.0
+    return math.sqrt(x * x + y * y + z * z)

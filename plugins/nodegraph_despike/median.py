@@ -1,0 +1,58 @@
+"""The running median, where a sample lies farther from it than a face moves."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Unit, node
+from nodegraph_despike.repair import repaired
+from nodegraph_despike.vector_median import Reach, running_median
+from nodegraph_mocap import Trajectories
+
+
+@node("despike.median", cite="astola1990")
+def median(
+    recording: Trajectories,
+    *,
+    reach: Reach = 2,
+    threshold: Annotated[float, Field(ge=0.0, allow_inf_nan=False), Unit("mm")] = 2.0,
+) -> Trajectories:
+    """Repair samples that lie farther from their window's median than a threshold.
+
+    With m the vector median of the samples of frames ``i - reach .. i + reach``, the sample
+    ``P_i`` is bad when ``|P_i - m| > threshold`` and is put at m, which is a sample of its
+    window. A plain running median would replace every sample; with a threshold in millimetres
+    only outliers are, and the rest of the trajectory stays bit for bit. `threshold` 0 is the
+    plain one.
+
+    The vector median (Astola et al.) is the sample with the smallest sum of distances to the
+    others, so that nothing depends on how the axes lie; of equal sums, to one part in 10^9, the
+    nearest in time, then the earlier one. Missing samples are left out of the window, which is
+    cut off at the take's ends; a sample that has none before or none after it in its window is
+    not judged. Impulses of up to `reach` frames are found. How many samples were repaired, and
+    by how much, is in a warning; what an earlier method has filled or repaired counts as
+    present.
+
+    Looks ahead `reach` frames.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    reach
+        Frames on each side of a sample: the window has 2 reach + 1.
+    threshold
+        How far from the median a sample is bad. In the middle of steady motion a sample is the
+        median itself, however fast; at turning points and in circles it is not.
+
+    Returns
+    -------
+    Trajectories
+        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
+    """
+    middle, distance, _ = running_median(recording, reach)
+    bad = distance > threshold
+    return repaired(recording, np.where(bad[..., None], middle, recording.positions))

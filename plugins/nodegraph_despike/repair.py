@@ -1,0 +1,49 @@
+"""What the despikers share: the recording with its repaired samples, marked and counted."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Trajectories:
+    """Return the recording with repaired samples, and warn how many; called by a node.
+
+    A sample is repaired when its position is another one: those whose repair is what they were
+    keep their origin. What is known of the precision of a sample does not hold for what was put
+    in its place, so that `sigma` is NaN there.
+
+    Parameters
+    ----------
+    recording
+        As it came.
+    positions
+        (T, M, 3) millimetres, with other values where samples were repaired.
+
+    Returns
+    -------
+    Trajectories
+        The recording itself where nothing was repaired.
+    """
+    differs = positions != recording.positions
+    # Over an axis of three, `any` takes twenty times as long as two bitwise operations.
+    changed = recording.present & (differs[..., 0] | differs[..., 1] | differs[..., 2])
+    count = np.count_nonzero(changed)
+    if not count:
+        return recording
+    moved = np.linalg.norm(positions[changed] - recording.positions[changed], axis=1)
+    share = count / np.count_nonzero(recording.present)
+    warnings.warn(
+        f"{count} samples repaired ({share:.2%} of those present), moved by {moved.mean():.3g} mm "
+        f"on average, by {moved.max():.3g} mm at most",
+        stacklevel=3,
+    )
+    sigma = None if recording.sigma is None else np.where(changed, np.nan, recording.sigma)
+    return recording.with_samples(positions, changed=changed, origin=Origin.REPAIRED, sigma=sigma)

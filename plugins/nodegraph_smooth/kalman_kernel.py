@@ -1,0 +1,114 @@
+"""The loops of the Kalman smoothing, compiled: import this module only when it runs.
+
+Time is counted in frames and the variance of the measurement is 1. Nothing is known of the state
+before the first frame, which only information (the inverse of a covariance) can say exactly: the
+forward pass carries the information matrix L and the vector ``e = L x``, the backward pass the
+state itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+
+
+@compiled
+def gains(frames: int, order: int, density: float) -> Any:
+    """Return what does not depend on the data.
+
+    With the state ``x[t+1] = F x[t] + w``, w of covariance Q: in the forward pass
+    ``M = F'^-1 L[t] F^-1``, ``W = (I + M Q)^-1`` and ``L[t+1] = W M + H'H``.
+
+    Parameters
+    ----------
+    frames
+        T.
+    order
+        d, the number of components: position, velocity, ...
+    density
+        Of the white noise that drives the last component.
+
+    Returns
+    -------
+    carry : (T, d, d) array
+        ``W F'^-1``: the next frame's vector is ``carry[t] e + H' z``.
+    inverse : (T, d, d) array
+        ``F^-1 Q W F'^-1``: covariance of the state if the next one is known; in the last frame
+        of the state itself.
+    gain : (T, d, d) array
+        ``F^-1 (I + Q M)^-1``: the state is ``inverse[t] e + gain[t] x[t+1]``.
+    variance : (T,) array
+        Of the position, all frames being known.
+    """
+    step, noise = np.eye(order), np.empty((order, order))
+    for i in range(order):
+        for j in range(order):
+            up, across = order - 1 - i, order - 1 - j
+            scale = math.gamma(up + 1.0) * math.gamma(across + 1.0) * (up + across + 1.0)
+            noise[i, j] = density / scale
+            if j > i:
+                step[i, j] = 1.0 / math.gamma(j - i + 1.0)
+    back = np.linalg.inv(step)
+    forth = np.ascontiguousarray(back.T)
+    carry, inverse = np.zeros((frames, order, order)), np.zeros((frames, order, order))
+    gain, variance = np.zeros((frames, order, order)), np.empty(frames)
+    information: Any = np.zeros((order, order))
+    information[0, 0] = 1.0
+    for t in range(frames - 1):
+        moved = forth @ information @ back
+        kept = np.linalg.inv(np.eye(order) + moved @ noise)
+        carry[t] = kept @ forth
+        inverse[t] = back @ noise @ carry[t]
+        gain[t] = carry[t].T
+        information = kept @ moved
+        information = 0.5 * (information + information.T)
+        information[0, 0] += 1.0
+    inverse[frames - 1] = np.linalg.inv(information)
+    covariance = inverse[frames - 1].copy()
+    variance[frames - 1] = covariance[0, 0]
+    for t in range(frames - 2, -1, -1):
+        here = np.ascontiguousarray(gain[t])
+        covariance = inverse[t] + here @ covariance @ here.T
+        variance[t] = covariance[0, 0]
+    return carry, inverse, gain, variance
+
+
+@compiled
+def smooth(given: Any, carry: Any, inverse: Any, gain: Any) -> Any:
+    """Return the positions that runs of one length have, all frames being known.
+
+    Parameters
+    ----------
+    given : (T, N) array of float64
+        Runs side by side.
+    carry, inverse, gain
+        From `gains`.
+    """
+    frames, columns = given.shape
+    order = carry.shape[1]
+    made = np.empty_like(given)
+    vector, state, last = np.zeros((frames, order)), np.zeros(order), np.zeros(order)
+    for column in range(columns):
+        vector[0] = 0.0
+        vector[0, 0] = given[0, column]
+        for t in range(1, frames):
+            for i in range(order):
+                vector[t, i] = 0.0
+                for j in range(order):
+                    vector[t, i] += carry[t - 1, i, j] * vector[t - 1, j]
+            vector[t, 0] += given[t, column]
+        last[:] = 0.0
+        for t in range(frames - 1, -1, -1):
+            for i in range(order):
+                state[i] = 0.0
+                for j in range(order):
+                    state[i] += inverse[t, i, j] * vector[t, j] + gain[t, i, j] * last[j]
+            last[:] = state
+            made[t, column] = state[0]
+    return made

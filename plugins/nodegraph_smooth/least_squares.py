@@ -1,0 +1,56 @@
+"""The cubic spline on evenly spaced knots that fits best."""
+
+from __future__ import annotations
+
+from nodegraph import Refusal, node
+from nodegraph_mocap import Trajectories
+from nodegraph_smooth.cutoff import Seconds, frames_of
+from nodegraph_smooth.knots import fit
+from nodegraph_smooth.runs import smooth_runs
+
+DEGREE = 3
+
+
+@node("smooth.least_squares", cite="deboor1978")
+def least_squares(recording: Trajectories, *, spacing: Seconds = 0.05) -> Trajectories:
+    """Smooth by the cubic spline on evenly spaced knots that fits best in the least squares.
+
+    The output is the spline ``S(t) = sum(c[j] B[j](t))`` whose coefficients minimize
+    ``sum(|P[t] - S(t)|^2)`` over a run, B[j] being the cubic B-splines on its knots; by
+    `scipy.interpolate.make_lsq_spline`. Knots lie on the run's first and last frame and between
+    them `spacing` apart, or as near to that as a whole number of spans comes. The farther apart,
+    the smoother: movement faster than about ``1 / (2 spacing)`` Hz is lost. The curve does not
+    go through the end samples.
+
+    A gap splits a trajectory into runs, each smoothed by itself; those of fewer than 5 samples
+    stay as they are, counted in a warning. Nothing is filled.
+
+    Looks ahead to the end of the run; what lies several knots ahead counts for little.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    spacing
+        Time from knot to knot; 3 frames at 60 Hz with the default.
+
+    Returns
+    -------
+    Trajectories
+        The recording with other positions; `sigma`, if it has any, NaN where they differ.
+
+    Raises
+    ------
+    Refusal
+        If knots would lie no farther apart than frames, or every run is too short.
+    """
+    frames = frames_of(spacing, recording.rate)
+    if not frames > 1.0:
+        raise Refusal(
+            f"knots {spacing:g} s apart are {frames:g} frames apart at {recording.rate:g} Hz: "
+            "the spline would go through every sample; take a spacing of more than "
+            f"{1.0 / recording.rate:g} s"
+        )
+    return smooth_runs(
+        recording, lambda block: fit(block, frames, degree=DEGREE), shortest=DEGREE + 2
+    )

@@ -1,0 +1,43 @@
+"""The loop of the one-euro filter, compiled: import this module only when it runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+
+
+@compiled
+def smooth(given: Any, rate: float, least: float, slope: float, derivative: float) -> Any:
+    """Return the filtered runs, (T, R, 3); see `nodegraph_smooth.one_euro`.
+
+    Parameters
+    ----------
+    given : (T, R, 3) array of float64
+    rate
+        Frames per second.
+    least, slope, derivative
+        Cut-off at rest in Hz, what it gains in Hz per mm/s, and that of the velocity in Hz.
+    """
+    made = given.copy()
+    steady = 1.0 / (1.0 + rate / (2.0 * math.pi * derivative))
+    velocity = np.empty(3)
+    for run in range(given.shape[1]):
+        velocity[:] = 0.0
+        for t in range(1, len(given)):
+            speed = 0.0
+            for axis in range(3):
+                step = (given[t, run, axis] - made[t - 1, run, axis]) * rate
+                velocity[axis] += steady * (step - velocity[axis])
+                speed += velocity[axis] ** 2
+            cutoff = least + slope * math.sqrt(speed)
+            share = 1.0 / (1.0 + rate / (2.0 * math.pi * cutoff))
+            for axis in range(3):
+                before = made[t - 1, run, axis]
+                made[t, run, axis] = before + share * (given[t, run, axis] - before)
+    return made

@@ -1,0 +1,143 @@
+"""Runs of present samples, and what every smoothing does with them.
+
+A gap splits a marker's trajectory into runs. Each run is smoothed by itself, however short, so
+that nothing is carried across a gap, no sample is added and none is lost. What is measured,
+filled or repaired stays so called.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph import Refusal
+from nodegraph_mocap import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Method = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
+"""Smooths runs of one length, (L, G, 3) mm relative to their first samples, along their frames."""
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Every run of present samples of one marker, by marker and then by time.
+
+    Attributes
+    ----------
+    marker, start, stop : (R,) arrays of int
+        Frames ``start`` to ``stop - 1`` of the marker are present, the frames around are not.
+    """
+
+    marker: NDArray[np.intp]
+    start: NDArray[np.intp]
+    stop: NDArray[np.intp]
+
+    @staticmethod
+    def of(recording: Trajectories) -> Runs:
+        """Return the runs of a recording."""
+        present = recording.present
+        frames, markers = present.shape
+        if frames and present.all():
+            every = np.arange(markers)
+            return Runs(every, np.zeros_like(every), np.full_like(every, frames))
+        padded = np.zeros((markers, frames + 2), dtype=np.bool_)
+        padded[:, 1:-1] = present.T
+        edges = np.flatnonzero(padded[:, 1:] != padded[:, :-1])
+        marker, start = np.divmod(edges[::2], frames + 1)
+        return Runs(marker, start, edges[1::2] % (frames + 1))
+
+    @property
+    def length(self) -> NDArray[np.intp]:
+        """(R,) frames."""
+        return self.stop - self.start
+
+    def chosen(self, which: NDArray[Any]) -> Runs:
+        """Return some of the runs."""
+        return Runs(self.marker[which], self.start[which], self.stop[which])
+
+    def by_length(self) -> Iterator[tuple[int, Runs]]:
+        """Yield the runs of each length, the shortest first."""
+        for length in np.unique(self.length):
+            yield int(length), self.chosen(self.length == length)
+
+    def samples(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return frame and marker of each sample of runs that are equally long, (L, R) each."""
+        frame = self.start + np.arange(self.length[0])[:, None]
+        return frame, np.broadcast_to(self.marker, frame.shape)
+
+
+def smooth_runs(recording: Trajectories, method: Method, *, shortest: int = 1) -> Trajectories:
+    """Smooth each run by itself, and warn of what is left as it was; called by a node.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    method
+        Is given the runs of one length, all at once.
+    shortest
+        Runs of fewer frames stay as they are.
+
+    Returns
+    -------
+    Trajectories
+        The recording with other positions.
+
+    Raises
+    ------
+    Refusal
+        If there are runs and all of them are shorter than `shortest`.
+    """
+    runs = long_enough(Runs.of(recording), shortest)
+    positions = recording.positions.copy()
+    for _, alike in runs.by_length():
+        where = alike.samples()
+        block = positions[where]
+        # The same run elsewhere in space then gives the same numbers, and a still one itself.
+        positions[where] = block[0] + method(block - block[0])
+    return smoothed(recording, positions)
+
+
+def long_enough(runs: Runs, shortest: int) -> Runs:
+    """Return the runs of so many frames, and warn of the others; called by a node's helper.
+
+    Raises
+    ------
+    Refusal
+        If there are runs and all of them are shorter.
+    """
+    if not len(runs.start):
+        warnings.warn("no sample is present: there is nothing to smooth", stacklevel=4)
+        return runs
+    short = runs.length < shortest
+    if short.all():
+        raise Refusal(
+            f"needs {shortest} frames in a row; the longest run of present samples has "
+            f"{runs.length.max()}"
+        )
+    if short.any():
+        warnings.warn(
+            f"{np.count_nonzero(short)} of {len(short)} runs of present samples "
+            f"({runs.length[short].sum()} samples) are shorter than {shortest} frames and stay "
+            "as they were",
+            stacklevel=4,
+        )
+    return runs.chosen(~short)
+
+
+def smoothed(recording: Trajectories, positions: NDArray[np.float64]) -> Trajectories:
+    """Return the recording with smoothed positions.
+
+    Origins stay. So does the sigma of samples that stayed as they were; of the others it is NaN,
+    as it was that of the samples before.
+    """
+    if recording.sigma is None:
+        return replace(recording, positions=positions)
+    moved = np.any(positions != recording.positions, axis=2)
+    return replace(recording, positions=positions, sigma=np.where(moved, np.nan, recording.sigma))

@@ -1,0 +1,132 @@
+"""A despiker that breaks a promise is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nodegraph_despike
+import nodegraph_mocap
+from nodegraph import node
+from nodegraph.node import node_of
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Origin, Trajectories
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("despike", nodegraph_despike)])
+
+
+def marked(recording: Trajectories, positions: Any, bad: Any) -> Trajectories:
+    sigma = None if recording.sigma is None else np.where(bad, np.nan, recording.sigma)
+    return recording.with_samples(positions, changed=bad, origin=Origin.REPAIRED, sigma=sigma)
+
+
+def present_in(recording: Trajectories, frame: int) -> Any:
+    chosen = np.zeros(recording.origin.shape, dtype=bool)
+    chosen[frame] = recording.present[frame]
+    return chosen
+
+
+def fills(given: Trajectories) -> Trajectories:
+    positions = np.where(given.present[..., None], given.positions, 0.0)
+    return marked(given, positions, ~given.present)
+
+
+def cuts(given: Trajectories) -> Trajectories:
+    bad = present_in(given, 0)
+    return marked(given, np.where(bad[..., None], np.nan, given.positions), bad)
+
+
+def does_not_mark(given: Trajectories) -> Trajectories:
+    bad = present_in(given, 0)
+    sigma = None if given.sigma is None else np.where(bad, np.nan, given.sigma)
+    return replace(given, positions=given.positions + bad[..., None], sigma=sigma)
+
+
+def marks_too_much(given: Trajectories) -> Trajectories:
+    bad = present_in(given, 0) & (given.origin == Origin.MEASURED)
+    return replace(given, origin=np.where(bad, np.uint8(Origin.REPAIRED), given.origin))
+
+
+def keeps_sigma(given: Trajectories) -> Trajectories:
+    bad = present_in(given, 0)
+    moved = given.positions + bad[..., None]
+    return given.with_samples(moved, changed=bad, origin=Origin.REPAIRED)
+
+
+def drops_sigma(given: Trajectories) -> Trajectories:
+    return replace(given, sigma=None)
+
+
+def other_sigma(given: Trajectories) -> Trajectories:
+    return given if given.sigma is None else replace(given, sigma=given.sigma * 2)
+
+
+def by_place(given: Trajectories) -> Trajectories:
+    bad = present_in(given, 0) & (given.positions[..., 0] > 0)
+    return marked(given, given.positions + bad[..., None], bad)
+
+
+def by_order(given: Trajectories) -> Trajectories:
+    bad = present_in(given, 0)
+    bad[:, 1:] = False
+    return marked(given, given.positions + bad[..., None], bad)
+
+
+def faster(given: Trajectories) -> Trajectories:
+    return replace(given, rate=2 * given.rate)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (fills, "filled"),
+        (cuts, "removed"),
+        (does_not_mark, "changed but not marked"),
+        (marks_too_much, "not changed but marked anew"),
+        (keeps_sigma, "with the sigma of what it was"),
+        (drops_sigma, "sigma is gone"),
+        (other_sigma, "not changed but with another sigma"),
+        (by_place, "differ, by up to 1.73 mm"),
+        (by_order, "differ, by up to 1.73 mm"),
+        (faster, "rate went in as"),
+    ],
+)
+def test_a_despiker_that_breaks_a_promise(
+    spoil: Callable[[Trajectories], Trajectories], text: str
+) -> None:
+    @node("despike.broken")
+    def broken(recording: Trajectories) -> Trajectories:
+        """Spoil the recording."""
+        return spoil(recording)
+
+    with pytest.raises(AssertionError, match=text):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_despiker_with_other_ports() -> None:
+    @node("despike.broken")
+    def broken(take: Trajectories) -> Trajectories:
+        """Leave it."""
+        return take
+
+    with pytest.raises(AssertionError, match="name the recording `recording`"):
+        check_node(broken, registry=REGISTRY)
+
+
+@pytest.mark.parametrize("despiker", list(nodegraph_despike.nodegraph_nodes()))
+def test_good_ones_pass(despiker: Callable[..., Trajectories]) -> None:
+    check_node(despiker, registry=REGISTRY)
+
+
+@pytest.mark.parametrize("despiker", list(nodegraph_despike.nodegraph_nodes()))
+def test_good_ones_pass_where_they_repair_much(despiker: Callable[..., Trajectories]) -> None:
+    known = node_of(despiker)
+    assert known is not None
+    names = [one for one in ("factor", "threshold") if one in known.settings]
+    check_node(despiker, settings=dict.fromkeys(names, 0.05), registry=REGISTRY)

@@ -1,0 +1,82 @@
+"""Running vector medians against a plain statement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_despike.vector_median import running_median
+from nodegraph_mocap import Trajectories
+
+
+def plain_window(recording: Trajectories, marker: int, now: int, reach: int) -> list[int]:
+    """Frames of the window; none where the sample is not judged."""
+    present = recording.present[:, marker]
+    frames = range(max(0, now - reach), min(recording.frames, now + reach + 1))
+    window = [frame for frame in frames if present[frame]]
+    judged = present[now] and window[0] < now < window[-1]
+    return window if judged else []
+
+
+def plain_median(recording: Trajectories, marker: int, now: int, window: list[int]) -> int:
+    track = recording.positions[:, marker]
+    sums = {one: sum(np.linalg.norm(track[one] - track[two]) for two in window) for one in window}
+    least = min(sums.values())
+    near = [one for one in window if sums[one] <= least * (1 + 1e-9)]
+    return min(near, key=lambda one: (abs(one - now), one))
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10_000), reach=st.integers(1, 6))
+def test_equals_a_plain_statement(
+    gappy: Callable[[int], Trajectories], seed: int, reach: int
+) -> None:
+    recording = gappy(seed)
+    median, distance, spread = running_median(recording, reach)
+    for now, marker in np.ndindex(recording.origin.shape):
+        track = recording.positions[:, marker]
+        window = plain_window(recording, marker, now, reach)
+        if not window:
+            assert spread[now, marker] == np.inf
+            assert np.array_equal(median[now, marker], track[now], equal_nan=True)
+            continue
+        frame = plain_median(recording, marker, now, window)
+        apart = np.linalg.norm(track[window] - track[frame], axis=1)
+        assert np.array_equal(median[now, marker], track[frame])
+        assert distance[now, marker] == pytest.approx(np.linalg.norm(track[now] - track[frame]))
+        assert spread[now, marker] == pytest.approx(np.median(apart))
+
+
+def test_along_a_line_it_is_the_median(recorded: Callable[..., Trajectories]) -> None:
+    values = np.random.default_rng(4).normal(size=50)
+    median, _, spread = running_median(recorded(values), 3)
+    along = np.array([2.0, -1.0, 2.0]) / 3.0
+    for now in range(3, 47):
+        window = values[now - 3 : now + 4]
+        assert median[now, 0] @ along == pytest.approx(np.median(window))
+        expected = np.median(np.abs(window - np.median(window)))
+        assert spread[now, 0] == pytest.approx(expected)
+
+
+def test_of_two_middle_ones_the_nearer_is_taken_and_then_the_earlier(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    # At frame 1 the window is cut off to 0 .. 3: frames 1 and 2 lie equally in the middle.
+    line = recorded(np.arange(8.0) * 0.1)
+    median, distance, _ = running_median(line, 2)
+    assert np.array_equal(median, line.positions)
+    assert np.all(distance == 0)
+    lacking = recorded([0.0, 1.0, 5.0, 2.0, 3.0, 4.0, 4.5])
+    middle, _, _ = running_median(lacking, 1)
+    assert np.array_equal(middle[2, 0], lacking.positions[3, 0])
+
+
+def test_a_window_longer_than_the_take_is_the_take(recorded: Callable[..., Trajectories]) -> None:
+    recording = recorded(np.random.default_rng(5).normal(size=9))
+    whole = running_median(recording, 8)
+    for found, expected in zip(running_median(recording, 2**62), whole, strict=True):
+        assert np.array_equal(found, expected)

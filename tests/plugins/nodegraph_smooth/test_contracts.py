@@ -1,0 +1,160 @@
+"""A smoothing that breaks a promise is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nodegraph_mocap
+import nodegraph_smooth
+from nodegraph import node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Origin, Trajectories
+from nodegraph_smooth.bspline import bspline
+from nodegraph_smooth.one_euro import one_euro
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("smooth", nodegraph_smooth)])
+
+
+def faster(given: Trajectories, made: Trajectories) -> Trajectories:
+    return replace(made, rate=2 * made.rate)
+
+
+def nameless(given: Trajectories, made: Trajectories) -> Trajectories:
+    return replace(made, marker_set=None)
+
+
+def fills(given: Trajectories, made: Trajectories) -> Trajectories:
+    return Trajectories(
+        positions=np.nan_to_num(made.positions),
+        markers=made.markers,
+        rate=made.rate,
+        marker_set=made.marker_set,
+    )
+
+
+def loses(given: Trajectories, made: Trajectories) -> Trajectories:
+    positions = made.positions.copy()
+    positions[: len(positions) // 5] = np.nan
+    return made.with_samples(positions, changed=np.isnan(positions[..., 0]), origin=Origin.MISSING)
+
+
+def renames(given: Trajectories, made: Trajectories) -> Trajectories:
+    return replace(made, origin=np.where(made.present, np.uint8(2), np.uint8(0)))
+
+
+def shrinks(given: Trajectories, made: Trajectories) -> Trajectories:
+    return replace(made, positions=0.999 * made.positions)
+
+
+def flattens(given: Trajectories, made: Trajectories) -> Trajectories:
+    positions = made.positions.copy()
+    positions[..., 2] = given.positions[..., 2]
+    return replace(made, positions=positions)
+
+
+def first_first(given: Trajectories, made: Trajectories) -> Trajectories:
+    positions = made.positions.copy()
+    positions[:, 0] = given.positions[:, 0]
+    return replace(made, positions=positions)
+
+
+def late(given: Trajectories, made: Trajectories) -> Trajectories:
+    """Two frames late, and still looking ahead."""
+    positions = made.positions.copy()
+    there = made.present[2:] & made.present[:-2]
+    positions[2:][there] = made.positions[:-2][there]
+    return replace(made, positions=positions)
+
+
+def early(given: Trajectories, made: Trajectories) -> Trajectories:
+    positions = made.positions.copy()
+    there = made.present[1:] & made.present[:-1]
+    positions[:-1][there] = made.positions[1:][there]
+    return replace(made, positions=positions)
+
+
+def trusts(given: Trajectories, made: Trajectories) -> Trajectories:
+    return replace(made, sigma=given.sigma)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (faster, "rate went in as"),
+        (nameless, "marker_set went in as"),
+        (fills, "filled: leave that to a fill"),
+        (loses, "lost: smooth each run of present samples by itself"),
+        (renames, "called otherwise: return"),
+        (shrinks, "Smooth a recording that is shifted as a whole like the one that is not"),
+        (flattens, "coordinate by coordinate, axes may but swap"),
+        (first_first, "Smooth markers in another order alike"),
+        (early, "a nod comes out 1.00 frames early, although frames ahead are looked at"),
+        (trusts, "changed but with its old sigma"),
+    ],
+)
+def test_a_smoothing_that_breaks_a_promise(
+    spoil: Callable[[Trajectories, Trajectories], Trajectories], text: str
+) -> None:
+    @node("smooth.broken")
+    def broken(recording: Trajectories) -> Trajectories:
+        """Smooth, and spoil it."""
+        return spoil(recording, bspline(recording))
+
+    with pytest.raises(AssertionError, match=text):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_smoothing_that_lags_although_it_looks_ahead() -> None:
+    @node("smooth.broken")
+    def broken(recording: Trajectories) -> Trajectories:
+        """Smooth with a long window, and hand it on late."""
+        return late(recording, bspline(recording, order=9))
+
+    with pytest.raises(AssertionError, match=r"a nod comes out 2\.00 frames late, although"):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_smoothing_with_other_ports() -> None:
+    @node("smooth.broken")
+    def broken(captured: Trajectories) -> Trajectories:
+        """Smooth."""
+        return bspline(captured)
+
+    with pytest.raises(AssertionError, match="name the recording `recording`"):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_one_that_sees_no_frame_ahead_may_lag() -> None:
+    @node("smooth.lagging")
+    def lagging(recording: Trajectories) -> Trajectories:
+        """Smooth causally: the mean of each sample and the one before."""
+        positions = recording.positions.copy()
+        there = recording.present[1:] & recording.present[:-1]
+        before, after = recording.positions[:-1][there], recording.positions[1:][there]
+        positions[1:][there] = 0.5 * (before + after)
+        sigma = None if recording.sigma is None else np.full_like(recording.sigma, np.nan)
+        return replace(recording, positions=positions, sigma=sigma)
+
+    check_node(lagging, registry=REGISTRY)
+
+
+def test_one_that_goes_by_coordinates_may_depend_on_the_axes() -> None:
+    @node("smooth.stepwise")
+    def stepwise(recording: Trajectories) -> Trajectories:
+        """Smooth each coordinate by itself, small deviations only."""
+        change = bspline(recording).positions - recording.positions
+        small = np.sign(change) * np.minimum(np.abs(change), 0.01)
+        return replace(recording, positions=recording.positions + small, sigma=None)
+
+    check_node(stepwise, registry=REGISTRY)
+
+
+@pytest.mark.parametrize("smooth", [bspline, one_euro])
+def test_good_ones_pass(smooth: Callable[..., Trajectories]) -> None:
+    check_node(smooth, registry=REGISTRY)

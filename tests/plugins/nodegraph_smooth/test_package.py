@@ -1,0 +1,189 @@
+"""What every smoothing of this package does, and what importing it costs."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from nodegraph import Refusal
+from nodegraph.node import node_of
+from nodegraph_mocap import Trajectories
+from nodegraph_smooth import nodegraph_bibtex, nodegraph_nodes
+
+Positions = NDArray[np.float64]
+NODES = {function.__name__: function for function in nodegraph_nodes()}
+EVERY = pytest.mark.parametrize("name", NODES)
+HERTZ = ("cutoff", "min_cutoff", "derivative_cutoff")
+SECONDS = ("window", "spacing", "segment")
+
+
+def defaults(name: str) -> dict[str, Any]:
+    found = node_of(NODES[name])
+    assert found is not None
+    return {setting.name: setting.default for setting in found.settings.values()}
+
+
+def changed(name: str, factors: Mapping[str, float]) -> dict[str, Any]:
+    """The defaults, some of them times a factor."""
+    return {
+        key: factors[key] * value if key in factors else value
+        for key, value in defaults(name).items()
+    }
+
+
+def test_every_smoothing_runs_by_its_defaults_and_cites_what_is_shipped() -> None:
+    shipped = set(re.findall(r"^@\w+\{(\w+),", nodegraph_bibtex(), flags=re.MULTILINE))
+    cited: set[str] = set()
+    for function in NODES.values():
+        smooth = node_of(function)
+        assert smooth is not None
+        assert [port.name for port in smooth.inputs] == ["recording"]
+        assert len(smooth.outputs) == 1
+        assert not [setting.name for setting in smooth.settings.values() if setting.required]
+        assert "Looks ahead" in smooth.doc
+        cited |= set(smooth.cite)
+    assert cited == shipped
+
+
+@EVERY
+@settings(deadline=None, max_examples=15, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_each_run_is_smoothed_by_itself(
+    gappy: Callable[[int], Trajectories],
+    quietly: Callable[..., Trajectories],
+    alone: Callable[..., Positions],
+    name: str,
+    seed: int,
+) -> None:
+    recording = gappy(seed)
+    try:
+        made = quietly(NODES[name], recording)
+    except Refusal:
+        return
+    np.testing.assert_array_equal(made.origin, recording.origin)
+    np.testing.assert_allclose(made.positions, alone(NODES[name], recording), rtol=0, atol=1e-9)
+
+
+@EVERY
+def test_what_stands_still_stays(name: str, recorded: Callable[..., Trajectories]) -> None:
+    still = np.tile(np.random.default_rng(1).normal(0, 300, (1, 4, 3)), (50, 1, 1))
+    np.testing.assert_array_equal(NODES[name](recorded(still)).positions, still)
+
+
+@EVERY
+@pytest.mark.parametrize("factor", [0.001, 25.4])
+def test_other_units_of_length_change_nothing_else(
+    name: str, noisy: Trajectories, factor: float
+) -> None:
+    scaled = replace(noisy, positions=noisy.positions * factor)
+    own = changed(name, {"noise": factor, "beta": 1 / factor})
+    one, other = NODES[name](noisy), NODES[name](scaled, **own)
+    np.testing.assert_allclose(other.positions / factor, one.positions, rtol=0, atol=1e-6)
+    if one.sigma is not None:
+        assert other.sigma is not None
+        np.testing.assert_allclose(other.sigma / factor, one.sigma, rtol=1e-9)
+
+
+@EVERY
+def test_settings_in_hertz_and_seconds_go_with_the_rate(name: str, noisy: Trajectories) -> None:
+    slower = replace(noisy, rate=20.0)
+    factors = dict.fromkeys(HERTZ, 1 / 3) | dict.fromkeys(SECONDS, 3.0)
+    own = changed(name, factors)
+    one, other = NODES[name](noisy).positions, NODES[name](slower, **own).positions
+    np.testing.assert_allclose(other, one, rtol=0, atol=1e-9)
+
+
+@EVERY
+def test_time_has_no_direction_unless_no_frame_ahead_is_seen(
+    name: str, noisy: Trajectories
+) -> None:
+    made = NODES[name](noisy).positions
+    backward = NODES[name](replace(noisy, positions=noisy.positions[::-1])).positions[::-1]
+    apart = float(np.abs(made - backward).max())
+    summary = (NODES[name].__doc__ or "").partition("\n")[0]
+    if "causally" in summary:
+        assert apart > 0.1
+    else:
+        assert apart < 1e-6
+
+
+@EVERY
+def test_noise_is_reduced_and_movement_kept(
+    name: str, recorded: Callable[..., Trajectories]
+) -> None:
+    random = np.random.default_rng(6)
+    time = np.arange(600)[:, None, None] / 60.0
+    clean = 10.0 * np.sin(2 * np.pi * 0.8 * time + random.uniform(0, 6, (1, 5, 3)))
+    noise = random.normal(0, 0.5, clean.shape)
+    made = NODES[name](recorded(clean + noise)).positions
+    error = np.sqrt(np.mean((made - clean) ** 2))
+    # one that sees no frame ahead pays for less noise with its lag
+    assert error < (0.75 if name == "one_euro" else 0.4)
+    bends = [np.abs(np.diff(one, n=2, axis=0)).mean() for one in (made, noise)]
+    assert bends[0] < 0.75 * bends[1]
+
+
+@EVERY
+def test_memory_order_precision_and_views_make_no_difference(
+    name: str, noisy: Trajectories
+) -> None:
+    coarse = noisy.positions.astype(np.float32)
+    expected = NODES[name](replace(noisy, positions=coarse.astype(np.float64))).positions
+    spread = np.zeros((242, 3, 6), dtype=np.float32)
+    spread[::2, :, ::2] = coarse
+    layouts: tuple[Any, ...] = (coarse, np.asfortranarray(coarse), spread[::2, :, ::2])
+    for positions in layouts:
+        made = NODES[name](replace(noisy, positions=positions)).positions
+        np.testing.assert_array_equal(made, expected)
+
+
+@EVERY
+def test_several_markers_are_smoothed_as_each_alone(name: str, noisy: Trajectories) -> None:
+    together = NODES[name](noisy)
+    for marker in noisy.markers:
+        single = NODES[name](noisy.keep([marker]))
+        np.testing.assert_allclose(
+            single.positions, together.keep([marker]).positions, rtol=0, atol=1e-9
+        )
+
+
+@EVERY
+@pytest.mark.parametrize("frames", [0, 1, 2, 3, 5, 8])
+def test_takes_of_any_length_are_smoothed_or_refused(
+    name: str, frames: int, recorded: Callable[..., Trajectories], quietly: Callable[..., Any]
+) -> None:
+    take = recorded(np.random.default_rng(frames).normal(0, 1, (frames, 2, 3)))
+    try:
+        made = quietly(NODES[name], take)
+    except Refusal as refusal:
+        told = str(refusal)
+    else:
+        told = ""
+        assert made.frames == frames
+        assert made.present.all()
+    assert not told or told.endswith(f"the longest run of present samples has {frames}")
+
+
+def test_importing_the_nodes_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, nodegraph_smooth; list(nodegraph_smooth.nodegraph_nodes());"
+        "print([name for name in ('numba', 'scipy', 'pandas') if name in sys.modules])"
+    )
+    path = [entry for entry in sys.path if entry]
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}; {code}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"

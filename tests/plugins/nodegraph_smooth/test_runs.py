@@ -1,0 +1,83 @@
+"""Runs of present samples, and what is told of those that stay as they were."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph import Refusal
+from nodegraph_mocap import Trajectories
+from nodegraph_smooth.runs import Runs, long_enough, smooth_runs, smoothed
+
+
+@settings(deadline=None, max_examples=60, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_runs_are_the_present_samples(gappy: Callable[[int], Trajectories], seed: int) -> None:
+    recording = gappy(seed)
+    runs = Runs.of(recording)
+    found = np.zeros_like(recording.present)
+    for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True):
+        assert recording.present[start:stop, marker].all()
+        assert start == 0 or not recording.present[start - 1, marker]
+        assert stop == recording.frames or not recording.present[stop, marker]
+        found[start:stop, marker] = True
+    np.testing.assert_array_equal(found, recording.present)
+
+
+def test_runs_of_one_length_are_given_together(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.random.default_rng(1).normal(0, 1, (9, 3, 3))
+    positions[4, 0] = positions[4, 1] = positions[2, 2] = np.nan
+    recording = recorded(positions)
+    groups = [(length, runs.marker.tolist()) for length, runs in Runs.of(recording).by_length()]
+    assert groups == [(2, [2]), (4, [0, 0, 1, 1]), (6, [2])]
+
+
+def test_short_runs_stay_and_are_counted(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.random.default_rng(1).normal(0, 1, (9, 2, 3))
+    positions[[2, 8], 0] = np.nan
+    recording = recorded(positions)
+    told = "1 of 3 runs of present samples \\(2 samples\\) are shorter than 4 frames and stay"
+    with pytest.warns(UserWarning, match=told):
+        made = smooth_runs(recording, np.zeros_like, shortest=4)
+    np.testing.assert_array_equal(
+        made.positions[:2], np.stack([positions[:2, 0], positions[[0, 0], 1]], 1)
+    )
+    np.testing.assert_array_equal(made.positions[3:8, 0], np.tile(positions[3, 0], (5, 1)))
+
+
+def test_nothing_but_short_runs_is_refused(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.zeros((9, 1, 3))
+    positions[5] = np.nan
+    with pytest.raises(Refusal, match="needs 6 frames in a row; the longest run of present sampl"):
+        long_enough(Runs.of(recorded(positions)), 6)
+
+
+def test_nothing_present_is_told(recorded: Callable[..., Trajectories]) -> None:
+    recording = recorded(np.full((4, 2, 3), np.nan))
+    with pytest.warns(UserWarning, match="^no sample is present: there is nothing to smooth$"):
+        made = smooth_runs(recording, np.zeros_like, shortest=2)
+    assert not made.present.any()
+
+
+def test_a_method_is_given_runs_relative_to_their_first_samples(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    positions = np.random.default_rng(1).normal(500, 1, (5, 2, 3))
+    seen = []
+    smooth_runs(recorded(positions), lambda block: seen.append(block) or block)  # type: ignore[func-returns-value]
+    np.testing.assert_array_equal(seen[0], positions - positions[0])
+
+
+def test_sigma_goes_with_the_sample_that_it_was_of(recorded: Callable[..., Trajectories]) -> None:
+    recording = replace(recorded(np.zeros((3, 2, 3))), sigma=np.full((3, 2), 0.1))
+    positions = np.zeros((3, 2, 3))
+    positions[1, 1, 2] = 1e-9
+    made = smoothed(recording, positions)
+    assert made.sigma is not None
+    assert np.argwhere(np.isnan(made.sigma)).tolist() == [[1, 1]]
+    assert np.nanmin(made.sigma) == 0.1
