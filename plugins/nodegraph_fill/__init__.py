@@ -12,13 +12,43 @@ from nodegraph import Contract, hookimpl
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the fills."""
+    from nodegraph_fill.akima import akima
+    from nodegraph_fill.bilinear import bilinear
+    from nodegraph_fill.cubic import cubic
     from nodegraph_fill.guenter import guenter
+    from nodegraph_fill.kalman import kalman
     from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
     from nodegraph_fill.linear import linear
     from nodegraph_fill.muscle import muscle
+    from nodegraph_fill.nearest_frames import nearest_frames
+    from nodegraph_fill.neighbour_kalman import neighbour_kalman
+    from nodegraph_fill.pattern import pattern
+    from nodegraph_fill.pca import pca
+    from nodegraph_fill.pchip import pchip
+    from nodegraph_fill.ridge import ridge
+    from nodegraph_fill.rigid import rigid
+    from nodegraph_fill.soft_impute import soft_impute
     from nodegraph_fill.waters import waters
 
-    return (guenter, lin_ouhyoung, linear, muscle, waters)
+    return (
+        akima,
+        bilinear,
+        cubic,
+        guenter,
+        kalman,
+        lin_ouhyoung,
+        linear,
+        muscle,
+        nearest_frames,
+        neighbour_kalman,
+        pattern,
+        pca,
+        pchip,
+        ridge,
+        rigid,
+        soft_impute,
+        waters,
+    )
 
 
 @hookimpl

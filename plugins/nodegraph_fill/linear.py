@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import node
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, MaxGap, warn_left
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_fill.along_time import bridge
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,25 +40,11 @@ def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    bridged = gaps.chosen(gaps.inner & ~long)
-    filled = recording.with_samples(
-        _bridge(recording, bridged), changed=bridged.mask, origin=Origin.FILLED
-    )
-    reasons = [
-        (gaps.chosen(gaps.never), NEVER),
-        (gaps.chosen(long), LONG),
-        (gaps.chosen(gaps.at_start & ~long), "at the take's start"),
-    ]
-    warn_left(filled, reasons, "at the take's end", stacklevel=2)
-    return filled
+    return bridge(recording, max_gap, _straight)
 
 
-def _bridge(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
-    positions = recording.positions.copy()
-    gap, frame, marker, share = gaps.samples
-    before = positions[gaps.start - 1, gaps.marker]
-    after = positions[gaps.stop, gaps.marker]
-    positions[frame, marker] = before[gap] + (after - before)[gap] * share[:, None]
-    return positions
+def _straight(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+    gap, _, _, share = gaps.samples
+    before = recording.positions[gaps.start - 1, gaps.marker]
+    after = recording.positions[gaps.stop, gaps.marker]
+    return np.asarray(before[gap] + (after - before)[gap] * share[:, None])

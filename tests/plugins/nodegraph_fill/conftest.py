@@ -217,3 +217,9 @@ def quietly() -> Callable[..., Trajectories]:
 def plainly() -> Callable[..., Positions]:
     """Run the plain statement of a step-wise fill."""
     return run_plainly
+
+
+@pytest.fixture(scope="session")
+def holes() -> Callable[..., list[tuple[int, int, int]]]:
+    """Origins to marker, first missing frame and first frame after of every gap."""
+    return plain_gaps

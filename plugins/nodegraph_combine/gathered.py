@@ -1,0 +1,90 @@
+"""Several recordings of one take as one array, and one recording made of them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Across, Label
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """Recordings of the same frames and markers.
+
+    Attributes
+    ----------
+    first : Trajectories
+        Which the others are laid beside: its markers, its rate, its marker set.
+    positions : (C, T, M, 3) array of float64
+    origin : (C, T, M) array of uint8
+    """
+
+    first: Trajectories
+    positions: NDArray[np.float64]
+    origin: NDArray[np.uint8]
+
+    @property
+    def shared(self) -> NDArray[np.bool_]:
+        """(T, M), True where all recordings have the very same sample, or none has one."""
+        same = self.positions == self.positions[0]
+        nowhere = np.isnan(self.positions[..., 0]).all(axis=0)
+        return np.asarray(same.all(axis=(0, 3)) | nowhere)
+
+    def with_samples(self, positions: NDArray[np.float64]) -> Trajectories:
+        """Return one recording: shared samples as they are, the others from `positions`.
+
+        Its origins are, of each sample, the highest that a recording gives it: filled where it
+        is filled in one, repaired where it is repaired in one. What none has is missing.
+        """
+        shared = self.shared
+        made = np.where(shared[..., None], self.positions[0], positions)
+        origin = self.origin.max(axis=0)
+        origin[np.isnan(made[..., 0])] = Origin.MISSING
+        return replace(self.first, positions=made, origin=origin, sigma=None)
+
+
+def gathered(recordings: Across[Trajectories]) -> Gathered:
+    """Return the recordings as one array; tell of those that are absent.
+
+    Raises
+    ------
+    ValueError
+        If they have not the same markers, frames and rate; the message says which differs.
+    """
+    (labels, first), *others = recordings.entries
+    same = [first]
+    for other_labels, other in others:
+        _check_alike(_said(labels), first, _said(other_labels), other)
+        same.append(other if other.markers == first.markers else other.keep(first.markers))
+    if recordings.absent:
+        absent = "; ".join(f"{_said(one.labels)} was {one.kind}" for one in recordings.absent)
+        total = len(same) + len(recordings.absent)
+        warnings.warn(f"{len(same)} of {total} recordings are combined: {absent}", stacklevel=3)
+    return Gathered(
+        first, np.stack([one.positions for one in same]), np.stack([one.origin for one in same])
+    )
+
+
+def _check_alike(label: str, first: Trajectories, other_label: str, other: Trajectories) -> None:
+    apart = sorted(set(first.markers) ^ set(other.markers))
+    if apart:
+        raise ValueError(
+            f"{label} and {other_label} have not the same markers: only one has {', '.join(apart)}"
+        )
+    for what in ("frames", "rate"):
+        one, two = getattr(first, what), getattr(other, what)
+        if one != two:
+            raise ValueError(f"{what}: {label} has {one}, {other_label} has {two}; need the same")
+
+
+def _said(labels: Mapping[str, Label]) -> str:
+    return ", ".join(f"{axis}={label}" for axis, label in labels.items())

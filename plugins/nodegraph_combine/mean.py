@@ -1,0 +1,42 @@
+"""The mean of several recordings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nodegraph import Across, node
+from nodegraph_combine.gathered import gathered
+from nodegraph_mocap import Trajectories
+
+
+@node("combine.mean")
+def mean(recordings: Across[Trajectories]) -> Trajectories:
+    """Take the mean of several recordings of one take, sample by sample.
+
+    ``P[t, m] = sum(P_c[t, m]) / n`` over the n recordings that have the sample. What all of them
+    have alike comes out bit for bit, and what none has stays missing. Markers are matched by
+    name. Recordings that were refused or failed are told.
+
+    Looks ahead 0 frames.
+
+    Parameters
+    ----------
+    recordings
+        Of the same frames, markers and rate: what several methods made of one recording.
+
+    Returns
+    -------
+    Trajectories
+        The origin of each sample is the highest that it has in any of them (filled, then
+        repaired); without `sigma`.
+
+    Raises
+    ------
+    ValueError
+        If they differ in frames, markers or rate.
+    """
+    all_of_them = gathered(recordings)
+    there = ~np.isnan(all_of_them.positions)
+    count = there.sum(axis=0)
+    total = np.where(there, all_of_them.positions, 0.0).sum(axis=0)
+    return all_of_them.with_samples(np.where(count > 0, total / np.maximum(count, 1), np.nan))

@@ -1,0 +1,86 @@
+"""What the fills along time share: each gap is bridged from the marker's own samples alone.
+
+Only gaps between two samples of the marker are bridged. Nothing is extrapolated: a gap at the
+start or the end of the take stays missing, as does a marker that is never present.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Curve = Callable[[NDArray[np.intp], NDArray[np.float64]], Callable[..., NDArray[np.float64]]]
+    """Takes frames, (n,), and positions there, (n, 3); returns what gives positions at frames."""
+
+
+def bridge(
+    recording: Trajectories,
+    max_gap: int | None,
+    between: Callable[[Trajectories, Gaps], NDArray[np.float64]],
+    *,
+    otherwise: str = "",
+) -> Trajectories:
+    """Fill the gaps that have two ends, and warn of those that are left; called by a node.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    max_gap
+        Longer gaps stay missing.
+    between
+        Takes the recording and the gaps, returns the positions of their samples, (S, 3) mm, in
+        the order of `Gaps.samples`; NaN where it has none.
+    otherwise
+        Why it has none.
+    """
+    gaps = Gaps.of(recording)
+    long = gaps.longer_than(max_gap) & ~gaps.never
+    bridged = gaps.chosen(gaps.inner & ~long)
+    positions = recording.positions.copy()
+    _, frame, marker, _ = bridged.samples
+    positions[frame, marker] = between(recording, bridged)
+    filled = recording.with_samples(positions, changed=bridged.mask, origin=Origin.FILLED)
+    reasons = [
+        (gaps.chosen(gaps.never), NEVER),
+        (gaps.chosen(long), LONG),
+        (gaps.chosen(gaps.at_start & ~long), "at the take's start"),
+        (gaps.chosen(gaps.at_end & ~long), "at the take's end"),
+    ]
+    warn_left(filled, reasons, otherwise, stacklevel=3)
+    return filled
+
+
+def on_curves(recording: Trajectories, gaps: Gaps, curve: Curve) -> NDArray[np.float64]:
+    """Return the positions of the gaps' samples on a curve through each marker's own samples.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    gaps
+        Each between two samples of its marker.
+    curve
+        Makes the curve of one marker from all its present samples.
+
+    Returns
+    -------
+    (S, 3) array of float64
+        Millimetres, in the order of `Gaps.samples`.
+    """
+    _, frame, marker, _ = gaps.samples
+    made = np.empty((len(frame), 3))
+    ends = np.flatnonzero(np.diff(marker)) + 1
+    for samples in np.split(np.arange(len(frame)), ends) if len(frame) else ():
+        one = marker[samples[0]]
+        known = np.flatnonzero(recording.present[:, one])
+        made[samples] = curve(known, recording.positions[known, one])(frame[samples])
+    return made

@@ -1,0 +1,163 @@
+"""Slow waves of a few shapes: cosines over time times principal components over the markers."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Refusal, Unit, node
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_mocap import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_SHRINKAGE = 0.001
+_STRAIGHT = 0.03
+"""What a step away from the straight line costs, relative to one away from the model."""
+_MOST_ROUNDS = 1000
+_SETTLED = 1e-9
+"""How large, relative to all that is known, the last residual may be."""
+_SLIGHT = 1e-9
+"""So that a cosine of the very frequency of the cut-off is kept, however that was rounded."""
+
+
+@node("fill.bilinear", cite="akhter2012")
+def bilinear(
+    recording: Trajectories,
+    *,
+    cutoff: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("Hz")] = 6.0,
+    variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
+    bend: bool = True,
+    max_gap: MaxGap = None,
+) -> Trajectories:
+    """Fill gaps by a bilinear spatiotemporal basis (Akhter, Simon, Khan, Matthews & Sheikh, 2012).
+
+    The take, a matrix X of a row per frame and three columns per marker without their means, is
+    ``Theta C B'``: the columns of Theta are the cosines ``cos(pi k (t + 1/2) / T)`` over all T
+    frames whose frequency ``k rate / (2 T)`` is not above the cut-off (DCT-II, by
+    `scipy.fft`), those of B a few principal components of the shape, and C the coefficients.
+    Missing are those entries of X with the least ``|X - Theta C B'|^2``, for the best C, plus
+    0.03 times their squared distance to the straight line through the gap, which decides where
+    the model leaves them open; at a take's end, to the marker's nearest sample. Theta and B
+    being orthogonal, that is a system of linear equations, solved by conjugate gradients; it
+    is where alternating between C and the missing entries would end.
+
+    B are the eigenvectors of the covariance of the take as `fill.soft_impute` completes it
+    (shrinkage 0.001), the first that have the share `variance` of it. Akhter et al. take it
+    from training takes. No frame need be complete. The take is treated as a whole, however
+    long: its cosines are many, but never written down.
+
+    With `bend`, the straight line through the mismatches at a gap's two ends is taken off;
+    where it has one end only, that end's mismatch.
+
+    A marker that is never measured stays missing, counted in a warning. Samples that are
+    present come out as they went in; those that an earlier fill has made count like measured
+    ones. Does not depend on where the origin lies, how the axes are turned, or the unit. The
+    head's motion is part of the shape: remove it first, where it is large.
+
+    Looks at the whole take.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    cutoff
+        The highest frequency of the cosines. 6 Hz holds what faces do slowly; quicker motion of
+        the shape's components is lost.
+    variance
+        Share of the variance that the components of the shape keep.
+    bend
+        Whether the estimate is bent to meet the gap's ends.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+
+    Raises
+    ------
+    Refusal
+        If the cut-off is not below half the frame rate.
+    """
+    if not 2.0 * cutoff < recording.rate:
+        raise Refusal(
+            f"needs a cut-off below half the frame rate, {recording.rate / 2.0:g} Hz, got "
+            f"{cutoff:g} Hz"
+        )
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        matrix = TakeMatrix.of(recording)
+        shape = LowRank(matrix, _SHRINKAGE).principal(variance)
+        cosines = 1 + math.floor(2.0 * cutoff / recording.rate * recording.frames + _SLIGHT)
+        basis = _Basis(shape.basis, cosines)
+        straight = np.where(matrix.missing, _lines(matrix), matrix.rows) - shape.middle
+        completed = _completed(basis, straight, matrix.missing)
+        return Estimate(matrix.positions(basis.nearest(completed) + shape.middle))
+
+    return fill_from(recording, max_gap, model, bend=bend)
+
+
+@dataclass(frozen=True)
+class _Basis:
+    """The shape's components, (P, K), and the number of cosines."""
+
+    shapes: NDArray[np.float64]
+    cosines: int
+
+    def nearest(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the rows, (T, P), that the basis can say and that are nearest to these."""
+        from scipy.fft import dct, idct
+
+        waves = dct(rows @ self.shapes, axis=0, norm="ortho")
+        waves[self.cosines :] = 0.0
+        return np.asarray(idct(waves, axis=0, norm="ortho") @ self.shapes.T)
+
+
+def _lines(matrix: TakeMatrix) -> NDArray[np.float64]:
+    """Return the rows with straight lines through the gaps, level at the take's ends."""
+    frames = np.arange(len(matrix.rows))
+    lines = matrix.rows.copy()
+    for column in np.flatnonzero(matrix.missing.any(axis=0)):
+        known = np.flatnonzero(~matrix.missing[:, column])
+        lines[:, column] = np.interp(frames, known, matrix.rows[known, column])
+    return lines
+
+
+def _completed(
+    basis: _Basis, straight: NDArray[np.float64], missing: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Return the rows with their missing entries moved from the straight lines to the least."""
+
+    def off(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray((rows - basis.nearest(rows))[missing])
+
+    step = np.zeros_like(straight)
+    rest = -off(straight)
+    ahead, moved = rest.copy(), np.zeros_like(rest)
+    square, enough = rest @ rest, (_SETTLED * float(np.linalg.norm(straight))) ** 2
+    for _ in range(_MOST_ROUNDS):
+        if square <= enough:
+            break
+        step[missing] = ahead
+        turned = off(step) + _STRAIGHT * ahead
+        length = square / (ahead @ turned)
+        moved += length * ahead
+        rest -= length * turned
+        before, square = square, rest @ rest
+        ahead = rest + square / before * ahead
+    else:
+        warnings.warn(f"not settled after {_MOST_ROUNDS} rounds", stacklevel=5)
+    completed = straight.copy()
+    completed[missing] += moved
+    return completed

@@ -1,0 +1,67 @@
+"""The loop of the neighbour-aided filter, compiled: import this module only when it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+
+_UNKNOWN = 1e6
+"""Variance of the velocity at the start, (mm/s)^2: a metre per second."""
+
+
+@compiled
+def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any:
+    """Return a marker's position in every frame, filtered from it and the frames before.
+
+    Each coordinate has a position and a velocity; its covariance, the same for all three, is
+    ``[[p, c], [c, v]]``.
+
+    Parameters
+    ----------
+    told : (T, 3) array of float64
+        What is told of the position, mm; NaN where nothing is.
+    variance : (T,) array of float64
+        Its variance, mm^2.
+    seconds
+        The time of a frame.
+    acceleration
+        Standard deviation of the acceleration, mm/s^2.
+
+    Returns
+    -------
+    (T, 3) array of float64
+        Millimetres; NaN before the first frame in which something is told.
+    """
+    made = np.full_like(told, np.nan)
+    position, velocity = np.zeros(3), np.zeros(3)
+    jolt = (acceleration * seconds) ** 2
+    p, c, v, started = 0.0, 0.0, 0.0, False
+    for t in range(len(told)):
+        here = not np.isnan(told[t, 0])
+        if not started:
+            if here:
+                started = True
+                position[:] = told[t]
+                p, v = variance[t], _UNKNOWN
+                made[t] = position
+            continue
+        position += velocity * seconds
+        p += seconds * (2.0 * c + seconds * (v + jolt / 4.0))
+        c += seconds * (v + jolt / 2.0)
+        v += jolt
+        if here:
+            total = p + variance[t]
+            for i in range(3):
+                off = (told[t, i] - position[i]) / total
+                position[i] += p * off
+                velocity[i] += c * off
+            v -= c * c / total
+            c -= p * c / total
+            p -= p * p / total
+        made[t] = position
+    return made

@@ -1,0 +1,74 @@
+"""The nearest marker's trajectory, bent to meet both ends of the gap."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import node
+from nodegraph_fill.along_time import bridge
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_mocap import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@node("fill.pattern", cite="vicon_nexus")
+def pattern(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
+    """Fill each gap with the movement of the nearest marker, bent to meet both ends (Vicon).
+
+    With the donor's trajectory D(t), the gap in F between the frames a and b, and the straight
+    line through a trajectory's samples at the ends,
+    ``V(G, t) = G(a) + (G(b) - G(a)) (t - a) / (b - a)``, the fill is
+    ``F(t) = V(F, t) + D(t) - V(D, t)``. The donor is the marker nearest to F at frame a among
+    those that are present from a to b; equally near ones go by marker order.
+
+    A gap for which there is no donor stays missing, as do gaps at the start and at the end of
+    the take, which have one end only, and a marker that is never measured: counted in a
+    warning. Samples that are present come out as they went in; those that an earlier fill has
+    made count like measured ones.
+
+    Looks ahead to the gap's end.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+    """
+    return bridge(recording, max_gap, _between, otherwise="no marker without a hole there")
+
+
+def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+    donor = _donors(recording, gaps)
+    gap, frame, marker, share = gaps.samples
+    share = share[:, None]
+    first, last = gaps.start[gap] - 1, gaps.stop[gap]
+    positions, other = recording.positions, donor[gap]
+    bend = (1.0 - share) * (positions[first, marker] - positions[first, other])
+    bend += share * (positions[last, marker] - positions[last, other])
+    return np.where(other[:, None] < 0, np.nan, positions[frame, other] + bend)
+
+
+def _donors(recording: Trajectories, gaps: Gaps) -> NDArray[np.intp]:
+    """Return the nearest marker that has no hole in each gap; -1 where there is none."""
+    missing = np.zeros((recording.frames + 1, len(recording.markers)), dtype=np.intp)
+    np.cumsum(~recording.present, axis=0, out=missing[1:])
+    donor = np.full(len(gaps.start), -1)
+    for one in range(len(donor)):
+        first = gaps.start[one] - 1
+        whole = missing[gaps.stop[one] + 1] == missing[first]
+        if whole.any():
+            here = recording.positions[first]
+            squared = ((here - here[gaps.marker[one]]) ** 2).sum(axis=1)
+            donor[one] = np.where(whole, squared, np.inf).argmin()
+    return donor

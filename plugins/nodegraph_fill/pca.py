@@ -1,0 +1,221 @@
+"""Marker correlations: the markers' principal components, carried over to the missing one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Refusal, Unit, node
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_mocap import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Strategy = Literal["each", "together"]
+
+_ROUNDING = 1e-7
+"""Of the largest singular value or spread: what is less may be no more than rounding."""
+_FAR = 0.5
+"""Of the mean distance to all markers: beyond it, a marker that has gaps itself is not asked."""
+
+
+@node("fill.pca", cite="gloersen_federolf2016")
+def pca(
+    recording: Trajectories,
+    *,
+    strategy: Strategy = "each",
+    weight_scale: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 200.0,
+    weight_missing: Annotated[float, Field(gt=0, le=1)] = 0.02,
+    singular_values: Annotated[float, Field(gt=0, le=1)] = 0.99,
+    bend: bool = False,
+    max_gap: MaxGap = None,
+) -> Trajectories:
+    """Fill gaps from the markers' principal components (Gloersen & Federolf, 2016).
+
+    From every frame the mean of the markers that are never missing is taken off (nothing, where
+    there is no such marker). N are the frames that are complete, a row each, three columns per
+    marker; each column without its mean, divided by its standard deviation (1 where that is
+    0), times its marker's weight. The weight is ``exp(-d^2 / (2 weight_scale^2))``, d the mean
+    distance to the marker that is filled, and `weight_missing` for that one itself. B are the
+    principal components of N, B0 those of N with zeros for the marker that is filled; of each
+    so many are kept that the sum of their singular values reaches the share `singular_values`,
+    the larger number for both. A row x with zeros in place of what is missing becomes
+    ``x B0 B0' B B'``, and its scaling is undone. This is eq. 1 of Federolf (2013).
+
+    The strategy "each" is the authors' R2, their code's default: every marker is filled by
+    itself. Other markers that are missing in one of its gaps' frames are left out, and so are
+    those with gaps of their own that are further away than half the mean distance. Complete are
+    the frames that have it and all the markers that remain. "together" is R1: all markers that
+    have a gap are missing at once, d is the distance to the nearest of them, and complete are
+    the frames that have every marker. Gap is here any run of missing samples, filled or not.
+
+    The code that was published multiplies by ``B' B0`` where ``B0' B`` is meant, so that the
+    result hangs on the signs that the eigenvectors happen to have; here it does not.
+
+    With `bend`, which is ours, the straight line through the mismatches at a gap's two ends is
+    taken off; where it has one end only, that end's mismatch.
+
+    A marker that shares no complete frame with those that it is filled from, or that there is
+    none to fill from, stays missing, counted in a warning, as does one that is never measured;
+    that one is no part of "every marker". Samples that are present come out as they went in;
+    those that an earlier fill has made count like measured ones. Does not depend on where the
+    origin lies; on the unit it does, by `weight_scale`, and on how the axes are turned, each
+    coordinate being scaled by itself.
+
+    Looks at the whole take.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    strategy
+        Whether each marker is filled by itself or all that have gaps together.
+    weight_scale
+        How quickly a marker's weight falls with its distance.
+    weight_missing
+        The weight of the marker that is filled.
+    singular_values
+        Share of the sum of the singular values that the components kept must reach.
+    bend
+        Whether the estimate is bent to meet the gap's ends.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+
+    Raises
+    ------
+    Refusal
+        If there are gaps to fill, and for none of them a complete frame.
+    ValueError
+        If `strategy` is none of its choices.
+    """
+    if strategy not in get_args(Strategy):
+        raise ValueError(f"strategy must be {' or '.join(get_args(Strategy))}, got {strategy!r}")
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        positions = np.full_like(recording.positions, np.nan)
+        centred, middle = _without_mean(recording)
+        groups = _each if strategy == "each" else _together
+        done = False
+        for wanted, asked, distance in groups(recording, np.unique(gaps.marker)):
+            complete = np.asarray(recording.present[:, wanted | asked].all(axis=1))
+            weight = np.exp(-(distance**2) / (2.0 * weight_scale**2))
+            weight[wanted] = weight_missing
+            done |= bool(complete.any())
+            if complete.any() and asked.any():
+                made = _carried(centred, complete, wanted, asked, weight, singular_values)
+                positions[:, wanted] = made + middle
+        if not done:
+            raise _refusal(recording, gaps, strategy)
+        return Estimate(positions)
+
+    otherwise = "no marker to fill from, or no frame complete with those"
+    return fill_from(recording, max_gap, model, bend=bend, otherwise=otherwise)
+
+
+_Group = tuple["NDArray[np.bool_]", "NDArray[np.bool_]", "NDArray[np.float64]"]
+"""Markers to fill, markers to fill them from, distance of every marker to them; each (M,)."""
+
+
+def _each(recording: Trajectories, markers: NDArray[np.intp]) -> Iterator[_Group]:
+    present = recording.present
+    gappy = ~present.all(axis=0)
+    for marker in markers:
+        wanted = np.arange(present.shape[1]) == marker
+        distance = _distances(recording, marker)
+        far = distance > _FAR * np.nanmean(distance)
+        overlapping = (~present[~present[:, marker]]).any(axis=0)
+        yield wanted, ~(wanted | (gappy & far) | overlapping), np.nan_to_num(distance)
+
+
+def _together(recording: Trajectories, markers: NDArray[np.intp]) -> Iterator[_Group]:
+    present = recording.present
+    always = np.asarray(present.all(axis=0))
+    wanted = present.any(axis=0) & ~always
+    distances = np.stack([_distances(recording, marker) for marker in np.flatnonzero(wanted)])
+    nearest = np.fmin.reduce(distances, axis=0)
+    yield wanted, always, np.nan_to_num(nearest)
+
+
+def _distances(recording: Trajectories, marker: int | np.intp) -> NDArray[np.float64]:
+    """Return the mean distances of all markers to one, (M,); NaN for those never beside it."""
+    here = recording.present[:, marker]
+    apart = recording.positions[here] - recording.positions[here, marker, None]
+    both = recording.present[here]
+    count = np.count_nonzero(both, axis=0)
+    total = np.linalg.norm(np.nan_to_num(apart), axis=2).sum(axis=0)
+    return np.where(count, total / np.maximum(count, 1), np.nan)
+
+
+def _without_mean(
+    recording: Trajectories,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return positions without the mean of the markers that are never missing, and that mean."""
+    always = recording.present.all(axis=0)
+    middle = np.zeros((recording.frames, 1, 3))
+    if always.any():
+        middle = recording.positions[:, always].mean(axis=1, keepdims=True)
+    return recording.positions - middle, middle
+
+
+def _carried(
+    positions: NDArray[np.float64],
+    complete: NDArray[np.bool_],
+    wanted: NDArray[np.bool_],
+    asked: NDArray[np.bool_],
+    weight: NDArray[np.float64],
+    share: float,
+) -> NDArray[np.float64]:
+    """Return the wanted markers in every frame, (T, W, 3); NaN where one that is asked lacks."""
+    used = np.flatnonzero(wanted | asked)
+    rows = positions[:, used].reshape(len(positions), -1)
+    hidden = np.repeat(wanted[used], 3)
+    middle, spread = rows[complete].mean(axis=0), rows[complete].std(axis=0)
+    still = spread <= _ROUNDING * spread.max()
+    scale = np.repeat(weight[used], 3) / np.where(still, 1.0, spread)
+    rows = (rows - middle) * scale
+    shown = np.where(hidden, 0.0, rows)
+    full, rest = _components(rows[complete]), _components(shown[complete])
+    kept = max(_enough(values, share) for values, _ in (full, rest))
+    back, onto = (_first(kept, *one) for one in (full, rest))
+    made = ((shown @ onto) @ (onto.T @ back)) @ back[hidden].T
+    return np.asarray((made / scale[hidden] + middle[hidden]).reshape(len(rows), -1, 3))
+
+
+def _components(rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the singular values and, as columns, the principal components, largest first."""
+    squares, vectors = np.linalg.eigh(rows.T @ rows)
+    return np.sqrt(np.maximum(squares[::-1], 0.0)), vectors[:, ::-1]
+
+
+def _first(
+    count: int, values: NDArray[np.float64], vectors: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the first components, fewer where the rest is rounding: it points anywhere."""
+    return vectors[:, : min(count, int(np.count_nonzero(values > _ROUNDING * values[0])))]
+
+
+def _enough(values: NDArray[np.float64], share: float) -> int:
+    reached = np.cumsum(values)
+    return 1 + int(np.searchsorted(reached, share * reached[-1]))
+
+
+def _refusal(recording: Trajectories, gaps: Gaps, strategy: str) -> Refusal:
+    seen = np.count_nonzero(recording.present.any(axis=0))
+    most = int(recording.present.sum(axis=1).max())
+    what = "every marker" if strategy == "together" else "a gap's marker and all that it needs"
+    return Refusal(
+        f"needs one complete frame: none of {recording.frames} has {what} "
+        f"({len(np.unique(gaps.marker))} of {seen} markers have gaps to fill; at most {most} are "
+        "present at once)"
+    )

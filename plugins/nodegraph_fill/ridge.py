@@ -1,0 +1,126 @@
+"""What other markers say of the missing one, learnt by ridge regression from the take itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Unit, node
+from nodegraph_fill.gaps import LONG, NEVER, Gaps, MaxGap, warn_left
+from nodegraph_fill.meet_ends import meet_ends
+from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap.reference_shape import reference_shape
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST_FRAMES = 5000
+"""Frames to learn from, evenly spread over what there is: more hardly tell more."""
+
+
+@node("fill.ridge", cite="hoerl_kennard1970")
+def ridge(
+    recording: Trajectories,
+    *,
+    neighbours: Annotated[int, Field(ge=1)] = 12,
+    penalty: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm^2")] = 10.0,
+    bend: bool = True,
+    max_gap: MaxGap = None,
+) -> Trajectories:
+    """Fill gaps by ridge regression on the nearest markers (Hoerl & Kennard, 1970).
+
+    For each gap, the markers that are present all through it and at its ends, the nearest in
+    the reference shape first, predict the missing one: ``P[t, m] = c + W x[t]`` with x their
+    coordinates and W, c the least ``sum |c + W x - P|^2 + penalty |W|^2`` over the frames in
+    which all of them are present (5,000 of these, evenly spread, where there are more), by
+    `sklearn.linear_model.Ridge`. No frame need be complete.
+
+    With `bend`, the straight line through the mismatches at the gap's two ends is taken
+    off; where it has one end only, that end's mismatch.
+
+    Where no marker is present all through the gap, or no two frames to learn from, the gap
+    stays missing, counted in a warning, as does a marker that is never measured. Samples that
+    are present come out as they went in; those that an earlier fill has made count like
+    measured ones. The head's motion is learnt along with the face's: remove it first, where it
+    is large.
+
+    Looks at the whole take.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    neighbours
+        How many markers predict, fewer where there are fewer.
+    penalty
+        How strongly large coefficients are avoided, in the squares of what is learnt from.
+    bend
+        Whether the prediction is bent to meet the gap's ends.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+    """
+    gaps = Gaps.of(recording)
+    long = gaps.longer_than(max_gap) & ~gaps.never
+    wanted = gaps.chosen(~(long | gaps.never))
+    estimate = _estimate(recording, wanted, neighbours, penalty)
+    positions = recording.positions.copy()
+    _, frame, marker, _ = wanted.samples
+    made = meet_ends(recording, wanted, estimate) if bend else estimate[frame, marker]
+    positions[frame, marker] = made
+    filled = recording.with_samples(positions, changed=wanted.mask, origin=Origin.FILLED)
+    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
+    warn_left(filled, reasons, "no marker, or no frames, to learn from", stacklevel=2)
+    return filled
+
+
+def _estimate(
+    recording: Trajectories, gaps: Gaps, neighbours: int, penalty: float
+) -> NDArray[np.float64]:
+    """Return positions, (T, M, 3), in the gaps and at their ends; NaN elsewhere."""
+    estimate = np.full_like(recording.positions, np.nan)
+    near, present = _nearest_first(recording), recording.present
+    for marker, start, stop in zip(gaps.marker, gaps.start, gaps.stop, strict=True):
+        window = slice(max(start - 1, 0), stop + 1)
+        whole = np.all(present[window], axis=0)
+        predictors = near[marker][whole[near[marker]]][:neighbours]
+        lesson = _frames_with(present, marker, predictors)
+        if len(predictors) and len(lesson) > 1:
+            told = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
+            model = _learnt(told, recording.positions[lesson, marker], penalty)
+            now = recording.positions[window][:, predictors]
+            estimate[window, marker] = model.predict(now.reshape(len(now), -1))
+    return estimate
+
+
+def _nearest_first(recording: Trajectories) -> NDArray[np.intp]:
+    """Return the other markers, (M, M - 1), in the order of their distance to each."""
+    shape = reference_shape(recording)
+    squared = ((shape[:, None] - shape) ** 2).sum(axis=2)
+    np.fill_diagonal(squared, -1.0)
+    order = np.argsort(np.nan_to_num(squared, nan=np.inf), axis=1, kind="stable")
+    return np.asarray(order[:, 1:])
+
+
+def _learnt(told: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float) -> Any:
+    from sklearn.linear_model import Ridge
+
+    return Ridge(alpha=penalty).fit(told, wanted)
+
+
+def _frames_with(
+    present: NDArray[np.bool_], marker: int, predictors: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    frames: NDArray[np.intp] = np.flatnonzero(
+        present[:, marker] & np.all(present[:, predictors], axis=1)
+    )
+    spread = np.linspace(0, len(frames) - 1, min(len(frames), _MOST_FRAMES)).round()
+    chosen: NDArray[np.intp] = frames[spread.astype(np.intp)]
+    return chosen

@@ -1,0 +1,96 @@
+"""Where the nearest markers' motion between two frames takes a marker, if all are one body."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap import Trajectories
+
+_LEAST = 3
+_FLAT = 0.05
+"""How thin, relative to its length, a body may be before its turn about itself is unknown."""
+_AT_ONCE = 4096
+"""Samples that are computed together, so that memory does not grow with the take."""
+
+
+def carried(
+    recording: Trajectories,
+    end: NDArray[np.intp],
+    frame: NDArray[np.intp],
+    marker: NDArray[np.intp],
+    neighbours: int,
+) -> NDArray[np.float64]:
+    """Return markers as the motion of their neighbours carries them from one frame to another.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    end : (S,) array of int
+        The frames in which the markers are present. One beyond the take gives NaN.
+    frame : (S,) array of int
+        The frames in which the markers' positions are asked.
+    marker : (S,) array of int
+    neighbours
+        How many of the nearest markers that are present in both frames make up the body.
+
+    Returns
+    -------
+    (S, 3) array of float64
+        Millimetres; NaN where there are fewer than three neighbours or they lie on a line.
+    """
+    made = np.full((len(frame), 3), np.nan)
+    there = np.flatnonzero((end >= 0) & (end < recording.frames))
+    for first in range(0, len(there), _AT_ONCE):
+        some = there[first : first + _AT_ONCE]
+        made[some] = _moved(recording, end[some], frame[some], marker[some], neighbours)
+    return made
+
+
+def _moved(
+    recording: Trajectories,
+    end: NDArray[np.intp],
+    frame: NDArray[np.intp],
+    marker: NDArray[np.intp],
+    neighbours: int,
+) -> NDArray[np.float64]:
+    then, now = recording.positions[end], recording.positions[frame]
+    place = recording.positions[end, marker]
+    squared = ((then - place[:, None]) ** 2).sum(axis=2)
+    # the marker itself is missing in the frame
+    squared[~(recording.present[end] & recording.present[frame])] = np.inf
+    nearest = squared.argsort(axis=1, kind="stable")[:, :neighbours, None]
+    there = np.isfinite(np.take_along_axis(squared, nearest[..., 0], axis=1))[..., None]
+    source = np.where(there, np.take_along_axis(then, nearest, axis=1), 0.0)
+    target = np.where(there, np.take_along_axis(now, nearest, axis=1), 0.0)
+    return np.asarray(_turned(place, source, target, there))
+
+
+def _turned(
+    place: NDArray[np.float64],
+    source: NDArray[np.float64],
+    target: NDArray[np.float64],
+    there: NDArray[np.bool_],
+) -> NDArray[np.float64]:
+    """Return the place as each body's motion takes it; NaN where a body is too small or thin."""
+    count = there.sum(axis=1)
+    middle, goal = (body.sum(axis=1) / np.maximum(count, 1) for body in (source, target))
+    source = np.where(there, source - middle[:, None], 0.0)
+    target = np.where(there, target - goal[:, None], 0.0)
+    u, _, v = np.linalg.svd(source.transpose(0, 2, 1) @ target)
+    u[:, :, 2] *= np.linalg.det(u @ v)[:, None]
+    turned = np.einsum("si,sij->sj", place - middle, u @ v) + goal
+    known = (count[:, 0] >= _LEAST) & _spans_a_plane(source) & _spans_a_plane(target)
+    return np.where(known[:, None], turned, np.nan)
+
+
+def _spans_a_plane(body: NDArray[np.float64]) -> NDArray[np.bool_]:
+    if body.shape[1] < _LEAST:
+        return np.zeros(len(body), dtype=np.bool_)
+    extent = np.linalg.svd(body, compute_uv=False)
+    return np.asarray(extent[:, 1] > _FLAT * extent[:, 0])

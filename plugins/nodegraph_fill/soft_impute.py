@@ -1,0 +1,78 @@
+"""The take as a matrix of low rank, as far as its missing samples allow."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_mocap import Trajectories
+
+
+@node("fill.soft_impute", cite="mazumder2010")
+def soft_impute(
+    recording: Trajectories,
+    *,
+    shrinkage: Annotated[float, Field(gt=0, lt=1)] = 0.001,
+    bend: bool = True,
+    max_gap: MaxGap = None,
+) -> Trajectories:
+    """Fill gaps from the matrix of least nuclear norm near the samples (Mazumder et al., 2010).
+
+    The take is a matrix X of a row per frame and three columns per marker, each without its
+    mean. Sought is the Z with the least
+    ``sum over present samples of (X - Z)^2 / 2 + s |Z|_*``, the nuclear norm being the sum of
+    the singular values, with s the `shrinkage` times the largest singular value of X with zeros
+    where it is missing. Its entries fill the gaps. No frame need be complete.
+
+    The problem is that of Soft-Impute, and so is its answer; the way there is shorter. Instead
+    of one shrinkage of the singular values per round, X completed by the Z before, each round
+    keeps ``M = V max(0, 1 - s / d) V'`` from the singular values d and vectors V of the
+    completed X and solves, frame by frame, for missing entries that M gives back:
+    ``x_m = M_mo x_o + M_mm x_m``. It ends when a round changes nothing to 8 digits.
+
+    With `bend`, the straight line through the mismatches at a gap's two ends is taken off;
+    where it has one end only, that end's mismatch. There the estimate is what M gives when the
+    samples beside the gap are hidden like those in it: Z itself is near every sample it has
+    seen, and so would tell nothing of its error in the gap.
+
+    A marker that is never measured stays missing, counted in a warning. Samples that are
+    present come out as they went in; those that an earlier fill has made count like measured
+    ones. Does not depend on where the origin lies, how the axes are turned, or the unit. The
+    head's motion is part of the matrix: remove it first, where it is large.
+
+    Looks at the whole take.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    shrinkage
+        Share of the largest singular value by which all of them shrink: the larger, the lower
+        the rank.
+    bend
+        Whether the estimate is bent to meet the gap's ends.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+    """
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        matrix = TakeMatrix.of(recording)
+        low_rank = LowRank(matrix, shrinkage)
+        positions = matrix.positions(low_rank.rows)
+        ends = matrix.hidden_ends(gaps)
+        beside = low_rank.completed(matrix.rows[ends.frame], ends.missing)
+        ends.put(matrix.positions(beside), positions)
+        return Estimate(positions)
+
+    return fill_from(recording, max_gap, model, bend=bend)

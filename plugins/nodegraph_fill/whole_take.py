@@ -1,0 +1,149 @@
+"""What the fills share that take the recording as one matrix, a row per frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph_fill.meet_ends import meet_ends
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a model makes of a recording.
+
+    Attributes
+    ----------
+    positions : (T, M, 3) array of float64
+        Millimetres, in the gaps and at their ends; NaN where there is none.
+    sigma : (T, M) array of float64, or None
+        Standard deviation in the gaps, mm; None if the model does not know it.
+    """
+
+    positions: NDArray[np.float64]
+    sigma: NDArray[np.float64] | None = None
+
+
+def fill_from(
+    recording: Trajectories,
+    max_gap: int | None,
+    model: Callable[[Trajectories, Gaps], Estimate],
+    *,
+    bend: bool,
+    otherwise: str = "",
+) -> Trajectories:
+    """Fill gaps with what a model estimates, and warn of those left; called by a node.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    max_gap
+        Longer gaps stay missing.
+    model
+        Takes the recording and the gaps to fill; not called when there are none.
+    bend
+        Whether the estimate is moved to meet the gap's ends.
+    otherwise
+        Why the model may have no estimate.
+    """
+    gaps = Gaps.of(recording)
+    long = gaps.longer_than(max_gap) & ~gaps.never
+    wanted = gaps.chosen(~(long | gaps.never))
+    filled = recording
+    if len(wanted.start):
+        filled = _written(recording, wanted, model(recording, wanted), bend)
+    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
+    warn_left(filled, reasons, otherwise, stacklevel=3)
+    return filled
+
+
+def _written(recording: Trajectories, gaps: Gaps, estimate: Estimate, bend: bool) -> Trajectories:
+    _, frame, marker, _ = gaps.samples
+    made = estimate.positions[frame, marker]
+    positions, sigma = recording.positions.copy(), None
+    positions[frame, marker] = meet_ends(recording, gaps, estimate.positions) if bend else made
+    if estimate.sigma is not None:
+        known = recording.sigma
+        sigma = np.full(gaps.shape, np.nan) if known is None else known.copy()
+        sigma[frame, marker] = estimate.sigma[frame, marker]
+    return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED, sigma=sigma)
+
+
+@dataclass(frozen=True)
+class TakeMatrix:
+    """A recording as a matrix: a row per frame, three columns per marker, without their means.
+
+    Attributes
+    ----------
+    rows : (T, P) array of float64
+        Millimetres, zero where missing. Markers that are never present have no columns.
+    missing : (T, P) array of bool
+    middle : (P,) array of float64
+        The means.
+    seen : (M,) array of bool
+        Which markers have columns.
+    """
+
+    rows: NDArray[np.float64]
+    missing: NDArray[np.bool_]
+    middle: NDArray[np.float64]
+    seen: NDArray[np.bool_]
+
+    @staticmethod
+    def of(recording: Trajectories) -> TakeMatrix:
+        """Return the matrix of a recording that has a present sample."""
+        seen = np.asarray(recording.present.any(axis=0))
+        rows = recording.positions[:, seen].reshape(recording.frames, -1)
+        missing = np.isnan(rows)
+        # away from the origin first: a mean of large numbers loses digits
+        start = rows[missing.argmin(axis=0), np.arange(rows.shape[1])]
+        middle = start + np.nanmean(rows - start, axis=0)
+        return TakeMatrix(np.where(missing, 0.0, rows - middle), missing, middle, seen)
+
+    def positions(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return rows like these as positions, (T, M, 3); NaN for a marker without columns."""
+        made = np.full((len(rows), len(self.seen), 3), np.nan)
+        made[:, self.seen] = (rows + self.middle).reshape(len(rows), -1, 3)
+        return made
+
+    def hidden_ends(self, gaps: Gaps) -> HiddenEnds:
+        """Return the frames before and after each gap, with what is missing in the gap hidden."""
+        end = np.concatenate([gaps.start - 1, gaps.stop])
+        inside = np.concatenate([gaps.start, gaps.stop - 1])
+        marker = np.concatenate([gaps.marker, gaps.marker])
+        there = (end >= 0) & (end < gaps.shape[0])
+        end, inside, marker = end[there], inside[there], marker[there]
+        return HiddenEnds(end, marker, self.missing[end] | self.missing[inside])
+
+
+@dataclass(frozen=True)
+class HiddenEnds:
+    """The samples beside gaps, which a model is to estimate as it does the samples in them.
+
+    A model that is shown the sample agrees with it whatever it makes of the gap; the mismatch
+    with a model that is not tells how far off it is in the gap.
+
+    Attributes
+    ----------
+    frame, marker : (E,) arrays of int
+        The sample.
+    missing : (E, P) array of bool
+        What is not shown: what is missing in that frame or in the gap's frame beside it.
+    """
+
+    frame: NDArray[np.intp]
+    marker: NDArray[np.intp]
+    missing: NDArray[np.bool_]
+
+    def put(self, made: NDArray[np.float64], positions: NDArray[np.float64]) -> None:
+        """Write the estimates (E, M, 3), each that of its own marker, into positions (T, M, 3)."""
+        positions[self.frame, self.marker] = made[np.arange(len(made)), self.marker]

@@ -1,0 +1,42 @@
+"""The median of several recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nodegraph import Across
+from nodegraph_combine.median import median
+from nodegraph_mocap import Trajectories
+
+Filled = Callable[[list[float]], Across[Trajectories]]
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [([1.0, 900.0, 3.0], 3.0), ([1.0, np.nan, 4.0], 2.5), ([np.nan, 2.0], 2.0)],
+)
+def test_is_the_middle_of_those_that_are_there(
+    filled: Filled, truth: Trajectories, errors: list[float], expected: float
+) -> None:
+    made = median(filled(errors))
+    off = made.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
+    np.testing.assert_allclose(off, expected, atol=1e-12)
+
+
+def test_equals_numpys(truth: Trajectories) -> None:
+    random = np.random.default_rng(1)
+    many = {}
+    for index in range(6):
+        positions = truth.positions + random.normal(0, 1, truth.positions.shape)
+        positions[random.random(truth.origin.shape) < 0.3] = np.nan
+        many[str(index)] = Trajectories(positions=positions, markers=truth.markers, rate=truth.rate)
+    every = np.stack([one.positions for one in many.values()])
+    made = median(Across.of(many, axis="fill"))
+    seen = ~np.isnan(every).all(axis=0)
+    np.testing.assert_allclose(
+        made.positions[seen], np.nanmedian(every[:, seen], axis=0), atol=1e-12
+    )
+    assert np.isnan(made.positions[~seen]).all()

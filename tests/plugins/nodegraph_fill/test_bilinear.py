@@ -1,0 +1,129 @@
+"""Slow waves of a few shapes: cosines over time times principal components over the markers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph import Refusal
+from nodegraph_fill import bilinear as module
+from nodegraph_fill.bilinear import bilinear
+from nodegraph_fill.soft_impute import soft_impute
+from nodegraph_mocap import Trajectories
+
+Positions = NDArray[np.float64]
+
+
+def take(frames: int = 30, markers: int = 4, seed: int = 1) -> Positions:
+    """Markers that two slow hidden movements drive, and a little noise."""
+    random = np.random.default_rng(seed)
+    places = random.normal(0, 30, (markers, 3))
+    time = np.arange(frames)[:, None] / 60
+    hidden = np.sin(2 * np.pi * np.array([1.1, 1.7]) * time + [0.3, 1.0])
+    shapes = random.normal(0, 5, (2, markers, 3))
+    noise = random.normal(0, 0.05, (frames, markers, 3))
+    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+
+
+def holed() -> Positions:
+    positions = take()
+    positions[4:12, 0] = positions[8:15, 2] = positions[:3, 3] = positions[26:, 1] = np.nan
+    positions[20:22] = np.nan
+    return positions
+
+
+def waves(frames: int, rate: float, cutoff: float) -> Positions:
+    """The cosines up to the cut-off, each of length one."""
+    count = sum(k * rate / (2 * frames) <= cutoff for k in range(frames))
+    angles = np.pi * np.outer(np.arange(frames) + 0.5, np.arange(count)) / frames
+    return np.asarray(np.cos(angles) / np.linalg.norm(np.cos(angles), axis=0))
+
+
+@pytest.mark.parametrize(("cutoff", "variance"), [(4.0, 0.9), (6.0, 0.999)])
+def test_is_the_least_squares_solution(
+    recorded: Callable[..., Trajectories], cutoff: float, variance: float
+) -> None:
+    """The normal equations of missing entries and coefficients at once, written out."""
+    gappy = holed()
+    recording = recorded(gappy)
+    full = soft_impute(recording, bend=False).positions.reshape(30, -1)
+    middle = full.mean(axis=0)
+    _, values, v = np.linalg.svd(full - middle, full_matrices=False)
+    size = int(np.flatnonzero(np.cumsum(values**2) >= variance * (values**2).sum())[0]) + 1
+    basis = np.kron(waves(30, 60.0, cutoff), v[:size].T)
+    rows = gappy.reshape(30, -1) - middle
+    missing = np.isnan(rows)
+    straight = rows.copy()
+    for column in range(rows.shape[1]):
+        k = np.flatnonzero(~missing[:, column])
+        straight[:, column] = np.interp(np.arange(30), k, rows[k, column])
+    m = missing.ravel()
+    # |X_o - basis_o c|^2 + |y - basis_m c|^2 + 0.03 |y - straight|^2, unknown y and c
+    count, width = int(m.sum()), basis.shape[1]
+    upper = np.hstack([np.zeros((int((~m).sum()), count)), basis[~m]])
+    middle_rows = np.hstack([-np.eye(count), basis[m]])
+    lower = np.hstack([np.sqrt(0.03) * np.eye(count), np.zeros((count, width))])
+    known = np.concatenate(
+        [straight.ravel()[~m], np.zeros(count), np.sqrt(0.03) * straight.ravel()[m]]
+    )
+    solution = np.linalg.lstsq(np.vstack([upper, middle_rows, lower]), known, rcond=None)[0]
+    made = (basis @ solution[count:]).reshape(30, -1) + middle
+    filled = bilinear(recording, cutoff=cutoff, variance=variance, bend=False)
+    np.testing.assert_allclose(
+        filled.positions.reshape(30, -1)[missing], made[missing], rtol=0, atol=1e-5
+    )
+
+
+def test_bent_it_meets_the_ends(recorded: Callable[..., Trajectories]) -> None:
+    truth = take() + np.random.default_rng(3).normal(0, 0.3, (30, 4, 3))
+    gappy = truth.copy()
+    gappy[10:20, 1] = np.nan
+    free, bent = (bilinear(recorded(gappy), bend=bend).positions for bend in (False, True))
+    change = (bent - free)[10:20, 1]
+    np.testing.assert_allclose(np.diff(change, n=2, axis=0), 0.0, atol=1e-9)
+    assert np.abs(change).max() > 1e-3
+
+
+def test_slow_movements_of_few_shapes_are_found_again(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    truth = take(frames=200, markers=8)
+    gappy = truth.copy()
+    gappy[40:90, 0] = gappy[60:100, 1] = gappy[:30, 5] = np.nan
+    filled = bilinear(recorded(gappy), variance=0.99)
+    off = np.linalg.norm(filled.positions - truth, axis=2)[np.isnan(gappy[..., 0])]
+    assert np.sqrt((off**2).mean()) < 0.3
+
+
+def test_turning_and_another_unit_change_nothing(recorded: Callable[..., Trajectories]) -> None:
+    turn = Rotation.from_rotvec([0.5, -1.0, 0.3]).as_matrix()
+    plain = bilinear(recorded(holed())).positions
+    turned = bilinear(recorded(1e-3 * holed() @ turn.T)).positions
+    np.testing.assert_allclose(turned, 1e-3 * plain @ turn.T, rtol=0, atol=1e-8)
+
+
+def test_a_cutoff_beyond_half_the_rate_is_refused(recorded: Callable[..., Trajectories]) -> None:
+    with pytest.raises(Refusal, match="cut-off below half the frame rate, 30 Hz, got 30 Hz"):
+        bilinear(recorded(holed()), cutoff=30.0)
+
+
+def test_ending_early_is_told(
+    recorded: Callable[..., Trajectories], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_MOST_ROUNDS", 1)
+    with pytest.warns(UserWarning, match="not settled after 1 rounds"):
+        bilinear(recorded(holed()))
+
+
+def test_any_recording_can_be_filled(
+    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories]
+) -> None:
+    for seed in range(40):
+        recording = gappy(seed)
+        filled = quietly(bilinear, recording)
+        seen = recording.present.any(axis=0)
+        np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))

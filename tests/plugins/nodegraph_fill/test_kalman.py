@@ -1,0 +1,137 @@
+"""A Kalman smoother in the few dimensions in which the markers move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_fill.kalman import kalman
+from nodegraph_fill.soft_impute import soft_impute
+from nodegraph_mocap import Trajectories
+
+Positions = NDArray[np.float64]
+
+
+def take(frames: int = 14, markers: int = 4, seed: int = 1) -> Positions:
+    """Markers that two hidden movements drive, and noise."""
+    random = np.random.default_rng(seed)
+    places = random.normal(0, 30, (markers, 3))
+    hidden = np.cumsum(random.normal(0, 1, (frames, 2)), axis=0)
+    shapes = random.normal(0, 1, (2, markers, 3))
+    noise = random.normal(0, 0.2, (frames, markers, 3))
+    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+
+
+class Plain:
+    """The same model as one normal distribution of all samples of all frames."""
+
+    def __init__(self, gappy: Positions, recording: Trajectories, variance: float) -> None:
+        frames = len(gappy)
+        full = soft_impute(recording, bend=False).positions.reshape(frames, -1)
+        self.middle = full.mean(axis=0)
+        u, values, v = np.linalg.svd(full - self.middle, full_matrices=False)
+        shares = np.cumsum(values**2) / (values**2).sum()
+        size = int(np.flatnonzero(shares >= variance)[0]) + 1
+        states = u[:, :size] * values[:size]
+        basis = v[:size].T
+        known = ~np.isnan(gappy).reshape(frames, -1)
+        left = full - self.middle - states @ basis.T
+        noise = np.array([(left[k, i] ** 2).mean() for i, k in enumerate(known.T)])
+        steps = np.diff(states, axis=0)
+        # the walk's covariance at two frames is what has gathered up to the earlier one
+        first = np.diag((states**2).mean(axis=0))
+        earlier = np.minimum.outer(np.arange(frames), np.arange(frames))
+        walk = np.kron(np.ones_like(earlier), first)
+        walk += np.kron(earlier, steps.T @ steps / (frames - 1))
+        spread = np.kron(np.eye(frames), basis)
+        self.covariance = spread @ walk @ spread.T + np.diag(np.tile(noise, frames))
+        self.known = known
+        self.rows = gappy.reshape(frames, -1)
+
+    def __call__(self, known: Any) -> tuple[Positions, Positions]:
+        """Return mean and variance of every sample, those that are known being given."""
+        k = known.ravel()
+        middle = np.tile(self.middle, len(known))
+        gain = self.covariance[:, k] @ np.linalg.inv(self.covariance[np.ix_(k, k)])
+        mean = middle + gain @ (self.rows.ravel()[k] - middle[k])
+        variance = np.diag(self.covariance - gain @ self.covariance[k])
+        shape = (len(known), -1, 3)
+        return mean.reshape(shape), variance.reshape(shape)
+
+
+def holed() -> Positions:
+    positions = take()
+    positions[4:8, 0] = positions[6:10, 2] = positions[:2, 3] = positions[12:, 1] = np.nan
+    positions[11] = np.nan
+    return positions
+
+
+def test_is_the_conditional_mean_and_variance(recorded: Callable[..., Trajectories]) -> None:
+    gappy = holed()
+    recording = recorded(gappy)
+    filled = kalman(recording, variance=0.9, bend=False)
+    plain = Plain(gappy, recording, 0.9)
+    mean, variance = plain(plain.known)
+    missing = ~recording.present
+    np.testing.assert_allclose(filled.positions[missing], mean[missing], rtol=0, atol=1e-5)
+    assert filled.sigma is not None
+    expected = np.sqrt(variance[missing].mean(axis=1))
+    np.testing.assert_allclose(filled.sigma[missing], expected, rtol=1e-5)
+    assert np.isnan(filled.sigma[recording.present]).all()
+
+
+def test_the_ends_are_estimated_without_what_the_gap_lacks(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    gappy = take()
+    gappy[4:8, 0] = gappy[6:10, 2] = np.nan
+    recording = recorded(gappy)
+    free, bent = (kalman(recording, variance=0.9, bend=bend).positions for bend in (False, True))
+    plain = Plain(gappy, recording, 0.9)
+
+    def mismatch(frame: int, *lacking: int) -> Positions:
+        known = plain.known.copy().reshape(14, 4, 3)
+        known[frame, list(lacking)] = False
+        return np.asarray(gappy[frame, 0] - plain(known.reshape(14, -1))[0][frame, 0])
+
+    share = np.arange(1, 5)[:, None] / 5
+    expected = free[4:8, 0] + (1 - share) * mismatch(3, 0) + share * mismatch(8, 0, 2)
+    np.testing.assert_allclose(bent[4:8, 0], expected, rtol=0, atol=1e-5)
+
+
+def test_sigma_grows_into_a_gap_of_all_markers(recorded: Callable[..., Trajectories]) -> None:
+    gappy = take(frames=40)
+    gappy[10:21] = np.nan
+    sigma = kalman(recorded(gappy)).sigma
+    assert sigma is not None
+    assert np.all(np.diff(sigma[10:16], axis=0) > 0)
+    assert np.all(np.diff(sigma[15:21], axis=0) < 0)
+
+
+def test_where_nothing_moves_nothing_is_uncertain(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.broadcast_to(np.random.default_rng(1).normal(size=(3, 3)), (9, 3, 3)).copy()
+    gappy = positions.copy()
+    gappy[2:5, 0] = np.nan
+    filled = kalman(recorded(gappy))
+    np.testing.assert_allclose(filled.positions, positions, rtol=0, atol=1e-12)
+    assert filled.sigma is not None
+    assert filled.sigma[3, 0] == 0.0
+
+
+@pytest.mark.parametrize("variance", [0.5, 0.995, 1.0])
+def test_any_recording_can_be_filled(
+    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories], variance: float
+) -> None:
+    for seed in range(40):
+        recording = gappy(seed)
+        filled = quietly(kalman, recording, variance=variance)
+        seen = recording.present.any(axis=0)
+        np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))
+        written = filled.present & ~recording.present
+        if written.any():
+            assert filled.sigma is not None
+            assert np.all(filled.sigma[written] >= 0.0)

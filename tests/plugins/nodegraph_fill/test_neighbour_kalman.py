@@ -1,0 +1,161 @@
+"""A Kalman filter of each marker, which its neighbours help where it is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph_fill.neighbour_kalman import neighbour_kalman
+from nodegraph_mocap import Trajectories
+
+Plain = list[tuple[int, int, int]]
+Positions = NDArray[np.float64]
+NOWHERE = np.full(3, np.nan)
+
+
+def told(recording: Trajectories, seen: int, frame: int, marker: int, k: int) -> Positions:
+    """Where the nearest markers' motion takes a marker, by SciPy's own fit."""
+    then, now = recording.positions[seen], recording.positions[frame]
+    both = recording.present[seen] & recording.present[frame]
+    apart = [(float(np.linalg.norm(then[i] - then[marker])), i) for i in np.flatnonzero(both)]
+    body = [i for _, i in sorted(apart)[:k]]
+    if len(body) < 3:
+        return NOWHERE
+    source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
+    for one in (source, target):
+        extent = np.linalg.svd(one, compute_uv=False)
+        if extent[1] <= 0.05 * extent[0]:
+            return NOWHERE
+    turn, _ = Rotation.align_vectors(target, source)
+    return np.asarray(turn.apply(then[marker] - then[body].mean(axis=0)) + now[body].mean(axis=0))
+
+
+def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) -> list[Positions]:
+    """The textbook's filter, from measurements and their variances; NaN is no measurement."""
+    f = np.array([[1.0, step], [0.0, 1.0]])
+    h = np.array([[1.0, 0.0]])
+    g = np.array([[step**2 / 2], [step]])
+    state = np.zeros((2, 3))
+    covariance: Positions | None = None
+    made = []
+    for z, variance in measured:
+        if covariance is None:
+            state[0], covariance = z, np.diag([variance, 1e6])
+        else:
+            state, covariance = f @ state, f @ covariance @ f.T + jolt**2 * g @ g.T
+            if not np.isnan(z).any():
+                gain = covariance @ h.T / (h @ covariance @ h.T + variance)
+                state = state + gain @ (z[None] - h @ state)
+                covariance = (np.eye(2) - gain @ h) @ covariance
+        made.append(state[0].copy())
+    return made
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 5]))
+def test_equals_the_textbooks_filter(
+    gappy: Callable[[int], Trajectories],
+    quietly: Callable[..., Trajectories],
+    holes: Callable[..., Plain],
+    seed: int,
+    neighbours: int,
+) -> None:
+    recording = gappy(seed)
+    expected = recording.positions.copy()
+    for marker, start, stop in holes(recording.origin):
+        if start == 0 and stop == recording.frames:
+            continue
+        seen = start - 1 if start else stop
+        present = recording.present[:, marker]
+        if start:
+            frames = list(range(int(present.argmax()), stop))
+        else:
+            later = np.flatnonzero(~present[stop:])
+            end = stop + int(later[0]) if len(later) else recording.frames
+            frames = list(range(end - 1, -1, -1))
+        measured = []
+        for frame in frames:
+            if present[frame]:
+                measured.append((recording.positions[frame, marker], 0.2**2))
+            else:
+                before = max(t for t in range(frame) if present[t]) if start else seen
+                measured.append((told(recording, before, frame, marker, neighbours), 2.0**2))
+        made = filtered(measured, 1 / recording.rate, 500.0)
+        for frame, place, (z, _) in zip(frames, made, measured, strict=True):
+            if start <= frame < stop:
+                expected[frame, marker] = NOWHERE if np.isnan(z).any() else place
+    filled = quietly(
+        neighbour_kalman,
+        recording,
+        neighbours=neighbours,
+        acceleration=500.0,
+        noise=0.2,
+        neighbour_noise=2.0,
+    )
+    np.testing.assert_allclose(filled.positions, expected, rtol=0, atol=1e-7)
+
+
+def moved(frames: int = 40) -> Positions:
+    """Markers that walk about."""
+    random = np.random.default_rng(5)
+    places = random.normal(0, 30, (7, 3))
+    return np.asarray(places + np.cumsum(random.normal(0, 1, (frames, 7, 3)), axis=0))
+
+
+def test_later_frames_do_not_matter(recorded: Callable[..., Trajectories]) -> None:
+    gappy = moved()
+    gappy[10:30, 0] = gappy[15:20, 1] = gappy[22:25, 4] = np.nan
+    whole = neighbour_kalman(recorded(gappy)).positions
+    for end in (11, 18, 23, 30):
+        np.testing.assert_array_equal(
+            neighbour_kalman(recorded(gappy[:end])).positions, whole[:end]
+        )
+
+
+def test_a_gap_at_the_start_is_filled_as_backward_in_time(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    gappy = moved()
+    gappy[:8, 2] = np.nan
+    backward = neighbour_kalman(recorded(gappy[::-1])).positions[::-1]
+    np.testing.assert_array_equal(neighbour_kalman(recorded(gappy)).positions, backward)
+
+
+def test_steady_motion_goes_on_when_the_neighbours_are_not_trusted(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    random = np.random.default_rng(2)
+    positions = np.tile(random.normal(0, 30, (1, 5, 3)), (60, 1, 1))
+    positions[:, 0] += np.arange(60)[:, None] * np.array([0.4, -0.1, 0.2])
+    gappy = positions.copy()
+    gappy[50:55, 0] = np.nan
+    free = neighbour_kalman(recorded(gappy), neighbour_noise=1e6).positions
+    np.testing.assert_allclose(free, positions, rtol=0, atol=1e-3)
+    held = neighbour_kalman(recorded(gappy), neighbour_noise=1e-6).positions
+    np.testing.assert_allclose(held[50:55, 0], gappy[[49] * 5, 0], rtol=0, atol=1e-3)
+
+
+def test_turning_the_axes_changes_nothing(recorded: Callable[..., Trajectories]) -> None:
+    turn = Rotation.from_rotvec([0.5, -1.0, 0.3]).as_matrix()
+    gappy = moved()
+    gappy[10:30, 0] = gappy[:5, 3] = np.nan
+    plain = neighbour_kalman(recorded(gappy)).positions
+    turned = neighbour_kalman(recorded(gappy @ turn.T)).positions
+    np.testing.assert_allclose(turned, plain @ turn.T, rtol=0, atol=1e-9)
+
+
+def test_fewer_than_three_neighbours_are_told(recorded: Callable[..., Trajectories]) -> None:
+    gappy = moved()[:, :4]
+    gappy[10:20, 0] = gappy[15:, 1] = np.nan
+    told = "^35 samples of 2 markers left missing: no three neighbours that span a plane 35$"
+    with pytest.warns(UserWarning, match=told):
+        neighbour_kalman(recorded(gappy[:, :3]))
+    with pytest.warns(UserWarning, match="^30 samples of 2 markers left missing"):
+        filled = neighbour_kalman(recorded(gappy))
+    assert filled.present[10:15, 0].all()

@@ -1,0 +1,74 @@
+"""The nearest marker's trajectory, bent to meet both ends of the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from nodegraph_fill.pattern import pattern
+from nodegraph_mocap import Origin, Trajectories
+
+Plain = list[tuple[int, int, int]]
+
+
+def line(body: NDArray[np.float64], first: int, last: int, frame: int) -> NDArray[np.float64]:
+    return np.asarray(body[first] + (body[last] - body[first]) * (frame - first) / (last - first))
+
+
+@settings(deadline=None, max_examples=80, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1), max_gap=st.sampled_from([None, 3]))
+def test_equals_the_plain_formula(
+    gappy: Callable[[int], Trajectories],
+    quietly: Callable[..., Trajectories],
+    holes: Callable[..., Plain],
+    seed: int,
+    max_gap: int | None,
+) -> None:
+    recording = gappy(seed)
+    expected = recording.positions.copy()
+    for marker, start, stop in holes(recording.origin):
+        first, last = start - 1, stop
+        if first < 0 or last == recording.frames or (max_gap and stop - start > max_gap):
+            continue
+        apart = [
+            (float(np.linalg.norm(recording.positions[first, other] - expected[first, marker])), o)
+            for o, other in enumerate(range(len(recording.markers)))
+            if recording.present[first : last + 1, other].all()
+        ]
+        if not apart:
+            continue
+        donor = recording.positions[:, min(apart)[1]]
+        own = recording.positions[:, marker]
+        for frame in range(start, stop):
+            expected[frame, marker] = (
+                line(own, first, last, frame) - line(donor, first, last, frame) + donor[frame]
+            )
+    filled = quietly(pattern, recording, max_gap=max_gap)
+    np.testing.assert_allclose(filled.positions, expected, rtol=0, atol=1e-9)
+
+
+def test_a_donor_has_no_hole_in_the_whole_gap(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.zeros((8, 3, 3))
+    positions[:, 1, 0], positions[:, 2, 0] = 1.0, 9.0
+    positions[:, :, 1] = np.arange(8.0)[:, None] ** 2
+    truth = positions.copy()
+    positions[2:5, 0] = positions[4, 1] = np.nan
+    filled = pattern(recorded(positions))
+    np.testing.assert_allclose(filled.positions[2:5, 0], truth[2:5, 0], atol=1e-12)
+
+
+def test_without_a_donor_the_gap_is_left_and_told(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.ones((9, 2, 3))
+    positions[3:6, 0] = positions[5, 1] = positions[8, 1] = np.nan
+    told = (
+        "^5 samples of 2 markers left missing: at the take's end 1, "
+        "no marker without a hole there 4$"
+    )
+    with pytest.warns(UserWarning, match=told):
+        filled = pattern(recorded(positions))
+    assert not np.any(filled.origin == Origin.FILLED)

@@ -1,0 +1,155 @@
+"""Marker correlations: the markers' principal components, carried over to the missing one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph import Refusal
+from nodegraph_fill.pca import Strategy, pca
+from nodegraph_mocap import Trajectories
+
+Positions = NDArray[np.float64]
+
+
+def take(frames: int = 60, markers: int = 6, seed: int = 2) -> Positions:
+    """Markers that three hidden movements drive, a little noise, and a head that moves."""
+    random = np.random.default_rng(seed)
+    places = random.normal(0, 60, (markers, 3))
+    hidden = np.cumsum(random.normal(0, 1, (frames, 3)), axis=0)
+    shapes = random.normal(0, 1, (3, markers, 3))
+    noise = random.normal(0, 0.02, (frames, markers, 3))
+    head = np.cumsum(random.normal(0, 3, (frames, 1, 3)), axis=0)
+    return np.asarray(places + head + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+
+
+def reconstructed(
+    gappy: Positions, wanted: list[int], asked: list[int], scale: float, floor: float, share: float
+) -> Positions:
+    """The published steps one by one, for markers of which all that are asked are never missing."""
+    whole = [m for m in range(gappy.shape[1]) if not np.isnan(gappy[:, m]).any()]
+    data = gappy - gappy[:, whole].mean(axis=1, keepdims=True)
+    distance = np.full(gappy.shape[1], np.inf)
+    for m in wanted:
+        apart = np.linalg.norm(data - data[:, [m]], axis=2)
+        distance = np.minimum(distance, np.nanmean(apart, axis=0))
+    weight = np.exp(-(distance**2) / (2 * scale**2))
+    weight[wanted] = floor
+    used = sorted(wanted + asked)
+    complete = ~np.isnan(data[:, used]).any(axis=(1, 2))
+    middle, spread = data[complete].mean(axis=0), data[complete].std(axis=0)
+    scaled = ((data - middle) / spread * weight[:, None])[:, used].reshape(len(data), -1)
+    hidden = np.repeat(np.isin(used, wanted), 3)
+    zeros = np.where(hidden, 0.0, scaled)
+    _, values, b = np.linalg.svd(scaled[complete], full_matrices=False)
+    _, values0, b0 = np.linalg.svd(zeros[complete], full_matrices=False)
+    kept = max(
+        int(np.flatnonzero(np.cumsum(one) >= share * one.sum())[0]) + 1 for one in (values, values0)
+    )
+    b, b0 = b[:kept].T, b0[:kept].T
+    made = (zeros @ b0 @ b0.T @ b @ b.T)[:, hidden].reshape(len(data), -1, 3)
+    made = made / floor * spread[wanted] + middle[wanted]
+    return np.asarray(made + gappy[:, whole].mean(axis=1, keepdims=True))
+
+
+def test_each_marker_is_filled_from_those_that_have_no_gaps(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    gappy = take()
+    gappy[20:30, 0] = gappy[25:40, 4] = np.nan
+    filled = pca(recorded(gappy), weight_scale=50.0, weight_missing=0.1, singular_values=0.9)
+    for marker, gap in ((0, slice(20, 30)), (4, slice(25, 40))):
+        made = reconstructed(gappy, [marker], [1, 2, 3, 5], 50.0, 0.1, 0.9)
+        np.testing.assert_allclose(filled.positions[gap, marker], made[gap, 0], rtol=0, atol=1e-7)
+
+
+def test_together_all_markers_with_gaps_are_hidden(recorded: Callable[..., Trajectories]) -> None:
+    gappy = take()
+    gappy[20:30, 0] = gappy[45:50, 4] = np.nan
+    filled = pca(recorded(gappy), strategy="together")
+    made = reconstructed(gappy, [0, 4], [1, 2, 3, 5], 200.0, 0.02, 0.99)
+    np.testing.assert_allclose(filled.positions[20:30, 0], made[20:30, 0], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(filled.positions[45:50, 4], made[45:50, 1], rtol=0, atol=1e-7)
+
+
+def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    near, far = take(), take()
+    near[:, 1] += near[:, 0].mean(axis=0) - near[:, 1].mean(axis=0) + [1.0, 0.0, 0.0]
+    far[:, 1] += far[:, 0].mean(axis=0) - far[:, 1].mean(axis=0) + [500.0, 0.0, 0.0]
+    for positions, asked in ((near, True), (far, False)):
+        positions[20:30, 0] = positions[40:45, 1] = np.nan
+        moved = positions.copy()
+        moved[:, 1] += np.random.default_rng(1).normal(size=(60, 3))
+        one, other = (pca(recorded(p)).positions[20:30, 0] for p in (positions, moved))
+        assert np.array_equal(one, other) is not asked
+
+
+def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:
+    truth = take(frames=200, markers=9)
+    gappy = truth.copy()
+    gappy[50:90, 0] = gappy[100:150, 1] = gappy[:20, 2] = np.nan
+    missing = np.isnan(gappy[..., 0])
+    for bend in (False, True):
+        filled = pca(recorded(gappy), singular_values=0.999, bend=bend).positions
+        off = np.linalg.norm(filled - truth, axis=2)[missing]
+        assert np.sqrt((off**2).mean()) < 0.15
+
+
+@pytest.mark.parametrize("strategy", ["each", "together"])
+def test_without_a_complete_frame_it_is_refused(
+    recorded: Callable[..., Trajectories], strategy: Strategy
+) -> None:
+    gappy = take()
+    gappy[:, 1] = gappy[:, 0] + 1.0
+    gappy[::2, 0] = gappy[1::2, 1] = np.nan
+    told = r"needs one complete frame: none of 60 has .* \(2 of 6 markers have gaps to fill; at "
+    with pytest.raises(Refusal, match=told + "most 5 are present at once"):
+        pca(recorded(gappy), strategy=strategy)
+
+
+def test_a_marker_without_a_complete_frame_is_left_and_told(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    gappy = take()
+    gappy[:, 1] = gappy[:, 0] + 1.0
+    gappy[::2, 0] = gappy[1::2, 1] = gappy[:5, 4] = np.nan
+    told = "^60 samples of 2 markers left missing: no marker to fill from, or no frame complete "
+    with pytest.warns(UserWarning, match=told + "with those 60$"):
+        filled = pca(recorded(gappy))
+    assert filled.present[:, 4].all()
+
+
+def test_static_markers_tell_nothing_and_are_filled(recorded: Callable[..., Trajectories]) -> None:
+    truth = take()
+    truth[:] = truth[0]
+    gappy = truth.copy() + np.array([1234.5, 0.1, 0.2])
+    gappy[4:9, 2] = np.nan
+    filled = pca(recorded(gappy))
+    np.testing.assert_allclose(filled.positions[6, 2], gappy[3, 2], rtol=0, atol=1e-9)
+
+
+def test_an_unknown_strategy_is_refused(recorded: Callable[..., Trajectories]) -> None:
+    with pytest.raises(ValueError, match="strategy must be each or together, got 'both'"):
+        pca(recorded(take()), strategy="both")  # type: ignore[arg-type]
+
+
+def test_what_is_left_is_left_in_any_recording(
+    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories]
+) -> None:
+    filled = 0
+    for seed in range(40):
+        recording = gappy(seed)
+        for strategy in ("each", "together"):
+            try:
+                made = quietly(pca, recording, strategy=strategy, bend=True)
+            except Refusal:
+                continue
+            filled += int(np.count_nonzero(made.present & ~recording.present))
+            same = made.positions[recording.present]
+            np.testing.assert_array_equal(same, recording.positions[recording.present])
+    assert filled

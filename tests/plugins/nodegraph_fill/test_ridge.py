@@ -1,0 +1,93 @@
+"""What other markers say of the missing one, learnt by ridge regression from the take itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_fill.ridge import ridge
+from nodegraph_mocap import Origin, Trajectories
+
+Positions = NDArray[np.float64]
+
+
+def take(frames: int = 80, markers: int = 6, seed: int = 3) -> Positions:
+    """Markers that four hidden movements drive, and a little noise."""
+    random = np.random.default_rng(seed)
+    places = random.normal(0, 30, (markers, 3))
+    hidden = np.cumsum(random.normal(0, 1, (frames, 4)), axis=0)
+    shapes = random.normal(0, 1, (4, markers, 3))
+    noise = random.normal(0, 0.01, (frames, markers, 3))
+    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+
+
+def solved(x: Positions, y: Positions, penalty: float, at: Positions) -> Positions:
+    """The ridge estimate by its normal equations."""
+    middle, goal = x.mean(axis=0), y.mean(axis=0)
+    x, y = x - middle, y - goal
+    w = np.linalg.solve(x.T @ x + penalty * np.eye(x.shape[1]), x.T @ y)
+    return np.asarray((at - middle) @ w + goal)
+
+
+@pytest.mark.parametrize("bend", [False, True])
+@pytest.mark.parametrize("penalty", [0.1, 10.0, 1e4])
+def test_equals_the_normal_equations(
+    recorded: Callable[..., Trajectories], penalty: float, bend: bool
+) -> None:
+    truth = take()
+    gappy = truth.copy()
+    gappy[20:30, 0] = gappy[25, 5] = np.nan
+    filled = ridge(recorded(gappy[:, :6]), neighbours=3, penalty=penalty, bend=bend, max_gap=10)
+    apart = np.linalg.norm(truth[0, 1:5] - truth[0, 0], axis=1)
+    # the marker with a hole there does not predict, whatever its distance
+    chosen = 1 + np.argsort(_shape_distances(gappy)[1:5])[:3]
+    assert len(apart) == 4
+    lesson = np.flatnonzero(~np.isnan(gappy[:, [0, *chosen], 0]).any(axis=1))
+    x = gappy[:, chosen].reshape(len(gappy), -1)
+    made = solved(x[lesson], gappy[lesson, 0], penalty, x[19:31])
+    if bend:
+        share = np.linspace(0, 1, 12)[:, None]
+        first, last = gappy[19, 0] - made[0], gappy[30, 0] - made[-1]
+        made = made + (1 - share) * first + share * last
+    np.testing.assert_allclose(filled.positions[20:30, 0], made[1:-1], rtol=0, atol=1e-7)
+
+
+def _shape_distances(positions: Positions) -> Positions:
+    """Distances to marker 0 in the first complete frame, which is the reference shape."""
+    frame = int(np.argmax(~np.isnan(positions[..., 0]).any(axis=1)))
+    return np.asarray(np.linalg.norm(positions[frame] - positions[frame, 0], axis=1))
+
+
+def test_a_gap_with_one_end_is_moved_to_meet_it(recorded: Callable[..., Trajectories]) -> None:
+    gappy = take()
+    gappy[60:, 2] = np.nan
+    bent, free = (
+        ridge(recorded(gappy), bend=one, penalty=1e3).positions[60:, 2] for one in (True, False)
+    )
+    shift = bent - free
+    np.testing.assert_allclose(shift, np.broadcast_to(shift[0], shift.shape), atol=1e-9)
+
+
+def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:
+    truth = take(frames=300)
+    gappy = truth.copy()
+    gappy[100:160, 0] = gappy[120:200, 1] = gappy[:30, 2] = np.nan
+    filled = ridge(recorded(gappy), penalty=0.1)
+    error = np.linalg.norm(filled.positions - truth, axis=2)
+    assert error.max() < 0.2
+    assert np.sqrt((error[np.isnan(gappy[..., 0])] ** 2).mean()) < 0.05
+
+
+def test_where_nothing_can_be_learnt_the_gap_is_left_and_told(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    positions = take(frames=6, markers=3)
+    positions[1:5, 0] = np.nan
+    positions[[0, 5], 1:] = np.nan
+    told = "^8 samples of 3 markers left missing: no marker, or no frames, to learn from 8$"
+    with pytest.warns(UserWarning, match=told):
+        filled = ridge(recorded(positions))
+    assert not np.any(filled.origin[1:5, 0] == Origin.FILLED)

@@ -1,0 +1,98 @@
+"""The nearest markers' motion as a rigid body, from both ends of the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph_fill.rigid import rigid
+from nodegraph_mocap import Origin, Trajectories
+
+Plain = list[tuple[int, int, int]]
+Positions = NDArray[np.float64]
+
+
+def moved_body(frames: int, markers: int, seed: int) -> Positions:
+    """A rigid body that turns and moves."""
+    random = np.random.default_rng(seed)
+    body = random.normal(0, 30, (markers, 3))
+    turns = Rotation.from_rotvec(np.cumsum(random.normal(0, 0.05, (frames, 3)), axis=0))
+    shifts = np.cumsum(random.normal(0, 2, (frames, 1, 3)), axis=0)
+    return np.stack([turn.apply(body) for turn in turns]) + shifts
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_rigid_body_is_filled_exactly(recorded: Callable[..., Trajectories], seed: int) -> None:
+    truth = moved_body(20, 7, seed)
+    gappy = truth.copy()
+    gappy[3:9, 0] = gappy[5:12, 1] = gappy[:4, 2] = gappy[15:, 3] = np.nan
+    filled = rigid(recorded(gappy))
+    np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-9)
+
+
+def seen_from(recording: Trajectories, end: int, frame: int, marker: int, k: int) -> Positions:
+    """Where the nearest markers' motion takes a marker, by SciPy's own fit; NaN without one."""
+    nowhere = np.full(3, np.nan)
+    if not 0 <= end < recording.frames:
+        return nowhere
+    then, now = recording.positions[end], recording.positions[frame]
+    both = recording.present[end] & recording.present[frame]
+    apart = [(float(np.linalg.norm(then[i] - then[marker])), i) for i in np.flatnonzero(both)]
+    body = [i for _, i in sorted(apart)[:k]]
+    if len(body) < 3:
+        return nowhere
+    source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
+    for one in (source, target):
+        extent = np.linalg.svd(one, compute_uv=False)
+        if extent[1] <= 0.05 * extent[0]:
+            return nowhere
+    turn, _ = Rotation.align_vectors(target, source)
+    return np.asarray(turn.apply(then[marker] - then[body].mean(axis=0)) + now[body].mean(axis=0))
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 4, 6]))
+def test_equals_scipys_fit_from_both_ends(
+    gappy: Callable[[int], Trajectories],
+    quietly: Callable[..., Trajectories],
+    holes: Callable[..., Plain],
+    seed: int,
+    neighbours: int,
+) -> None:
+    recording = gappy(seed)
+    expected = recording.positions.copy()
+    for marker, start, stop in holes(recording.origin):
+        for frame in range(start, stop):
+            ahead = seen_from(recording, start - 1, frame, marker, neighbours)
+            back = seen_from(recording, stop, frame, marker, neighbours)
+            share = (frame - start + 1) / (stop - start + 1)
+            mixed = (1 - share) * ahead + share * back
+            mixed = back if np.isnan(ahead).any() else ahead if np.isnan(back).any() else mixed
+            expected[frame, marker] = mixed
+    filled = quietly(rigid, recording, neighbours=neighbours)
+    np.testing.assert_allclose(filled.positions, expected, rtol=0, atol=1e-7)
+
+
+def test_neighbours_on_a_line_tell_nothing(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.zeros((6, 4, 3))
+    positions[:, 1:, 0] = [10.0, 20.0, 30.0]
+    positions[:, 1:, 1] = [0.0, 0.1, 0.0]
+    positions[2:4, 0] = np.nan
+    told = "^2 samples of 1 marker left missing: no three neighbours that span a plane 2$"
+    with pytest.warns(UserWarning, match=told):
+        filled = rigid(recorded(positions))
+    assert not np.any(filled.origin == Origin.FILLED)
+
+
+def test_long_takes_are_computed_piece_by_piece(recorded: Callable[..., Trajectories]) -> None:
+    truth = np.tile(moved_body(50, 5, 1), (100, 1, 1))
+    gappy = truth.copy()
+    gappy[1:4999, 0] = np.nan
+    filled = rigid(recorded(gappy))
+    np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-8)

@@ -1,0 +1,137 @@
+"""The take as a matrix of low rank, as far as its missing samples allow."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph_fill.linear import linear
+from nodegraph_fill.soft_impute import soft_impute
+from nodegraph_gaps.cut import cut
+from nodegraph_mocap import Trajectories
+from nodegraph_mocap.files.c3d import read_c3d
+
+FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "animface"
+Positions = NDArray[np.float64]
+
+
+def take(frames: int = 60, markers: int = 7, seed: int = 3) -> Positions:
+    """Markers that three hidden movements drive, and a little noise."""
+    random = np.random.default_rng(seed)
+    places = random.normal(0, 30, (markers, 3))
+    hidden = np.cumsum(random.normal(0, 1, (frames, 3)), axis=0)
+    shapes = random.normal(0, 1, (3, markers, 3))
+    noise = random.normal(0, 0.05, (frames, markers, 3))
+    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+
+
+def holed(seed: int = 3) -> Positions:
+    """Gaps anywhere: no frame is complete."""
+    positions = take(seed=seed)
+    random = np.random.default_rng(seed)
+    positions[np.arange(60), random.integers(0, 7, 60)] = np.nan
+    positions[10:20, 2] = positions[14:25, 3] = positions[50:, 4] = np.nan
+    return positions
+
+
+@pytest.mark.parametrize("shrinkage", [0.2, 0.02, 0.002])
+def test_the_answer_is_optimal(recorded: Callable[..., Trajectories], shrinkage: float) -> None:
+    """Where the sub-gradient of ``s |Z|_*`` and the residual cancel, a convex sum is least."""
+    gappy = holed()
+    filled = soft_impute(recorded(gappy), shrinkage=shrinkage, bend=False).positions
+    middle = np.nanmean(gappy, axis=0)
+    full = (filled - middle).reshape(60, -1)
+    missing = np.isnan(gappy).reshape(60, -1)
+    s = shrinkage * np.linalg.norm(np.where(missing, 0.0, full), 2)
+    u, values, v = np.linalg.svd(full, full_matrices=False)
+    z = (u * np.maximum(values - s, 0.0)) @ v
+    rank = int(np.count_nonzero(values > s))
+    residual = np.where(missing, 0.0, full - z)
+    # the missing entries are those of Z
+    np.testing.assert_allclose(full[missing], z[missing], atol=1e-5)
+    # the residual on the present entries is s times a sub-gradient of the nuclear norm at Z
+    np.testing.assert_allclose(residual @ v[:rank].T, s * u[:, :rank], atol=1e-5)
+    np.testing.assert_allclose(u[:, :rank].T @ residual, s * v[:rank], atol=1e-5)
+    assert np.linalg.norm(residual, 2) <= s * (1 + 1e-6)
+    assert rank > 0
+
+
+@pytest.mark.parametrize("one_end", [False, True])
+def test_the_ends_are_estimated_without_what_the_gap_lacks(
+    recorded: Callable[..., Trajectories], one_end: bool
+) -> None:
+    gappy = take()
+    gappy[20:30, 0] = gappy[24:32, 5] = np.nan
+    if one_end:
+        gappy[30:, 0] = np.nan
+    stop = 60 if one_end else 30
+    free, bent = (
+        soft_impute(recorded(gappy), shrinkage=0.01, bend=bend).positions for bend in (False, True)
+    )
+    middle = np.nanmean(gappy, axis=0).ravel()
+    known = np.where(np.isnan(gappy).reshape(60, -1), 0.0, gappy.reshape(60, -1) - middle)
+    full = free.reshape(60, -1) - middle
+    _, values, v = np.linalg.svd(full, full_matrices=False)
+    m = (v.T * np.maximum(1 - 0.01 * np.linalg.norm(known, 2) / values, 0.0)) @ v
+
+    def mismatch(frame: int, *lacking: int) -> Positions:
+        hidden = np.zeros((7, 3), dtype=bool)
+        hidden[list(lacking)] = True
+        out = hidden.ravel()
+        told = m[np.ix_(out, ~out)] @ full[frame, ~out]
+        estimate = np.linalg.solve(np.eye(out.sum()) - m[np.ix_(out, out)], told)
+        return np.asarray(gappy[frame, 0] - middle[:3] - estimate[:3])
+
+    first = mismatch(19, 0)
+    last = first if one_end else mismatch(30, 0, 5)
+    share = (np.arange(20, stop)[:, None] - 19) / (stop - 19)
+    expected = free[20:stop, 0] + (1 - share) * first + share * last
+    np.testing.assert_allclose(bent[20:stop, 0], expected, rtol=0, atol=1e-4)
+
+
+def test_few_movements_are_found_again(
+    recorded: Callable[..., Trajectories], quietly: Callable[..., Trajectories]
+) -> None:
+    straight = quietly(linear, recorded(holed()))
+    hidden = np.isnan(holed()[..., 0]) & straight.present
+
+    def error(fill: Callable[..., Trajectories]) -> float:
+        off = quietly(fill, recorded(holed())).positions - take()
+        return float(np.sqrt((off[hidden] ** 2).sum(axis=1).mean()))
+
+    assert error(soft_impute) < 0.25 * error(linear)
+
+
+def test_turning_and_another_unit_change_nothing(recorded: Callable[..., Trajectories]) -> None:
+    turn = Rotation.from_rotvec([0.5, -1.0, 0.3])
+    gappy = holed()
+    plain = soft_impute(recorded(gappy)).positions
+    turned = soft_impute(recorded(1e-3 * gappy @ turn.as_matrix().T)).positions
+    np.testing.assert_allclose(turned, 1e-3 * plain @ turn.as_matrix().T, rtol=0, atol=1e-8)
+
+
+def test_any_recording_can_be_filled(
+    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories]
+) -> None:
+    for seed in range(40):
+        recording = gappy(seed)
+        filled = quietly(soft_impute, recording)
+        seen = recording.present.any(axis=0)
+        np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))
+
+
+@pytest.mark.skipif(not FOLDER.exists(), reason="the recordings are not part of the package")
+@pytest.mark.parametrize(("name", "length", "most"), [("jaw", 15, 0.3), ("cheeks", 45, 0.9)])
+def test_a_real_face_is_filled_as_well_as_is_known(name: str, length: int, most: float) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        recording = read_c3d(FOLDER / f"{name}.c3d")
+    gappy, truth, mask = cut(recording, length=length, count=20, seed=0)
+    off = (soft_impute(gappy).positions - truth.positions)[mask.hidden]
+    assert np.sqrt((off**2).sum(axis=1).mean()) < most

@@ -1,0 +1,96 @@
+"""What the fills share that take the recording as one matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_mocap import Origin, Trajectories
+
+
+def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+    """Every sample is at (7, 7, 7), give or take 2 mm."""
+    return Estimate(np.full_like(recording.positions, 7.0), np.full(gaps.shape, 2.0))
+
+
+def holed(recorded: Callable[..., Trajectories]) -> Trajectories:
+    positions = np.zeros((8, 3, 3))
+    positions[2:4, 0] = positions[5:, 1] = positions[:, 2] = np.nan
+    return recorded(positions)
+
+
+def test_gaps_are_filled_marked_and_given_a_sigma(recorded: Callable[..., Trajectories]) -> None:
+    recording = holed(recorded)
+    with pytest.warns(UserWarning, match="^8 samples of 1 marker left missing: never measured 8$"):
+        filled = fill_from(recording, None, model, bend=False)
+    written = np.zeros((8, 3), dtype=bool)
+    written[2:4, 0] = written[5:, 1] = True
+    np.testing.assert_array_equal(filled.origin == Origin.FILLED, written)
+    np.testing.assert_array_equal(filled.positions[written], 7.0)
+    assert filled.sigma is not None
+    np.testing.assert_array_equal(filled.sigma, np.where(written, 2.0, np.nan))
+
+
+def test_present_samples_keep_their_sigma(recorded: Callable[..., Trajectories]) -> None:
+    positions = np.zeros((3, 1, 3))
+    positions[1] = np.nan
+    sigma = np.array([[0.5], [np.nan], [0.25]])
+    given = recorded(positions)
+    recording = Trajectories(positions=positions, markers=given.markers, rate=60.0, sigma=sigma)
+    filled = fill_from(recording, None, model, bend=False)
+    assert filled.sigma is not None
+    np.testing.assert_array_equal(filled.sigma[:, 0], [0.5, 2.0, 0.25])
+
+
+def test_bent_estimates_meet_the_ends(recorded: Callable[..., Trajectories]) -> None:
+    with pytest.warns(UserWarning, match="never measured"):
+        filled = fill_from(holed(recorded), None, model, bend=True)
+    np.testing.assert_array_equal(filled.positions[filled.present], 0.0)
+
+
+def test_long_gaps_are_left_and_the_model_is_not_asked_for_nothing(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    def never(recording: Trajectories, gaps: Gaps) -> Estimate:
+        raise AssertionError("nothing to fill")
+
+    with pytest.warns(UserWarning, match="never measured 8, longer than max_gap 5$"):
+        filled = fill_from(holed(recorded), 1, never, bend=True)
+    assert not np.any(filled.origin == Origin.FILLED)
+
+
+def test_the_matrix_comes_back_as_positions(gappy: Callable[[int], Trajectories]) -> None:
+    for seed in range(20):
+        recording = gappy(seed)
+        if not recording.present.any():
+            continue
+        matrix = TakeMatrix.of(recording)
+        back = matrix.positions(np.where(matrix.missing, np.nan, matrix.rows))
+        np.testing.assert_allclose(back, recording.positions, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(matrix.rows.sum(axis=0), 0.0, atol=1e-10)
+
+
+def test_beside_a_gap_the_markers_that_lack_in_it_are_hidden(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    positions = np.random.default_rng(1).normal(size=(9, 4, 3))
+    positions[3:6, 0] = positions[5:7, 1] = positions[2, 2] = positions[6:, 3] = np.nan
+    recording = recorded(positions)
+    ends = TakeMatrix.of(recording).hidden_ends(Gaps.of(recording))
+    found = {
+        (int(frame), int(marker)): np.flatnonzero(missing[::3]).tolist()
+        for frame, marker, missing in zip(ends.frame, ends.marker, ends.missing, strict=True)
+    }
+    assert found == {
+        (2, 0): [0, 2],
+        (6, 0): [0, 1, 3],
+        (4, 1): [0, 1],
+        (7, 1): [1, 3],
+        (1, 2): [2],
+        (3, 2): [0, 2],
+        (5, 3): [0, 1, 3],
+    }
