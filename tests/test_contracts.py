@@ -17,7 +17,13 @@ from nodegraph_mocap import sample_folder
 
 HERE = Path(__file__).parent
 NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
+    "markers.rename": lambda: {"names": {"nose": "forehead", "forehead": "nose"}},
+    "points.literal": lambda: {"points": {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}},
+    "read.head": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "head.obj"},
+    "read.model": lambda: {"path": sample_folder("face")},
     "read.recording": lambda: {"path": sample_folder("face")},
+    "read.marker_set": lambda: {"path": sample_folder("face")},
+    "recording.resample": lambda: {"rate": 44.1},
     "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "weights.csv"},
 }
 """Values for settings that have no default."""

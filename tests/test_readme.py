@@ -7,7 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import nodegraph as ng
+from nodegraph.cli import main
 from nodegraph.registry import Registry
 
 ROOT = Path(__file__).parents[1]
@@ -79,3 +82,15 @@ def test_continuous_integration_runs_the_command_that_stands_here() -> None:
     assert "<!-- the tests -->" in script
     command = README.partition("<!-- the tests -->\n```sh\n")[2].partition("\n```")[0]
     assert command.endswith("-m pytest -n 2")
+
+
+def test_values_are_exported_as_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    exports = [line.split()[1:] for line in lines if line.startswith("nodegraph export")]
+    words = ["--axis", "trial=[3]", "--only", "length=45", "--only", "fill=muscle"]
+    assert main(["run", str(ROOT / "graphs" / "fill.yaml"), *words]) == 0
+    for one in exports:
+        assert main(one) == 0
+        assert (tmp_path / one[-1]).stat().st_size > 1000
+    assert len(exports) == 3

@@ -2,28 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from nodegraph import Across, InputFile, Value, node
-from nodegraph_mocap import Figure, Table, Trajectories
+from nodegraph import Across, node
+from nodegraph_mocap import Animation, Figure, Selection, Table, Trajectories
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
-
-
-@dataclass(frozen=True)
-class Selection(Value):
-    markers: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Animation(Value):
-    head: Head
-
-
-class Model(NamedTuple):
-    model: BlendshapeModel
-    neutral: Trajectories
 
 
 class Aligned(NamedTuple):
@@ -42,11 +26,6 @@ class Curve(NamedTuple):
     figure: Figure
 
 
-@node("read.model")
-def read_model(*, path: InputFile) -> Model:
-    raise AssertionError
-
-
 @node("align.procrustes")
 def procrustes(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
     raise AssertionError
@@ -54,11 +33,6 @@ def procrustes(recording: Trajectories, reference: Trajectories | None = None) -
 
 @node("select.pfa")
 def pfa(recording: Trajectories, *, k: int) -> Selection:
-    raise AssertionError
-
-
-@node("markers.keep")
-def keep(recording: Trajectories, selection: Selection | None = None) -> Trajectories:
     raise AssertionError
 
 
@@ -82,21 +56,6 @@ def curve(
     compare: str,
     mark: Literal["none", "minimum", "shared"] = "none",
 ) -> Curve:
-    raise AssertionError
-
-
-@node("markers.label")
-def label(recording: Trajectories, reference: Trajectories) -> Trajectories:
-    raise AssertionError
-
-
-@node("despike.impulse")
-def impulse(recording: Trajectories) -> Trajectories:
-    raise AssertionError
-
-
-@node("smooth.bspline")
-def bspline(recording: Trajectories) -> Trajectories:
     raise AssertionError
 
 

@@ -32,13 +32,15 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
         "axes": ["k", "actor", "fill"],
         "gathered": [],
         "methods": {
-            "hold": {"use": "fill.hold", "plugin": "toys"},
-            "strict": {"use": "strict.positive", "plugin": "toys"},
+            "hold": {"use": "fill.hold", "plugin": "toys", "outputs": ["output"]},
+            "strict": {"use": "strict.positive", "plugin": "toys", "outputs": ["output"]},
         },
     }
     counts = {state: count for state, count in said["counts"].items() if count}
     assert counts == {"done": 8, "refused": 3, "failed": 1}
     assert len(said["steps"]) == 12  # x is one of the cells of fill
+    also = [other for one in said["steps"] for other in one.get("also", ())]
+    assert also == [{"node": "x", "labels": {}}]
     steps = {(one["node"], *one["labels"].values()): one for one in said["steps"]}
     gaps = steps["gaps", 1, "MB"]
     assert gaps["settings"] == {"length": 6, "seed": 1}

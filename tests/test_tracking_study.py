@@ -1,0 +1,119 @@
+"""The comparison of trackers, as a user runs it: command line to report."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT.parent / "shared" / "data"
+GRAPH = ROOT / "graphs" / "tracking.yaml"
+TRACKERS = {"assignment", "nearest", "neighbours"}
+
+needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+
+
+def nodegraph(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "nodegraph.cli", *words]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def run(folder: Path, *words: str) -> Path:
+    done = nodegraph("run", str(GRAPH), *words, folder=folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "runs" / "tracking"
+
+
+def rows_of(folder: Path) -> list[dict[str, str]]:
+    with (folder / "table.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def wrong_of(folder: Path) -> dict[tuple[str, float, float], float]:
+    """Return wrong links among 1000, by tracker, drop-out and ghosts."""
+    return {
+        (row["tracks"], float(row["dropout"]), float(row["ghosts"])): float(row["mean"])
+        for row in rows_of(folder)
+    }
+
+
+@pytest.fixture(scope="module")
+def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run on built-in data, with three of the trials."""
+    return run(tmp_path_factory.mktemp("walk"), "--axis", "trial=0,1,2")
+
+
+def test_the_table_has_every_tracker_at_every_rate(built_in: Path) -> None:
+    expected = {
+        (tracker, dropout, ghosts)
+        for tracker in TRACKERS
+        for dropout in (0.02, 0.1, 0.2)
+        for ghosts in (0.0, 0.05)
+    }
+    assert expected <= wrong_of(built_in).keys()
+    assert {row["blocks"] for row in rows_of(built_in)} == {"3"}
+
+
+def test_nearly_every_link_is_right(built_in: Path) -> None:
+    assert 0.0 < max(wrong_of(built_in).values()) < 0.5
+
+
+def test_prediction_helps(built_in: Path) -> None:
+    wrong = wrong_of(built_in)
+    mean = {tracker: sum(wrong[key] for key in wrong if key[0] == tracker) for tracker in TRACKERS}
+    assert max(mean["neighbours"], mean["assignment"]) < 0.8 * mean["nearest"]
+
+
+def test_the_report_tells_which_number_is_better(built_in: Path) -> None:
+    html = (built_in / "report.html").read_text()
+    assert "Which tracker keeps the names of a face&#39;s markers?" in html
+    assert "Lower is better." in html
+    assert "neighbours has the lowest mean wrong" in html
+    assert "<svg" in html
+    assert 'src="http' not in html
+
+
+def test_all_trackers_get_the_same_points(built_in: Path) -> None:
+    record = json.loads((built_in / "run.json").read_text())
+    assert record["counts"]["failed"] == 0
+    counts = {name: 0 for name in ("points", "tracks", "score")}
+    for step in record["steps"]:
+        if step["node"] in counts:
+            counts[step["node"]] += 1
+    assert counts == {"points": 18, "tracks": 54, "score": 54}
+
+
+def test_the_graph_checks_and_is_drawn(tmp_path: Path) -> None:
+    assert nodegraph("check", str(GRAPH), folder=tmp_path).returncode == 0
+    drawn = nodegraph("draw", str(GRAPH), folder=tmp_path)
+    assert drawn.returncode == 0
+    assert ">neighbours<" in drawn.stdout
+
+
+@needs_recordings
+@pytest.mark.parametrize("name", ["jaw", "cheeks"])
+def test_a_face_that_holds_still_is_tracked_without_a_wrong_link(name: str, tmp_path: Path) -> None:
+    take = DATA / "animface" / f"{name}.c3d"
+    words = ("--set", f"recording={take}", "--axis", "trial=0,1", "--only", "dropout=0.02,0.1")
+    wrong = wrong_of(run(tmp_path, *words))
+    assert len(wrong) == 12
+    assert all(value == 0.0 for key, value in wrong.items() if key[0] != "nearest")
+    assert all(value < 0.1 for value in wrong.values())
+
+
+@needs_recordings
+def test_neighbours_follow_a_head_that_moves_fast(tmp_path: Path) -> None:
+    take = DATA / "facecap" / "take001.c3d"
+    words = ("--set", f"recording={take}", "--axis", "trial=0,1", "--only", "dropout=0.02,0.1")
+    wrong = wrong_of(run(tmp_path, *words))
+    for dropout, ghosts in ((0.02, 0.0), (0.02, 0.05), (0.1, 0.0), (0.1, 0.05)):
+        ours = wrong["neighbours", dropout, ghosts]
+        assert 4.0 * ours < wrong["assignment", dropout, ghosts]
+        assert wrong["assignment", dropout, ghosts] < wrong["nearest", dropout, ghosts]
