@@ -145,7 +145,7 @@ def follow(
     )
     # In an order of their own, so that nothing hangs on the order in which they came, and by x
     # first, by which the links are searched.
-    points = detections.points[_order(detections.points, offsets, frame)]
+    points = detections.points[_order(detections.points, frame)]
     width = default_gate(points, offsets) if gate is None else gate
     owner = _owners(points, offsets, method, width, patience, shortest)
     return _trajectories(points, frame, owner, detections, shortest)
@@ -173,13 +173,10 @@ def default_gate(points: NDArray[np.float64], offsets: NDArray[np.int64]) -> flo
     return float(np.median(apart)) / 2.0 if len(apart) else np.inf
 
 
-def _order(
-    points: NDArray[np.float64], offsets: NDArray[np.int64], frame: NDArray[np.intp]
-) -> NDArray[np.intp]:
+def _order(points: NDArray[np.float64], frame: NDArray[np.intp]) -> NDArray[np.intp]:
     """Return the order by frame, then x, y, z; y and z are looked at only where x is equal."""
-    from nodegraph_track import linking_kernel
-
-    order = np.asarray(linking_kernel.order_by_x(points, offsets))
+    # Complex numbers are sorted by their real part, then the other: faster than two sorts.
+    order = np.argsort(frame + 1j * points[:, 0])
     equal = (np.diff(points[order, 0]) == 0) & (np.diff(frame) == 0)
     return np.lexsort((*points.T[::-1], frame)) if equal.any() else order
 
@@ -193,14 +190,14 @@ def _owners(
     shortest: int,
 ) -> NDArray[np.intp]:
     """Return the number of each point's track, (N,)."""
-    from nodegraph_track import linking_kernel
+    from nodegraph_track import tracks_kernel
 
     owner, tracks = np.empty(len(points), dtype=np.intp), NO_TRACKS
     for frame in range(len(offsets) - 1):
         begin, end = offsets[frame], offsets[frame + 1]
         here, mine = points[begin:end], owner[begin:end]
         links = method(tracks, here, frame, gate)
-        state = linking_kernel.next_tracks(tracks, links, here, frame, patience, shortest, mine)
+        state = tracks_kernel.next_tracks(tracks, links, here, frame, patience, shortest, mine)
         tracks = OpenTracks(*state)
     return owner
 

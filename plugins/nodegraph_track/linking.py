@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,7 +32,10 @@ def take_nearest(places: NDArray[np.float64], points: NDArray[np.float64], gate:
     """
     from nodegraph_track import linking_kernel
 
-    return cast("Pairs", linking_kernel.nearest_first(places, points, gate))
+    every = np.ones(len(places), np.bool_), np.ones(len(points), np.bool_)
+    start, point, squared = linking_kernel.pairs_within(places, points, gate, *every)
+    order = np.argsort(squared, kind="stable")
+    return _links(linking_kernel.nearest_first(start, point, order, len(points)))
 
 
 def assign(
@@ -62,4 +65,10 @@ def assign(
     from nodegraph_track import linking_kernel
 
     in_turn = np.array([places, *otherwise])
-    return cast("Pairs", linking_kernel.assigned(in_turn, points, gate))
+    return _links(linking_kernel.assigned(in_turn, points, gate))
+
+
+def _links(of_place: NDArray[np.intp]) -> Pairs:
+    """Return place and point of those that have one."""
+    place = np.flatnonzero(of_place >= 0)
+    return place, of_place[place]

@@ -15,16 +15,6 @@ compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, 
 
 
 @compiled
-def order_by_x(points: Any, offsets: Any) -> Any:
-    """Return the order of points, (N,), by frame, then x; see `spaces`."""
-    order = np.empty(len(points), np.int64)
-    for frame in range(len(offsets) - 1):
-        first, end = offsets[frame], offsets[frame + 1]
-        order[first:end] = first + np.argsort(points[first:end, 0])
-    return order
-
-
-@compiled
 def spaces(points: Any, offsets: Any, frames: Any) -> Any:
     """Return how far each point of some frames is from the nearest one of its frame, (K,) mm.
 
@@ -99,23 +89,32 @@ def pairs_within(places: Any, points: Any, gate: float, wanting: Any, free: Any)
 
 
 @compiled
-def nearest_first(places: Any, points: Any, gate: float) -> Any:
-    """Return the links, nearest pair first: (L,) places and (L,) points."""
-    wanting, free = np.ones(len(places), np.bool_), np.ones(len(points), np.bool_)
-    start, point, squared = pairs_within(places, points, gate, wanting, free)
-    place = np.repeat(np.arange(len(places)), np.diff(start))
-    chosen, count = np.empty(min(len(places), len(points)), np.int64), 0
-    for pair in np.argsort(squared, kind="mergesort"):
-        if wanting[place[pair]] and free[point[pair]]:
-            wanting[place[pair]] = free[point[pair]] = False
-            chosen[count] = pair
-            count += 1
-    return place[chosen[:count]], point[chosen[:count]]
+def nearest_first(start: Any, point: Any, order: Any, points: int) -> Any:
+    """Return the point of each place, (A,), -1 for none, when pairs are linked in some order.
+
+    Parameters
+    ----------
+    start, point
+        Pairs; see `pairs_within`.
+    order : (K,) array of int
+        Which pair comes first, second, ...; it is linked if its place and point still are free.
+    points
+        How many there are.
+    """
+    place, of_place = np.empty(len(point), np.int64), np.full(len(start) - 1, -1)
+    for row in range(len(of_place)):
+        place[start[row] : start[row + 1]] = row
+    free = np.ones(points, np.bool_)
+    for pair in order:
+        if of_place[place[pair]] < 0 and free[point[pair]]:
+            of_place[place[pair]] = point[pair]
+            free[point[pair]] = False
+    return of_place
 
 
 @compiled
 def assigned(in_turn: Any, points: Any, gate: float) -> Any:
-    """Return the cheapest links, (L,) places and (L,) points.
+    """Return the point of each place by which the links are cheapest, (A,), -1 for none.
 
     Parameters
     ----------
@@ -124,25 +123,27 @@ def assigned(in_turn: Any, points: Any, gate: float) -> Any:
     points, gate
         As for `pairs_within`.
     """
-    taken, free = np.full(in_turn.shape[1], -1), np.ones(len(points), np.bool_)
-    for places in in_turn:
-        wanting = taken < 0
+    of_place, free = np.full(in_turn.shape[1], -1), np.ones(len(points), np.bool_)
+    for turn in range(len(in_turn)):
+        wanting = of_place < 0
         if wanting.any() and free.any():
-            start, point, squared = pairs_within(places, points, gate, wanting, free)
+            start, point, squared = pairs_within(in_turn[turn], points, gate, wanting, free)
             # Beyond any gate: more than all links together.
             alone = gate * gate if np.isfinite(gate) else 1.0 + squared.sum()
             found = cheapest(start, point, squared, len(points), alone)
-            taken[wanting] = found[wanting]
-            free[taken[taken >= 0]] = False
-    place = np.flatnonzero(taken >= 0)
-    return place, taken[place]
+            for row in range(len(found)):
+                if 0 <= found[row] < len(points):
+                    of_place[row] = found[row]
+                    free[found[row]] = False
+    return of_place
 
 
 @compiled
 def cheapest(start: Any, point: Any, squared: Any, points: int, alone: float) -> Any:
-    """Return the point of each place, (A,), -1 for none, by shortest augmenting paths.
+    """Return the point of each place, (A,), by shortest augmenting paths.
 
-    Place after place is added; the cheapest path of exchanges makes room for it.
+    Place after place is added; the cheapest path of exchanges makes room for it. Behind the points
+    stands, for each place, a column of its own, P and more: to have no point.
 
     Parameters
     ----------
@@ -154,7 +155,6 @@ def cheapest(start: Any, point: Any, squared: Any, points: int, alone: float) ->
         The cost of a place without a point.
     """
     places = len(start) - 1
-    # Behind the points stands, for each place, a column of its own: to have none.
     of_row, of_column = np.full(places, -1), np.full(points + places, -1)
     row_price, column_price = np.zeros(places), np.zeros(points + places)
     cost, back = np.full(points + places, np.inf), np.empty(points + places, np.int64)
@@ -185,7 +185,7 @@ def cheapest(start: Any, point: Any, squared: Any, points: int, alone: float) ->
             row = back[end]
             of_column[end] = row
             end, of_row[row] = of_row[row], end
-    return np.where(of_row < points, of_row, -1)
+    return of_row
 
 
 @compiled
@@ -195,52 +195,3 @@ def _cheapest_open(columns: Any, cost: Any, done: Any) -> int:
         if not done[column] and (best < 0 or cost[column] < cost[best]):
             best = column
     return best
-
-
-@compiled
-def next_tracks(
-    tracks: Any, links: Any, points: Any, frame: int, patience: int, shortest: int, owner: Any
-) -> Any:
-    """Return the open tracks after a frame, and write the owner of each point.
-
-    Parameters
-    ----------
-    tracks, links
-        See `nodegraph_track.follow.OpenTracks` and `Links`.
-    points : (P, 3) array of float64
-    frame, patience, shortest
-        Which frame it is; see `nodegraph_track.follow.follow`.
-    owner : (P,) array of int
-        Written: the name of the track that has each point.
-    """
-    name, opened, track, point = tracks.name, tracks.opened, links.track, links.point
-    place, last = links.predicted.copy(), tracks.last.copy()
-    jump, steps = tracks.jump.copy(), tracks.steps.copy()
-    seen, length = tracks.seen.copy(), tracks.length.copy()
-    owner[:] = -1
-    for link in range(len(track)):
-        row, column = track[link], point[link]
-        elapsed = frame - seen[row]
-        for axis in range(3):
-            here = points[column, axis]
-            jump[row, axis] = here - last[row, axis]
-            steps[row, 2, axis], steps[row, 1, axis] = steps[row, 1, axis], steps[row, 0, axis]
-            steps[row, 0, axis] = jump[row, axis] / elapsed
-            place[row, axis] = last[row, axis] = here
-        owner[column], seen[row] = name[row], frame
-        length[row] += 1
-    stays = (seen == frame) | ((frame - seen <= patience) & (length >= shortest))
-    new = np.flatnonzero(owner < 0)
-    if stays.all() and not len(new):
-        return name, place, last, jump, steps, seen, length, opened
-    owner[new] = np.arange(opened, opened + len(new))
-    return (
-        np.concatenate((name[stays], owner[new])),
-        np.concatenate((place[stays], points[new])),
-        np.concatenate((last[stays], points[new])),
-        np.concatenate((jump[stays], np.zeros((len(new), 3)))),
-        np.concatenate((steps[stays], np.zeros((len(new), 3, 3)))),
-        np.concatenate((seen[stays], np.full(len(new), frame))),
-        np.concatenate((length[stays], np.ones(len(new), np.int64))),
-        opened + len(new),
-    )
