@@ -33,7 +33,7 @@ def soft_impute(
     of one shrinkage of the singular values per round, X completed by the Z before, each round
     keeps ``M = V max(0, 1 - s / d) V'`` from the singular values d and vectors V of the
     completed X and solves, frame by frame, for missing entries that M gives back:
-    ``x_m = M_mo x_o + M_mm x_m``. It ends when a round changes nothing to 8 digits.
+    ``x_m = M_mo x_o + M_mm x_m``. It ends when a round changes nothing to 7 digits.
 
     With `bend`, the straight line through the mismatches at a gap's two ends is taken off;
     where it has one end only, that end's mismatch. There the estimate is what M gives when the
