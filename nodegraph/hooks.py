@@ -82,15 +82,22 @@ class Tried:
     inputs, outputs : mapping of port to value
         What went in and what came out. An optional port that was left open is absent.
     settings : mapping of setting to value
-        Those that were not left at their defaults.
+        All of them, defaults included.
+    units : mapping of setting to text
+        Of those settings that have one: ``mm``.
+    doc : str
+        The node's documentation, in which it may say what it does not promise.
     again : callable
-        Calls the node again with other inputs, ``again(recording=moved)``, and returns its
-        outputs, or None where the node refuses these.
+        Calls the node again with other inputs, ``again(recording=moved)``, and other settings,
+        ``again({"gate": 4.0}, recording=moved)``; returns its outputs, or None where the node
+        refuses these.
     """
 
     inputs: Mapping[str, Any]
     outputs: Mapping[str, Any]
     settings: Mapping[str, Any]
+    units: Mapping[str, str]
+    doc: str
     again: Callable[..., Mapping[str, Any] | None]
 
 

@@ -136,7 +136,11 @@ def _contracts(family: str, registry: Registry) -> list[Contract]:
 def _hold(contract: Contract, trial: Trial, outputs: Mapping[str, Any]) -> None:
     promise = (inspect.getdoc(contract) or contract.__name__).partition("\n")[0].rstrip(".")
     family = trial.node.family
-    tried = Tried(trial.inputs, outputs, trial.settings, trial.again)
+    described = trial.node.settings
+    defaults = {name: one.default for name, one in described.items() if not one.required}
+    units = {name: one.unit for name, one in described.items() if one.unit}
+    settings = {**defaults, **trial.settings}
+    tried = Tried(trial.inputs, outputs, settings, units, trial.node.doc, trial.again)
     try:
         broken = list(contract(tried))
     except Exception as error:

@@ -84,16 +84,20 @@ class Trial:
             # once may be a library that draws while it is imported
         return made, True
 
-    def call(self, inputs: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    def call(
+        self, inputs: Mapping[str, Any], settings: Mapping[str, Any] | None = None
+    ) -> Mapping[str, Any] | None:
         """Call the node as the machine does; None when it returned what it does not promise."""
         with _quiet():
-            returned = self.node.function(**inputs, **self.settings)
+            returned = self.node.function(**inputs, **{**self.settings, **(settings or {})})
         return self._promised(returned)
 
-    def again(self, **inputs: Any) -> Mapping[str, Any] | None:
-        """Call the node with some inputs exchanged; None where it declines."""
+    def again(
+        self, settings: Mapping[str, Any] | None = None, /, **inputs: Any
+    ) -> Mapping[str, Any] | None:
+        """Call the node with some settings and inputs exchanged; None where it declines."""
         try:
-            return self.call({**self.inputs, **inputs})
+            return self.call({**self.inputs, **inputs}, settings)
         except _DECLINED:
             return None
 

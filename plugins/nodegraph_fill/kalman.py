@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SHRINKAGE = 0.001
-_LEAST_NOISE = 1e-6
+_LEAST_NOISE = 1e-5
 """Of a coordinate's variance, relative to the mean of all coordinates'."""
 _LEAST_DRIFT = 1e-12
 _AT_ONCE = 4096
@@ -45,7 +45,7 @@ def kalman(
     (shrinkage 0.001), the first that have the share `variance` of it; the steps' covariance is
     that of the completed frames' steps in the subspace, the state before the first frame has
     the frames' covariance, and each coordinate's noise is the mean square of what C leaves of
-    its present samples, a millionth of the mean coordinate's variance at least. Burke and
+    its present samples, a hundred-thousandth of the mean coordinate's variance at least. Burke and
     Lasenby learn from the complete frames, which most takes of faces lack, and the number of
     dimensions from the share of the singular values; their noise is the same for all
     coordinates, which gave larger errors on two real faces.
@@ -63,9 +63,9 @@ def kalman(
 
     A marker that is never measured stays missing, counted in a warning. Samples that are
     present come out as they went in; those that an earlier fill has made count like measured
-    ones. Does not depend on where the origin lies or on the unit; on how the axes are turned it
-    does a little, by each coordinate's own noise. The head's motion is part of the subspace:
-    remove it first, where it is large.
+    ones. Does not depend on where the origin lies or on the unit, but depends on the axes a
+    little, by each coordinate's own noise. The head's motion is part of the subspace: remove it
+    first, where it is large.
 
     Looks at the whole take. Memory grows with the frames and the square of the dimensions, which
     were 8 to 21 on three faces.

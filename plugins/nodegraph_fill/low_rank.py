@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from nodegraph_fill.whole_take import TakeMatrix
 
 _MOST_ROUNDS = 1000
-_SETTLED = 1e-7
+_SETTLED = 1e-8
 """How little, relative to the root mean square of what is known, the last round may change."""
 
 

@@ -10,9 +10,6 @@ from numba import njit
 
 compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
 
-_UNKNOWN = 1e6
-"""Variance of the velocity at the start, (mm/s)^2: a metre per second."""
-
 
 @compiled
 def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any:
@@ -47,7 +44,8 @@ def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any
             if here:
                 started = True
                 position[:] = told[t]
-                p, v = variance[t], _UNKNOWN
+                # as if it had been speeding up for a second
+                p, v = variance[t], acceleration**2
                 made[t] = position
             continue
         position += velocity * seconds

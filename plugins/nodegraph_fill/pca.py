@@ -64,8 +64,8 @@ def pca(
     none to fill from, stays missing, counted in a warning, as does one that is never measured;
     that one is no part of "every marker". Samples that are present come out as they went in;
     those that an earlier fill has made count like measured ones. Does not depend on where the
-    origin lies; on the unit it does, by `weight_scale`, and on how the axes are turned, each
-    coordinate being scaled by itself.
+    origin lies; but depends on the axes, each coordinate being scaled by itself, and on the unit
+    by `weight_scale`.
 
     Looks at the whole take.
 

@@ -305,7 +305,7 @@ def test_a_place_that_the_method_has_by_heart() -> None:
         """Put what is missing into the origin."""
         return filled(recording, np.nan_to_num(recording.positions, nan=0.0))
 
-    assert "Fill a recording that is shifted as a whole" in faults_of(broken)
+    assert "Do with a recording that is shifted as a whole" in faults_of(broken)
 
 
 def test_the_order_of_markers() -> None:

@@ -46,7 +46,7 @@ def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) 
     made = []
     for z, variance in measured:
         if covariance is None:
-            state[0], covariance = z, np.diag([variance, 1e6])
+            state[0], covariance = z, np.diag([variance, jolt**2])
         else:
             state, covariance = f @ state, f @ covariance @ f.T + jolt**2 * g @ g.T
             if not np.isnan(z).any():

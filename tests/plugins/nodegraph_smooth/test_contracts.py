@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 import pytest
 
 import nodegraph_mocap
 import nodegraph_smooth
-from nodegraph import node
+from nodegraph import Unit, node
 from nodegraph.plugins import Plugin
 from nodegraph.registry import Registry
 from nodegraph.testing import check_node
@@ -91,9 +92,9 @@ def trusts(given: Trajectories, made: Trajectories) -> Trajectories:
         (fills, "filled: leave that to a fill"),
         (loses, "lost: smooth each run of present samples by itself"),
         (renames, "called otherwise: return"),
-        (shrinks, "Smooth a recording that is shifted as a whole like the one that is not"),
-        (flattens, "coordinate by coordinate, axes may but swap"),
-        (first_first, "Smooth markers in another order alike"),
+        (shrinks, "Do with a recording that is shifted as a whole what is done with the one"),
+        (flattens, "or say .depends on the axes."),
+        (first_first, "Do the same with markers in another order"),
         (early, "a nod comes out 1.00 frames early, although frames ahead are looked at"),
         (trusts, "changed but with its old sigma"),
     ],
@@ -146,10 +147,20 @@ def test_one_that_sees_no_frame_ahead_may_lag() -> None:
 
 def test_one_that_goes_by_coordinates_may_depend_on_the_axes() -> None:
     @node("smooth.stepwise")
-    def stepwise(recording: Trajectories) -> Trajectories:
-        """Smooth each coordinate by itself, small deviations only."""
+    def stepwise(
+        recording: Trajectories, *, most: Annotated[float, Unit("mm")] = 0.01
+    ) -> Trajectories:
+        """Smooth each coordinate by itself, small deviations only: depends on the axes.
+
+        Parameters
+        ----------
+        recording
+            Any.
+        most
+            By how much a coordinate may change.
+        """
         change = bspline(recording).positions - recording.positions
-        small = np.sign(change) * np.minimum(np.abs(change), 0.01)
+        small = np.sign(change) * np.minimum(np.abs(change), most)
         return replace(recording, positions=recording.positions + small, sigma=None)
 
     check_node(stepwise, registry=REGISTRY)

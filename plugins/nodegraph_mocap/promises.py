@@ -1,0 +1,140 @@
+"""What contracts of families that take a recording and give one have in common.
+
+Each function yields what breaks a promise; see `nodegraph.Contract`. A family lists those that
+hold for it beside its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph import Tried
+from nodegraph_mocap.recording import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+SHIFT = np.array([110.0, -70.0, 240.0])
+SWAP = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
+"""A turn by which coordinates only change places and signs."""
+
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+DEPENDS_ON_AXES = "depends on the axes"
+"""What the documentation of a method says that works coordinate by coordinate."""
+
+SCALE = 2.0
+TOLERANCE = 1e-6
+"""Millimetres: far above rounding, far below anything a camera sees."""
+
+
+def takes_and_gives_a_recording(tried: Tried) -> Iterator[str]:
+    """Take one port, `recording`, and give a recording with the same markers first."""
+    given, made = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
+    if not isinstance(given, Trajectories):
+        yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the recording `recording`"
+    elif not isinstance(made, Trajectories):
+        yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
+    else:
+        for what in ("markers", "rate", "frames", "marker_set"):
+            if getattr(given, what) != getattr(made, what):
+                yield f"{what} went in as {getattr(given, what)}, came out as {getattr(made, what)}"
+
+
+def moves_with_the_face(tried: Tried) -> Iterator[str]:
+    """Do with a recording that is shifted as a whole what is done with the one that is not."""
+    for given, made in before_and_after(tried):
+        again = made_again(tried, replace(given, positions=given.positions + SHIFT))
+        if again is None:
+            yield "declines the shifted recording"
+        else:
+            yield from differences(made, again, again.positions - SHIFT)
+
+
+def turns_with_the_face(tried: Tried) -> Iterator[str]:
+    """Do with a turned recording what is done with the other, or say "depends on the axes"."""
+    # whoever works coordinate by coordinate still gives the same when axes only change places
+    declared = DEPENDS_ON_AXES in " ".join(tried.doc.lower().split())
+    turn = SWAP if declared else TURN
+    for given, made in before_and_after(tried):
+        again = made_again(tried, replace(given, positions=given.positions @ turn.T))
+        if again is None:
+            yield "declines the turned recording"
+        else:
+            yield from differences(made, again, again.positions @ turn)
+
+
+def scales_with_the_face(tried: Tried) -> Iterator[str]:
+    """Do with a face twice as large, and settings in mm twice as large, what is done with it."""
+    settings = {
+        name: value * SCALE ** _power(tried.units.get(name, ""))
+        for name, value in tried.settings.items()
+        if isinstance(value, float) and _power(tried.units.get(name, ""))
+    }
+    for given, made in before_and_after(tried):
+        sigma = None if given.sigma is None else given.sigma * SCALE
+        larger = replace(given, positions=given.positions * SCALE, sigma=sigma)
+        again = made_again(tried, larger, settings)
+        if again is None:
+            yield "declines the recording of a larger face"
+        else:
+            yield from differences(made, again, again.positions / SCALE)
+
+
+def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
+    """Do the same with markers in another order."""
+    for given, made in before_and_after(tried):
+        again = made_again(tried, given.keep(given.markers[::-1]))
+        if again is None:
+            yield "declines the recording whose markers are in another order"
+        else:
+            again = again.keep(given.markers)
+            yield from differences(made, again, again.positions)
+
+
+def before_and_after(tried: Tried) -> Iterator[tuple[Trajectories, Trajectories]]:
+    """Yield what went in and what came out, if they can be compared at all."""
+    given, made = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
+    if not isinstance(given, Trajectories) or not isinstance(made, Trajectories):
+        return
+    if given.origin.shape == made.origin.shape:
+        yield given, made
+
+
+def made_again(
+    tried: Tried, recording: Trajectories, settings: dict[str, Any] | None = None
+) -> Trajectories | None:
+    """Return what comes out of another recording; None where it is declined."""
+    outputs = tried.again(settings or {}, recording=recording)
+    made = None if outputs is None else next(iter(outputs.values()))
+    return made if isinstance(made, Trajectories) else None
+
+
+def differences(
+    made: Trajectories, again: Trajectories, back: NDArray[np.float64]
+) -> Iterator[str]:
+    """Yield where a result differs from one that was moved back."""
+    fickle = made.present != again.present
+    if fickle.any():
+        yield f"{spots(made, fickle)} present in one and missing in the other"
+    apart = np.nan_to_num(np.linalg.norm(back - made.positions, axis=2))
+    if np.any(apart > TOLERANCE):
+        yield f"{spots(made, apart > TOLERANCE)} differ, by up to {apart.max():.3g} mm"
+
+
+def spots(recording: Trajectories, where: NDArray[np.bool_]) -> str:
+    """Return the first of some samples, and how many more there are."""
+    frame, marker = np.argwhere(where)[0]
+    count = int(np.count_nonzero(where))
+    more = f" and {count - 1} more samples" if count > 1 else ""
+    return f"frame {frame}, marker {recording.markers[marker]!r}{more}"
+
+
+def _power(unit: str) -> int:
+    """Return the power of millimetres in a unit: 2 for ``mm^2``, 0 for ``frames``."""
+    if "per mm" in unit:
+        return -1
+    return 0 if not unit.startswith("mm") else 2 if unit.startswith("mm^2") else 1
