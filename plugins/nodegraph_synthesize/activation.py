@@ -2,7 +2,8 @@
 
 Speech comes in phrases with pauses. Within a phrase the jaw opens once a syllable and the
 muscles of the lips follow each sound; brows and smiles come and go more slowly; the eyes blink
-briefly and mostly together.
+briefly and mostly together. Besides, whole expressions are held for seconds, and some of them
+are spoken through. All of it begins from rest.
 """
 
 from __future__ import annotations
@@ -12,13 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_synthesize.muscles import CHANNELS, JAW
+from nodegraph_synthesize.expressions import held_expressions
+from nodegraph_synthesize.eyelids import EYELIDS
+from nodegraph_synthesize.muscles import CHANNELS, JAW, KINDS, kind_of
+from nodegraph_synthesize.rest import awake, rest_of
 from nodegraph_synthesize.smooth_noise import rising, smooth_noise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_LID = "orbicularisOculi"
 _SPEECH = {
     "orbicularisOris": 0.8,
     "mentalis": 0.6,
@@ -27,14 +30,19 @@ _SPEECH = {
     "platysma": 0.6,
 }
 """Muscles that follow the sounds, and how strongly they act at most."""
-_EXPRESSION = {
-    "frontalisInner": 0.9,
-    "frontalisOuter": 0.9,
-    "corrugator": 0.8,
-    "zygomaticMajor": 0.9,
-    "depressorAnguliOris": 0.7,
+_SOUNDS = 2.5
+"""Of the sounds, Hz."""
+_PLAY = {
+    "frontalisInner": 0.8,
+    "frontalisOuter": 0.8,
+    "corrugator": 0.7,
+    "cheekSquint": 0.5,
+    "zygomaticMajor": 0.5,
+    "depressorAnguliOris": 0.5,
 }
-"""Muscles of slow expressions, and how strongly they act at most."""
+"""Muscles that come and go, whatever is held or spoken, and how strongly they act at most."""
+_GAPS = (0.3, 1.7)
+"""Between two blinks at the shortest and the longest, of what it is on average."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +58,7 @@ class Habits:
     jaw : float
         How far the jaw opens on a strong syllable, 0 to 1.
     pace : float
-        Of expressions, Hz.
+        Of brows and smiles that come and go, Hz.
     blinks : float
         Per second.
     lopsided : float
@@ -70,16 +78,16 @@ class Habits:
 
 def draw_habits(random: np.random.Generator) -> Habits:
     """Return the habits of a random actor."""
-    most = {**_SPEECH, **_EXPRESSION, _LID: 1.0}
-    used = 1.0 - 0.35 * random.random(len(most))
+    muscles = [name for name in KINDS if name != EYELIDS]
+    used = 1.0 - 0.12 * random.random(len(muscles))
     return Habits(
         syllables=random.uniform(2.8, 4.2),
         silence=random.uniform(0.15, 0.35),
-        jaw=random.uniform(0.5, 0.9),
-        pace=random.uniform(0.35, 0.6),
+        jaw=random.uniform(0.2, 0.38),
+        pace=random.uniform(0.3, 0.55),
         blinks=random.uniform(0.25, 0.45),
         lopsided=random.uniform(0.05, 0.25),
-        gains={name: float(most[name] * share) for name, share in zip(most, used, strict=True)},
+        gains=dict(zip(muscles, used.tolist(), strict=True)),
     )
 
 
@@ -87,14 +95,19 @@ def activations(
     random: np.random.Generator, habits: Habits, frames: int, rate: float
 ) -> NDArray[np.float64]:
     """Return (T, K) activations of the channels, in [0, 1]."""
-    speaking = _phrases(random, habits, frames, rate)
+    held = held_expressions(random, habits.lopsided, frames, rate)
+    moving = awake(frames, rate)
+    speaking = moving * _phrases(random, habits, frames, rate) * (1.0 - held.hush)
     levels = {
         JAW: _jaw(random, habits, speaking, rate),
-        **_followers(random, habits, speaking, rate),
-        **_expressions(random, habits, frames, rate),
+        **_driven(random, habits, _SPEECH, _SOUNDS, speaking, rate),
+        **_driven(random, habits, _PLAY, habits.pace, moving, rate),
         **_blinks(random, habits, frames, rate),
     }
-    return np.clip(np.stack([levels[name] for name in CHANNELS], axis=1), 0.0, 1.0)
+    played = np.stack([levels.get(name, np.zeros(frames)) for name in CHANNELS], axis=1)
+    gains = np.array([habits.gains.get(kind_of(name), 1.0) for name in CHANNELS])
+    # Either alone acts as it is, both together never more than fully.
+    return np.asarray(1.0 - (1.0 - played) * (1.0 - gains * held.levels))
 
 
 def _phrases(
@@ -118,54 +131,49 @@ def _jaw(
     return np.asarray(habits.jaw * speaking * strength * (0.15 + 0.85 * opening))
 
 
-def _followers(
-    random: np.random.Generator, habits: Habits, speaking: NDArray[np.float64], rate: float
+def _driven(
+    random: np.random.Generator,
+    habits: Habits,
+    most: dict[str, float],
+    cutoff: float,
+    active: NDArray[np.float64],
+    rate: float,
 ) -> dict[str, NDArray[np.float64]]:
-    curves = _sided(random, habits, _SPEECH, [2.5] * len(_SPEECH), len(speaking), rate)
-    return {
-        name: habits.gains[_muscle(name)] * speaking * rising(curve, -0.3, 2.8)
-        for name, curve in curves.items()
-    }
-
-
-def _expressions(
-    random: np.random.Generator, habits: Habits, frames: int, rate: float
-) -> dict[str, NDArray[np.float64]]:
-    cutoffs = [habits.pace * factor for factor in (1.6, 1.6, 1.2, 1.0, 1.0)]
-    curves = _sided(random, habits, _EXPRESSION, cutoffs, frames, rate)
-    return {
-        name: habits.gains[_muscle(name)] * rising(curve, -0.1, 2.5)
-        for name, curve in curves.items()
-    }
+    """Return a smooth random level per channel, of each muscle up to its most."""
+    curves = _sided(random, habits, most, cutoff, len(active), rate)
+    used = {name: most[kind_of(name)] * habits.gains[kind_of(name)] for name in curves}
+    return {name: used[name] * active * rising(curve, -0.2, 2.6) for name, curve in curves.items()}
 
 
 def _blinks(
     random: np.random.Generator, habits: Habits, frames: int, rate: float
 ) -> dict[str, NDArray[np.float64]]:
     seconds = np.arange(frames) / rate
-    # More than fit: each is at least half a second after the one before, longer than it lasts.
-    count = 2 + int(2.0 * frames / rate)
-    starts = np.cumsum(0.5 + random.exponential(1.0 / habits.blinks - 0.5, count))
-    depth = random.uniform(0.85, 1.0, (count, 2))
+    # More than fit; the shortest gap is longer than a blink.
+    count = 2 + int(frames / rate * habits.blinks / _GAPS[0])
+    gaps = random.uniform(*_GAPS, count) / habits.blinks
+    starts = rest_of(frames, rate) - 0.5 * gaps[0] + np.cumsum(gaps)
+    depth = random.uniform(0.94, 1.0, (count, 2))
     # One in twelve is a wink of either eye.
     winking = random.random(count) < 1.0 / 12.0
     depth[winking, random.integers(0, 2, count)[winking]] = 0.0
     latest = np.searchsorted(starts, seconds, side="right") - 1
     since = np.where(latest >= 0, seconds - starts[latest], np.inf)
     closed = rising(since, 0.0, 0.08) * (1.0 - rising(since, 0.11, 0.24))
-    left, right = (habits.gains[_LID] * closed[:, None] * depth[latest]).T
-    return {f"{_LID}Left": left, f"{_LID}Right": right}
+    left, right = (closed[:, None] * depth[latest]).T
+    return {f"{EYELIDS}Left": left, f"{EYELIDS}Right": right}
 
 
 def _sided(
     random: np.random.Generator,
     habits: Habits,
     muscles: dict[str, float],
-    cutoffs: list[float],
+    cutoff: float,
     frames: int,
     rate: float,
 ) -> dict[str, NDArray[np.float64]]:
     """Return a curve per channel; those of a pair are mostly the same."""
+    cutoffs = [cutoff] * len(muscles)
     shared = smooth_noise(random, frames, cutoffs, rate)
     own = smooth_noise(random, frames, cutoffs + cutoffs, rate).reshape(frames, 2, -1)
     apart = habits.lopsided
@@ -177,7 +185,3 @@ def _sided(
         else:
             curves[f"{name}Left"], curves[f"{name}Right"] = sides[:, :, index].T
     return curves
-
-
-def _muscle(channel: str) -> str:
-    return channel.removesuffix("Left").removesuffix("Right")

@@ -1,10 +1,10 @@
 """How a face moves: its points, its muscles and its jaw, put together.
 
 A pose is computed in the order in which it happens: the jaw turns about the line through its
-joints; the muscles pull each point, from where the jaw has left it, towards their attachments;
-the skin gives way less and less; and it slides over the skull instead of leaving it. So the
-displacement is not linear in the activations, and muscles that act together are not the sum of
-what each does alone.
+joints, which slide forwards; the muscles pull each point, from where the jaw has left it, towards
+their attachments, and eyes close; the skin gives way less and less; and it slides over the skull
+instead of leaving it. So the displacement is not linear in the activations, and muscles that act
+together are not the sum of what each does alone.
 """
 
 from __future__ import annotations
@@ -14,16 +14,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_synthesize.eyelids import EYELIDS, eyelid_offsets
 from nodegraph_synthesize.muscles import (
     CHANNELS,
     JAW,
+    KINDS,
+    PUFF,
     SPHINCTER,
     Pull,
+    kind_of,
     linear_muscles,
+    puff_offsets,
     pull_of,
     sphincter_offsets,
 )
-from nodegraph_synthesize.proportions import MOUTH_HEIGHT, Proportions
+from nodegraph_synthesize.proportions import MOUTH_CORNER, MOUTH_HEIGHT, Proportions
 from nodegraph_synthesize.surface import skull_depth
 
 if TYPE_CHECKING:
@@ -31,10 +36,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-_JAW_ANGLE = np.radians(7.0)
-"""Of the fully open jaw: the chin falls about 15 mm."""
+_JAW_ANGLE = np.radians(18.0)
+"""Of the wide open jaw: the chin falls about 33 mm. Speech takes a third of it and less."""
 _JAW_JOINT = (15.0, -45.0)
 """y and z of the axis through the jaw's joints, mm on the average face."""
+_JAW_GLIDE = (-4.0, 9.0)
+"""How far down and forwards the joints themselves slide when the jaw opens wide, mm."""
 _STRETCH = 30.0
 """A pull of this length, mm, is shortened to 1 / sqrt(2) by the skin's stiffness."""
 
@@ -51,22 +58,25 @@ class Anatomy:
     strengths : mapping of channel to float
         Of this actor, about 1.
     pulls : mapping of channel to Pull
-    sphincter : (N, 3) array
-        Offsets of the fully narrowed mouth, mm.
+    shifts : mapping of channel to (N, 3) array
+        Offsets of the fully narrowed mouth, of blown-up cheeks and of each closed eye, mm.
     """
 
     points: NDArray[np.float64]
     proportions: Proportions
     strengths: Mapping[str, float]
     pulls: Mapping[str, Pull]
-    sphincter: NDArray[np.float64]
+    shifts: Mapping[str, NDArray[np.float64]]
 
     def offsets(self, activations: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (T, N, 3) mm by which (T, K) activations move the points."""
         levels = activations * np.array([self.strengths[name] for name in CHANNELS])
         level = dict(zip(CHANNELS, levels.T[:, :, None, None], strict=True))
         opened = self._opened(self.points, level[JAW])
-        pulled = level[SPHINCTER] * self.sphincter
+        pulled = np.zeros_like(opened)
+        for name, shift in self.shifts.items():
+            moved = shift.any(axis=1)
+            pulled[:, moved] += level[name] * shift[moved]
         for name, pull in self.pulls.items():
             towards = self._opened(pull.attachment[None], level[JAW]) - opened[:, pull.points]
             towards /= np.linalg.norm(towards, axis=2, keepdims=True)
@@ -77,13 +87,13 @@ class Anatomy:
         self, points: NDArray[np.float64], level: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Return (T, N, 3) points, or attachments, where the jaw's turn has left them."""
-        angle = _JAW_ANGLE * level[..., 0] * _jaw_share(points, self.proportions)
+        share = level[..., 0] * _jaw_share(points, self.proportions)
         y = points[:, 1] - _JAW_JOINT[0] * self.proportions.height
         z = points[:, 2] - _JAW_JOINT[1] * self.proportions.depth
-        sine, versine = np.sin(angle), 1.0 - np.cos(angle)
-        moved = np.broadcast_to(points, (*angle.shape, 3)).copy()
-        moved[..., 1] -= sine * z + versine * y
-        moved[..., 2] += sine * y - versine * z
+        sine, versine = np.sin(_JAW_ANGLE * share), 1.0 - np.cos(_JAW_ANGLE * share)
+        moved = np.broadcast_to(points, (*share.shape, 3)).copy()
+        moved[..., 1] += _JAW_GLIDE[0] * share - sine * z - versine * y
+        moved[..., 2] += _JAW_GLIDE[1] * share + sine * y - versine * z
         return moved
 
     def _slid(
@@ -104,36 +114,37 @@ def make_anatomy(
     pulls = {
         name: pull_of(muscle, points, proportions) for name, muscle in linear_muscles().items()
     }
-    return Anatomy(
-        points,
-        proportions,
-        strengths,
-        pulls,
-        sphincter_offsets(points, proportions),
-    )
+    shifts = {
+        SPHINCTER: sphincter_offsets(points, proportions),
+        PUFF: puff_offsets(points, proportions),
+        **eyelid_offsets(points, proportions),
+    }
+    return Anatomy(points, proportions, strengths, pulls, shifts)
 
 
 def draw_strengths(random: np.random.Generator) -> dict[str, float]:
-    """Return how strong a random actor's muscles are; left and right alike."""
-    kinds = list(dict.fromkeys(_kind(name) for name in CHANNELS))
-    drawn = np.exp(np.clip(0.15 * random.standard_normal(len(kinds)), -0.3, 0.3))
-    strength = dict(zip(kinds, drawn.tolist(), strict=True))
-    return {name: strength[_kind(name)] for name in CHANNELS}
+    """Return how strong a random actor's muscles are; left and right alike.
 
-
-def _kind(channel: str) -> str:
-    return channel.removesuffix("Left").removesuffix("Right")
+    Everybody's eyes close, no more and no less.
+    """
+    drawn = np.exp(np.clip(0.15 * random.standard_normal(len(KINDS)), -0.3, 0.3))
+    strength = dict(zip(KINDS, drawn.tolist(), strict=True)) | {EYELIDS: 1.0}
+    return {name: strength[kind_of(name)] for name in CHANNELS}
 
 
 def _jaw_share(points: NDArray[np.float64], proportions: Proportions) -> NDArray[np.float64]:
     """Return how much of the jaw's turn each point follows, 0 to 1.
 
-    The lower lip goes with the jaw and the upper does not; the cheeks pass smoothly.
+    In the middle the lower lip goes with the jaw and the upper does not. Towards the corners of
+    the mouth, which stay half-way, each passes on more and more to the other; so do the cheeks.
     """
-    across = points[:, 0] / (36.0 * proportions.width)
-    softness = 1.0 + 11.0 * (1.0 - np.exp(-(across**2)))
-    above = points[:, 1] / proportions.height - MOUTH_HEIGHT
-    return np.asarray(1.0 / (1.0 + np.exp(above / softness)))
+    corner, height = proportions.place(np.array(MOUTH_CORNER), np.array(MOUTH_HEIGHT))
+    across = np.abs(points[:, 0]) / corner
+    joined = np.sin(np.minimum(across, 1.0) * np.pi / 2) ** 2
+    reach = 5.0 + 9.0 * (1.0 - np.exp(-((0.75 * across) ** 2)))
+    above = (points[:, 1] - height) / proportions.height
+    passed = 0.5 * joined * np.exp(-np.abs(above) / reach)
+    return np.where(above > 0.0, passed, 1.0 - passed)
 
 
 def _stiffened(pulled: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -47,7 +47,7 @@ class SyntheticFace(NamedTuple):
     impulses: Truth[Mask]
 
 
-@node("synthesize.face", cite="waters1987")
+@node("synthesize.face", cite=("waters1987", "ekman1978"))
 def synthesize_face(
     *,
     seconds: Annotated[float, Field(gt=0, le=3600), Unit("s")] = 10.0,
@@ -61,10 +61,14 @@ def synthesize_face(
 ) -> SyntheticFace:
     """Make a face that speaks, blinks and moves its head, and record it with known damage.
 
-    A symmetric face with muscles of Waters' kinds [1]_ and a jaw that turns, driven by smooth
-    random activations. The pull of a muscle follows the moving skin, the skin stiffens and
-    slides over the skull, and moves a little by itself, so the recording is not exactly
-    low-rank. Every seed is another actor: other proportions, strengths and habits.
+    A symmetric face with muscles of Waters' kinds [1]_, a jaw that turns and eyes that close,
+    driven by smooth random activations. The take begins at rest: for 0.3 s, or a tenth of a take
+    shorter than 3 s, it is the neutral. Then expressions, each of the muscles that the Facial
+    Action Coding System [2]_ names for it, are held for a second or two one after the other;
+    between them, and through some of them, the actor speaks. The pull of a muscle follows the
+    moving skin, the skin stiffens and slides over the skull, and moves a little by itself, so
+    the recording is not exactly low-rank. Every seed is another actor: other proportions,
+    strengths and habits.
 
     Parameters
     ----------
@@ -104,11 +108,11 @@ def synthesize_face(
     head : Head
         The whole face with the same shapes.
     truth : Trajectories
-        Complete, without noise; ``R aligned + t`` of `head_motion`.
+        Complete, without noise; ``R aligned + t`` of `head_motion`; the neutral exactly at rest.
     weights : Weights
         The activations, in [0, 1].
     head_motion : HeadMotion
-        Scales are 1; starts at rest.
+        Scales are 1; rests as long as the face does.
     impulses : Mask
         Samples that an impulse has hit.
 
@@ -121,6 +125,8 @@ def synthesize_face(
     ----------
     .. [1] K. Waters, A muscle model for animating three-dimensional facial expression,
        SIGGRAPH '87, 17-24.
+    .. [2] P. Ekman and W. V. Friesen, Facial Action Coding System: a technique for the
+       measurement of facial movement, Consulting Psychologists Press, 1978.
     """
     frames = _frames(seconds, rate)
     actor = draw_actor(seed)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_mocap import HeadMotion
+from nodegraph_synthesize.rest import awake
 from nodegraph_synthesize.smooth_noise import smooth_noise
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ _TURN = np.array([2.0, 2.5, 1.2])
 """Typical nod, turn and tilt, degrees."""
 _SHIFT = np.array([0.012, 0.012, 0.015])
 """Typical shift to the side, up and forward, of the head's length."""
-_SKIN = 0.13
+_SKIN = 0.2
 """Standard deviation of the skin's own movement in each direction, mm."""
 _PATTERNS = 40
 _PATTERN_LENGTH = 60.0
@@ -30,7 +31,7 @@ _PATTERN_LENGTH = 60.0
 def head_motion(
     random: np.random.Generator, frames: int, rate: float, head_length: float
 ) -> HeadMotion:
-    """Return a smooth motion that starts at rest.
+    """Return a smooth motion from rest, in which the head stays for a moment.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ def head_motion(
         Millimetres.
     """
     curves = smooth_noise(random, frames, [0.35] * 3 + [0.25] * 3, rate)
-    curves -= curves[0]
+    curves = (curves - curves[0]) * awake(frames, rate)[:, None]
     turns = _limited(curves[:, :3] * _TURN, LARGEST_TURN)
     shifts = _limited(curves[:, 3:] * _SHIFT, LARGEST_SHIFT) * head_length
     return HeadMotion(
@@ -77,7 +78,7 @@ def rotations_of(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 def skin_movement(
     random: np.random.Generator, points: NDArray[np.float64], frames: int, rate: float
 ) -> NDArray[np.float64]:
-    """Return (T, N, 3) mm of small smooth movement that no muscle explains.
+    """Return (T, N, 3) mm of small smooth movement that no muscle explains, from rest.
 
     Many waves of random direction over the face, each with a course of its own, so that no few
     components describe the recording exactly.
@@ -86,7 +87,7 @@ def skin_movement(
     phases = random.uniform(0.0, 2 * np.pi, (3, 1, _PATTERNS))
     waves = np.cos(points @ directions + phases)
     courses = smooth_noise(random, frames, [1.5] * _PATTERNS, rate)
-    courses *= _SKIN * np.sqrt(2.0 / _PATTERNS)
+    courses *= _SKIN * np.sqrt(2.0 / _PATTERNS) * awake(frames, rate)[:, None]
     return np.asarray(np.einsum("tp,cnp->tnc", courses, waves))
 
 

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_synthesize.eyelids import EYELIDS
 from nodegraph_synthesize.proportions import MOUTH_HEIGHT, Proportions
 from nodegraph_synthesize.surface import on_face
 
@@ -38,7 +39,7 @@ class LinearMuscle:
     zone : float
         Degrees to each side of the muscle's direction.
     pull : float
-        Of a point at Rs on the muscle's line, at full activation, mm.
+        Of a point at Rs on the muscle's line, at full activation, on the average face, mm.
     """
 
     attachment: tuple[float, float]
@@ -55,26 +56,37 @@ class LinearMuscle:
 
 
 PAIRED = {
-    "frontalisInner": LinearMuscle((15.0, 90.0), (15.0, 46.0), 0.95, 1.45, 24.0, 6.0),
-    "frontalisOuter": LinearMuscle((42.0, 86.0), (42.0, 49.0), 0.95, 1.5, 26.0, 6.0),
-    "corrugator": LinearMuscle((3.0, 36.0), (26.0, 48.0), 0.9, 1.6, 35.0, 5.0),
-    "orbicularisOculi": LinearMuscle((31.0, 17.5), (31.0, 34.0), 0.95, 1.5, 60.0, 8.0),
-    "levatorLabii": LinearMuscle((20.0, 18.0), (14.0, -29.0), 0.95, 1.28, 22.0, 6.0),
-    "zygomaticMajor": LinearMuscle((54.0, 8.0), (27.0, -36.0), 0.95, 1.5, 30.0, 11.0),
-    "platysma": LinearMuscle((60.0, -44.0), (27.0, -37.0), 0.95, 1.5, 32.0, 7.0),
-    "depressorAnguliOris": LinearMuscle((33.0, -86.0), (27.0, -38.0), 0.95, 1.3, 24.0, 7.0),
-    "depressorLabii": LinearMuscle((16.0, -84.0), (12.0, -45.0), 0.95, 1.3, 26.0, 5.0),
+    "frontalisInner": LinearMuscle((15.0, 90.0), (15.0, 46.0), 0.95, 1.25, 34.0, 12.0),
+    "frontalisOuter": LinearMuscle((42.0, 86.0), (42.0, 49.0), 0.95, 1.4, 28.0, 11.0),
+    "corrugator": LinearMuscle((3.0, 36.0), (26.0, 48.0), 0.9, 1.6, 35.0, 8.0),
+    "cheekSquint": LinearMuscle((33.0, 23.0), (37.0, -4.0), 0.95, 1.6, 62.0, 12.0),
+    "levatorNasi": LinearMuscle((9.0, 28.0), (14.0, -8.0), 0.95, 1.6, 27.0, 9.0),
+    "levatorLabii": LinearMuscle((20.0, 18.0), (14.0, -29.0), 0.95, 1.28, 24.0, 11.0),
+    "zygomaticMajor": LinearMuscle((54.0, 8.0), (27.0, -36.0), 0.95, 1.5, 34.0, 16.0),
+    "platysma": LinearMuscle((60.0, -44.0), (27.0, -37.0), 0.95, 1.5, 34.0, 13.0),
+    "depressorAnguliOris": LinearMuscle((33.0, -86.0), (27.0, -38.0), 0.95, 1.3, 26.0, 15.0),
+    "depressorLabii": LinearMuscle((16.0, -84.0), (12.0, -45.0), 0.95, 1.3, 26.0, 10.0),
 }
-CENTRAL = {"mentalis": LinearMuscle((0.0, -48.0), (0.0, -73.0), 0.9, 1.5, 50.0, 5.0)}
-JAW, SPHINCTER = "jawOpen", "orbicularisOris"
+CENTRAL = {"mentalis": LinearMuscle((0.0, -36.0), (0.0, -73.0), 0.9, 1.5, 45.0, 8.0)}
+JAW, SPHINCTER, PUFF = "jawOpen", "orbicularisOris", "cheekPuff"
 
 CHANNELS = (
     JAW,
     SPHINCTER,
+    PUFF,
     *CENTRAL,
-    *(f"{name}{side}" for name in PAIRED for side in ("Left", "Right")),
+    *(f"{name}{side}" for name in (*PAIRED, EYELIDS) for side in ("Left", "Right")),
 )
 """What is activated, in the order of the weights."""
+
+
+def kind_of(channel: str) -> str:
+    """Return the muscle of a channel, of either side."""
+    return channel.removesuffix("Left").removesuffix("Right")
+
+
+KINDS = tuple(dict.fromkeys(map(kind_of, CHANNELS)))
+"""The muscles, each once."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +128,7 @@ def pull_of(muscle: LinearMuscle, points: NDArray[np.float64], proportions: Prop
     cosines = rays @ line / np.maximum(distances * length, 1e-12)
     angles = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
     sideways = np.cos(np.minimum(angles / muscle.zone, 1.0) * np.pi / 2)
-    amounts = muscle.pull * sideways * _along(muscle, distances / length)
+    amounts = muscle.pull * proportions.height * sideways * _along(muscle, distances / length)
     moved = np.flatnonzero(amounts > 1e-6)
     return Pull(moved, attachment, amounts[moved])
 
@@ -138,7 +150,18 @@ def sphincter_offsets(points: NDArray[np.float64], proportions: Proportions) -> 
     )
     inwards = strength / np.maximum(radius, 1e-12)
     pout = np.cos(np.minimum(radius / 2.0, 1.0) * np.pi / 2) ** 2
-    return np.stack([-8.0 * inwards * across, -2.5 * inwards * along, 8.0 * pout], axis=1)
+    return np.stack([-10.0 * inwards * across, -3.0 * inwards * along, 16.0 * pout], axis=1)
+
+
+def puff_offsets(points: NDArray[np.float64], proportions: Proportions) -> NDArray[np.float64]:
+    """Return (N, 3) mm by which the air in both cheeks, blown up fully, moves each point.
+
+    A bump on each side, outwards and forwards; no muscle of Waters' kinds does this.
+    """
+    u, v = points[:, 0] / proportions.width, points[:, 1] / proportions.height
+    across = np.exp(-(((np.abs(u) - 45.0) / 14.0) ** 2))
+    bump = 20.0 * across * np.exp(-(((v + 26.0) / 18.0) ** 2))
+    return np.stack([0.75 * np.sign(u) * bump, np.zeros_like(u), 0.65 * bump], axis=1)
 
 
 def _along(muscle: LinearMuscle, distances: NDArray[np.float64]) -> NDArray[np.float64]:

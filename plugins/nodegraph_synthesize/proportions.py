@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 MOUTH_HEIGHT = -36.0
 """Where the lips meet on the average face, mm."""
 
+MOUTH_CORNER = 27.0
+"""Where the lips end on the average face, mm from the midline."""
+
 FACE_LENGTH = 190.0
 """From the chin to the hairline on the average face, mm."""
 

@@ -37,7 +37,7 @@ MIDLINE = (
 PAIRS = (
     # The first two are always kept, the others by how well they spread.
     Spot("mouth", (27.0, -36.0)),
-    Spot("temple", (63.0, 40.0), stable=True),
+    Spot("temple", (66.0, 40.0), stable=True),
     Spot("brow", (10.0, 45.0)),
     Spot("brow", (22.0, 48.0)),
     Spot("brow", (35.0, 50.0)),
@@ -52,7 +52,7 @@ PAIRS = (
     Spot("cheek", (45.0, 5.0)),
     Spot("cheek", (27.0, -16.0)),
     Spot("cheek", (42.0, -15.0)),
-    Spot("cheek", (58.0, -18.0)),
+    Spot("cheek", (60.0, -18.0)),
     Spot("mouth", (10.0, -28.5)),
     Spot("mouth", (19.0, -31.5)),
     Spot("mouth", (13.0, -43.5)),

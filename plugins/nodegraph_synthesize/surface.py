@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_synthesize.proportions import MOUTH_HEIGHT
+from nodegraph_synthesize.proportions import MOUTH_CORNER, MOUTH_HEIGHT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,11 +25,15 @@ _LOWEST, _HIGHEST = -95.0, 95.0
 _LIP_GAP = 0.8
 """Between the rows of vertices on both sides of the closed mouth, mm."""
 _ROW_SPACING = 3.8
-_MOUTH_CORNER = 27.0
+
+_FRONT = 62.0
+"""z of the skull between the eyes, mm."""
+_DEPTH = 122.0
+"""Of the half oval that the skull's horizontal section is, mm."""
 
 _CENTRAL = (
     # part, height of the bump in mm, centre v, half-widths in u and v
-    ("nose", 17.0, -3.0, 9.5, 8.0),
+    ("nose", 19.0, -3.0, 9.5, 8.0),
     ("nose", 9.0, 12.0, 7.0, 13.0),
     ("nose", 3.5, 29.0, 7.5, 9.0),
     ("brows", 2.0, 44.0, 14.0, 9.0),
@@ -100,10 +104,12 @@ def _half_width(v: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _skull(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the depth without features: flat in front, and steep at the temples and the jaw."""
     outward = np.clip((u / (1.04 * _half_width(v))) ** 2, 0.0, 1.0)
     forehead = 24.0 * (np.maximum(v - 30.0, 0.0) / 65.0) ** 2
-    jaw = 7.0 * (np.maximum(-30.0 - v, 0.0) / 60.0) ** 2
-    return np.asarray(62.0 * np.sqrt(1.0 - 0.92 * outward) - forehead - jaw)
+    jaw = 14.0 * (np.maximum(-30.0 - v, 0.0) / 60.0) ** 2
+    sides = np.sqrt(1.0 - 0.95 * outward**1.25)
+    return np.asarray(_DEPTH * sides + _FRONT - _DEPTH - forehead - jaw)
 
 
 def _features(
@@ -155,5 +161,5 @@ def _triangles(u: NDArray[np.float64], upper_lip: int) -> NDArray[np.int64]:
         np.stack([low + 1, high + 1, high], axis=-1),
     )
     widest = np.maximum(np.abs(u[:-1, :-1]), np.abs(u[:-1, 1:]))
-    between_lips = (row == upper_lip - 1) & (widest <= _MOUTH_CORNER)
+    between_lips = (row == upper_lip - 1) & (widest <= MOUTH_CORNER)
     return np.concatenate([first[~between_lips], second[~between_lips]]).astype(np.int64)

@@ -211,12 +211,15 @@ def test_the_head_has_the_models_shapes_at_its_markers() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_recording_is_not_low_rank(seed: int) -> None:
-    """98 % of the variance needs about as many components as in real optical recordings."""
-    points = _aligned(_face(seed=seed)).reshape(600, -1)
+    """98 % of the variance needs about as many components as in real optical recordings.
+
+    Of 26 s as theirs: the takes of AnimFace need 7 and 9, and for 99.9 % 38 and 46.
+    """
+    points = _aligned(_face(seed=seed, seconds=26.0)).reshape(1560, -1)
     values = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) ** 2
     explained = np.cumsum(values) / values.sum()
     assert 7 <= 1 + int(np.searchsorted(explained, 0.98)) <= 14
-    assert 1 + int(np.searchsorted(explained, 0.999)) > 21
+    assert 1 + int(np.searchsorted(explained, 0.999)) > 25
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -229,14 +232,85 @@ def test_stable_markers_hardly_move(seed: int) -> None:
     assert travelled[~stable].max() > 3.0
 
 
-def test_the_face_moves_as_far_as_faces_do() -> None:
+@pytest.mark.parametrize("seed", range(8))
+def test_the_face_moves_as_far_and_as_slowly_as_an_actors(seed: int) -> None:
+    """Against the two takes of AnimFace (Carretero 2019), 41 markers on an actor's face at 60 Hz.
+
+    Their markers range over 6 to 17 mm in ten seconds on average, and 90 % of the power lies
+    below 0.3 to 0.9 Hz. This actor speaks as well, so that some power is faster.
+    """
+    aligned = _aligned(_face(seed=seed))
+    ranges = np.linalg.norm(np.ptp(aligned, axis=0), axis=1)
+    assert 7.5 < ranges.mean() < 16.0
+    spectrum = np.abs(np.fft.rfft(aligned - aligned.mean(axis=0), axis=0)) ** 2
+    share = np.cumsum(spectrum.sum(axis=(1, 2))) / spectrum.sum()
+    frequencies = np.fft.rfftfreq(600, 1 / 60.0)
+    assert frequencies[np.searchsorted(share, 0.9)] < 1.5
+    assert share[np.searchsorted(frequencies, 2.0)] < 0.995
+
+
+def test_each_part_of_the_face_moves_as_far_as_faces_do() -> None:
     face = _face()
     farthest = np.linalg.norm(_aligned(face) - face.neutral.positions, axis=2).max(axis=0)
     reached = dict(zip(face.truth.markers, farthest, strict=True))
-    assert 6.0 < reached["M_jaw1"] < 20.0
-    assert 4.0 < reached["L_mouth1"] < 18.0
-    assert 1.0 < reached["L_brow2"] < 8.0
-    assert 4.0 < reached["L_eyelid1"] < 12.0
+    assert 15.0 < reached["M_jaw1"] < 45.0
+    assert 8.0 < reached["L_mouth1"] < 25.0
+    assert 4.0 < reached["L_cheek4"] < 18.0
+    assert 4.0 < reached["L_brow2"] < 14.0
+    assert 8.0 < reached["L_eyelid1"] < 14.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_eyes_close_but_for_what_markers_on_their_lids_leave(seed: int) -> None:
+    """Markers sit 2 mm and more from the edges of the lids, which meet."""
+    face = _face(seed=seed)
+    column = {name: _aligned(face)[:, at] for at, name in enumerate(face.truth.markers)}
+    for side in "LR":
+        upper = 0.5 * (column[f"{side}_eyelid1"] + column[f"{side}_eyelid2"])
+        apart = np.linalg.norm(upper - column[f"{side}_eyelid3"], axis=1)
+        assert 14.0 < apart[0] < 18.0
+        assert 3.0 < apart.min() < 7.5
+        assert np.mean(apart < 9.0) < 0.15
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_face_is_as_deep_as_faces_are(seed: int) -> None:
+    """60 virtual markers on the Face Cap head span 75 mm, and AnimFace's 41 markers 101 mm."""
+    depth = np.ptp(_face(seed=seed).neutral.positions[0, :, 2])
+    assert 75.0 < depth < 101.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_take_begins_at_rest(seed: int) -> None:
+    """The neutral for 0.3 s, so that the first frame is a reference; then something moves."""
+    face = _face(seed=seed)
+    neutral = face.neutral.positions[0]
+    np.testing.assert_array_equal(face.truth.positions[:19], np.tile(neutral, (19, 1, 1)))
+    assert (np.abs(face.truth.positions[24:] - neutral).max(axis=(1, 2)) > 0.01).all()
+    shaken = _face(seed=seed, missing=0.0, impulses=0.0).captured.positions[0] - neutral
+    assert 0.08 < shaken.std() < 0.12
+
+
+def test_a_take_too_short_to_rest_for_so_long_begins_at_the_neutral_all_the_same() -> None:
+    face = _face(seconds=0.5)
+    np.testing.assert_array_equal(face.truth.positions[0], face.neutral.positions[0])
+    assert np.abs(face.truth.positions[-1] - face.neutral.positions[0]).max() > 0.1
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_lips_do_not_cross_and_markers_do_not_meet(seed: int) -> None:
+    face = _face(seed=seed)
+    aligned = _aligned(face)
+    column = {name: aligned[:, at] for at, name in enumerate(face.truth.markers)}
+    for upper, lower in (
+        ("M_mouth2", "M_mouth1"),
+        ("L_mouth2", "L_mouth4"),
+        ("R_mouth2", "R_mouth4"),
+    ):
+        assert (column[upper][:, 1] - column[lower][:, 1]).min() > 7.0
+    distances = np.linalg.norm(aligned[:, :, None] - aligned[:, None], axis=3)
+    distances[:, range(60), range(60)] = np.inf
+    assert distances.min() > 4.0
 
 
 def test_the_same_seed_gives_the_same_face_and_another_seed_another() -> None:

@@ -20,8 +20,10 @@ def test_the_head_moves_within_bounds_from_rest(seed: int) -> None:
     shifts = np.linalg.norm(motion.translations, axis=1)
     assert 1.0 < angles.max() < 5.0
     assert 1.0 < shifts.max() < 190.0 / 20
-    np.testing.assert_array_equal(motion.rotations[0], np.eye(3))
-    np.testing.assert_array_equal(motion.translations[0], 0.0)
+    # For 0.3 s the head rests.
+    np.testing.assert_array_equal(motion.rotations[:19], np.tile(np.eye(3), (19, 1, 1)))
+    np.testing.assert_array_equal(motion.translations[:19], 0.0)
+    assert motion.translations[20:].any(axis=1).all()
     assert np.abs(np.diff(motion.translations, axis=0)).max() < 0.5
     np.testing.assert_array_equal(motion.scales, 1.0)
 
@@ -44,7 +46,8 @@ def test_moved_points_are_turned_then_shifted() -> None:
 def test_the_skin_moves_little_and_neighbours_alike() -> None:
     points = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [90.0, 50.0, 0.0]])
     movement = skin_movement(np.random.default_rng(0), points, 20000, 60.0)
-    assert np.sqrt(np.mean(movement**2)) == pytest.approx(0.13, rel=0.25)
+    assert np.sqrt(np.mean(movement**2)) == pytest.approx(0.2, rel=0.25)
+    np.testing.assert_array_equal(movement[:19], 0.0)
     one, near, far = movement[..., 1].T
     assert np.corrcoef(one, near)[0, 1] > 0.9
     assert abs(np.corrcoef(one, far)[0, 1]) < 0.6

@@ -39,7 +39,8 @@ def test_the_average_face_has_the_size_of_a_face() -> None:
     width, height, depth = np.ptp(vertices, axis=0)
     assert 130 < width < 150
     assert 180 < height < 200
-    assert 60 < depth < 110
+    # From the tip of the nose to the front of the ears.
+    assert 110 < depth < 130
     tip = vertices[vertices[:, 2].argmax()]
     assert tip[0] == 0.0
     assert abs(tip[1]) < 6.0
