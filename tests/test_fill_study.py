@@ -159,3 +159,18 @@ def test_a_file_that_is_not_there_is_a_wrong_command(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "nowhere.c3d" in done.stderr
     assert not (tmp_path / "runs").exists()
+
+
+@needs_recordings
+def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(tmp_path: Path) -> None:
+    words = ["--set", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--axis", "trial=[0, 1, 2, 3]"]
+    done = nodegraph("run", str(GRAPH), *words, "--only", "length=5,45", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    errors = errors_of(tmp_path / "runs" / "fill")
+    best = {
+        length: min((one for one in errors if one[1] == length), key=lambda one: errors[one])[0]
+        for length in ("5", "45")
+    }
+    assert best["5"] == "cubic"
+    assert best["45"] in {"soft_impute", "kalman", "ridge", "bilinear"}
+    assert errors["cubic", "45"] > 1.5 * errors[best["45"], "45"]
