@@ -8,8 +8,9 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, MaxGap, warn_left
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,16 +55,11 @@ def nearest_frames(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.chosen(~(long | gaps.never))
-    positions = recording.positions.copy()
-    if wanted.mask.any():
-        positions[wanted.mask] = _imputed(recording, frames)[wanted.mask]
-    filled = recording.with_samples(positions, changed=wanted.mask, origin=Origin.FILLED)
-    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
-    warn_left(filled, reasons, "no frame like it", stacklevel=2)
-    return filled
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        return Estimate(_imputed(recording, frames))
+
+    return fill_from(recording, max_gap, model, bend=False, otherwise="no frame like it")
 
 
 def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:

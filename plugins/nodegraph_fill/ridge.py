@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, MaxGap, warn_left
-from nodegraph_fill.meet_ends import meet_ends
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
 if TYPE_CHECKING:
@@ -67,18 +67,12 @@ def ridge(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.chosen(~(long | gaps.never))
-    estimate = _estimate(recording, wanted, neighbours, penalty)
-    positions = recording.positions.copy()
-    _, frame, marker, _ = wanted.samples
-    made = meet_ends(recording, wanted, estimate) if bend else estimate[frame, marker]
-    positions[frame, marker] = made
-    filled = recording.with_samples(positions, changed=wanted.mask, origin=Origin.FILLED)
-    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
-    warn_left(filled, reasons, "no marker, or no frames, to learn from", stacklevel=2)
-    return filled
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        return Estimate(_estimate(recording, gaps, neighbours, penalty))
+
+    otherwise = "no marker, or no frames, to learn from"
+    return fill_from(recording, max_gap, model, bend=bend, otherwise=otherwise)
 
 
 def _estimate(

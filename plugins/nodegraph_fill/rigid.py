@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, MaxGap, warn_left
+from nodegraph_fill.gaps import Gaps, MaxGap
 from nodegraph_fill.rigid_motion import carried
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,21 +56,20 @@ def rigid(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.chosen(~(long | gaps.never))
-    positions = recording.positions.copy()
-    _, frame, marker, _ = wanted.samples
-    positions[frame, marker] = _mixed(recording, wanted, neighbours)
-    filled = recording.with_samples(positions, changed=wanted.mask, origin=Origin.FILLED)
-    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
-    warn_left(filled, reasons, "no three neighbours that span a plane", stacklevel=2)
-    return filled
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        return Estimate(_mixed(recording, gaps, neighbours))
+
+    otherwise = "no three neighbours that span a plane"
+    return fill_from(recording, max_gap, model, bend=False, otherwise=otherwise)
 
 
 def _mixed(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:
+    """Return positions, (T, M, 3), in the gaps; NaN elsewhere."""
     gap, frame, marker, share = gaps.samples
     ahead = carried(recording, gaps.start[gap] - 1, frame, marker, neighbours)
     back = carried(recording, gaps.stop[gap], frame, marker, neighbours)
     mixed = ahead + (back - ahead) * share[:, None]
-    return np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed))
+    made = np.full_like(recording.positions, np.nan)
+    made[frame, marker] = np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed))
+    return made

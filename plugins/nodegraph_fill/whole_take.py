@@ -1,4 +1,4 @@
-"""What the fills share that take the recording as one matrix, a row per frame."""
+"""What the fills share that estimate all gaps at once: written, counted; the take as a matrix."""
 
 from __future__ import annotations
 
