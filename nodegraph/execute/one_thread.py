@@ -6,9 +6,11 @@ Steps run side by side instead, which uses the processors better than many small
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any
+
+from nodegraph.execute.while_any import WhileAny
 
 _VARIABLES = (
     "BLIS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
@@ -23,35 +25,15 @@ def one_thread_each() -> Iterator[None]:
 
     It holds for the whole process, until the last of those that asked for it are done.
     """
-    _limit.begin()
-    try:
+    with _limit.on():
         yield
-    finally:
-        _limit.end()
 
 
-class _Limit:
-    """Whether the limit holds, and for how many."""
+def _loaded() -> AbstractContextManager[Any]:
+    from threadpoolctl import threadpool_limits
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._holders = 0
-        self._open = ExitStack()
-
-    def begin(self) -> None:
-        with self._lock:
-            self._holders += 1
-            if self._holders == 1:
-                from threadpoolctl import threadpool_limits
-
-                self._open.enter_context(_variables())
-                self._open.enter_context(threadpool_limits(limits=1))
-
-    def end(self) -> None:
-        with self._lock:
-            self._holders -= 1
-            if not self._holders:
-                self._open.close()
+    limits: AbstractContextManager[Any] = threadpool_limits(limits=1)
+    return limits
 
 
 @contextmanager
@@ -67,4 +49,4 @@ def _variables() -> Iterator[None]:
                 os.environ[name] = value
 
 
-_limit = _Limit()
+_limit = WhileAny(_variables, _loaded)

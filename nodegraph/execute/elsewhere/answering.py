@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 
 from nodegraph.execute.call import Call, Outcome, perform, warnings_heard
@@ -18,6 +15,7 @@ from nodegraph.execute.elsewhere.letters import (
     Question,
 )
 from nodegraph.execute.one_thread import one_thread_each
+from nodegraph.execute.while_any import WhileAny
 from nodegraph.store import Unreadable, Unstorable
 
 
@@ -39,7 +37,7 @@ def _answer(finder: Finder, question: Question) -> Answer:
     except Unreadable as error:
         return _without_values(NOT_SENT, str(error))
     try:
-        with _hearing.on():
+        with _at_work.on():
             outcome = perform(Call(0, node, "", inputs, settings))
     except KeyboardInterrupt:
         return _without_values(INTERRUPTED, "")
@@ -61,29 +59,4 @@ def _without_values(kind: str, reason: str) -> Answer:
     return Answer(kind, Outcome("failed", reason=reason, cause="failed"))
 
 
-class _Hearing:
-    """Hears what nodes warn of, and holds them to one thread each, while any is called here."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._calls = 0
-        self._open = ExitStack()
-
-    @contextmanager
-    def on(self) -> Iterator[None]:
-        """Hear warnings; threads may come and go in any order."""
-        with self._lock:
-            self._calls += 1
-            if self._calls == 1:
-                self._open.enter_context(warnings_heard())
-                self._open.enter_context(one_thread_each())
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._calls -= 1
-                if not self._calls:
-                    self._open.close()
-
-
-_hearing = _Hearing()
+_at_work = WhileAny(warnings_heard, one_thread_each)
