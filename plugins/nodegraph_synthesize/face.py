@@ -19,6 +19,7 @@ from nodegraph_mocap import (
     Trajectories,
     Weights,
 )
+from nodegraph_mocap.streams import random_for
 from nodegraph_synthesize.activation import activations
 from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on
@@ -26,7 +27,6 @@ from nodegraph_synthesize.damage import occlusions, unlabelled
 from nodegraph_synthesize.movement import head_motion as motion_of_head
 from nodegraph_synthesize.movement import moved, no_head_motion, skin_movement
 from nodegraph_synthesize.muscles import CHANNELS
-from nodegraph_synthesize.streams import random_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -11,8 +11,8 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Mask, Trajectories
+from nodegraph_mocap.streams import random_for
 from nodegraph_synthesize.damage import lone_samples, offsets
-from nodegraph_synthesize.streams import random_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

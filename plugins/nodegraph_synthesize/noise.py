@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Trajectories
-from nodegraph_synthesize.streams import random_for
+from nodegraph_mocap.streams import random_for
 
 
 class Noisy(NamedTuple):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Detections, Trajectories
+from nodegraph_mocap.streams import random_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -67,22 +67,18 @@ def scatter(
     """
     frame, marker = np.nonzero(recording.present)
     kept = np.ones(len(frame), dtype=np.bool_)
-    kept[_stream("dropout", seed).permutation(len(frame))[: round(dropout * len(frame))]] = False
+    kept[random_for("dropout", seed).permutation(len(frame))[: round(dropout * len(frame))]] = False
     points = recording.positions[frame[kept], marker[kept]]
-    when, where = _ghosts(recording, round(ghosts * len(frame)), _stream("ghosts", seed))
+    when, where = _ghosts(recording, round(ghosts * len(frame)), random_for("ghosts", seed))
     return Scattered(
         _shuffled(
             np.concatenate([frame[kept], when]),
             np.concatenate([points, where]),
             recording,
-            _stream("order", seed),
+            random_for("order", seed),
         ),
         recording,
     )
-
-
-def _stream(tag: str, seed: int) -> np.random.Generator:
-    return np.random.default_rng(np.random.SeedSequence([seed, zlib.crc32(tag.encode())]))
 
 
 def _ghosts(
