@@ -10,6 +10,7 @@ from pydantic import Field
 from nodegraph import Across, node
 from nodegraph_combine.gathered import Gathered, gathered
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.runs import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,17 +63,11 @@ def ensemble(
     made = np.full_like(all_of_them.first.positions, np.nan)
     for marker in np.flatnonzero(~all_of_them.shared.all(axis=0)):
         usual = _usual(all_of_them.positions[0], known, int(marker), neighbours)
-        for start, stop in _stretches(~all_of_them.shared[:, marker]):
-            frames = slice(start, stop)
+        _, starts, stops = runs_of(~all_of_them.shared[:, marker])
+        for frames in map(slice, starts.tolist(), stops.tolist()):
             weight = _weights(all_of_them, known, int(marker), frames, usual)
             made[frames, marker] = _weighted(all_of_them.positions[:, frames, marker], weight)
     return all_of_them.with_samples(made)
-
-
-def _stretches(apart: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the first frame, and the first after, of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], apart, [False]])))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _usual(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
@@ -11,6 +10,7 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_despike.repair import repaired
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.runs import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -103,7 +103,9 @@ def _clean(
     track: NDArray[np.float64], present: NDArray[np.bool_], half: NDArray[np.float64], bar: float
 ) -> None:
     """Repair one marker, (T, 3), in place."""
-    runs = [(run, _details(track[run], half)) for run in _runs(present)]
+    _, starts, stops = runs_of(present)
+    every = map(slice, starts.tolist(), stops.tolist())
+    runs = [(run, _details(track[run], half)) for run in every]
     if not runs:
         return
     lengths = [np.linalg.norm(details, axis=1) for _, details in runs]
@@ -115,12 +117,6 @@ def _clean(
         bad = np.flatnonzero(_peaks(details, length) & (length > max(high, _ROUNDING * size)))
         if len(bad):
             track[run.start + bad] -= _excess(bad, details[bad], half)
-
-
-def _runs(present: NDArray[np.bool_]) -> Iterator[slice]:
-    edges = np.flatnonzero(np.diff(np.pad(present.astype(np.int8), 1)))
-    for first, after in edges.reshape(-1, 2).tolist():
-        yield slice(first, after)
 
 
 def _details(run: NDArray[np.float64], half: NDArray[np.float64]) -> NDArray[np.float64]:

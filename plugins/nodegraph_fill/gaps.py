@@ -13,6 +13,7 @@ from pydantic import Field
 
 from nodegraph import Unit
 from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap.runs import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,11 +45,7 @@ class Gaps:
     def of(recording: Trajectories) -> Gaps:
         """Return the gaps of a recording."""
         frames, markers = recording.origin.shape
-        missing = np.zeros((markers, frames + 2), dtype=np.bool_)
-        missing[:, 1:-1] = (recording.origin == Origin.MISSING).T
-        edges = np.flatnonzero(missing[:, 1:] != missing[:, :-1])
-        marker, start = np.divmod(edges[::2], frames + 1)
-        return Gaps(marker, start, edges[1::2] % (frames + 1), (frames, markers))
+        return Gaps(*runs_of(recording.origin == Origin.MISSING), (frames, markers))
 
     @property
     def length(self) -> NDArray[np.intp]:

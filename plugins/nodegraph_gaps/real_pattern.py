@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_mocap.runs import runs_of
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -94,9 +96,7 @@ def _inner(source: Trajectories) -> Runs:
 
 def _runs(missing: NDArray[np.bool_]) -> Runs:
     """Return the runs of True in (T, M), by first frame, then marker."""
-    edges = np.diff(np.pad(missing.T.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-    marker, first = np.nonzero(edges == 1)
-    stop = np.nonzero(edges == -1)[1]
+    marker, first, stop = runs_of(missing)
     order = np.lexsort((marker, first))
     return marker[order], first[order], stop[order]
 

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.runs import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -113,12 +114,8 @@ def _between(
 
 def _runs(present: NDArray[np.bool_]) -> dict[tuple[int, int], list[int]]:
     """Return, for each run of present samples, first frame and end, which markers have it."""
-    edged = np.pad(present.astype(np.int8), ((1, 1), (0, 0)))
-    change = np.diff(edged, axis=0).T
-    marker, start = np.nonzero(change == 1)
-    _, stop = np.nonzero(change == -1)
     runs: dict[tuple[int, int], list[int]] = {}
-    for one, first, end in zip(marker.tolist(), start.tolist(), stop.tolist(), strict=True):
+    for one, first, end in zip(*(part.tolist() for part in runs_of(present)), strict=True):
         runs.setdefault((first, end), []).append(one)
     return runs
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from nodegraph import Across
 from nodegraph_mocap import Origin
+from nodegraph_mocap.runs import runs_of
 from nodegraph_mocap.style import Look, looks
 
 if TYPE_CHECKING:
@@ -102,9 +103,8 @@ def telling(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.b
 
 def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Return the first and last place of each run of True."""
-    edges = np.diff(np.pad(flags.astype(np.int8), 1))
-    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    return list(zip(first.tolist(), last.tolist(), strict=True))
+    _, start, stop = runs_of(flags)
+    return list(zip(start.tolist(), (stop - 1).tolist(), strict=True))
 
 
 def _of(name: str) -> str:

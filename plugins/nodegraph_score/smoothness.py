@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Truth, node
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_mocap.runs import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -155,7 +156,7 @@ def _kept(
     made: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_], rate: float
 ) -> NDArray[np.float64]:
     power = np.zeros((2, made.shape[1]))
-    for column, start, stop in _runs(both):
+    for column, start, stop in zip(*(one.tolist() for one in runs_of(both)), strict=True):
         for row, one in enumerate((made, true)):
             power[row, column] += _power(one[start:stop, column], rate)
     return _divided(power[0], power[1])
@@ -167,14 +168,6 @@ def _power(run: NDArray[np.float64], rate: float) -> float:
     count = int(np.ceil(2.0 * BAND * len(run) / rate))
     slow = dct(run - run[0], axis=0, norm="ortho")[1:count]
     return float(np.sum(slow**2))
-
-
-def _runs(both: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
-    """Yield column, first frame and frame after the last of every run of True."""
-    edges = np.diff(np.pad(both.T.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-    column, start = np.nonzero(edges == 1)
-    stop = np.nonzero(edges == -1)[1]
-    yield from zip(column.tolist(), start.tolist(), stop.tolist(), strict=True)
 
 
 def _divided(above: NDArray[np.float64], below: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.runs import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,11 +47,7 @@ class Runs:
         if frames and present.all():
             every = np.arange(markers)
             return Runs(every, np.zeros_like(every), np.full_like(every, frames))
-        padded = np.zeros((markers, frames + 2), dtype=np.bool_)
-        padded[:, 1:-1] = present.T
-        edges = np.flatnonzero(padded[:, 1:] != padded[:, :-1])
-        marker, start = np.divmod(edges[::2], frames + 1)
-        return Runs(marker, start, edges[1::2] % (frames + 1))
+        return Runs(*runs_of(present))
 
     @property
     def length(self) -> NDArray[np.intp]:

@@ -1,0 +1,36 @@
+"""Runs of True are those that a reader finds going down each column."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
+
+from nodegraph_mocap.runs import runs_of
+
+
+def plainly(flags: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    found = []
+    for marker in range(flags.shape[1]):
+        frame = 0
+        while frame < len(flags):
+            stop = frame
+            while stop < len(flags) and flags[stop, marker]:
+                stop += 1
+            if stop > frame:
+                found.append((marker, frame, stop))
+            frame = stop + 1
+    return found
+
+
+@given(arrays.arrays(np.bool_, st.tuples(st.integers(0, 12), st.integers(0, 4))))
+def test_they_are_those_that_a_reader_finds(flags: NDArray[np.bool_]) -> None:
+    assert list(zip(*(one.tolist() for one in runs_of(flags)), strict=True)) == plainly(flags)
+
+
+@given(arrays.arrays(np.bool_, st.integers(0, 20)))
+def test_one_column_is_that_of_one_marker(flags: NDArray[np.bool_]) -> None:
+    for one, two in zip(runs_of(flags), runs_of(flags[:, None]), strict=True):
+        np.testing.assert_array_equal(one, two)
