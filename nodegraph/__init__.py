@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph import started  # noqa: F401 - first: it notes the time
 from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
-from nodegraph.hooks import Contract, Rendered, Renderer, Storage, Tried, hookimpl
+from nodegraph.hooks import Comparison, Contract, Rendered, Renderer, Storage, Tried, hookimpl
 from nodegraph.node import node
 from nodegraph.ports import Absent, Across, InputFile, Label, Truth, Unit
 from nodegraph.values import Files, Value, read_only
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Absent",
     "Across",
+    "Comparison",
     "Contract",
     "Files",
     "GraphError",

@@ -84,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_show(commands)
     _add_examples(commands)
     _add_why(commands)
+    _add_diff(commands)
     _add_export(commands)
     _add_cache(commands)
     _add_schema(commands)
@@ -141,6 +142,14 @@ def _add_why(commands: Any) -> None:
     why.add_argument("node", metavar="NODE", help="a node of the graph")
     why.add_argument("--run", type=Path, metavar="DIR", help="the earlier run (runs/NAME)")
     _add_store(why)
+
+
+def _add_diff(commands: Any) -> None:
+    diff = _add(commands, "diff", "tell where two runs differ first, and why; status 1 if they do")
+    diff.add_argument("run", type=Path, metavar="RUN", help="the folder of a run: runs/NAME")
+    diff.add_argument("other", type=Path, metavar="RUN", help="the folder of another run")
+    _add_plugin(diff)
+    _add_store(diff)
 
 
 def _add_export(commands: Any) -> None:

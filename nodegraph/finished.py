@@ -71,6 +71,11 @@ class FinishedRun:
             )
         return values[position]
 
+    def outputs(self, step: Mapping[str, Any]) -> list[str]:
+        """Return the names of the outputs of a recorded step."""
+        methods = self.record["nodes"][step["node"]]["methods"].values()
+        return next(list(one["outputs"]) for one in methods if one["use"] == step["use"])
+
     def _named(self, name: str) -> tuple[str, str]:
         """Return node and port; the nodes of a graph that is used have points in their names."""
         nodes = self.record["nodes"]
@@ -124,8 +129,7 @@ class FinishedRun:
         return "the run has no such combination"
 
     def _position(self, step: Mapping[str, Any], port: str) -> int:
-        methods = self.record["nodes"][step["node"]]["methods"].values()
-        outputs = next(one["outputs"] for one in methods if one["use"] == step["use"])
+        outputs = self.outputs(step)
         if port and port not in outputs:
             raise NodegraphError(f"{step['use']} has no output {port!r}; {nearest(port, outputs)}")
         return outputs.index(port) if port else 0

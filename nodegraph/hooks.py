@@ -74,6 +74,18 @@ class Storage:
 
 
 @dataclass(frozen=True)
+class Comparison:
+    """Says in the words of its field how two values of one type differ.
+
+    ``compare(one, other)`` yields a sentence per difference, the most telling first; nothing
+    where the two are the same. What has no comparison is compared part by part.
+    """
+
+    type: type
+    compare: Callable[[Any, Any], Iterable[str]]
+
+
+@dataclass(frozen=True)
 class Tried:
     """One call of a node by its tests, as a contract sees it.
 
@@ -118,6 +130,11 @@ def nodegraph_bibtex() -> str:  # type: ignore[empty-body]
 @hookspec
 def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
     """Return how values of the plugin's types appear in a report."""
+
+
+@hookspec
+def nodegraph_comparisons() -> Iterable[Comparison]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types are told apart."""
 
 
 @hookspec

@@ -18,7 +18,7 @@ from nodegraph.plugins import BrokenPlugin, Plugin
 if TYPE_CHECKING:
     import pluggy
 
-    from nodegraph.hooks import Renderer, Storage
+    from nodegraph.hooks import Comparison, Renderer, Storage
 
 
 @dataclass(frozen=True)
@@ -123,6 +123,11 @@ class Registry:
     def renderers(self) -> tuple[Renderer, ...]:
         """How values appear in a report; the last plugin comes first."""
         return tuple(one for many in self.hooks.hook.nodegraph_renderers() for one in many)
+
+    @cached_property
+    def comparisons(self) -> tuple[Comparison, ...]:
+        """How values are told apart; the last plugin comes first."""
+        return tuple(one for many in self.hooks.hook.nodegraph_comparisons() for one in many)
 
     @cached_property
     def storages(self) -> tuple[Storage, ...]:

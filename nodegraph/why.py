@@ -6,6 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from nodegraph.changes import (
+    code_changed,
+    recorded_sources,
+    settings_changed,
+    source,
+    sources_changed,
+)
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.recall import Recall
@@ -140,7 +147,6 @@ class Why:
 
     def _code_changes(self, step: Step) -> Iterator[str]:
         fixed = self._recall.keys.fixed(step)
-        now = fixed.reached
         before = self._code.get(f"{step.method.plugin}:{step.method.node.name}")
         use = step.method.node.name
         if fixed.reason:
@@ -150,12 +156,8 @@ class Why:
                 "" if self._code else ", which stored nothing"
             )
             return
-        for name, how in _differences(before.get("units", {}), now.units):
-            yield f"{use}: code: {name} {how}"
-        for name in {**before.get("versions", {}), **now.versions}:
-            was, here = before.get("versions", {}).get(name), now.versions.get(name)
-            if was != here:
-                yield f"{use}: {name} was {was or 'not used'}, now {here or 'not used'}"
+        now = {"units": fixed.reached.units, "versions": fixed.reached.versions}
+        yield from (f"{use}: {said}" for said in code_changed(before, now))
 
     def _files(self, step: Step, before: Mapping[str, Any]) -> Iterator[str]:
         for name, digest in self._recall.keys.fixed(step).files.items():
@@ -163,42 +165,16 @@ class Why:
                 yield _named(step, f"{name}: the content of {step.settings[name]} is another")
 
     def _wiring(self, step: Step, before: Mapping[str, Any]) -> Iterator[str]:
-        was = {port: self._sources(fed) for port, fed in before["inputs"].items()}
+        was = recorded_sources(before, self._by_index)
         now = {port: _sources(self._plan, fed) for port, fed in step.inputs.items()}
-        for port in {**was, **now}:
-            then, here = was.get(port, ()), now.get(port, ())
-            if len(then) != len(here):
-                yield _named(step, f"{port} took {len(then)} values, now {len(here)}")
-            elif then != here:
-                at = next(index for index, one in enumerate(then) if one != here[index])
-                yield _named(step, f"{port} took {then[at]}, now {here[at]}")
-
-    def _sources(self, fed: Any) -> tuple[str, ...]:
-        """Return what fed a port: of each value the node, the output and its labels."""
-        listed = fed if isinstance(fed, list) else [fed]
-        return tuple(
-            _source(self._by_index[one["step"]]["node"], one["output"], one.get("labels", {}))
-            for one in listed
-        )
+        yield from (_named(step, said) for said in sources_changed(was, now))
 
 
 def _settings(step: Step, before: Mapping[str, Any]) -> Iterator[str]:
-    was = before["settings"]
     now = {name: plain(value) for name, value in step.shown.items()}
     files = {name for name, one in step.method.node.settings.items() if one.is_file}
-    for name in {**was, **now}:
-        if name not in files and was.get(name) != now.get(name):
-            yield _named(step, f"{name} was {was.get(name)!r}, now {now.get(name)!r}")
-
-
-def _differences(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    for name in {**before, **now}:
-        if name not in before:
-            yield name, "is new to it"
-        elif name not in now:
-            yield name, "is no longer part of it"
-        elif before[name] != now[name]:
-            yield name, "was edited"
+    changed = settings_changed(before["settings"], now, files)
+    yield from (_named(step, said) for said in changed)
 
 
 def _named(step: Step, said: str) -> str:
@@ -215,12 +191,7 @@ def _sources(plan: Plan, fed: StepInput) -> tuple[str, ...]:
 
 def _output(plan: Plan, output: Output, labels: Mapping[str, Any]) -> str:
     step = plan.steps[output.step]
-    return _source(step.node, step.method.node.outputs[output.position].name, plain(labels))
-
-
-def _source(node: str, output: str, labels: Mapping[str, Any]) -> str:
-    at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
-    return f"{node}.{output}" + (f" as {at}" if at else "")
+    return source(step.node, step.method.node.outputs[output.position].name, plain(labels))
 
 
 def _cell(node: str, labels: Mapping[str, Any]) -> _Cell:

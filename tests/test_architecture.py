@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
     {"commands", "notebook"},
-    {"api", "report", "testing"},
+    {"api", "paper", "report", "testing"},
     {"finished", "forms"},
     {"draw", "terminal", "folder", "schema", "why"},
     {"execute"},
@@ -29,7 +29,7 @@ FLOORS = (  # from the top
     {"node"},
     {"signature"},
     {"ports", "values"},
-    {"errors", "collection", "display", "started"},
+    {"errors", "collection", "display", "started", "changes", "equality"},
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}
 MACHINE = sorted((ROOT / "nodegraph").rglob("*.py"))

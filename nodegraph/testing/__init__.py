@@ -4,7 +4,7 @@
 >>> check_node(hold)  # doctest: +SKIP
 """
 
+from nodegraph.equality import difference, same
 from nodegraph.testing.check import check_node
-from nodegraph.testing.equality import difference, same
 
 __all__ = ["check_node", "difference", "same"]

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import values_of
 from nodegraph.node import Node
-from nodegraph.testing.equality import difference
 from nodegraph.testing.faults import Faults
 
 _DECLINED = (NodegraphError, ValueError)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import Files, Renderer, Storage, hookimpl
+from nodegraph import Comparison, Files, Renderer, Storage, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -96,6 +96,14 @@ def nodegraph_renderers() -> Iterable[Renderer]:
     from nodegraph_mocap.shown.renderers import renderers
 
     return renderers()
+
+
+@hookimpl
+def nodegraph_comparisons() -> Iterable[Comparison]:
+    """Return how recordings and tables are told apart."""
+    from nodegraph_mocap.shown.comparisons import comparisons
+
+    return comparisons()
 
 
 @hookimpl

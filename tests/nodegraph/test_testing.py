@@ -18,8 +18,8 @@ import nodegraph_mocap
 from nodegraph import Across, NodegraphError, Refusal, Tried, Truth, Unit, Value, hookimpl, node
 from nodegraph.plugins import Plugin
 from nodegraph.registry import Registry
-from nodegraph.testing import check_node, difference, same
-from nodegraph_mocap import Figure, Mask, Origin, Table, Trajectories
+from nodegraph.testing import check_node
+from nodegraph_mocap import Mask, Origin, Table, Trajectories
 
 REGISTRY = Registry(
     loaded=[Plugin("mocap", nodegraph_mocap), Plugin("fill", nodegraph_fill)],
@@ -495,44 +495,6 @@ def test_a_family_is_held_to_the_contracts_of_every_plugin() -> None:
     registry = Registry(loaded=[*REGISTRY.loaded, Plugin("rates", Plugged)])
     with pytest.raises(AssertionError, match=r"every resample\.\* node promises: Keep the rate"):
         check_node(broken, registry=registry)
-
-
-def test_same_looks_into_what_values_are_made_of() -> None:
-    from matplotlib.figure import Figure as Drawn
-    from pandas import DataFrame
-
-    def figure(height: float) -> Figure:
-        made = Drawn(figsize=(1, 1))
-        made.add_subplot().plot([0, height])
-        return made
-
-    nan = float("nan")
-    assert same({"a": [nan, (1, "x")]}, {"a": [nan, (1, "x")]})
-    assert same(np.array([1.0, nan]), np.array([1.0, nan]))
-    assert same(np.array([None, "x"]), np.array([None, "x"]))
-    assert same(DataFrame({"a": [1.0, nan]}), DataFrame({"a": [1.0, nan]}))
-    assert same(figure(1.0), figure(1.0))
-    assert same(Skull(nan), Skull(nan))
-    assert not same(figure(1.0), figure(2.0))
-    assert not same(1, 1.0)
-    assert not same(np.zeros(2), np.zeros(2, np.float32))
-    assert not same(np.zeros(2), np.zeros((2, 1)))
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "text"),
-    [
-        (np.array([[1.0, 2.0]]), np.array([[1.0, 3.0]]), "value[0, 1]: 2.0 and 3.0"),
-        ({"rate": 60}, {"rate": 30}, "value['rate']: 60 and 30"),
-        ({"rate": 60}, {}, "only one of them has value['rate']"),
-        ([1, 2], [1], "only one of them has value[1]"),
-        (Skull(1.0), Skull(2.0), "value.length: 1.0 and 2.0"),
-        (1, "1", "value: int and str"),
-        (np.float64("nan"), np.float64(1.0), "value: np.float64(nan) and np.float64(1.0)"),
-    ],
-)
-def test_a_difference_has_its_place(one: Any, other: Any, text: str) -> None:
-    assert difference(one, other) == text
 
 
 def test_a_library_that_draws_while_it_is_imported_is_no_fault() -> None:
