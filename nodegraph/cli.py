@@ -86,6 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_why(commands)
     _add_diff(commands)
     _add_export(commands)
+    _add_report(commands)
     _add_cache(commands)
     _add_schema(commands)
     return parser
@@ -164,6 +165,13 @@ def _add_export(commands: Any) -> None:
     )
     _add_plugin(export)
     _add_store(export)
+
+
+def _add_report(commands: Any) -> None:
+    text = "make the report of a run again, or lay several runs side by side"
+    report = _add(commands, "report", text)
+    report.add_argument("runs", nargs="+", type=Path, metavar="RUN", help="runs/NAME")
+    report.add_argument("--out", type=Path, metavar="FILE", help="(report.html in the run)")
 
 
 def _add_cache(commands: Any) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from nodegraph.execute import Run
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
+from nodegraph.report.saved import STUDY, study_bytes
 from nodegraph.report.study import Study
 
 _MOST_FAILURES = 5
@@ -18,7 +19,7 @@ def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
     study, files = compose(run, command=command)
     # what failed may name a file whose name is no text
     text = page(study).encode(errors="backslashreplace")
-    return {**files, "report.html": text}, study
+    return {**files, STUDY: study_bytes(study), "report.html": text}, study
 
 
 def summary(study: Study, run: Run) -> str:

@@ -111,7 +111,7 @@ def test_a_word_of_a_command_is_quoted(run_of: Callable[..., Run]) -> None:
 def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
     files, study = report_files(run, command=COMMAND)
-    assert list(files) == ["report.html"]
+    assert list(files) == ["study.json.gz", "report.html"]
     assert b"A toy" in files["report.html"]
     text = summary(study, run)
     assert "text length=15\n15" in text

@@ -1,0 +1,43 @@
+"""``nodegraph report``."""
+
+from __future__ import annotations
+
+import os
+from argparse import Namespace
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nodegraph.display import size_text
+from nodegraph.errors import NodegraphError
+
+if TYPE_CHECKING:
+    from nodegraph.report import Study
+
+
+def report(arguments: Namespace) -> int:
+    """Make the report of a finished run again, or one that lays several side by side."""
+    from nodegraph.report import page
+    from nodegraph.report.merged import linked, merged
+    from nodegraph.report.saved import read_study
+
+    runs = list(dict.fromkeys(arguments.runs))
+    studies = {run: read_study(run) for run in runs}
+    out = arguments.out or (runs[0] / "report.html" if len(runs) == 1 else None)
+    if out is None:
+        raise NodegraphError("say by --out FILE where the report of several runs is to be written")
+    if arguments.out and out.exists():
+        raise NodegraphError(f"{out} is there already; name another file, or remove it first")
+    named = {where: linked(study, where) for where, study in _seen_from(out.parent, studies)}
+    study = merged(named) if len(named) > 1 else next(iter(named.values()))
+    out.parent.mkdir(parents=True, exist_ok=True)
+    content = page(study).encode(errors="backslashreplace")
+    out.write_bytes(content)
+    print(f"{out} ({size_text(len(content))})")
+    return 0
+
+
+def _seen_from(folder: Path, studies: Mapping[Path, Study]) -> Iterator[tuple[str, Study]]:
+    """Yield each study with the way to its run, which links follow and readers know it by."""
+    for run, study in studies.items():
+        yield Path(os.path.relpath(run, folder)).as_posix(), study

@@ -1,0 +1,76 @@
+"""``report`` makes a page again, and lays runs side by side."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def runs(command: Command) -> tuple[str, str]:
+    """Two runs of the toy graph with another start."""
+    for folder, start in (("runs/five", 5), ("runs/six", 6)):
+        assert command("run", "toy.yaml", "--set", f"start={start}", "--out", folder)[0] in (0, 1)
+    return "runs/five", "runs/six"
+
+
+def test_the_report_of_a_run_is_made_again_the_same(
+    command: Command, runs: tuple[str, str]
+) -> None:
+    page = Path(runs[0], "report.html")
+    before = page.read_text()
+    page.unlink()
+    status, out, _ = command("report", runs[0], nodes=False)
+    assert status == 0
+    assert out.startswith("runs/five/report.html (")
+    assert page.read_text() == before
+
+
+def test_a_report_elsewhere_still_finds_the_files(command: Command, runs: tuple[str, str]) -> None:
+    assert command("report", runs[0], "--out", "pages/five.html", nodes=False)[0] == 0
+    page = Path("pages/five.html").read_text()
+    assert 'href="./../runs/five/run.json"' in page
+    assert Path("pages/../runs/five/run.json").is_file()
+
+
+def test_several_runs_lie_side_by_side(command: Command, runs: tuple[str, str]) -> None:
+    status, _, _ = command("report", *runs, "--out", "both.html", nodes=False)
+    assert status == 0
+    page = Path("both.html").read_text()
+    assert "<h3>runs/five</h3>" in page
+    assert "<h3>runs/six</h3>" in page
+    assert page.index("<h3>runs/five</h3>") < page.index("<h3>runs/six</h3>")
+    assert 'href="./runs/six/run.json"' in page
+    assert "start (runs/five)" in page
+
+
+def test_several_runs_need_a_place_and_overwrite_nothing(
+    command: Command, runs: tuple[str, str]
+) -> None:
+    status, _, err = command("report", *runs, nodes=False)
+    assert (status, "say by --out FILE" in err) == (2, True)
+    Path("there.html").write_text("mine")
+    status, _, err = command("report", *runs, "--out", "there.html", nodes=False)
+    assert (status, "is there already" in err) == (2, True)
+    assert Path("there.html").read_text() == "mine"
+
+
+@pytest.mark.parametrize("content", [b"", b"no gzip", gzip.compress(b"{}"), gzip.compress(b"[")])
+def test_a_study_that_is_damaged_is_named(
+    command: Command, runs: tuple[str, str], content: bytes
+) -> None:
+    Path(runs[0], "study.json.gz").write_bytes(content)
+    status, _, err = command("report", runs[0], nodes=False)
+    assert status == 2
+    assert "runs/five/study.json.gz cannot be read" in err
+
+
+def test_a_folder_without_a_run_is_named(command: Command) -> None:
+    status, _, err = command("report", "nowhere", nodes=False)
+    assert status == 2
+    assert "nowhere/study.json.gz: there is no finished run" in err
