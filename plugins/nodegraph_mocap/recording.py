@@ -99,6 +99,12 @@ class Trajectories(Value):
         """(T, M), True where a sample was measured or repaired: what no fill may change."""
         return np.asarray((self.origin == Origin.MEASURED) | (self.origin == Origin.REPAIRED))
 
+    def _repr_html_(self) -> str:
+        """Return the recording for a notebook."""
+        from nodegraph_mocap.shown.recording_html import recording_html
+
+        return recording_html(self)
+
     def with_samples(
         self,
         positions: NDArray[np.float64],
