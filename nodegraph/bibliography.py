@@ -33,6 +33,21 @@ def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
     return missing | dict(zip(found, texts, strict=True))
 
 
+def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
+    """Return the BibTeX of the entries wanted, sorted by key; one that nobody ships is left out.
+
+    Parameters
+    ----------
+    bibtex, keys
+        As for `references`.
+    """
+    from pybtex.database import BibliographyData
+
+    entries = _entries(bibtex)
+    found = {key: entries[key] for key in sorted(set(keys)) if key in entries}
+    return str(BibliographyData(found).to_string("bibtex")) if found else ""
+
+
 def _entries(bibtex: Iterable[str]) -> dict[str, Any]:
     from pybtex.database import parse_string
     from pybtex.exceptions import PybtexError

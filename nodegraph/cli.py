@@ -87,6 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_diff(commands)
     _add_export(commands)
     _add_report(commands)
+    _add_cite(commands)
     _add_cache(commands)
     _add_schema(commands)
     return parser
@@ -172,6 +173,12 @@ def _add_report(commands: Any) -> None:
     report = _add(commands, "report", text)
     report.add_argument("runs", nargs="+", type=Path, metavar="RUN", help="runs/NAME")
     report.add_argument("--out", type=Path, metavar="FILE", help="(report.html in the run)")
+
+
+def _add_cite(commands: Any) -> None:
+    cite = _add(commands, "cite", "print methods, settings and BibTeX of a run for a paper")
+    cite.add_argument("run", type=Path, metavar="RUN", help="the folder of a run: runs/NAME")
+    cite.add_argument("--out", type=Path, metavar="DIR", help="write files, LaTeX too")
 
 
 def _add_cache(commands: Any) -> None:

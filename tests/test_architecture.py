@@ -15,7 +15,8 @@ ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
     {"commands", "notebook"},
-    {"api", "paper", "report", "testing"},
+    {"paper"},
+    {"api", "report", "testing"},
     {"finished", "forms"},
     {"draw", "terminal", "folder", "schema", "why"},
     {"execute"},

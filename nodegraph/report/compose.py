@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
-from nodegraph.bibliography import references
+from nodegraph.bibliography import bibtex_of, references
 from nodegraph.describe import describe_settings, shown
 from nodegraph.display import size_text
 from nodegraph.draw.from_graph import drawing_for_page
@@ -54,6 +54,7 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
         inputs=tuple(SettingRow(name, shown(value)) for name, value in graph.inputs.items()),
         known=tuple(str(one) for one in graph.spec.known),
         methods=_methods(graph),
+        bibtex=bibtex_of(graph.registry.bibtex, _keys(graph)),
         notes=step_notes(run, command),
         timings=_timings(run),
         seconds=run.seconds,
@@ -142,8 +143,14 @@ def _answer(values: Iterable[Any]) -> tuple[str, ...]:
 
 def _methods(graph: Graph) -> tuple[MethodRow, ...]:
     methods = [(node, one) for node in graph.nodes.values() for one in node.methods.values()]
-    texts = references(graph.registry.bibtex, (key for _, one in methods for key in one.node.cite))
+    texts = references(graph.registry.bibtex, _keys(graph))
     return tuple(_method_row(node, one, texts) for node, one in methods)
+
+
+def _keys(graph: Graph) -> Iterator[str]:
+    for node in graph.nodes.values():
+        for method in node.methods.values():
+            yield from method.node.cite
 
 
 def _method_row(node: GraphNode, method: Method, texts: Mapping[str, str]) -> MethodRow:
@@ -155,7 +162,8 @@ def _method_row(node: GraphNode, method: Method, texts: Mapping[str, str]) -> Me
     citation = " ".join(texts[key] for key in method.node.cite)
     use, summary = method.node.name, method.node.summary
     plugin = method.distribution or method.plugin
-    return MethodRow(node.name, use, summary, method.label, settings, citation, plugin)
+    keys = tuple(method.node.cite)
+    return MethodRow(node.name, use, summary, method.label, settings, citation, plugin, keys)
 
 
 def _values(method: Method, name: str) -> str:

@@ -65,6 +65,8 @@ class MethodRow:
         The source to cite, as it is printed.
     plugin : str
         Which package brought the method.
+    keys : tuple of str
+        The BibTeX entries that it cites.
     """
 
     node: str
@@ -74,6 +76,7 @@ class MethodRow:
     settings: tuple[SettingRow, ...] = ()
     citation: str = ""
     plugin: str = ""
+    keys: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +148,8 @@ class Study:
     known : tuple of str
         What methods were allowed to know of the answer.
     methods : tuple of MethodRow
+    bibtex : str
+        The entries that the methods cite.
     notes : tuple of StepNote
         Everything that failed, was refused, was left out, or warned.
     timings : tuple of TimingRow
@@ -171,6 +176,7 @@ class Study:
     inputs: tuple[SettingRow, ...] = ()
     known: tuple[str, ...] = ()
     methods: tuple[MethodRow, ...] = ()
+    bibtex: str = ""
     notes: tuple[StepNote, ...] = ()
     timings: tuple[TimingRow, ...] = ()
     seconds: float = 0.0
