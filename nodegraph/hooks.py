@@ -30,11 +30,26 @@ class Rendered:
         A few plain lines; empty when the value is a picture.
     files : mapping of suffix to bytes
         For instance ``{".csv": ..., ".tex": ...}``.
+    scripts, styles : tuple of str
+        JavaScript and CSS that the fragment needs: each text stands once in a page, however many
+        values bring it. Scripts run in this order when all of the page is there.
+
+    Raises
+    ------
+    ValueError
+        If a script or a style has in it what would end it in a page.
     """
 
     html: str
     text: str = ""
     files: Mapping[str, bytes] = field(default_factory=dict)
+    scripts: tuple[str, ...] = ()
+    styles: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for kind, texts in (("script", self.scripts), ("style", self.styles)):
+            if any(f"</{kind}" in text.lower() for text in texts):
+                raise ValueError(f"a {kind} in a page must not contain </{kind}")
 
 
 @dataclass(frozen=True)
@@ -158,6 +173,15 @@ def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:  # type: ignore[e
 @hookspec
 def nodegraph_graphs() -> Iterable[Path]:  # type: ignore[empty-body]
     """Return the example graphs that the plugin ships."""
+
+
+@hookspec
+def nodegraph_templates() -> Mapping[str, Path]:  # type: ignore[empty-body]
+    """Return what ``nodegraph new`` writes, by kind: ``plugin``, ``graph``.
+
+    A folder whose files are written with ``{{name}}`` replaced, in their text and in their paths;
+    ``.template`` at the end of a name is taken off.
+    """
 
 
 @hookspec

@@ -153,6 +153,14 @@ class Registry:
         paths = [path for many in self.hooks.hook.nodegraph_graphs() for path in many]
         return {path.stem: path for path in sorted(paths)}
 
+    @cached_property
+    def templates(self) -> Mapping[str, Path]:
+        """What ``nodegraph new`` writes: folders by kind."""
+        found: dict[str, Path] = {}
+        for one in reversed(self.hooks.hook.nodegraph_templates()):
+            found.update(one)
+        return found
+
     def place(self, path: str) -> Path | None:
         """Return where ``scheme:name`` lies, or None when no plugin has the scheme."""
         scheme, _, name = path.partition(":")

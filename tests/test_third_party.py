@@ -121,7 +121,8 @@ def test_wheel_holds_the_packages_and_nothing_else(wheels: Path) -> None:
     packages = {folder.parent.name for folder in (ROOT / "plugins").glob("*/__init__.py")}
     assert {name for name in top if not name.endswith(".dist-info")} == {"nodegraph", *packages}
     assert {"nodegraph/py.typed", "nodegraph_mocap/graphs/fill.yaml"} <= set(files)
-    assert not [name for name in files if "test_" in name or "__pycache__" in name]
+    ours = [name for name in files if "/templates/" not in name]
+    assert not [name for name in ours if "test_" in name or "__pycache__" in name]
 
 
 def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheels: Path, through_sdist: Path) -> None:
@@ -157,6 +158,24 @@ def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(
     assert "plugin 'broken' is left out" in listed.stderr
     assert "a_library_that_is_not_there" in listed.stderr
     assert {"fill.hold", "fill.muscle"} <= set(listed.stdout.split())
+
+
+def test_a_new_plugin_is_installed_and_passes_its_own_tests(place: Path, tmp_path: Path) -> None:
+    nodegraph(place, "new", "plugin", "hold_on", cwd=tmp_path)
+    wheel = one_wheel(build(tmp_path / "hold_on", tmp_path / "wheels", "--wheel"), "hold_on")
+    run(*pip(place), "pytest", cwd=place)
+    run(*pip(place), "--no-deps", str(wheel), cwd=place)
+    python = str(place / "venv" / BIN / "python")
+    try:
+        shown = nodegraph(place, "show", "fill.hold_on", cwd=tmp_path).stdout
+        assert "Whatever the method is published in" in shown
+        nodegraph(place, "examples", "hold_on", cwd=tmp_path)
+        nodegraph(place, "run", "hold_on.yaml", "--axis", "trial=0", cwd=tmp_path)
+        tests = str(tmp_path / "hold_on" / "tests")
+        done = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", tests, cwd=tmp_path)
+        assert "3 passed" in done.stdout
+    finally:
+        run(python, "-m", "pip", "uninstall", "-q", "-y", "hold_on", cwd=place)
 
 
 def write_plugin(folder: Path, name: str, modules: dict[str, str]) -> Path:

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import re
 from importlib.resources import files
-from typing import TYPE_CHECKING
 
 from nodegraph.draw.from_graph import drawing_for_page, labels_text
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
+from nodegraph.hooks import Rendered
 from nodegraph.report.compose import compose
 from nodegraph.report.group import note_kinds, titled
 from nodegraph.report.page import duration, templates_of
-
-if TYPE_CHECKING:
-    pass
 
 _MOST = 24
 _FEW = 3
@@ -57,8 +54,19 @@ def run_html(run: Run) -> str:
             results=titled(study.sections),
             most=_MOST,
             few=_FEW,
+            framed=framed,
         )
     )
+
+
+def framed(rendered: Rendered) -> str:
+    """Return a fragment that brings scripts as a page for a frame, apart from the notebook's own.
+
+    A notebook shows a cell again and again in one page, where the names of two scripts would meet.
+    """
+    styles = "".join(f"<style>{one}</style>" for one in rendered.styles)
+    scripts = "".join(f"<script>{one}</script>" for one in rendered.scripts)
+    return f"<!DOCTYPE html><meta charset=utf-8>{styles}{rendered.html}{scripts}"
 
 
 def _axes(graph: Graph) -> dict[str, str]:

@@ -46,7 +46,7 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
     there = versions(graph)
     study = Study(
         title=graph.title,
-        answer=_answer(value for *_, value in found),
+        answer=_answer((labels, value) for _, labels, _, value in found),
         notes_markdown=graph.spec.notes,
         sections=sections,
         graph_svg=drawing_for_page(graph),
@@ -132,12 +132,13 @@ def _shown_or_said(renderer: Renderer, value: Any, title: str) -> Rendered:
         return Rendered("", said)
 
 
-def _answer(values: Iterable[Any]) -> tuple[str, ...]:
+def _answer(values: Iterable[tuple[str, Any]]) -> tuple[str, ...]:
     """Return the sentences that values carry with them, as tables do in ``attrs``."""
     said: list[str] = []
-    for value in values:
+    for labels, value in values:
         attributes = getattr(value, "attrs", None)
-        said += attributes.get("answer", ()) if isinstance(attributes, Mapping) else ()
+        sentences = attributes.get("answer", ()) if isinstance(attributes, Mapping) else ()
+        said += [f"{labels}: {one}" if labels else one for one in sentences]
     return tuple(dict.fromkeys(said))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from importlib.resources import files
 from typing import TYPE_CHECKING
 from urllib.parse import quote
@@ -25,7 +26,9 @@ def page(study: Study) -> str:
     The page fetches nothing, and its policy forbids it to: only scripts that were in the trusted
     parts when the page was made may run.
     """
-    script = _source("page.js")
+    own = [_source("page.js"), _source("copy.js")]
+    scripts = _once(own, (one.rendered.scripts for one in study.sections))
+    styles = _once([_source("page.css")], (one.rendered.styles for one in study.sections))
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
     return (
         templates_of("nodegraph.report")
@@ -35,15 +38,21 @@ def page(study: Study) -> str:
             results=titled(study.sections),
             kinds=note_kinds(study),
             notes=_markdown(study.notes_markdown),
-            policy=policy(trusted, script),
+            policy=policy(trusted, *scripts),
             steps=sum(row.steps for row in study.timings),
             stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,
             many=_MANY,
-            script=_trusted(script),
-            style=_trusted(_source("page.css")),
+            scripts=scripts,
+            styles=styles,
         )
     )
+
+
+def _once(own: list[str], brought: Iterable[Iterable[str]]) -> list[Markup]:
+    """Return the page's own texts and those that its sections bring, each once."""
+    texts = dict.fromkeys([*own, *(text for texts in brought for text in texts)])
+    return [_trusted(text) for text in texts]
 
 
 def templates_of(package: str) -> Environment:

@@ -8,17 +8,17 @@ from collections.abc import Iterable
 from html.parser import HTMLParser
 
 
-def policy(fragments: Iterable[str], script: str) -> str:
+def policy(fragments: Iterable[str], *own: str) -> str:
     """Return the policy of a page.
 
     Parameters
     ----------
     fragments : iterable of str
         Trusted HTML: the scripts in it may run, by their hashes.
-    script : str
-        The page's own.
+    own : str
+        The page's own scripts.
     """
-    scripts = dict.fromkeys([script, *(one for html in fragments for one in _scripts(html))])
+    scripts = dict.fromkeys([*own, *(one for html in fragments for one in _scripts(html))])
     allowed = " ".join(f"'sha256-{_digest(one)}'" for one in scripts)
     rules = ["default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'"]
     rules += ["img-src data: blob:", "media-src data: blob:", "font-src data:"]

@@ -15,6 +15,7 @@ from nodegraph_mocap.files.npz import npz_bytes, read_npz, write_npz
 from nodegraph_mocap.glb.writing import animation_bytes, head_bytes
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.samples import sample_folder
 from nodegraph_mocap.selection import Selection
@@ -35,6 +36,8 @@ __all__ = [
     "MarkerSet",
     "Mask",
     "Origin",
+    "Panel",
+    "Playback",
     "Selection",
     "StoredFigure",
     "Table",
@@ -92,10 +95,11 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
 
 @hookimpl
 def nodegraph_renderers() -> Iterable[Renderer]:
-    """Return how tables and figures appear in a report."""
+    """Return how tables, figures and playbacks appear in a report."""
+    from nodegraph_mocap.shown.playback_page import playback_renderers
     from nodegraph_mocap.shown.renderers import renderers
 
-    return renderers()
+    return (*renderers(), *playback_renderers())
 
 
 @hookimpl
@@ -134,3 +138,10 @@ def nodegraph_graphs() -> Iterable[Path]:
     inside = Path(__file__).with_name("graphs")
     folder = inside if inside.is_dir() else Path(__file__).parents[2] / "graphs"
     return sorted(folder.glob("*.yaml"))
+
+
+@hookimpl
+def nodegraph_templates() -> Mapping[str, Path]:
+    """Return what ``nodegraph new`` writes."""
+    folder = Path(__file__).with_name("templates")
+    return {kind: folder / kind for kind in ("plugin", "graph")}

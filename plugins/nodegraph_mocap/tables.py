@@ -30,7 +30,11 @@ else:
     class Table(metaclass=_Recognised):
         """A pandas DataFrame, a row per unit.
 
-        ``attrs`` may hold ``title`` (str), ``notes`` (list of str) and ``units`` (column: unit).
+        ``attrs`` may hold ``title`` (str), ``notes`` (list of str), ``units`` (column: unit) and
+        ``better`` (column: which end is the better one, ``lower``, ``higher`` or ``none``); for
+        readers, ``answer`` (list of str), ``best`` (column: the rows whose cells are marked) and
+        ``cells`` (column: the names of the columns that are shown within it, as its ``low`` and
+        ``high`` ends and its ``p``).
         """
 
         library, name = "pandas", "DataFrame"

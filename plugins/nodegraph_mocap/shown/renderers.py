@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
 from io import BytesIO
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import Rendered, Renderer
+from nodegraph_mocap.shown.cells import Cell, Column, columns_of
 from nodegraph_mocap.shown.stored_figure import StoredFigure
 from nodegraph_mocap.tables import Figure, Table
 
@@ -41,6 +41,7 @@ _LATEX = str.maketrans(
         # these two would be taken for an option where a row begins
         "[": "{[}",
         "*": "{*}",
+        "\N{DAGGER}": r"\textdagger{}",
     }
 )
 
@@ -57,17 +58,15 @@ def renderers() -> tuple[Renderer, ...]:
 def render_table(table: Table, title: str) -> Rendered:
     """Return a table as HTML, plain text, CSV (full precision) and LaTeX (booktabs)."""
     table = _with_named_rows(table)
-    heads = _heads(table)
-    cells = [[shown(value) for value in row] for row in table.itertuples(index=False, name=None)]
-    numeric = [kind.kind in "iuf" for kind in table.dtypes]
+    columns = columns_of(table)
     notes = [str(one) for one in table.attrs.get("notes", ())]
     caption = str(table.attrs.get("title", title))
     return Rendered(
-        html=_html(caption, heads, cells, numeric, notes),
-        text=_text(heads, cells, numeric, notes),
+        html=_html(caption, columns, notes),
+        text=_text(columns, notes),
         files={
             ".csv": table.to_csv(index=False, lineterminator="\n").encode(),
-            ".tex": _latex(caption, heads, cells, numeric).encode(),
+            ".tex": _latex(caption, columns).encode(),
         },
     )
 
@@ -97,29 +96,6 @@ def saved(figure: Figure, form: str) -> bytes:
     return target.getvalue()
 
 
-def shown(value: Any) -> str:
-    """Return a cell's value for a reader: four digits that count, nothing where there is none."""
-    if value is None or type(value).__name__ in ("NAType", "NaTType"):
-        return ""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    if math.isnan(value):
-        return ""
-    if isinstance(value, int) or (value.is_integer() and abs(value) < 1e6):
-        return f"{value:.0f}" if isinstance(value, float) else str(value)
-    if value != 0 and (abs(value) < 1e-3 or abs(value) >= 1e6):
-        return f"{value:.2e}"
-    return f"{value:.{max(0, min(4, 3 - math.floor(math.log10(abs(value)))))}f}"
-
-
-def _heads(table: pd.DataFrame) -> list[str]:
-    units = table.attrs.get("units", {})
-    return [
-        f"{column} [{units[column]}]" if units.get(column) else str(column)
-        for column in table.columns
-    ]
-
-
 def _with_named_rows(table: pd.DataFrame) -> pd.DataFrame:
     """Return the table with its rows' names, if it has any, as its first columns."""
     import pandas as pd
@@ -131,55 +107,53 @@ def _with_named_rows(table: pd.DataFrame) -> pd.DataFrame:
     return named
 
 
-def _html(
-    caption: str,
-    heads: list[str],
-    cells: list[list[str]],
-    numeric: list[bool],
-    notes: Iterable[str],
-) -> str:
-    classes = [' class="number"' if one else "" for one in numeric]
+def _html(caption: str, columns: Sequence[Column], notes: Iterable[str]) -> str:
+    classes = [' class="number"' if one.numeric else "" for one in columns]
     head = "".join(
-        f'<th scope="col"{kind}>{escape(text)}</th>'
-        for text, kind in zip(heads, classes, strict=True)
+        f'<th scope="col"{kind}>{escape(one.head)}</th>'
+        for one, kind in zip(columns, classes, strict=True)
     )
-    rows = "".join(
-        "<tr>"
-        + "".join(f"<td{kind}>{escape(text)}</td>" for text, kind in zip(row, classes, strict=True))
-        + "</tr>"
-        for row in cells
-    )
+    rows = [
+        "".join(
+            f"<td{kind}{_exact(cell)}>{_marked(cell)}</td>"
+            for cell, kind in zip(row, classes, strict=True)
+        )
+        for row in _rows(columns)
+    ]
+    body = "".join(f"<tr>{row}</tr>" for row in rows)
     table = (
         f'<figure class="table"><table class="sortable"><caption>{escape(caption)}</caption>'
-        f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></figure>"
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></figure>"
     )
-    if len(cells) > _FOLDED_FROM:
-        table = f"<details><summary>{len(cells)} rows</summary>{table}</details>"
+    if len(rows) > _FOLDED_FROM:
+        table = f"<details><summary>{len(rows)} rows</summary>{table}</details>"
     said = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return table + (f'<ul class="quiet">{said}</ul>' if said else "")
 
 
-def _text(
-    heads: list[str], cells: list[list[str]], numeric: list[bool], notes: Iterable[str]
-) -> str:
-    rows = [heads, *cells[:_FOLDED_FROM]]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(heads))]
+def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
+    rows = _rows(columns)
     lines = [
-        "  ".join(
-            text.rjust(width) if number else text.ljust(width)
-            for text, width, number in zip(row, widths, numeric, strict=True)
-        ).rstrip()
-        for row in rows
+        [one.head for one in columns],
+        *([f"{cell}{'*' * cell.best}" for cell in row] for row in rows[:_FOLDED_FROM]),
     ]
-    if len(cells) > _FOLDED_FROM:
-        lines.append(f"... {len(cells) - _FOLDED_FROM} more rows in the CSV file")
-    return "\n".join([*lines, *notes])
+    widths = [max(len(text) for text in column) for column in zip(*lines, strict=True)]
+    told = [
+        "  ".join(
+            text.rjust(width) if column.numeric else text.ljust(width)
+            for text, width, column in zip(line, widths, columns, strict=True)
+        ).rstrip()
+        for line in lines
+    ]
+    if len(rows) > _FOLDED_FROM:
+        told.append(f"... {len(rows) - _FOLDED_FROM} more rows in the CSV file")
+    return "\n".join([*told, *notes])
 
 
-def _latex(caption: str, heads: list[str], cells: list[list[str]], numeric: list[bool]) -> str:
-    columns = "".join("r" if one else "l" for one in numeric)
-    rows = [" & ".join(text.translate(_LATEX) for text in row) + r" \\" for row in cells]
-    head = " & ".join(text.translate(_LATEX) for text in heads) + r" \\"
+def _latex(caption: str, columns: Sequence[Column]) -> str:
+    kinds = "".join("r" if one.numeric else "l" for one in columns)
+    rows = [" & ".join(_bold(cell) for cell in row) + r" \\" for row in _rows(columns)]
+    head = " & ".join(one.head.translate(_LATEX) for one in columns) + r" \\"
     # An empty line would end the caption's paragraph, which LaTeX refuses.
     caption = " ".join(caption.split())
     return "\n".join(
@@ -187,7 +161,7 @@ def _latex(caption: str, heads: list[str], cells: list[list[str]], numeric: list
             r"% needs \usepackage{booktabs}",
             r"\begin{table}",
             rf"\caption{{{caption.translate(_LATEX)}}}",
-            rf"\begin{{tabular}}{{{columns}}}",
+            rf"\begin{{tabular}}{{{kinds}}}",
             r"\toprule",
             head,
             r"\midrule",
@@ -198,6 +172,26 @@ def _latex(caption: str, heads: list[str], cells: list[list[str]], numeric: list
             "",
         ]
     )
+
+
+def _rows(columns: Sequence[Column]) -> list[tuple[Cell, ...]]:
+    return list(zip(*(one.cells for one in columns), strict=True))
+
+
+def _marked(cell: Cell) -> str:
+    text = f"<strong>{escape(cell.text)}</strong>" if cell.best else escape(cell.text)
+    return f"{text} <br><small>{escape(cell.beside)}</small>" if cell.beside else text
+
+
+def _exact(cell: Cell) -> str:
+    """Return the attribute that keeps all digits of a number shown with fewer."""
+    return f' data-value="{cell.exact}"' if cell.exact else ""
+
+
+def _bold(cell: Cell) -> str:
+    text = cell.text.translate(_LATEX)
+    text = rf"\textbf{{{text}}}" if cell.best else text
+    return f"{text} {cell.beside.translate(_LATEX)}".rstrip()
 
 
 def _with_own_ids(svg: str) -> str:

@@ -168,6 +168,32 @@ def test_an_output_is_found_by_its_name_in_every_alternative() -> None:
     assert [one.rendered.text for one in _study(run).sections] == ["1.0", "2.0"]
 
 
+class Judged(float):
+    """A number with something to say."""
+
+    @property
+    def attrs(self) -> dict[str, list[str]]:
+        return {"answer": [f"It is {self:.0f}."]}
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [("3", ("It is 3.",)), ("$size", ("size=5: It is 5.", "size=15: It is 15."))],
+)
+def test_the_answer_says_which_combination_it_is_about(value: str, said: tuple[str, ...]) -> None:
+    @node("score.judge")
+    def judge(*, size: int) -> Judged:
+        return Judged(size)
+
+    text = (
+        "nodegraph: 1\naxes: {size: [5, 15]}\n"
+        f"nodes: {{a: {{use: score.judge, with: {{size: {value}}}}}, "
+        "b: {use: score.judge, with: {size: $size}}}\nreport: [a]"
+    )
+    graph = build(read_graph_text(text, "toy.yaml", Path()), Registry.of([judge]))
+    assert _study(execute(plan(graph))).answer == said
+
+
 def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: Path) -> None:
     text = "nodes: {a: {use: read.number}, b: {use: text.write, with: {number: 3}}}"
     run_of(text, store=tmp_path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html as html_module
 import re
 import shutil
 import subprocess
@@ -88,6 +89,49 @@ def test_tables_sort_by_their_heads(
     heads = re.findall(r"<th [^>]*>", html)
     assert f'aria-sort="{state}"' in heads[clicks[-1]]
     assert "aria-sort" not in heads[1 - clicks[-1]]
+
+
+@pytest.mark.parametrize(
+    ("form", "text"),
+    [
+        (
+            "CSV",
+            "method,rmse [mm]\\nguenter,\u22121e-3\\nlin,9.5 \u00b1 0.2\\n"
+            "muscle,10.123456\\nrefused,\\n",
+        ),
+        (
+            "Markdown",
+            "| method | rmse [mm] |\\n|---|---:|\\n| guenter | \u22121e-3 |\\n"
+            "| lin | 9.5 \u00b1 0.2 |\\n| muscle | 10 |\\n| refused |  |\\n",
+        ),
+        (
+            "LaTeX",
+            r"% needs \usepackage{booktabs}\n\begin{table}\n\caption{Errors}\n"
+            r"\begin{tabular}{lr}\n\toprule\nmethod & rmse {[}mm] \\\n\midrule\n"
+            "guenter & \u22121e-3 \\\\\\n",
+        ),
+    ],
+)
+def test_a_table_is_copied_as_it_is_shown(tmp_path: Path, form: str, text: str) -> None:
+    keep = 'document.title = t.replaceAll("\\n", "\\\\n"); return Promise.resolve();'
+    board = f"{{value: {{writeText: (t) => {{{keep}}}}}}}"
+    take = f'Object.defineProperty(navigator, "clipboard", {board});'
+    press = f"document.querySelector('.copy [aria-label$=\"{form}\"]').click();"
+    exact = TABLE.replace('class="number">10<', 'class="number" data-value="10.123456">10<')
+    html, said = opened(with_html(exact + ON_LOAD.format(CLICK.format(1) + take + press)), tmp_path)
+    assert said == []
+    found = html_module.unescape(html[html.index("<title>") + 7 : html.index("</title>")])
+    assert found.startswith(text)
+    assert f"{form} copied" in html
+
+
+def test_a_script_that_results_bring_runs_once(tmp_path: Path) -> None:
+    count = "document.title = `${document.querySelectorAll('.bait').length} ${document.title}`;"
+    brought = Rendered("<p class=bait>x</p>", scripts=(count,), styles=(".bait { color: red; }",))
+    sections = tuple(Section(name, brought) for name in ("one", "two"))
+    html, said = opened(page(Study("A title", sections=sections)), tmp_path)
+    assert said == []
+    assert "<title>2 A title</title>" in html
 
 
 def test_a_handler_in_markup_does_not_run(tmp_path: Path) -> None:

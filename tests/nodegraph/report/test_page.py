@@ -119,7 +119,7 @@ def test_every_text_is_shown_and_none_is_run() -> None:
     for number, text in enumerate(hostile.texts):
         in_path = any(f"alert%28{number}%29" in path for path in paths)
         assert in_path or text in shown, f"text {number} is not shown as it is"
-    assert len(list(read.all("script"))) == 1
+    assert len(list(read.all("script"))) == len(("page.js", "copy.js"))
     assert not list(read.all("img"))
     assert not [name for _, found in read.tags for name in found if name.startswith("on")]
 
@@ -181,6 +181,28 @@ def test_a_failure_says_how_to_repeat_it_and_where_it_happened() -> None:
 
 def test_a_run_without_notes_says_so() -> None:
     assert "No step failed, was refused, was left out, or gave a warning." in page(study())
+
+
+def test_what_several_results_bring_stands_in_the_page_once() -> None:
+    def brought(html: str, *scripts: str) -> Section:
+        return Section("playing", Rendered(html, scripts=scripts, styles=("p { color: red; }",)))
+
+    sections = (brought("<p>1</p>", "one(1 < 2);"), brought("<p>2</p>", "one(1 < 2);", "two();"))
+    html = page(Study("Many", sections=sections))
+    read = Page(html)
+    scripts = [text.strip() for tag, text in read.texts if tag == "script"]
+    assert scripts[-2:] == ["one(1 < 2);", "two();"]
+    assert len(set(scripts)) == len(scripts)
+    assert html.count("p { color: red; }") == 1
+    rule = next(one["content"] for one in read.all("meta") if "http-equiv" in one)
+    assert rule.count("'sha256-") == len(scripts)
+    assert html.index("<p>2</p>") < html.index("one(1 < 2);")
+
+
+@pytest.mark.parametrize("brought", [{"scripts": ("a('</SCRIPT>')",)}, {"styles": ("</style x>",)}])
+def test_what_would_end_itself_in_a_page_is_refused(brought: Any) -> None:
+    with pytest.raises(ValueError, match="in a page must not contain </s"):
+        Rendered("<p>x</p>", **brought)
 
 
 def test_a_study_without_results_says_so() -> None:

@@ -12,7 +12,8 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from nodegraph_mocap.shown.renderers import render_figure, render_table, renderers, shown
+from nodegraph_mocap.shown.cells import shown
+from nodegraph_mocap.shown.renderers import render_figure, render_table, renderers
 
 UGLY = '<b>&amp; "it\'s" 100 % #1_$x^2 {~} \\ [mm] *12'
 

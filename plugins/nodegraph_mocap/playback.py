@@ -1,0 +1,139 @@
+"""Playbacks: recordings and animations that a report plays side by side, on one clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Value
+from nodegraph_mocap.animation import Animation
+from nodegraph_mocap.checks import finite, set_fields
+from nodegraph_mocap.recording import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_SQUARE = 1e-6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Panel(Value):
+    """One recording or animation, and from where it is seen at first.
+
+    Attributes
+    ----------
+    label : str
+    shown : Trajectories or Animation
+    centre : (3,) array of float64
+        The point in the middle of the picture, millimetres.
+    right, up : (3,) arrays of float64
+        Unit vectors along the picture's axes, at right angles.
+    radius : float
+        Millimetres from the middle to the picture's edge that hold what there is to see.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, a number is missing, the axes are no unit vectors at right angles,
+        or the radius is not positive.
+    """
+
+    label: str
+    shown: Trajectories | Animation
+    centre: NDArray[np.float64]
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not self.shown.frames:
+            raise ValueError(f"{self.label or 'what is to be played'} has no frame")
+        if not (np.isfinite(self.radius) and self.radius > 0):
+            raise ValueError(f"radius must be positive, got {self.radius}")
+        centre, right, up = (
+            finite(name, getattr(self, name), (3,)) for name in ("centre", "right", "up")
+        )
+        axes = np.stack([right, up])
+        if np.abs(axes @ axes.T - np.eye(2)).max() > _SQUARE:
+            raise ValueError(f"right {right} and up {up} are no unit vectors at right angles")
+        set_fields(self, centre=centre, right=right, up=up, radius=float(self.radius))
+
+    @property
+    def seconds(self) -> float:
+        """How long it plays: each frame is shown until the next one is due."""
+        return self.shown.frames / self.shown.rate
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Playback(Value):
+    """What a report plays: panels side by side on one clock, seen from one side.
+
+    The clock counts seconds. A panel shows the frame that began last, and its last frame after
+    it has ended, so that panels of other rates and lengths keep together.
+
+    Attributes
+    ----------
+    panels : tuple of Panel
+        At least one.
+    truth : Panel or None
+        A recording with which those among the panels are compared, marker by marker.
+    every : int
+        Of how many frames of the original one is here; 1 where all are.
+    notes : tuple of str
+        What a viewer must know: combinations that are absent, samples that are not shown.
+
+    Raises
+    ------
+    ValueError
+        If there is no panel, `every` is not positive, the truth is no recording, or a recording
+        has another number of frames or another rate than the truth.
+    """
+
+    panels: tuple[Panel, ...]
+    truth: Panel | None = None
+    every: int = 1
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.panels:
+            raise ValueError("there is nothing to play")
+        if self.every < 1:
+            raise ValueError(f"every must be at least 1, got {self.every}")
+        if self.truth:
+            _check_comparable(self.panels, self.truth)
+
+    def _repr_html_(self) -> str:
+        """Return the player for a notebook, in a frame of its own."""
+        from html import escape
+
+        from nodegraph_mocap.shown.playback_page import render_playback
+
+        page = render_playback(self, "playback").files[".html"].decode()
+        style = "width: 100%; height: 42rem; border: 0"
+        return f'<iframe title="playback" style="{style}" srcdoc="{escape(page)}"></iframe>'
+
+    @property
+    def seconds(self) -> float:
+        """How long the longest panel plays."""
+        return max(panel.seconds for panel in self.panels)
+
+
+def _check_comparable(panels: tuple[Panel, ...], truth: Panel) -> None:
+    known = truth.shown
+    if not isinstance(known, Trajectories):
+        raise ValueError("the truth must be a recording")
+    for panel in panels:
+        shown = panel.shown
+        if not isinstance(shown, Trajectories):
+            continue
+        of = f" of {panel.label}" if panel.label else ""
+        if shown.frames != known.frames:
+            raise ValueError(
+                f"the truth has {known.frames} frames, the recording{of} {shown.frames}"
+            )
+        if shown.rate != known.rate:
+            raise ValueError(
+                f"the truth has {known.rate:g} Hz, the recording{of} {shown.rate:g} Hz"
+            )

@@ -1,0 +1,215 @@
+"""What a playback's script needs to know, packed: positions, origins, meshes, morphs, weights.
+
+Positions and vertices are rounded to steps of 0.01 mm at most: they are off by 0.005 mm at most in
+each coordinate. Weights are rounded to 0.0001, which moves a vertex by less than that for each
+5 cm of a morph. Recordings with equal markers and frames are told as differences from the first
+of them: what several fills of one recording share is there once. So is a head that several
+animations share.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph_mocap.animation import Animation
+from nodegraph_mocap.playback import Panel, Playback
+from nodegraph_mocap.recording import Origin, Trajectories
+from nodegraph_mocap.shown.packed import MOST_STEPS, Blob
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap.head import Head
+
+_FINEST = 0.01
+_STEPS_ACROSS = 5_000
+_WEIGHT_STEP = 1e-4
+_MOST_ERRORS = 95
+_ROUND = (1.0, 2.0, 5.0, 10.0)
+
+
+def packed(playback: Playback) -> bytes:
+    """Return what the script needs to play, compressed; see `nodegraph_mocap.shown.packed`."""
+    return _Packing(playback).packed()
+
+
+def step_of(panels: Iterable[Panel]) -> float:
+    """Return to how many mm positions are rounded: 0.01, or finer where the panels are tiny."""
+    finest = max(panel.radius for panel in panels) / _STEPS_ACROSS
+    return float(min(_FINEST, 10.0 ** np.floor(np.log10(finest))))
+
+
+def beyond(recording: Trajectories, step: float) -> NDArray[np.bool_]:
+    """Return (T, M), True for samples that are too far away to be told in steps."""
+    far = np.abs(recording.positions) > MOST_STEPS * step
+    return np.asarray(far.any(axis=2))
+
+
+def error_scale(playback: Playback) -> float:
+    """Return the error in mm at which the colours end: round, above 19 of 20 made samples.
+
+    Of all samples where none was made; 1 where nothing can be compared.
+    """
+    recordings = [one.shown for one in playback.panels if isinstance(one.shown, Trajectories)]
+    truth = _truth_of(playback)
+    if truth is None:
+        return 1.0
+    errors = [_errors(one, truth) for one in recordings]
+    made = [
+        one[shown.origin > Origin.MEASURED] for one, shown in zip(errors, recordings, strict=True)
+    ]
+    for found in (made, errors):
+        every = np.concatenate([np.empty(0), *(one[np.isfinite(one)] for one in found)])
+        largest = float(np.percentile(every, _MOST_ERRORS)) if len(every) else 0.0
+        if largest > 0:
+            return _rounded_up(largest)
+    return 1.0
+
+
+def columns_in(truth: Trajectories, recording: Trajectories) -> list[int]:
+    """Return for each marker of a recording its column in the truth, -1 where it has none."""
+    place = {marker: column for column, marker in enumerate(truth.markers)}
+    return [place.get(marker, -1) for marker in recording.markers]
+
+
+def _errors(recording: Trajectories, truth: Trajectories) -> NDArray[np.float64]:
+    columns = np.array(columns_in(truth, recording), dtype=np.intp)
+    known = columns >= 0
+    errors = np.full(recording.origin.shape, np.nan)
+    apart = recording.positions[:, known] - truth.positions[:, columns[known]]
+    errors[:, known] = np.linalg.norm(apart, axis=2)
+    return errors
+
+
+def _rounded_up(value: float) -> float:
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * min(one for one in _ROUND if one * power >= value * (1 - 1e-9)))
+
+
+class _Packing:
+    """One playback on its way into a blob."""
+
+    def __init__(self, playback: Playback) -> None:
+        self.playback = playback
+        self.blob = Blob()
+        self.panels = [*((playback.truth,) if playback.truth else ()), *playback.panels]
+        self.step = step_of(self.panels)
+        self._heads: dict[str, int] = {}
+        self._told_heads: list[dict[str, Any]] = []
+        self._alike: dict[tuple[Any, ...], tuple[int, NDArray[np.int32]]] = {}
+
+    def packed(self) -> bytes:
+        panels = [self._panel(place, panel) for place, panel in enumerate(self.panels)]
+        head = {
+            "panels": panels,
+            "heads": self._told_heads,
+            "truth": 0 if self.playback.truth else None,
+            "errors": error_scale(self.playback),
+            "every": self.playback.every,
+            "start": _telling_second(self.playback),
+        }
+        return self.blob.packed(head)
+
+    def _panel(self, place: int, panel: Panel) -> dict[str, Any]:
+        shown = panel.shown
+        told = {
+            "label": panel.label,
+            "frames": shown.frames,
+            "rate": shown.rate,
+            "centre": panel.centre.tolist(),
+            "right": panel.right.tolist(),
+            "up": panel.up.tolist(),
+            "radius": panel.radius,
+        }
+        if isinstance(shown, Animation):
+            return told | self._animation(shown)
+        return told | self._recording(place, shown)
+
+    def _recording(self, place: int, recording: Trajectories) -> dict[str, Any]:
+        origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)
+        positions = np.where(origin[..., None] == Origin.MISSING, np.nan, recording.positions)
+        rows = positions.reshape(recording.frames, 3 * len(recording.markers)).T
+        first, like = self._alike.get((recording.markers, rows.shape), (None, None))
+        told, steps = self.blob.steps(rows, self.step, like)
+        self._alike.setdefault((recording.markers, rows.shape), (place, steps))
+        known = _truth_of(self.playback)
+        return {
+            "kind": "markers",
+            "markers": recording.markers,
+            "edges": _edges(recording),
+            "positions": told,
+            "like": first,
+            "origin": self.blob.small(origin.T.astype(np.uint8)),
+            "truth": columns_in(known, recording) if known and place > 0 else None,
+        }
+
+    def _animation(self, animation: Animation) -> dict[str, Any]:
+        weights = animation.morph_weights
+        motion = animation.head_motion
+        told, _ = self.blob.steps(weights.T, _WEIGHT_STEP)
+        turned = None
+        if motion is not None:
+            scaled = motion.scales[:, None, None] * motion.rotations
+            turned = self.blob.exact(
+                np.concatenate([scaled.reshape(-1, 9), motion.translations], axis=1)
+            )
+        return {
+            "kind": "mesh",
+            "head": self._head(animation.head),
+            "weights": told,
+            "known": self.blob.small(np.asarray(np.isfinite(weights).all(axis=1), dtype=np.uint8)),
+            "motion": turned,
+        }
+
+    def _head(self, head: Head) -> int:
+        mark = hashlib.sha256()
+        for array in (head.vertices, head.morphs, head.faces):
+            mark.update(array.tobytes())
+        found = self._heads.setdefault(mark.hexdigest(), len(self._heads))
+        if found == len(self._told_heads):
+            self._told_heads.append(
+                {
+                    "vertices": self._flat(head.vertices, self.step),
+                    "morphs": self._flat(head.morphs, self.step),
+                    "faces": self._flat(head.faces.astype(np.float64), 1.0),
+                    "count": len(head.vertices),
+                }
+            )
+        return found
+
+    def _flat(self, values: NDArray[np.float64], step: float) -> dict[str, Any]:
+        return self.blob.steps(values.reshape(-1, 1), step)[0]
+
+
+def _edges(recording: Trajectories) -> list[list[int]]:
+    place = {marker: column for column, marker in enumerate(recording.markers)}
+    edges = recording.marker_set.edges if recording.marker_set else ()
+    return [[place[a], place[b]] for a, b in edges if a in place and b in place]
+
+
+def _telling_second(playback: Playback) -> float:
+    """Return when most samples are seen that a method has made, with a known truth if any has.
+
+    0 where none was made.
+    """
+    seconds, most = 0.0, (0, 0)
+    truth = _truth_of(playback)
+    for panel in playback.panels:
+        if isinstance(panel.shown, Trajectories):
+            made = panel.shown.origin > Origin.MEASURED
+            known = made & np.isfinite(_errors(panel.shown, truth)) if truth else made & False
+            counts = list(zip(known.sum(axis=1).tolist(), made.sum(axis=1).tolist(), strict=True))
+            frame = max(range(len(counts)), key=lambda one: counts[one])
+            if counts[frame] > most:
+                most, seconds = counts[frame], frame / panel.shown.rate
+    return seconds
+
+
+def _truth_of(playback: Playback) -> Trajectories | None:
+    known = playback.truth.shown if playback.truth else None
+    return known if isinstance(known, Trajectories) else None
