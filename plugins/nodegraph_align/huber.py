@@ -1,0 +1,103 @@
+"""Procrustes alignment in which a landmark counts the less the farther it is off (Huber)."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Unit, node
+from nodegraph_align.fitting import Fitting
+from nodegraph_align.poses import Aligned, Poses, Scale, tell
+from nodegraph_align.reference import reference_of
+from nodegraph_mocap import Trajectories
+
+_ROUNDS = 200
+_SETTLED = 1e-9
+"""Change of weights from one round to the next, below which a frame is done."""
+
+
+@node("align.huber", cite=("huber1964", "verboon_heiser1992"))
+def huber(
+    recording: Trajectories,
+    reference: Trajectories | None = None,
+    *,
+    landmarks: tuple[str, ...] | None = None,
+    scale: Scale = "none",
+    width: Annotated[float, Field(gt=0), Unit("mm")] = 1.0,
+) -> Aligned:
+    """Align each frame to a reference, with a bound on what a single landmark does (Huber).
+
+    Landmarks that are called stable do move. Each frame's pose minimizes ``sum(rho(r_i))``, r_i
+    the distance of landmark i from its place in the reference: ``rho(r) = r^2 / 2`` up to
+    `width`, ``width (r - width / 2)`` beyond. It is found by fits as in align.procrustes with
+    weights ``min(1, width / r_i)`` of the fit before, from equal ones on, until no weight changes
+    by 1e-9; frames that have not come to rest after 200 fits are counted in a warning. A landmark
+    that is very far off is still pulled by as if it were `width` off: align.trimmed leaves it
+    out altogether.
+
+    Missing landmarks, the reference and what is refused are as in align.procrustes. Looks ahead
+    no frame.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    reference
+        The face to align to: its first frame that has all landmarks, else its fullest frame with
+        the landmarks of that one. Left open: the recording's first frame that has all landmarks.
+    landmarks
+        Names of markers that the fit goes by. None: the stable markers of the recording's marker
+        set, or of the reference's if that names none. ``*`` alone: all markers that both have.
+    scale
+        none: the head keeps its size. rms: as large as the reference by the weighted landmarks'
+        root mean square distance from their mean. least_squares: as fits best.
+    width
+        How far from its place a landmark still counts fully.
+
+    Returns
+    -------
+    aligned : Trajectories
+        The recording, each frame moved; gaps, `origin` and marker set as they were, `sigma`
+        scaled.
+    head_motion : HeadMotion
+        ``captured = s R aligned + t``.
+    reference : Trajectories
+        The frame that was aligned to.
+
+    Raises
+    ------
+    ValueError
+        If a landmark is unknown, listed twice, or there are fewer than three; if none are named
+        and no marker set says which markers are stable; if `width` is not positive.
+    Refusal
+        If no reference is given and no frame has all landmarks; if the reference's landmarks are
+        fewer than three, on a line or in one place; if no frame has three that are not on a line.
+    """
+    if not width > 0:
+        raise ValueError(f"width must be positive, got {width}")
+    chosen, told = reference_of(recording, reference, landmarks)
+    poses, restless = _settled(Fitting.of(recording, chosen, scale), width)
+    if restless:
+        told.append(f"{restless} of {recording.frames} frames have not come to rest")
+    tell(poses, recording, chosen, told)
+    return Aligned(*poses.move(recording), chosen.frame)
+
+
+def _settled(fitting: Fitting, width: float) -> tuple[Poses, int]:
+    """Return the poses, and how many of them still change."""
+    weights = fitting.there.astype(np.float64)
+    poses = fitting.fit()
+    active = np.flatnonzero(poses.known)
+    for _ in range(_ROUNDS):
+        apart = fitting.some(active).distances(poses.some(active))
+        wanted = width / np.maximum(apart, width)
+        changed = np.any(np.abs(wanted - weights[active]) > _SETTLED, axis=1)
+        active = active[changed]
+        if not len(active):
+            break
+        weights[active] = wanted[changed]
+        poses.put(active, fitting.some(active).fit(weights[active]))
+        active = active[poses.known[active]]
+    return poses, len(active)

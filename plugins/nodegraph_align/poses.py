@@ -1,0 +1,210 @@
+"""Where each frame's landmarks belong, and the face moved there."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from nodegraph import Refusal
+from nodegraph_align.landmarks import FEWEST, listed
+from nodegraph_mocap import HeadMotion, Trajectories
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from nodegraph_align.reference import Reference
+
+Scale = Literal["none", "rms", "least_squares"]
+FITTED, MIRRORED, FEW, LINE = 0, 1, 2, 3
+_CODES: dict[Scale, int] = {"none": 0, "rms": 1, "least_squares": 2}
+
+
+class Aligned(NamedTuple):
+    """What aligning gives."""
+
+    aligned: Trajectories
+    head_motion: HeadMotion
+    reference: Trajectories
+
+
+class Poses(NamedTuple):
+    """What takes the points x of each frame to where they belong: ``s R (x - centre) + goal``.
+
+    Attributes
+    ----------
+    rotations : (T, 3, 3) array of float64
+    scales : (T,) array of float64
+    centres, goals : (T, 3) arrays of float64
+    states : (T,) array of uint8
+        `FITTED`; `MIRRORED`, fitted although a mirror image would fit far better; `FEW`, not
+        fitted because landmarks are too few; `LINE`, because they are on a line.
+    """
+
+    rotations: NDArray[np.float64]
+    scales: NDArray[np.float64]
+    centres: NDArray[np.float64]
+    goals: NDArray[np.float64]
+    states: NDArray[np.uint8]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """(T,), True where the frame is fitted."""
+        return np.asarray(self.states <= MIRRORED)
+
+    def some(self, frames: NDArray[Any]) -> Poses:
+        """Return those of some frames."""
+        return Poses(*(part[frames] for part in self))
+
+    def put(self, frames: NDArray[Any], others: Poses) -> None:
+        """Replace those of some frames."""
+        parts: tuple[Any, ...] = self
+        for part, other in zip(parts, others, strict=True):
+            part[frames] = other
+
+    def affine(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return A (T, 3, 3) and b (T, 3) of ``A x + b``; identity where nothing is fitted."""
+        known = self.known
+        scales = np.where(known, self.scales, 1.0)[:, None, None]
+        matrices = scales * np.where(known[:, None, None], self.rotations, np.eye(3))
+        offsets = np.where(known[:, None], self.goals - _times(matrices, self.centres), 0.0)
+        return matrices, offsets
+
+    def move(self, recording: Trajectories) -> tuple[Trajectories, HeadMotion]:
+        """Return the recording with each fitted frame where it belongs, and how to go back.
+
+        Samples keep their origin, and sigma goes with the scale.
+        """
+        matrices, offsets = self.affine()
+        scales = np.where(self.known, self.scales, 1.0)
+        back = matrices.transpose(0, 2, 1) / scales[:, None, None]
+        motion = HeadMotion(
+            rotations=back,
+            translations=0.0 - _times(back, offsets) / scales[:, None],
+            scales=1.0 / scales,
+        )
+        positions = moved(recording.positions, matrices, offsets)
+        sigma = None if recording.sigma is None else recording.sigma * scales[:, None]
+        return replace(recording, positions=positions, sigma=sigma), motion
+
+
+def fitted(
+    recording: Trajectories, reference: Reference, scale: Scale, *, reflection: bool = False
+) -> Poses:
+    """Return the poses that minimize each frame's squared distances from the reference.
+
+    Parameters
+    ----------
+    recording
+        With the reference's landmarks.
+    reference
+        Where they belong.
+    scale, reflection
+        As for `fit`.
+    """
+    columns = np.array([recording.markers.index(name) for name in reference.landmarks])
+    alike = np.ones((1, len(columns)))
+    return fit(recording.positions, columns, reference.shape, alike, scale, reflection=reflection)
+
+
+def fit(
+    positions: NDArray[np.float64],
+    columns: NDArray[np.intp],
+    shape: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    scale: Scale,
+    *,
+    reflection: bool = False,
+) -> Poses:
+    """Return the poses that minimize ``sum(w |s R (x - centre) + goal - y|^2)`` in each frame.
+
+    Parameters
+    ----------
+    positions
+        (T, M, 3), NaN where missing.
+    columns
+        (L,), which of the M are landmarks.
+    shape
+        (L, 3), their places y.
+    weights
+        (T, L), or (1, L) for all frames.
+    scale
+        How large the frames become: as they are, as large as the reference by the root mean
+        square of the landmarks' distances from their mean, or as fits best.
+    reflection
+        Whether a mirror image may be chosen.
+    """
+    from nodegraph_align import rigid_kernel
+
+    given = (for_kernel(one) for one in (positions, columns, shape, weights))
+    return Poses(*rigid_kernel.fit(*given, _CODES[scale], reflection))
+
+
+def moved(
+    positions: NDArray[np.float64], matrices: NDArray[np.float64], offsets: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return ``matrix x + offset``, (T, M, 3), of every point x of each frame."""
+    from nodegraph_align import rigid_kernel
+
+    given = for_kernel(positions)
+    made = np.empty_like(given)
+    rigid_kernel.move_into(made, given, for_kernel(matrices), for_kernel(offsets))
+    return made
+
+
+def for_kernel(array: NDArray[Any]) -> NDArray[Any]:
+    """Return a view that cannot be written to, contiguous: one kind, compiled once."""
+    view = np.ascontiguousarray(array).view()
+    view.flags.writeable = False
+    return view
+
+
+def tell(poses: Poses, recording: Trajectories, reference: Reference, told: list[str]) -> None:
+    """Warn of what is doubtful, with counts; `told` is known already.
+
+    Raises
+    ------
+    Refusal
+        If no frame at all could be fitted.
+    """
+    if not poses.known.any():
+        raise Refusal(
+            f"no frame has {FEWEST} of the landmarks {listed(reference.landmarks)} that are "
+            "not on a line"
+        )
+    every = [*told, *_doubts(poses, recording, reference)]
+    if every:
+        warnings.warn("; ".join(every), stacklevel=3)
+
+
+def _doubts(poses: Poses, recording: Trajectories, reference: Reference) -> Iterator[str]:
+    columns = [recording.markers.index(name) for name in reference.landmarks]
+    counts = np.count_nonzero(recording.present[:, columns], axis=1)
+    fewer = poses.known & (counts < len(reference.landmarks))
+    if fewer.any():
+        yield (
+            f"{_frames(fewer)} aligned by fewer than the {len(reference.landmarks)} landmarks, "
+            f"{counts[fewer].min()} in the worst, as others are missing"
+        )
+    if np.any(poses.states == FEW):
+        few = _frames(poses.states == FEW)
+        yield f"{few} left as they are, with fewer than {FEWEST} landmarks"
+    if np.any(poses.states == LINE):
+        yield f"{_frames(poses.states == LINE)} left as they are, with landmarks on a line"
+    if np.any(poses.states == MIRRORED):
+        yield (
+            f"{_frames(poses.states == MIRRORED)} fit badly where a mirror image would fit well: "
+            "have left and right changed places?"
+        )
+
+
+def _frames(which: NDArray[np.bool_]) -> str:
+    return f"{np.count_nonzero(which)} of {len(which)} frames (first {np.argmax(which)})"
+
+
+def _times(matrices: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray((matrices @ vectors[:, :, None])[:, :, 0])

@@ -1,0 +1,146 @@
+"""Procrustes analysis of each frame, by landmarks that expression does not move."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
+
+import numpy as np
+from pydantic import AfterValidator
+from pydantic_core import PydanticCustomError
+
+from nodegraph import node
+from nodegraph_align.poses import Aligned, Poses, Scale, fitted, tell
+from nodegraph_align.reference import Reference, reference_of
+from nodegraph_mocap import Trajectories
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Step = Literal["translate", "scale", "rotate"]
+STEPS: tuple[Step, ...] = get_args(Step)
+
+
+def _as_pydantic_says_it(steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    if steps != STEPS[: len(steps)]:
+        raise PydanticCustomError("steps", f"Input should be the first ones of {', '.join(STEPS)}")
+    return steps
+
+
+Steps = Annotated[tuple[Step, ...], AfterValidator(_as_pydantic_says_it)]
+
+
+@node("align.procrustes", cite=("krzanowski2000", "kabsch1978"))
+def procrustes(
+    recording: Trajectories,
+    reference: Trajectories | None = None,
+    *,
+    landmarks: tuple[str, ...] | None = None,
+    steps: Steps = STEPS,
+    scale: Scale = "none",
+    restore: bool = True,
+    reflection: bool = False,
+) -> Aligned:
+    """Align each frame to a reference by landmarks, and tell the head motion that this undoes.
+
+    A frame's landmarks ``x_i`` and the reference's ``y_i``, those of the n landmarks that the
+    frame has, give what all of the frame's points go through, in up to three steps:
+
+    - translate: their means come to lie in one place, ``x - mean(x_i) + mean(y_i)``;
+    - scale: with `scale` rms the root mean square distances ``sqrt(sum(|x_i - mean(x_i)|^2) / n)``
+      become the same (eq 2);
+    - rotate: by R = ``U diag(1, 1, det(U V^T)) V^T`` of ``M = sum(y_i x_i^T) = U S V^T`` with
+      points as columns, centred (eqs 3-6). The sign makes R a rotation; without it three noisy
+      landmarks give a mirror image half of the time.
+
+    Markers are matched by name. A frame that has some of the landmarks is aligned by these; with
+    fewer than three, or with all on a line (second singular value of M below 1/1000 of the first),
+    it stays as it is. Both are counted in a warning, and so are frames that fit badly where their
+    mirror image would fit well. Points in a plane (z = 0) are points in space: their mirror image
+    is the same shape turned over.
+
+    Weights of a blendshape model are those of a face aligned to the model's neutral, not to a
+    recording's own first frame. Looks ahead no frame.
+
+    Parameters
+    ----------
+    recording
+        Trajectories, with or without gaps.
+    reference
+        The face to align to: its first frame that has all landmarks, else its fullest frame with
+        the landmarks of that one. Left open: the recording's first frame that has all landmarks.
+    landmarks
+        Names of markers that the fit goes by. None: the stable markers of the recording's marker
+        set, or of the reference's if that names none. ``*`` alone: all markers that both have.
+    steps
+        The steps that are carried out, the first ones of translate, scale, rotate; none of them
+        leaves all as it is.
+    scale
+        none: the head keeps its size. rms: as large as the reference, by equation 2.
+        least_squares: the scale that with the rotation fits best,
+        ``trace(diag(1, 1, det) S) / sum(|x_i - mean(x_i)|^2)``, at every prefix of the steps.
+    restore
+        True: in the reference's place and millimetres, and the reference stays as it is. False:
+        as the steps leave it, with the reference's landmarks about the origin, and after a scale
+        step with the reference's root mean square distance as the unit of length.
+    reflection
+        Whether a mirror image may be chosen where it fits better.
+
+    Returns
+    -------
+    aligned : Trajectories
+        The recording, each frame moved; gaps, `origin` and marker set as they were, `sigma`
+        scaled.
+    head_motion : HeadMotion
+        ``captured = s R aligned + t``, also for some of the steps and where nothing is restored.
+    reference : Trajectories
+        The frame that was aligned to, with what the steps do to it.
+
+    Raises
+    ------
+    ValueError
+        If a landmark is unknown (the message names the nearest), listed twice, or there are fewer
+        than three; if none are named and no marker set says which markers are stable; if steps
+        are not the first ones of translate, scale, rotate.
+    Refusal
+        If no reference is given and no frame has all landmarks; if the reference's landmarks are
+        fewer than three, on a line or in one place; if no frame has three that are not on a line.
+    """
+    done = tuple(steps)
+    if done != STEPS[: len(done)]:
+        raise ValueError(
+            f"steps must be the first ones of {', '.join(STEPS)}, got {', '.join(done)}"
+        )
+    chosen, told = reference_of(recording, reference, landmarks)
+    poses = fitted(recording, chosen, scale, reflection=reflection)
+    tell(poses, recording, chosen, told)
+    poses, target = _carried_out(poses, done, scale), chosen.frame
+    if not restore and done:
+        unit = chosen.size if "scale" in done and scale != "none" else 1.0
+        poses, target = _about_the_origin(poses, chosen, unit)
+    return Aligned(*poses.move(recording), target)
+
+
+def _carried_out(poses: Poses, steps: Sequence[Step], scale: Scale) -> Poses:
+    """Return the poses without the steps that are left out."""
+    if not steps:
+        still = np.zeros_like(poses.goals)
+        poses = poses._replace(centres=still, goals=still)
+    if "scale" not in steps:
+        poses = poses._replace(scales=np.ones_like(poses.scales))
+    if "rotate" not in steps:
+        poses = poses._replace(rotations=np.broadcast_to(np.eye(3), poses.rotations.shape))
+    return poses
+
+
+def _about_the_origin(
+    poses: Poses, reference: Reference, unit: float
+) -> tuple[Poses, Trajectories]:
+    """Return poses and reference with the landmarks' mean at the origin, in another unit."""
+    moved = poses._replace(
+        scales=poses.scales / unit, goals=(poses.goals - reference.centre) / unit
+    )
+    frame = reference.frame
+    sigma = None if frame.sigma is None else frame.sigma / unit
+    positions = (frame.positions - reference.centre) / unit
+    return moved, replace(frame, positions=positions, sigma=sigma)

@@ -1,0 +1,153 @@
+"""An alignment that breaks a promise is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import nodegraph_align
+import nodegraph_mocap
+from nodegraph import node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_align.generalized import generalized
+from nodegraph_align.huber import huber
+from nodegraph_align.poses import Aligned
+from nodegraph_align.procrustes import procrustes
+from nodegraph_align.trimmed import trimmed
+from nodegraph_mocap import HeadMotion, Origin, Trajectories
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("align", nodegraph_align)])
+Spoil = Callable[[Trajectories, Aligned], Aligned]
+
+
+def moves_the_first_marker(given: Trajectories, made: Aligned) -> Aligned:
+    positions = made.aligned.positions.copy()
+    positions[:, 0] += 1.0
+    return made._replace(aligned=replace(made.aligned, positions=positions))
+
+
+def gives_no_motion(given: Trajectories, made: Aligned) -> Aligned:
+    still = np.zeros_like(made.head_motion.translations)
+    return made._replace(head_motion=replace(made.head_motion, translations=still))
+
+
+def fills(given: Trajectories, made: Aligned) -> Aligned:
+    aligned = made.aligned
+    missing = ~aligned.present
+    positions = np.where(missing[..., None], 0.0, aligned.positions)
+    filled = aligned.with_samples(positions, changed=missing, origin=Origin.FILLED)
+    return made._replace(aligned=filled)
+
+
+def keeps_sigma(given: Trajectories, made: Aligned) -> Aligned:
+    motion = made.head_motion
+    half = replace(motion, scales=2.0 * motion.scales)
+    positions = 0.5 * made.aligned.positions
+    return made._replace(aligned=replace(made.aligned, positions=positions), head_motion=half)
+
+
+def gives_every_frame(given: Trajectories, made: Aligned) -> Aligned:
+    return made._replace(reference=made.aligned)
+
+
+def does_nothing_to_the_last_frame(given: Trajectories, made: Aligned) -> Aligned:
+    positions, motion = made.aligned.positions.copy(), made.head_motion
+    rotations, translations = motion.rotations.copy(), motion.translations.copy()
+    positions[-1], rotations[-1], translations[-1] = given.positions[-1], np.eye(3), 0.0
+    turned = replace(motion, rotations=rotations, translations=translations)
+    return made._replace(aligned=replace(made.aligned, positions=positions), head_motion=turned)
+
+
+def turns_by_what_was_there(given: Trajectories, made: Aligned) -> Aligned:
+    """A quarter turn about z in each frame, wherever the head was."""
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    motion = made.head_motion
+    return made._replace(
+        aligned=replace(made.aligned, positions=given.positions @ quarter.T),
+        head_motion=replace(
+            motion,
+            rotations=np.tile(quarter.T, (given.frames, 1, 1)),
+            translations=np.zeros((given.frames, 3)),
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (moves_the_first_marker, "head_motion leads back"),
+        (gives_no_motion, "head_motion leads back"),
+        (fills, "with another origin: return"),
+        (keeps_sigma, "sigma is not that of the samples"),
+        (gives_every_frame, "reference has 40 frames: give the one"),
+        (turns_by_what_was_there, "Leave a recording as it is that is aligned already"),
+        (turns_by_what_was_there, "Give the same face wherever the head is"),
+    ],
+)
+def test_an_alignment_that_breaks_a_promise(spoil: Spoil, text: str) -> None:
+    @node("align.broken")
+    def broken(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
+        """Align, and spoil it."""
+        return spoil(recording, procrustes(recording, reference))
+
+    with pytest.raises(AssertionError, match=text):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_frames_that_stay_as_they_are_are_no_fault() -> None:
+    @node("align.partial")
+    def partial(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
+        """Align all frames but the last, which cannot be."""
+        return does_nothing_to_the_last_frame(recording, procrustes(recording, reference))
+
+    check_node(partial, registry=REGISTRY)
+
+
+class Renamed(NamedTuple):
+    face: Trajectories
+    head_motion: HeadMotion
+    reference: Trajectories
+
+
+def test_outputs_by_other_names() -> None:
+    @node("align.broken")
+    def broken(recording: Trajectories, reference: Trajectories | None = None) -> Renamed:
+        """Align, and call it otherwise."""
+        return Renamed(*procrustes(recording, reference))
+
+    with pytest.raises(AssertionError, match="let it return aligned, head_motion, reference"):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_one_that_depends_on_the_head_although_it_has_a_reference() -> None:
+    @node("align.broken")
+    def broken(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
+        """Align to the recording's own first frame, whatever the reference."""
+        return procrustes(recording)
+
+    with pytest.raises(AssertionError, match="Give the same face wherever the head is"):
+        check_node(broken, registry=REGISTRY)
+
+
+@pytest.mark.parametrize(
+    ("align", "settings"),
+    [
+        (procrustes, {}),
+        (procrustes, {"steps": ()}),
+        (procrustes, {"steps": ("translate",)}),
+        (procrustes, {"steps": ("translate", "scale"), "scale": "rms"}),
+        (procrustes, {"scale": "rms", "restore": False}),
+        (procrustes, {"scale": "least_squares", "reflection": True}),
+        (trimmed, {"share": 0.5}),
+        (huber, {"width": 0.1, "scale": "rms"}),
+        (generalized, {"scale": "least_squares"}),
+    ],
+)
+def test_good_ones_pass(align: Callable[..., Aligned], settings: dict[str, Any]) -> None:
+    check_node(align, settings=settings, registry=REGISTRY)

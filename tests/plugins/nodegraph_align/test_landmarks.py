@@ -1,0 +1,90 @@
+"""Landmarks come from the user or from a marker set, and are what both recordings have."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_align.landmarks import landmarks_of, listed
+from nodegraph_mocap import MarkerSet, Trajectories
+
+
+@pytest.fixture
+def face(recorded: Callable[..., Trajectories]) -> Trajectories:
+    return recorded(np.zeros((1, 8, 3)), stable=4)
+
+
+def test_stable_markers_of_the_recordings_marker_set(face: Trajectories) -> None:
+    assert landmarks_of(face, None, None) == (("m0", "m1", "m2", "m3"), [])
+
+
+def test_stable_markers_of_the_references_where_the_recordings_says_nothing(
+    face: Trajectories,
+) -> None:
+    for marker_set in (None, MarkerSet(markers=face.markers)):
+        bare = replace(face, marker_set=marker_set)
+        assert landmarks_of(bare, face, None)[0] == ("m0", "m1", "m2", "m3")
+
+
+def test_the_recordings_marker_set_comes_first(face: Trajectories) -> None:
+    other = MarkerSet(markers=face.markers, stable=("m5", "m6", "m7"))
+    assert landmarks_of(replace(face, marker_set=other), face, None)[0] == ("m5", "m6", "m7")
+
+
+def test_stable_markers_that_one_of_them_lacks_are_told(face: Trajectories) -> None:
+    chosen, told = landmarks_of(face, face.keep(["m7", "m3", "m0", "m1"]), None)
+    assert chosen == ("m0", "m1", "m3")
+    assert told == ["1 stable markers are no landmarks, as not all have them: m2"]
+
+
+def test_names_come_in_the_users_order(face: Trajectories) -> None:
+    assert landmarks_of(face, None, ["m6", "m0", "m5"]) == (("m6", "m0", "m5"), [])
+
+
+def test_no_stable_marker_at_all(face: Trajectories) -> None:
+    bare = replace(face, marker_set=None)
+    for reference in (None, bare):
+        with pytest.raises(ValueError, match="give `landmarks`"):
+            landmarks_of(bare, reference, None)
+
+
+def test_too_few_stable_ones(face: Trajectories) -> None:
+    with pytest.raises(Refusal, match=r"of m0, m1, m2, m3 they have m0, m1$"):
+        landmarks_of(face, face.keep(["m0", "m1", "m7"]), None)
+
+
+@pytest.mark.parametrize(
+    ("names", "text"),
+    [
+        (["m0", "m1"], "landmarks: must be 3 or more, got m0, m1"),
+        ([], "landmarks: must be 3 or more, got none"),
+        (["m0", "m1", "m0", "m2"], "landmarks: listed twice: m0"),
+        (
+            ["m0", "M1", "nose"],
+            "the recording has no marker 'M1' [(]did you mean 'm1'[?][)]; 'nose'; it has m0, m1",
+        ),
+    ],
+)
+def test_names_that_will_not_do(face: Trajectories, names: list[str], text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        landmarks_of(face, face, names)
+
+
+def test_a_name_that_the_reference_lacks(face: Trajectories) -> None:
+    with pytest.raises(ValueError, match="the reference has no marker 'm2'"):
+        landmarks_of(face, face.keep(["m0", "m1", "m7"]), ["m0", "m1", "m2"])
+
+
+def test_long_lists_are_cut() -> None:
+    assert listed([]) == "none"
+    assert listed(f"{index}" for index in range(12)).endswith("8, 9, and 2 more")
+
+
+def test_a_star_is_every_marker_that_both_have(face: Trajectories) -> None:
+    assert landmarks_of(face, None, ["*"]) == (face.markers, [])
+    part = face.keep(["m7", "m3", "m5"])
+    assert landmarks_of(face, part, ("*",)) == (("m3", "m5", "m7"), [])

@@ -1,0 +1,87 @@
+"""What every node of this package does, and what importing it costs."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph.node import node_of
+from nodegraph_align import nodegraph_bibtex, nodegraph_nodes
+from nodegraph_mocap import HeadMotion, Trajectories
+
+NODES = {function.__name__: function for function in nodegraph_nodes()}
+ALIGNMENTS = sorted(set(NODES) - {"restore"})
+TO_A_REFERENCE = ["huber", "procrustes", "trimmed"]
+Head = Callable[..., tuple[Trajectories, HeadMotion]]
+Moved = Callable[[Trajectories, HeadMotion], Trajectories]
+
+
+def test_every_node_runs_by_its_defaults_and_cites_what_is_shipped() -> None:
+    shipped = set(re.findall(r"^@\w+\{(\w+),", nodegraph_bibtex(), flags=re.MULTILINE))
+    cited: set[str] = set()
+    for function in NODES.values():
+        one = node_of(function)
+        assert one is not None
+        assert not [setting.name for setting in one.settings.values() if setting.required]
+        assert "Looks a" in one.doc
+        cited |= set(one.cite)
+    assert cited == shipped
+
+
+def test_alignments_have_the_same_ports() -> None:
+    for name in ALIGNMENTS:
+        one = node_of(NODES[name])
+        assert one is not None
+        ports = ["recording", "reference"] if name in TO_A_REFERENCE else ["recording"]
+        assert [port.name for port in one.inputs] == ports
+        assert [port.name for port in one.outputs] == ["aligned", "head_motion", "reference"]
+
+
+@pytest.mark.parametrize("name", ALIGNMENTS)
+def test_a_rigid_head_stands_still_afterwards(name: str, head: Head, moved: Moved) -> None:
+    rest, motion = head(frames=10)
+    made = NODES[name](moved(rest, motion))
+    still = np.repeat(made.reference.positions, 10, axis=0)
+    np.testing.assert_allclose(made.aligned.positions, still, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ALIGNMENTS)
+def test_memory_order_and_precision_make_no_difference(name: str, head: Head, moved: Moved) -> None:
+    rest, motion = head(frames=10)
+    take = moved(rest, motion)
+    noise = np.random.default_rng(0).normal(0, 1, take.positions.shape)
+    coarse = (take.positions + noise).astype(np.float32)
+    expected = NODES[name](replace(take, positions=coarse.astype(np.float64))).aligned.positions
+    layouts: tuple[Any, ...] = (coarse, np.asfortranarray(coarse))
+    for positions in layouts:
+        made = NODES[name](replace(take, positions=positions)).aligned.positions
+        np.testing.assert_array_equal(made, expected)
+
+
+@pytest.mark.parametrize("name", ALIGNMENTS)
+def test_one_frame(name: str, head: Head) -> None:
+    rest, _ = head()
+    made = NODES[name](rest)
+    np.testing.assert_allclose(made.aligned.positions, rest.positions, atol=1e-10)
+
+
+def test_importing_the_nodes_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, nodegraph_align; list(nodegraph_align.nodegraph_nodes());"
+        "print([name for name in ('numba', 'scipy', 'pandas') if name in sys.modules])"
+    )
+    path = [entry for entry in sys.path if entry]
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}; {code}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"

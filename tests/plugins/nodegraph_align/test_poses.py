@@ -1,0 +1,117 @@
+"""Poses move a recording, lead back, and say what is doubtful."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_align import poses as module
+from nodegraph_align import rigid_kernel
+from nodegraph_align.poses import FEW, FITTED, LINE, MIRRORED, Poses, fitted, tell
+from nodegraph_align.reference import reference_of
+from nodegraph_mocap import HeadMotion, Origin, Trajectories
+
+Head = Callable[..., tuple[Trajectories, HeadMotion]]
+Moved = Callable[[Trajectories, HeadMotion], Trajectories]
+
+
+def warned(*arguments: Any) -> list[str]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        tell(*arguments)
+    return [str(one.message) for one in caught]
+
+
+def test_codes_are_those_of_the_compiled_loops() -> None:
+    names = ("FITTED", "MIRRORED", "FEW", "LINE")
+    assert [getattr(module, one) for one in names] == [getattr(rigid_kernel, one) for one in names]
+    kinds = (rigid_kernel.AS_IT_IS, rigid_kernel.RMS, rigid_kernel.LEAST_SQUARES)
+    assert tuple(module._CODES.values()) == kinds
+
+
+def test_moving_keeps_what_is_known_of_samples_and_scales_sigma(head: Head, moved: Moved) -> None:
+    rest, motion = head(frames=5)
+    motion = replace(motion, scales=np.array([1.0, 0.5, 2.0, 1.25, 0.8]))
+    take = moved(rest, motion)
+    origin = np.full(take.origin.shape, Origin.REPAIRED, dtype=np.uint8)
+    origin[2, 8] = Origin.FILLED
+    take = replace(take, origin=origin, sigma=np.full(origin.shape, 0.3))
+    found = fitted(take, reference_of(take, rest, None)[0], "rms")
+    made, back = found.move(take)
+    np.testing.assert_allclose(made.positions, np.repeat(rest.positions, 5, axis=0), atol=1e-10)
+    np.testing.assert_array_equal(made.origin, origin)
+    assert made.sigma is not None
+    np.testing.assert_allclose(made.sigma, np.repeat(0.3 / motion.scales[:, None], 12, axis=1))
+    for name in ("rotations", "translations", "scales"):
+        np.testing.assert_allclose(getattr(back, name), getattr(motion, name), atol=1e-9)
+
+
+def test_frames_that_are_not_fitted_stay_bit_for_bit(head: Head, moved: Moved) -> None:
+    rest, motion = head(frames=3)
+    take = moved(rest, motion)
+    poses = fitted(take, reference_of(take, rest, None)[0], "none")
+    poses.states[1], poses.states[2] = FEW, LINE
+    made, back = poses.move(take)
+    np.testing.assert_array_equal(made.positions[1:], take.positions[1:])
+    np.testing.assert_array_equal(back.rotations[1:], np.tile(np.eye(3), (2, 1, 1)))
+    assert not back.translations[1:].any()
+    np.testing.assert_array_equal(back.scales, 1.0)
+    assert np.abs(made.positions[0] - rest.positions[0]).max() < 1e-10
+
+
+def test_some_and_put_are_inverse(head: Head, moved: Moved) -> None:
+    rest, motion = head(frames=6)
+    take = moved(rest, motion)
+    poses = fitted(take, reference_of(take, rest, None)[0], "none")
+    which = np.array([4, 1])
+    chosen = poses.some(which)
+    np.testing.assert_array_equal(chosen.goals, poses.goals[which])
+    parts: Any = (np.zeros_like(part) for part in poses)
+    blank = Poses(*parts)
+    blank.put(which, chosen)
+    np.testing.assert_array_equal(blank.rotations[which], poses.rotations[which])
+    assert not blank.rotations[[0, 2, 3, 5]].any()
+
+
+def test_doubts_are_counted(
+    head: Head, moved: Moved, recorded: Callable[..., Trajectories]
+) -> None:
+    rest, motion = head(frames=6)
+    positions = moved(rest, motion).positions.copy()
+    positions[1, 0] = positions[2, 1:5] = positions[4, [0, 1]] = np.nan
+    take = recorded(positions)
+    reference, _ = reference_of(take, rest, None)
+    poses = fitted(take, reference, "none")
+    assert poses.states.tolist() == [FITTED, FITTED, FEW, FITTED, FITTED, FITTED]
+    poses.states[3], poses.states[5] = LINE, MIRRORED
+    told = warned(poses, take, reference, ["this first"])
+    assert told == [
+        "this first; 2 of 6 frames (first 1) aligned by fewer than the 6 landmarks, 4 in the "
+        "worst, as others are missing; 1 of 6 frames (first 2) left as they are, with fewer than "
+        "3 landmarks; 1 of 6 frames (first 3) left as they are, with landmarks on a line; 1 of 6 "
+        "frames (first 5) fit badly where a mirror image would fit well: have left and right "
+        "changed places?"
+    ]
+
+
+def test_nothing_doubtful_says_nothing(head: Head, moved: Moved) -> None:
+    rest, motion = head()
+    take = moved(rest, motion)
+    reference, _ = reference_of(take, rest, None)
+    assert not warned(fitted(take, reference, "none"), take, reference, [])
+
+
+def test_no_frame_fitted_is_refused(head: Head, moved: Moved) -> None:
+    rest, motion = head(frames=2)
+    take = moved(rest, motion)
+    reference, _ = reference_of(take, rest, None)
+    poses = fitted(take, reference, "none")
+    poses.states[:] = FEW
+    with pytest.raises(Refusal, match="no frame has 3 of the landmarks m0, m1, m2, m3, m4, m5"):
+        tell(poses, take, reference, [])

@@ -1,0 +1,87 @@
+"""The frame that others are aligned to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_align.reference import check_shape, reference_of
+from nodegraph_mocap import Trajectories
+
+Record = Callable[..., Trajectories]
+
+
+def scattered(frames: int = 5, markers: int = 6) -> np.ndarray:
+    return np.random.default_rng(0).normal(0, 50, (frames, markers, 3))
+
+
+def test_first_frame_with_all_landmarks_whatever_else_it_lacks(recorded: Record) -> None:
+    positions = scattered()
+    positions[0, 1] = positions[1, [0, 2]] = positions[2, 5] = np.nan
+    sigma = np.where(np.isnan(positions[..., 0]), np.nan, np.arange(5.0)[:, None])
+    take = recorded(positions, stable=4, sigma=sigma)
+    for given in (None, take):
+        found, told = reference_of(take, given, None)
+        np.testing.assert_array_equal(found.frame.positions, positions[2:3])
+        np.testing.assert_array_equal(found.frame.origin, take.origin[2:3])
+        np.testing.assert_array_equal(found.frame.sigma, sigma[2:3])
+        np.testing.assert_array_equal(found.shape, positions[2, :4])
+        assert found.landmarks == ("m0", "m1", "m2", "m3")
+        assert found.frame.marker_set is take.marker_set
+        assert not told
+
+
+def test_mean_and_size_of_the_landmarks(recorded: Record) -> None:
+    shape = [[1.0, 1.0, 0.0], [1.0, 2.0, 0.0], [3.0, 2.0, 0.0], [90.0, 9.0, 9.0]]
+    found, _ = reference_of(recorded([shape], stable=3), None, None)
+    np.testing.assert_allclose(found.centre, [5 / 3, 5 / 3, 0])
+    assert found.size == pytest.approx(np.sqrt(10 / 9))
+
+
+def test_names_are_matched_not_columns(recorded: Record) -> None:
+    take = recorded(scattered())
+    found, _ = reference_of(take, take.keep(take.markers[::-1]), ["m4", "m0", "m2"])
+    np.testing.assert_array_equal(found.shape, take.positions[0, [4, 0, 2]])
+
+
+def test_a_take_without_a_frame_that_has_all_is_refused(recorded: Record) -> None:
+    positions = scattered()
+    positions[np.arange(5), np.arange(5)] = positions[0, 1] = np.nan
+    with pytest.raises(Refusal, match=r"all 6 landmarks: the fullest, frame 1, lacks m1; give a"):
+        reference_of(recorded(positions), None, None)
+
+
+def test_a_reference_that_lacks_landmarks_does_with_what_its_fullest_frame_has(
+    recorded: Record,
+) -> None:
+    take, positions = recorded(scattered()), scattered(3)
+    positions[0, [0, 1]] = positions[1, 4] = positions[2, 3] = np.nan
+    found, told = reference_of(take, recorded(positions), None)
+    assert found.landmarks == ("m0", "m1", "m2", "m3", "m5")
+    np.testing.assert_array_equal(found.shape, positions[1, [0, 1, 2, 3, 5]])
+    assert told == ["1 landmarks are missing in the reference and are none: m4"]
+
+
+def test_references_that_will_not_do(recorded: Record) -> None:
+    take, few = recorded(scattered()), scattered(1)
+    few[0, :4] = np.nan
+    with pytest.raises(Refusal, match="needs 3 landmarks in the frame to align to, which has 2"):
+        reference_of(take, recorded(few), None)
+    with pytest.raises(Refusal, match="there is none"):
+        reference_of(take, recorded(np.empty((0, 6, 3))), None)
+    with pytest.raises(Refusal, match="there is none"):
+        reference_of(recorded(np.empty((0, 6, 3))), None, None)
+
+
+@pytest.mark.parametrize("far", [0.0, 1e4])
+def test_shapes_that_tell_no_turn(far: float) -> None:
+    random = np.random.default_rng(0)
+    line = np.outer(random.normal(0, 50, 6), [1.0, 2.0, -1.0]) + random.normal(0, 0.1, (6, 3))
+    with pytest.raises(Refusal, match="lie on a line"):
+        check_shape(line + far)
+    with pytest.raises(Refusal, match="all in one place"):
+        check_shape(np.full((4, 3), 0.1 + far))
+    check_shape(line + np.outer([0.0, 9.0, 0.0, 9.0, 0.0, 9.0], [2.0, -1.0, 0.0]) + far)

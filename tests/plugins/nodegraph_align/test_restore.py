@@ -1,0 +1,47 @@
+"""Head motion is put back as captured = s R x + t."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph_align.procrustes import procrustes
+from nodegraph_align.restore import restore
+from nodegraph_mocap import HeadMotion, Origin, Trajectories
+
+Head = Callable[..., tuple[Trajectories, HeadMotion]]
+Moved = Callable[[Trajectories, HeadMotion], Trajectories]
+
+
+def test_it_is_the_formula(head: Head, moved: Moved, recorded: Callable[..., Trajectories]) -> None:
+    rest, motion = head(frames=6)
+    motion = replace(motion, scales=np.linspace(0.5, 2.0, 6))
+    still = recorded(np.repeat(rest.positions, 6, axis=0))
+    made = restore(still, motion)
+    np.testing.assert_allclose(made.positions, moved(rest, motion).positions, atol=1e-9)
+
+
+def test_it_undoes_an_alignment_and_keeps_what_is_known_of_samples(
+    head: Head, moved: Moved
+) -> None:
+    rest, motion = head(frames=6)
+    take = moved(rest, replace(motion, scales=np.linspace(0.5, 2.0, 6)))
+    positions, origin = take.positions.copy(), take.origin.copy()
+    positions[2, 9], origin[2, 9], origin[3, 3] = np.nan, Origin.MISSING, Origin.FILLED
+    take = replace(take, positions=positions, origin=origin, sigma=np.full((6, 12), 0.25))
+    made = procrustes(take, rest, scale="rms", restore=False)
+    back = restore(made.aligned, made.head_motion)
+    np.testing.assert_allclose(back.positions, positions, atol=1e-9)
+    np.testing.assert_array_equal(back.origin, origin)
+    assert back.sigma is not None
+    np.testing.assert_allclose(back.sigma, 0.25)
+    assert back.marker_set is take.marker_set
+
+
+def test_frames_that_do_not_match(head: Head) -> None:
+    rest, motion = head(frames=6)
+    with pytest.raises(ValueError, match="the recording has 1 frames, the head motion 6"):
+        restore(rest, motion)
