@@ -14,9 +14,13 @@ if TYPE_CHECKING:
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
+    from nodegraph_compare.agreement import agreement
+    from nodegraph_compare.curve import curve
+    from nodegraph_compare.importance import importance
+    from nodegraph_compare.ranks import ranks
     from nodegraph_compare.table import table
 
-    return (table,)
+    return (agreement, curve, importance, ranks, table)
 
 
 @hookimpl

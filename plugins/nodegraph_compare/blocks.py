@@ -58,7 +58,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class _Columns:
+class Columns:
     """Columns of all rows as whole numbers: places in their lists of labels."""
 
     labels: tuple[tuple[Label, ...], ...]
@@ -90,10 +90,10 @@ class _Columns:
 
 def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
     """Return the groups of the gathered tables, in the order of the labels of `within`."""
-    within = _columns(scores, question.within)
-    compare = _columns(scores, question.compared)
-    block = _columns(scores, question.blocks).combined()
-    value = _values(scores, question.metric)
+    within = columns_of(scores, question.within)
+    compare = columns_of(scores, question.compared)
+    block = columns_of(scores, question.blocks).combined()
+    value = values_of(scores, question.metric)
     rows_of = _split(within.combined())
     methods = compare.combined()
     empty = _without_rows(scores, question, within, compare)
@@ -110,13 +110,14 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
     return tuple(made)
 
 
-def _columns(scores: Across[Table], names: tuple[str, ...]) -> _Columns:
+def columns_of(scores: Across[Table], names: tuple[str, ...]) -> Columns:
+    """Return gathered axes, or columns, of all rows of all tables."""
     lengths = [len(table) for table in scores.values()]
     both = [
         _axis(scores, name, lengths) if name in scores.axes else _column(scores, name)
         for name in names
     ]
-    return _Columns(tuple(one[0] for one in both), tuple(one[1] for one in both), sum(lengths))
+    return Columns(tuple(one[0] for one in both), tuple(one[1] for one in both), sum(lengths))
 
 
 def _axis(
@@ -136,7 +137,8 @@ def _column(scores: Across[Table], name: str) -> tuple[tuple[Label, ...], NDArra
     return tuple(labels.tolist()), np.asarray(codes, dtype=np.intp)
 
 
-def _values(scores: Across[Table], metric: str) -> NDArray[np.float64]:
+def values_of(scores: Across[Table], metric: str) -> NDArray[np.float64]:
+    """Return the metric of all rows of all tables; NaN where it is not finite."""
     parts = [table[metric].to_numpy(dtype=np.float64) for table in scores.values()]
     joined = np.concatenate(parts)
     return np.where(np.isfinite(joined), joined, np.nan)
@@ -164,7 +166,7 @@ def _block_means(
 
 
 def _without_rows(
-    scores: Across[Table], question: Question, within: _Columns, compare: _Columns
+    scores: Across[Table], question: Question, within: Columns, compare: Columns
 ) -> dict[int, set[int]]:
     """Return the methods that were refused or failed, by group, where only axes tell them apart."""
     if not set(question.within + question.compared).issubset(scores.axes):

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter, NullFormatter
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 
+from nodegraph_compare.pictures import plain, turned
 from nodegraph_mocap.style import PALE, looks
 
 if TYPE_CHECKING:
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
 _WIDEST_LINEAR = 30.0
 _PANELS_PER_ROW = 3
 _SPREAD = 0.76
+_MOST_PANELS = 24
+_MOST_TICKS = 40
+_MOST_NAMES = 40
 
 
 def draw(
@@ -34,7 +39,7 @@ def draw(
     """Return the figure: the last of `within` along x, a panel per combination of the others.
 
     Without `within`, the methods stand along x. A method looks the same in every panel. The
-    scale is logarithmic where the means span more than a factor of 30.
+    scale is logarithmic where the means span more than a factor of 30. At most 24 panels.
     """
     if not question.within:
         return _one_group(question, found, order, unit)
@@ -42,16 +47,19 @@ def draw(
     for one in found:
         panels[one.group.labels[:-1]].append(one)
     places = list(dict.fromkeys(one.group.labels[-1] for one in found))
-    figure, axes = _grid(len(panels), len(places) * max(len(order), 2))
-    for axis, (labels, summaries) in zip(axes, panels.items(), strict=True):
+    drawn = list(panels.items())[:_MOST_PANELS]
+    figure, axes = _grid(len(drawn), len(places) * max(len(order), 2))
+    for axis, (labels, summaries) in zip(axes, drawn, strict=True):
         _panel(axis, summaries, places, order)
         pairs = zip(question.within[:-1], labels, strict=True)
-        axis.set_title(", ".join(f"{name} {label}" for name, label in pairs))
-        axis.set_xlabel(question.within[-1])
+        axis.set_title(plain(", ".join(f"{name} {label}" for name, label in pairs)))
+        axis.set_xlabel(plain(question.within[-1]))
+    if len(drawn) < len(panels):
+        figure.supxlabel(f"{len(panels) - len(drawn)} more panels are not drawn", fontsize=8)
     _scale(axes, found)
     for axis in axes[::_PANELS_PER_ROW]:
         axis.set_ylabel(_quantity(question, unit))
-    _legend(figure, axes, found, order)
+    _legend(figure, found, order)
     return figure
 
 
@@ -64,14 +72,10 @@ def _one_group(
         for place, label in enumerate(order):
             if label in one.group.methods:
                 _point(axis, np.array([place]), [one], label, look[str(label)])
-    axis.set_xticks(range(len(order)), [str(label) for label in order])
-    if len(order) > 4 or max((len(str(label)) for label in order), default=0) > 12:
-        axis.tick_params(axis="x", rotation=40)
-        for text in axis.get_xticklabels():
-            text.set(ha="right", rotation_mode="anchor")
+    _ticks(axis, order, turn=len(order) > 4 or any(len(str(one)) > 12 for one in order))
     axis.set_xlim(-0.6, len(order) - 0.4)
     _scale([axis], found)
-    axis.set_xlabel(question.compare or "")
+    axis.set_xlabel(plain(question.compare or ""))
     axis.set_ylabel(_quantity(question, unit))
     return figure
 
@@ -98,8 +102,18 @@ def _panel(
         _point(axis, x, having, label, look[str(label)])
     for place in range(1, len(places), 2):
         axis.axvspan(place - 0.5, place + 0.5, color=PALE, alpha=0.6, linewidth=0, zorder=0)
-    axis.set_xticks(range(len(places)), [str(place) for place in places])
+    letters = sum(len(str(place)) + 1 for place in places)
+    _ticks(axis, places, turn=letters > 45)
     axis.set_xlim(-0.5, len(places) - 0.5)
+
+
+def _ticks(axis: Axes, labels: Sequence[Label], *, turn: bool) -> None:
+    """Name the places along x; of many, some."""
+    step = math.ceil(len(labels) / _MOST_TICKS) or 1
+    named = range(0, len(labels), step)
+    axis.set_xticks(named, [plain(labels[place]) for place in named])
+    if turn:
+        turned(axis)
 
 
 def _point(
@@ -132,7 +146,7 @@ def _scale(axes: Sequence[Axes], found: Sequence[Summary]) -> None:
     for axis in axes:
         if wide:
             axis.set_yscale("log")
-            axis.yaxis.set_major_formatter(LogFormatter(labelOnlyBase=False))
+            axis.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
             axis.yaxis.set_minor_formatter(NullFormatter())
         elif len(means) and means.min() >= 0:
             axis.set_ylim(bottom=0)
@@ -141,20 +155,25 @@ def _scale(axes: Sequence[Axes], found: Sequence[Summary]) -> None:
         axis.spines[["top", "right"]].set_visible(False)
 
 
-def _legend(
-    figure: Figure, axes: Sequence[Axes], found: Sequence[Summary], order: tuple[Label, ...]
-) -> None:
-    handles, _ = axes[0].get_legend_handles_labels()
+def _legend(figure: Figure, found: Sequence[Summary], order: tuple[Label, ...]) -> None:
     known = {
         label
         for one in found
         for label, blocks in zip(one.group.methods, one.blocks, strict=True)
         if blocks
     }
-    names = [str(label) + ("" if label in known else " (no value)") for label in order]
+    look = looks(order)
+    handles = [_handle(look[str(label)]) for label in order[:_MOST_NAMES]]
+    names = [plain(label) + ("" if label in known else " (no value)") for label in order]
+    if len(order) > _MOST_NAMES:
+        names[_MOST_NAMES - 1] += f", and {len(order) - _MOST_NAMES} more"
     if len(order) > 1:
-        figure.legend(handles, names, loc="outside right upper", frameon=False)
+        figure.legend(handles, names[:_MOST_NAMES], loc="outside right upper", frameon=False)
+
+
+def _handle(look: Look) -> Line2D:
+    return Line2D([], [], color=look.colour, marker=look.marker, markersize=5, linestyle="none")
 
 
 def _quantity(question: Question, unit: str) -> str:
-    return f"mean {question.metric}" + (f" ({unit})" if unit else "")
+    return plain(f"mean {question.metric}" + (f" ({unit})" if unit else ""))

@@ -6,9 +6,11 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from nodegraph import Across, Label
+    from nodegraph_compare.blocks import Group
+    from nodegraph_compare.question import Question
 
 
 def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
@@ -24,6 +26,31 @@ def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
             _merge(order, sequence)
     wanting = (one.labels.get(axis, "") for one in scores.absent if one.kind != "skipped")
     return tuple(dict.fromkeys([*order, *wanting]))
+
+
+def compared_labels(
+    scores: Across[Any], question: Question, found: Sequence[Group]
+) -> tuple[Label, ...]:
+    """Return all compared labels in their order: an axis's, else as the groups have them."""
+    if question.compare in scores.axes:
+        return label_order(scores, question.compare)
+    return tuple(dict.fromkeys(label for one in found for label in one.methods))
+
+
+def named_label(order: Sequence[Label], baseline: str | None) -> Label | None:
+    """Return the label that a baseline names.
+
+    Raises
+    ------
+    ValueError
+        If none has that text.
+    """
+    if baseline is None:
+        return None
+    for label in order:
+        if str(label) == baseline:
+            return label
+    raise ValueError(f"no baseline {baseline!r}; compared are: {', '.join(map(str, order))}")
 
 
 def _sequences(scores: Across[Any], axis: str) -> Iterable[list[Label]]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from nodegraph_compare.better import Better, End, better_end
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -24,6 +26,8 @@ class Question:
     within, blocks : tuple of str
     averaged : tuple of str
         Gathered axes that are none of these: a block's value is the mean over them.
+    better : str
+        Which end of the metric is better: ``lower``, ``higher`` or ``none``.
     """
 
     metric: str
@@ -31,6 +35,7 @@ class Question:
     within: tuple[str, ...]
     blocks: tuple[str, ...]
     averaged: tuple[str, ...]
+    better: End = "lower"
 
     @property
     def compared(self) -> tuple[str, ...]:
@@ -45,13 +50,15 @@ def ask(
     compare: str | None,
     within: tuple[str, ...],
     blocks: tuple[str, ...],
+    better: Better = "declared",
 ) -> Question:
     """Return the question with its defaults filled in and every name checked.
 
     Raises
     ------
     ValueError
-        If there is no table, a name is unknown or is used twice, or the metric is no number.
+        If there is no table, a name is unknown or is used twice, the metric is no number, or the
+        tables do not agree on its better end.
     """
     if not len(scores):
         raise ValueError("there is no table to compare")
@@ -62,7 +69,14 @@ def ask(
     named = (*within, *filter(None, [compared]), *chosen)
     _check_names(scores, named)
     averaged = tuple(axis for axis in scores.axes if axis not in named)
-    return Question(_metric(scores, metric), compared, tuple(within), chosen, averaged)
+    value = _metric(scores, metric)
+    end = better_end(scores, value, better)
+    return Question(value, compared, tuple(within), chosen, averaged, end)
+
+
+def unit_of(scores: Across[Table], question: Question) -> str:
+    """Return the unit of the metric, as the first table has it; empty if it says none."""
+    return str(scores.values()[0].attrs.get("units", {}).get(question.metric, ""))
 
 
 def _default_blocks(scores: Across[Table], taken: set[str]) -> tuple[str, ...]:

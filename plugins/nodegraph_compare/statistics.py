@@ -1,64 +1,106 @@
-"""Bootstrap intervals, signed-rank tests and Holm's correction, on paired blocks."""
+"""Tests of paired differences and Holm's correction."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
-RESAMPLES = 2000
-CONFIDENCE = 0.95
-_DRAWN_AT_ONCE = 4_000_000
+Test = Literal["wilcoxon", "t", "sign", "none"]
+LEVEL = 0.05
+_MOST_SIGNS = 13
 
 
-def resampled_means(values: NDArray[np.float64], *, seed: int) -> NDArray[np.float64]:
-    """Return the bootstrap means of paired columns (Efron 1979).
-
-    Blocks are drawn with replacement, the same blocks for every column, so that the difference
-    of two columns of the result is the bootstrap of their paired difference.
+def p_values(differences: NDArray[np.float64], test: Test) -> NDArray[np.float64]:
+    """Return the two-sided p of each column of paired differences; NaN for the test ``none``.
 
     Parameters
     ----------
-    values
-        (B, K), a row per block, B at least 1.
-    seed
-        Of the draw; equal seeds draw equal blocks.
+    differences
+        (B, K) without missing values, a row per block.
+    test
+        See `signed_rank`, `student` and `sign`.
 
     Returns
     -------
-    (RESAMPLES, K) array of float64
+    (K,) array of float64
     """
-    blocks = len(values)
-    generator = np.random.default_rng(seed)
-    at_once = max(1, _DRAWN_AT_ONCE // blocks)
-    parts = [
-        _how_often(generator, min(at_once, RESAMPLES - done), blocks) @ values / blocks
-        for done in range(0, RESAMPLES, at_once)
-    ]
-    return np.concatenate(parts)
+    chosen: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]]
+    chosen = {"wilcoxon": signed_rank, "t": student, "sign": sign}
+    if test == "none" or not len(differences):
+        return np.full(differences.shape[1], np.nan)
+    return chosen[test](differences)
 
 
-def interval(resampled: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the lower and upper ends of the percentile interval of each column."""
-    tail = 50 * (1 - CONFIDENCE)
-    low, high = np.percentile(resampled, [tail, 100 - tail], axis=0)
-    return np.asarray(low), np.asarray(high)
+def signed_rank(differences: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the p of Wilcoxon's signed-rank test (1945) of each column.
 
-
-def signed_rank(differences: NDArray[np.float64]) -> float:
-    """Return the two-sided p of Wilcoxon's signed-rank test (1945) of paired differences.
-
-    Differences of exactly zero are dropped, as Wilcoxon does; if all are zero, p is 1. The exact
-    distribution is used for up to 50 differences without ties, else the normal approximation.
+    Differences of exactly zero are dropped, as Wilcoxon does; if all are zero, p is 1. Without
+    ties and zeros the exact distribution is used for up to 50 blocks, with them for up to 13, else
+    the normal approximation: as `scipy.stats.wilcoxon` does.
     """
-    if not np.any(differences):
-        return 1.0
     from scipy.stats import wilcoxon
 
-    return float(wilcoxon(differences).pvalue)
+    p = np.ones(differences.shape[1])
+    some = np.any(differences != 0.0, axis=0)
+    plain = some & _without_ties(differences)
+    if plain.any():
+        p[plain] = wilcoxon(differences[:, plain], axis=0).pvalue
+    few = len(differences) <= _MOST_SIGNS
+    for place in np.flatnonzero(some & ~plain):
+        column = differences[:, place]
+        p[place] = _exact(column) if few else wilcoxon(column).pvalue
+    return p
+
+
+def student(differences: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the p of the paired t-test of each column.
+
+    Columns of equal differences have p 0, or 1 where they are all zero; a single block has NaN.
+    """
+    from scipy.stats import t
+
+    blocks = len(differences)
+    if blocks < 2:
+        return np.full(differences.shape[1], np.nan)
+    mean = differences.mean(axis=0)
+    error = differences.std(axis=0, ddof=1) / np.sqrt(blocks)
+    varied = np.ptp(differences, axis=0) > 0.0
+    ratio = mean / np.where(varied, error, 1.0)
+    return np.asarray(
+        np.where(varied, 2 * t.sf(np.abs(ratio), blocks - 1), np.where(mean == 0.0, 1.0, 0.0))
+    )
+
+
+def sign(differences: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the p of the exact sign test of each column; zeros are dropped."""
+    from scipy.stats import binom
+
+    above = np.count_nonzero(differences > 0.0, axis=0)
+    below = np.count_nonzero(differences < 0.0, axis=0)
+    tail = binom.cdf(np.minimum(above, below), above + below, 0.5)
+    return np.asarray(np.minimum(2 * tail, 1.0))
+
+
+def rank_biserial(differences: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the matched-pairs rank-biserial correlation of each column (Kerby 2014).
+
+    ``(W+ - W-) / (W+ + W-)`` with the rank sums of Wilcoxon's test: 1 where every difference is
+    above zero, -1 where every one is below, 0 where all are zero.
+    """
+    from scipy.stats import rankdata
+
+    sizes = np.where(differences == 0.0, np.nan, np.abs(differences))
+    ranks = np.nan_to_num(rankdata(sizes, axis=0, nan_policy="omit"))
+    total = ranks.sum(axis=0)
+    signed = (np.sign(differences) * ranks).sum(axis=0)
+    return np.asarray(signed / np.where(total > 0.0, total, 1.0))
 
 
 def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -75,9 +117,35 @@ def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
     return adjusted
 
 
-def _how_often(generator: np.random.Generator, draws: int, blocks: int) -> NDArray[np.float64]:
-    """Return how often each of `blocks` blocks occurs in each of `draws` resamples."""
-    drawn = generator.integers(blocks, size=(draws, blocks))
-    drawn += blocks * np.arange(draws)[:, np.newaxis]
-    counts = np.bincount(drawn.ravel(), minlength=draws * blocks)
-    return counts.reshape(draws, blocks).astype(np.float64)
+@lru_cache(maxsize=256)
+def range_quantile(methods: int, freedom: float) -> float:
+    """Return how many standard errors apart two of k means must be (Tukey 1949), 5 % over all.
+
+    The 95 % quantile of the studentised range, over sqrt(2): of two means, Student's quantile.
+    """
+    from scipy.stats import studentized_range
+
+    return float(studentized_range.ppf(1 - LEVEL, methods, freedom) / np.sqrt(2))
+
+
+def _exact(differences: NDArray[np.float64]) -> float:
+    """Return the p of the signed-rank test over all signs that the differences could have.
+
+    The same as scipy's permutations of tied differences, in a thousandth of their time.
+    """
+    from scipy.stats import rankdata
+
+    some = differences[differences != 0.0]
+    ranks = rankdata(np.abs(some))
+    signs = (np.arange(2 ** len(some))[:, np.newaxis] >> np.arange(len(some))) & 1
+    # midranks are halves: their sums are exact
+    sums, found = signs @ ranks, float(ranks[some > 0.0].sum())
+    tail = min(np.count_nonzero(sums <= found), np.count_nonzero(sums >= found))
+    return min(1.0, 2 * tail / len(sums))
+
+
+def _without_ties(differences: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return, per column, whether it may be tested with others at once."""
+    sizes = np.sort(np.abs(differences), axis=0)
+    distinct = (np.diff(sizes, axis=0) > 0.0).all(axis=0)
+    return np.asarray(distinct & (sizes[0] > 0.0))

@@ -7,48 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.statistics import holm, interval, resampled_means, signed_rank
+from nodegraph_compare.better import End, sign_of
+from nodegraph_compare.bootstrap import FEWEST
+from nodegraph_compare.statistics import Test, holm, p_values, range_quantile
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from nodegraph import Label
     from nodegraph_compare.blocks import Group
-
-
-@dataclass(frozen=True)
-class Summary:
-    """Statistics of K methods over the blocks that every usable method has.
-
-    Attributes
-    ----------
-    group : Group
-    values : (N, K) array of float64
-        The complete blocks.
-    resampled : (R, K) array of float64
-        Bootstrap means, paired; all NaN with fewer than two blocks.
-    mean, rms, median, sd, low, high : (K,) arrays of float64
-        NaN for a method without any number; `sd` and the interval with fewer than two blocks.
-    """
-
-    group: Group
-    values: NDArray[np.float64]
-    resampled: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    rms: NDArray[np.float64]
-    median: NDArray[np.float64]
-    sd: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-
-    @property
-    def best(self) -> int | None:
-        """The column with the lowest mean, the first of equals; None if there is no block."""
-        return int(np.nanargmin(self.mean)) if np.isfinite(self.mean).any() else None
-
-    @property
-    def blocks(self) -> NDArray[np.intp]:
-        """(K,), the number of blocks used; 0 for a method without any number."""
-        return np.where(np.isfinite(self.mean), len(self.values), 0)
+    from nodegraph_compare.bootstrap import Bootstrap
 
 
 @dataclass(frozen=True)
@@ -58,8 +26,8 @@ class Differences:
     Attributes
     ----------
     mean, low, high, p, better : (K,) arrays of float64
-        Method minus baseline and its interval, the signed-rank p after Holm's correction, and
-        the share of blocks in which the method has the lower value.
+        Method minus baseline and its interval, the p of the test after Holm's correction, and
+        the share of blocks in which the method is strictly better (NaN where neither end is).
     """
 
     mean: NDArray[np.float64]
@@ -69,42 +37,120 @@ class Differences:
     better: NDArray[np.float64]
 
 
-def summarise(group: Group, *, seed: int) -> Summary:
-    """Return the statistics of a group."""
+@dataclass(frozen=True)
+class Summary:
+    """Statistics of K methods over the N blocks that every usable method has.
+
+    Attributes
+    ----------
+    group : Group
+    values : (N, K) array of float64
+        The complete blocks.
+    end : str
+        Which end of the metric is better.
+    mean, rms, median, sd, low, high : (K,) arrays of float64
+        NaN for a method without any number, or with too few blocks.
+    behind : (K,) array of bool
+        Clearly worse than the best mean: the paired difference is larger than Tukey's range
+        allows, 5 % over all pairs of methods.
+    paired : Differences or None
+        To the baseline.
+    """
+
+    group: Group
+    values: NDArray[np.float64]
+    end: End
+    mean: NDArray[np.float64]
+    rms: NDArray[np.float64]
+    median: NDArray[np.float64]
+    sd: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    behind: NDArray[np.bool_]
+    paired: Differences | None
+
+    @property
+    def best(self) -> int | None:
+        """The column with the best mean, the first of equals; None if there is none."""
+        found = np.flatnonzero(self.bests)
+        return int(found[0]) if len(found) else None
+
+    @property
+    def bests(self) -> NDArray[np.bool_]:
+        """(K,), True for the best mean and those equal to it, where there are others."""
+        known = np.isfinite(self.mean)
+        if not known.any() or self.end == "none":
+            return np.zeros(known.shape, dtype=bool)
+        signed = sign_of(self.end) * self.mean
+        return np.asarray(signed == np.nanmin(signed))
+
+    @property
+    def blocks(self) -> NDArray[np.intp]:
+        """(K,), the number of blocks used; 0 for a method without any number."""
+        return np.where(np.isfinite(self.mean), len(self.values), 0)
+
+
+def summarise(
+    group: Group, end: End, bootstrap: Bootstrap, *, against: Label | None, test: Test
+) -> Summary:
+    """Return the statistics of a group, with paired differences where there is a baseline."""
     values = group.values[group.complete]
     blocks, methods = values.shape
     nothing = np.full(methods, np.nan)
-    few = blocks < 2
-    resampled = np.full((1, methods), np.nan) if few else resampled_means(values, seed=seed)
-    low, high = interval(resampled)
+    mean = values.mean(axis=0) if blocks else nothing
+    low, high = bootstrap.interval(values)
+    paired = None
+    if against in group.methods:
+        paired = differences(values, group.methods.index(against), end, bootstrap, test)
     return Summary(
         group,
         values,
-        resampled,
-        mean=values.mean(axis=0) if blocks else nothing,
+        end,
+        mean=mean,
         rms=np.sqrt((values**2).mean(axis=0)) if blocks else nothing,
         median=np.median(values, axis=0) if blocks else nothing,
-        sd=nothing if few else values.std(axis=0, ddof=1),
+        sd=values.std(axis=0, ddof=1) if blocks > 1 else nothing,
         low=low,
         high=high,
+        behind=behind_best(values, mean, end),
+        paired=paired,
     )
 
 
-def differences(summary: Summary, baseline: int) -> Differences:
-    """Return the paired differences of a group's methods to the one at place `baseline`."""
-    values = summary.values - summary.values[:, [baseline]]
-    values[:, baseline] = np.nan
-    resampled = summary.resampled - summary.resampled[:, [baseline]]
-    resampled[:, baseline] = np.nan
-    known = np.asarray(np.isfinite(values).any(axis=0))
-    low, high = interval(resampled)
+def differences(
+    values: NDArray[np.float64], baseline: int, end: End, bootstrap: Bootstrap, test: Test
+) -> Differences:
+    """Return the paired differences of the columns of complete blocks to the one at `baseline`."""
+    apart = values - values[:, [baseline]]
+    apart[:, baseline] = np.nan
+    known = np.asarray(np.isfinite(apart).any(axis=0))
+    low, high = bootstrap.interval(apart)
     nothing = np.full(known.shape, np.nan)
     p = nothing.copy()
-    p[known] = [signed_rank(one) for one in values.T[known]]
+    p[known] = p_values(apart[:, known], test)
+    lower = sign_of(end) * apart < 0.0
+    counted = known & (end != "none")
     return Differences(
-        mean=values.mean(axis=0) if len(values) else nothing,
+        mean=apart.mean(axis=0) if len(apart) else nothing,
         low=low,
         high=high,
         p=holm(p),
-        better=np.where(known, (values < 0).mean(axis=0), np.nan) if len(values) else nothing,
+        better=np.where(counted, lower.mean(axis=0), np.nan) if len(apart) else nothing,
     )
+
+
+def behind_best(
+    values: NDArray[np.float64], mean: NDArray[np.float64], end: End
+) -> NDArray[np.bool_]:
+    """Return which methods are apart from the best by Tukey's range of paired differences.
+
+    Whichever happens to be the best is compared with all: as if all pairs were tested.
+    """
+    blocks = len(values)
+    usable = int(np.isfinite(mean).sum())
+    if end == "none" or usable < 2 or blocks < FEWEST:
+        return np.zeros(mean.shape, dtype=bool)
+    signed = sign_of(end) * values
+    apart = signed - signed[:, [int(np.nanargmin(sign_of(end) * mean))]]
+    error = apart.std(axis=0, ddof=1) / np.sqrt(blocks)
+    return np.asarray(apart.mean(axis=0) > range_quantile(usable, blocks - 1) * error)

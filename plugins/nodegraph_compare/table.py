@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
-import warnings
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from pydantic import Field
 
 from nodegraph import Across, Label, node
-from nodegraph_compare.answer import absences, answer, dropped, notes, shortened
+from nodegraph_compare.answer import answers, notes
+from nodegraph_compare.better import Better
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import label_order
-from nodegraph_compare.question import Question, ask
-from nodegraph_compare.summary import Summary, differences, summarise
+from nodegraph_compare.bootstrap import Bootstrap
+from nodegraph_compare.labels import compared_labels, named_label
+from nodegraph_compare.layout import Layout, completed, implied
+from nodegraph_compare.left_out import left_out
+from nodegraph_compare.long import PAIRED, long_table
+from nodegraph_compare.question import Question, ask, unit_of
+from nodegraph_compare.statistics import LEVEL, Test
+from nodegraph_compare.summary import Summary, summarise
+from nodegraph_compare.wide import blocks_text, wide_table
 from nodegraph_mocap import Figure, Table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+
+_SHARES = (
+    "refused: share of combinations that were refused or failed; left missing: share of rows "
+    "without a number."
+)
 
 
 class Compared(NamedTuple):
@@ -28,7 +40,13 @@ class Compared(NamedTuple):
 
 @node(
     "compare.table",
-    cite=("efron1979bootstrap", "wilcoxon1945individual", "holm1979simple"),
+    cite=(
+        "efron1979bootstrap",
+        "hall1988bootstrap",
+        "tukey1949comparing",
+        "wilcoxon1945individual",
+        "holm1979simple",
+    ),
 )
 def table(
     scores: Across[Table],
@@ -37,10 +55,14 @@ def table(
     compare: str | None = None,
     within: tuple[str, ...] = (),
     blocks: tuple[str, ...] = (),
+    better: Better = "declared",
     baseline: str | None = None,
+    test: Test = "wilcoxon",
+    rows: tuple[str, ...] = (),
+    columns: tuple[str, ...] = (),
     seed: Annotated[int, Field(ge=0)] = 0,
 ) -> Compared:
-    """Compare methods by one number, over paired blocks; lower is better.
+    """Compare methods by one number: means over paired blocks, with intervals.
 
     Every row of the gathered tables carries the labels of its combination. The unit of statistics
     is the block: the rows of a block are averaged first (for the metric ``rmse``, the result is
@@ -59,7 +81,7 @@ def table(
         numbers, such as indices and lengths, are never taken by default.
     compare
         The axis, or column, whose labels are compared. Default: the last gathered axis that is
-        not in `within` or `blocks`.
+        in `rows` or `columns`, or else not in `within` or `blocks`.
     within
         Axes, or columns: each combination of their labels is compared by itself.
     blocks
@@ -67,8 +89,21 @@ def table(
         that is not compared or in `within`, and the first column of the tables where it says
         which unit a row is, that is, where it holds no floats and is not called ``frame``.
         An axis named nowhere is averaged over within each block.
+    better
+        Which end of the metric is the better one: ``lower``, ``higher``, or ``none`` (a lag is
+        best at zero). ``declared``: as the scores declare it (``attrs["better"]``), where they do
+        not, ``lower``.
     baseline
         A label of `compare`: adds paired differences to it.
+    test
+        Of the differences to the baseline, two-sided, with Holm's correction over the methods of
+        a group: ``wilcoxon`` (signed ranks), ``t`` (paired), ``sign`` (exact), or ``none``.
+    rows
+        Axes, or columns, whose labels stand down the side of a table of means; those not in
+        `within` are taken as if they were.
+    columns
+        Axes, or columns, whose labels stand along its top. What neither names stands in the rows
+        (in the columns, if only rows are named). Without both, every mean has a row.
     seed
         Of the bootstrap.
 
@@ -78,122 +113,88 @@ def table(
         A row per combination of `within` and `compare`, in the order of the labels: ``blocks``
         used, ``mean``, ``rms`` (root mean square: for the metric ``rmse`` and gaps of one length,
         the rmse over all samples), ``median`` and ``sd`` over blocks, ``low`` and ``high`` (95 %
-        bootstrap percentile interval of the mean, 2000 resamples), ``refused`` (share of the
-        combinations that were refused or failed), ``left missing`` (share of the rows without a
-        number).
+        studentised bootstrap interval of the mean, 2000 resamples; for twenty blocks it covers
+        the mean in 93 to 95 % of studies, the more skewed the scores the fewer), ``refused``
+        (share of the combinations that were refused or failed), ``left missing`` (share of the
+        rows without a number).
         With a baseline: ``difference`` (mean of method minus baseline), ``difference low`` and
-        ``difference high`` (its paired bootstrap interval), ``p`` (two-sided Wilcoxon
-        signed-rank test, after Holm's correction over the methods of the group) and
-        ``better in`` (share of blocks in which the method is strictly lower). ``sd`` and
-        intervals are NaN with fewer than two blocks. ``attrs["answer"]`` holds a sentence per
-        group, ``attrs["notes"]`` what was left out.
+        ``difference high`` (its paired interval, of the same kind), ``p`` and ``better in``
+        (share of blocks in which the method is strictly better). ``sd`` is NaN with fewer than
+        two blocks, an interval with fewer than three.
+        With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
+        column in columns of their own, which a reader of the report sees in one cell.
+        ``attrs["answer"]`` holds a sentence per group: which mean is best, and which methods are
+        not clearly behind it (Tukey's range of the paired differences, so that of equal methods
+        any is called behind in about 5 % of studies of ten blocks or more); ``attrs["notes"]``
+        what was left out, ``attrs["best"]`` the rows with the best mean of a group, by column.
     figure
         Means and intervals.
 
     Raises
     ------
     ValueError
-        If a name is neither axis nor column, the metric holds no numbers, or the baseline is not
-        among the compared labels; the message lists what there is.
+        If a name is neither axis nor column or is used twice, the metric holds no numbers, or
+        the baseline is not among the compared labels; the message lists what there is.
     """
-    question = ask(scores, metric=metric, compare=compare, within=within, blocks=blocks)
-    found = [summarise(group, seed=seed) for group in groups(scores, question)]
-    order = _methods(scores, question, found)
-    against = _baseline(order, baseline)
-    unit = str(scores.values()[0].attrs.get("units", {}).get(question.metric, ""))
-    _warn(scores, question, found)
-    return Compared(
-        _frame(scores, question, found, against, unit, seed), _draw(question, found, order, unit)
+    layout = Layout(rows, columns)
+    compare, within = implied(scores, compare, within, layout, blocks)
+    question = ask(
+        scores, metric=metric, compare=compare, within=within, blocks=blocks, better=better
     )
+    gathered = groups(scores, question)
+    order = compared_labels(scores, question, gathered)
+    against = named_label(order, baseline)
+    bootstrap = Bootstrap(seed)
+    found = [
+        summarise(group, question.better, bootstrap, against=against, test=test)
+        for group in gathered
+    ]
+    unit = unit_of(scores, question)
+    layout = completed(layout, question)
+    made = _laid_out(found, question, layout, order, unit, _unwanted(question, against, test))
+    made.attrs["notes"] = [
+        *notes(question, seed, against, test),
+        *made.attrs["notes"],
+        *left_out(scores, question, gathered),
+    ]
+    made.attrs["answer"] = answers(found, question, unit, against, test)
+    return Compared(made, _draw(question, found, order, unit))
 
 
-def _frame(
-    scores: Across[Table],
+def _laid_out(
+    found: Sequence[Summary],
     question: Question,
-    found: list[Summary],
-    against: Label | None,
+    layout: Layout,
+    order: Sequence[Label],
     unit: str,
-    seed: int,
+    unwanted: Sequence[str],
 ) -> Table:
-    from pandas import DataFrame, concat
-
-    parts = [DataFrame(_rows(one, question, against)) for one in found]
-    made = concat(parts, ignore_index=True) if parts else DataFrame()
-    told = [text for text in (dropped(one, question) for one in found) if text]
-    made.attrs["title"] = _title(question)
-    made.attrs["notes"] = notes(question, seed) + told + absences(scores.absent, question)
-    made.attrs["answer"] = [answer(one, question, unit) for one in found]
-    made.attrs["units"] = _units(made, unit)
+    by = f" by {question.compare}" if question.compare else ""
+    within = f" within {', '.join(question.within)}" if question.within else ""
+    if not layout.columns:
+        made = long_table(found, question, unit, unwanted)
+        made.attrs.update(title=f"{question.metric}{by}{within}", notes=[_SHARES])
+        return made
+    parts = [part for part in ("low", "high", "p") if part not in unwanted]
+    made = wide_table(found, question, layout, order, parts)
+    told = f" ({unit})" if unit else ""
+    made.attrs["title"] = f"Mean {question.metric}{told}{by}{within}"
+    made.attrs["notes"] = [f"{_cell_text(question, parts)} {blocks_text(found)}"]
     return made
 
 
-def _rows(summary: Summary, question: Question, against: Label | None) -> dict[str, Any]:
-    """Return the columns of a group's rows."""
-    group = summary.group
-    methods = range(len(group.methods))
-    columns: dict[str, Any] = {
-        name: [label for _ in methods]
-        for name, label in zip(question.within, group.labels, strict=True)
-    }
-    columns |= {name: list(group.methods) for name in question.compared}
-    columns["blocks"] = summary.blocks
-    for name in ("mean", "rms", "median", "sd", "low", "high"):
-        columns[name] = getattr(summary, name)
-    columns["refused"] = group.refused
-    columns["left missing"] = group.missing
-    return columns if against is None else columns | _difference_columns(summary, against)
+def _cell_text(question: Question, parts: Sequence[str]) -> str:
+    best = "" if question.better == "none" else "; the best of a group is marked"
+    apart = f"; \N{DAGGER} differs from the baseline (p < {LEVEL:g})" if "p" in parts else ""
+    return f"A cell holds the mean and its interval [low, high]{best}{apart}."
 
 
-def _difference_columns(summary: Summary, against: Label) -> dict[str, Any]:
-    import numpy as np
-
-    names = ("difference", "difference low", "difference high", "p", "better in")
-    if against not in summary.group.methods:
-        return dict.fromkeys(names, np.nan)
-    paired = differences(summary, summary.group.methods.index(against))
-    return dict(
-        zip(names, (paired.mean, paired.low, paired.high, paired.p, paired.better), strict=True)
-    )
-
-
-def _units(made: Table, unit: str) -> dict[str, str]:
-    valued = ("mean", "rms", "median", "sd", "low", "high", "difference")
-    shares = ("refused", "left missing", "better in")
-    units = {str(name): unit for name in made if unit and str(name).startswith(valued)}
-    return units | {name: "share" for name in shares if name in made}
-
-
-def _title(question: Question) -> str:
-    by = f" by {question.compare}" if question.compare else ""
-    within = f" within {', '.join(question.within)}" if question.within else ""
-    return f"{question.metric}{by}{within}"
-
-
-def _methods(
-    scores: Across[Table], question: Question, found: Sequence[Summary]
-) -> tuple[Label, ...]:
-    """Return all compared labels, in their order."""
-    if question.compare in scores.axes:
-        return label_order(scores, question.compare)
-    return tuple(dict.fromkeys(label for one in found for label in one.group.methods))
-
-
-def _baseline(order: tuple[Label, ...], baseline: str | None) -> Label | None:
-    if baseline is None:
-        return None
-    for label in order:
-        if str(label) == baseline:
-            return label
-    raise ValueError(f"no baseline {baseline!r}; compared are: {', '.join(map(str, order))}")
-
-
-def _warn(scores: Across[Table], question: Question, found: Sequence[Summary]) -> None:
-    told = [text for text in (dropped(one, question) for one in found) if text]
-    told += absences((one for one in scores.absent if one.kind != "skipped"), question)
-    if not found:
-        told.append("the tables have no rows")
-    if told:
-        warnings.warn(shortened(told), stacklevel=3)
+def _unwanted(question: Question, against: Label | None, test: Test) -> tuple[str, ...]:
+    """Return the columns of differences that would hold nothing."""
+    if against is None:
+        return PAIRED
+    unwanted = ("p",) if test == "none" else ()
+    return (*unwanted, "better in") if question.better == "none" else unwanted
 
 
 def _draw(

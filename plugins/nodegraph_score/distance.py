@@ -22,6 +22,7 @@ UNITS = {
     "mean": "mm",
     "max": "mm",
 }
+BETTER = {"frame": "none", "markers": "higher"}
 
 
 @node("score.distance")
@@ -86,7 +87,12 @@ def distance(estimate: Trajectories, reference: Truth[Trajectories]) -> Table:
     notes = [*_left_out(estimate, reference), *_lacking(table)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(title="Distances", notes=[f"{note}." for note in notes], units=dict(UNITS))
+    table.attrs.update(
+        title="Distances",
+        notes=[f"{note}." for note in notes],
+        units=dict(UNITS),
+        better=dict(BETTER),
+    )
     return table
 
 

@@ -25,6 +25,8 @@ UNITS = {
     "acceleration": "mm/frame^2",
     "filled": "share",
 }
+# where lower is not better
+BETTER = {"start": "none", "frames": "none", "filled": "higher"}
 
 
 @node("score.gaps")
@@ -134,7 +136,7 @@ def _table(
         }
     )
     notes = _notes(whole, int(frames.sum() - present.sum()), int(frames.sum()))
-    table.attrs.update(title="Errors in gaps", notes=notes, units=dict(UNITS))
+    table.attrs.update(title="Errors in gaps", notes=notes, units=dict(UNITS), better=dict(BETTER))
     return table
 
 

@@ -28,6 +28,13 @@ UNITS = {
     "recall": "share",
     "precision": "share",
 }
+BETTER = {
+    "samples": "none",
+    "hits": "none",
+    "found": "higher",
+    "recall": "higher",
+    "precision": "higher",
+}
 
 
 @node("score.impulses")
@@ -103,7 +110,12 @@ def impulses(
     notes = [*_without(table, per), *_left_out(estimate, truth, hit, both, judged)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(title="Impulses", notes=[f"{note}." for note in notes], units=dict(UNITS))
+    table.attrs.update(
+        title="Impulses",
+        notes=[f"{note}." for note in notes],
+        units=dict(UNITS),
+        better=dict(BETTER),
+    )
     return table
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNITS = {"vectors": "count", "roughness": "mm^2/frame^2"}
+BETTER = {"vectors": "none", "roughness": "none"}
 
 
 @node("score.roughness", cite="zhang_scattered")
@@ -54,7 +55,12 @@ def roughness(recording: Trajectories) -> Table:
     notes = _notes(vectors)
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(title="Roughness", notes=[f"{one}." for one in notes], units=dict(UNITS))
+    table.attrs.update(
+        title="Roughness",
+        notes=[f"{one}." for one in notes],
+        units=dict(UNITS),
+        better=dict(BETTER),
+    )
     return table
 
 

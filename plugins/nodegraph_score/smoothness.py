@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNITS = {"samples": "frames", "missing": "frames", "rmse": "mm", "lag": "frames", "kept": "share"}
+BETTER = {"samples": "none", "lag": "none", "kept": "none"}
 BAND = 6.0
 """Hz: most of what a face does is slower."""
 
@@ -87,7 +88,12 @@ def smoothness(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
     notes = list(_notes(table))
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(title="Smoothness", notes=[f"{one}." for one in notes], units=dict(UNITS))
+    table.attrs.update(
+        title="Smoothness",
+        notes=[f"{one}." for one in notes],
+        units=dict(UNITS),
+        better=dict(BETTER),
+    )
     return table
 
 

@@ -22,6 +22,7 @@ UNITS = {
     "tracked": "share",
     "fragments": "count",
 }
+BETTER = {"samples": "none", "links": "none", "right": "higher", "tracked": "higher"}
 
 
 @node("score.tracking", cite="bernardin2008")
@@ -77,7 +78,9 @@ def tracking(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
     rows = [_row(track[truth.present[:, column], column]) for column in range(len(truth.markers))]
     table = DataFrame(rows, columns=list(UNITS))
     table.insert(0, "marker", np.array(truth.markers, dtype=object))
-    table.attrs.update(title="Tracks", notes=_notes(estimate, track), units=dict(UNITS))
+    table.attrs.update(
+        title="Tracks", notes=_notes(estimate, track), units=dict(UNITS), better=dict(BETTER)
+    )
     return table
 
 

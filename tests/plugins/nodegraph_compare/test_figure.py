@@ -87,3 +87,48 @@ def test_the_figure_can_be_written(within: tuple[str, ...]) -> None:
     buffer = io.BytesIO()
     compared(within=within).figure.savefig(buffer, format="svg")
     assert buffer.getvalue().lstrip().startswith(b"<?xml")
+
+
+def of_labels(labels: list[str], groups: int = 1) -> Compared:
+    random = np.random.default_rng(0)
+    tables = {
+        label: pd.DataFrame(
+            {
+                "gap": np.repeat(range(groups), 4),
+                "take": [*range(4)] * groups,
+                "rmse": random.uniform(1, 2, size=4 * groups),
+            }
+        )
+        for label in labels
+    }
+    within = ("gap",) if groups > 1 else ()
+    return table(Across.of(tables, axis="fill"), metric="rmse", within=within, blocks=("take",))
+
+
+def test_labels_are_drawn_as_they_are() -> None:
+    made = of_labels(["a $x$", "_under", "<b>"], groups=2)
+    (legend,) = made.figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [r"a \$x\$", "_under", "<b>"]
+    made.figure.savefig(io.BytesIO(), format="svg")
+
+
+def test_of_many_places_along_x_some_are_named() -> None:
+    (axis,) = of_labels(["a", "b"], groups=300).figure.axes
+    ticks = [text.get_text() for text in axis.get_xticklabels()]
+    assert ticks[:3] == ["0", "8", "16"]
+    assert len(ticks) <= 40
+
+
+def test_of_many_methods_some_are_named() -> None:
+    (legend,) = of_labels([f"m{place}" for place in range(60)], groups=2).figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert len(texts) == 40
+    assert texts[-1] == "m39, and 20 more"
+
+
+def test_of_many_panels_some_are_drawn_and_the_rest_told() -> None:
+    rows = pd.DataFrame({"a": np.repeat(range(30), 4), "b": [0, 0, 1, 1] * 30, "gap": [0, 1] * 60})
+    tables = {name: rows.assign(rmse=np.arange(120.0) + 1) for name in ("x", "y")}
+    made = table(Across.of(tables, axis="fill"), within=("a", "b"), blocks=("gap",))
+    assert len(made.figure.axes) == 24
+    assert made.figure.get_supxlabel() == "6 more panels are not drawn"

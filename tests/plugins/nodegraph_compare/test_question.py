@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from nodegraph import Across
-from nodegraph_compare.question import Question, ask
+from nodegraph_compare.question import Question, ask, unit_of
 
 
 def score(**columns: list[object]) -> pd.DataFrame:
@@ -82,3 +82,17 @@ def test_a_table_that_lacks_the_metric_is_named() -> None:
     scores = Across.of({"a": score(), "b": score().drop(columns="rmse")}, axis="fill")
     with pytest.raises(ValueError, match="no metric 'rmse' in the table of b"):
         asked(scores)
+
+
+def test_the_better_end_is_declared_or_given() -> None:
+    scores = across("fill")
+    scores.values()[0].attrs["better"] = {"rmse": "higher"}
+    assert asked(scores).better == "higher"
+    assert asked(scores, better="none").better == "none"
+
+
+def test_the_unit_is_the_first_tables() -> None:
+    scores = across("fill")
+    assert unit_of(scores, asked(scores)) == ""
+    scores.values()[0].attrs["units"] = {"rmse": "mm"}
+    assert unit_of(scores, asked(scores)) == "mm"

@@ -1,71 +1,89 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import bootstrap, wilcoxon
+from scipy.stats import binomtest, rankdata, ttest_1samp, wilcoxon
 
-from nodegraph_compare.statistics import RESAMPLES, holm, interval, resampled_means, signed_rank
-
-
-def test_resampled_means_are_means_of_blocks_drawn_with_replacement() -> None:
-    values = np.array([[1.0], [10.0], [100.0]])
-    found = resampled_means(values, seed=0)
-    drawn = {
-        round((a + b + c) / 3, 9) for a in (1, 10, 100) for b in (1, 10, 100) for c in (1, 10, 100)
-    }
-    assert found.shape == (RESAMPLES, 1)
-    assert set(found[:, 0].round(9)) == drawn
+from nodegraph_compare import statistics
+from nodegraph_compare.statistics import (
+    holm,
+    p_values,
+    rank_biserial,
+    sign,
+    signed_rank,
+    student,
+)
 
 
-def test_every_column_gets_the_same_blocks() -> None:
-    values = np.random.default_rng(0).normal(size=(30, 1)) + np.array([[0.0, 5.0, -2.0]])
-    found = resampled_means(values, seed=3)
-    assert found[:, 1] - found[:, 0] == pytest.approx(5.0)
-    assert found[:, 2] - found[:, 0] == pytest.approx(-2.0)
+def mixed(blocks: int = 25) -> Any:
+    """Differences of which some columns have ties, zeros or nothing else."""
+    random = np.random.default_rng(0)
+    plain = random.normal(0.3, size=(blocks, 4))
+    tied = random.integers(-3, 4, size=(blocks, 3)).astype(float)
+    return np.concatenate([plain, tied, np.abs(plain[:, :1])], axis=1)
 
 
-def test_the_interval_is_that_of_scipy_up_to_the_draw() -> None:
-    values = np.random.default_rng(1).lognormal(size=200)
-    low, high = interval(resampled_means(values[:, np.newaxis], seed=0))
-    peer = bootstrap((values,), np.mean, method="percentile", rng=np.random.default_rng(2))
-    width = peer.confidence_interval.high - peer.confidence_interval.low
-    assert low[0] == pytest.approx(peer.confidence_interval.low, abs=0.05 * width)
-    assert high[0] == pytest.approx(peer.confidence_interval.high, abs=0.05 * width)
-
-
-def test_equal_seeds_draw_equal_blocks_also_when_drawn_in_parts(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    values = np.random.default_rng(0).normal(size=(50, 2))
-    whole = resampled_means(values, seed=4)
-    monkeypatch.setattr("nodegraph_compare.statistics._DRAWN_AT_ONCE", 50 * 7)
-    assert np.array_equal(whole, resampled_means(values, seed=4))
-    assert not np.array_equal(whole, resampled_means(values, seed=5))
-
-
-def test_a_missing_number_stays_in_its_column() -> None:
-    found = resampled_means(np.array([[1.0, np.nan], [2.0, np.nan]]), seed=0)
-    assert np.isfinite(found[:, 0]).all()
-    assert np.isnan(found[:, 1]).all()
-
-
-def test_the_signed_rank_p_is_scipys() -> None:
-    differences = np.random.default_rng(0).normal(0.3, size=25)
-    assert signed_rank(differences) == wilcoxon(differences).pvalue
+@pytest.mark.parametrize("blocks", [1, 2, 6, 9, 14, 25, 60])
+def test_the_signed_rank_p_of_each_column_is_scipys(blocks: int) -> None:
+    differences = mixed(blocks)
+    found = signed_rank(differences)
+    for p, column in zip(found, differences.T, strict=True):
+        assert p == pytest.approx(wilcoxon(column).pvalue if column.any() else 1.0)
 
 
 def test_the_signed_rank_p_by_hand() -> None:
-    assert signed_rank(np.array([1.0, 2.0, 3.0, 4.0, 5.0])) == pytest.approx(2 / 2**5)
+    assert signed_rank(np.array([[1.0], [2.0], [3.0], [4.0], [5.0]])) == pytest.approx(2 / 2**5)
+
+
+def test_ties_are_exact_for_up_to_thirteen_blocks_by_hand() -> None:
+    # ranks 1.5, 1.5, 3: of eight signs, sums of at least 4.5 have (+, -, +), (-, +, +), (+, +, +)
+    assert signed_rank(np.array([[-1.0], [1.0], [2.0], [0.0]])) == pytest.approx(6 / 8)
 
 
 def test_no_difference_at_all_has_p_one() -> None:
-    assert signed_rank(np.zeros(10)) == 1.0
+    nothing = np.zeros((10, 2))
+    for test in (signed_rank, student, sign):
+        assert test(nothing).tolist() == [1.0, 1.0]
 
 
-def test_ties_and_zeros_are_no_warning() -> None:
-    assert 0 < signed_rank(np.array([0.0, 0.0, 1.0, 1.0, -1.0, 2.0])) <= 1
+def test_the_paired_t_test_is_scipys() -> None:
+    differences = mixed()
+    assert student(differences) == pytest.approx(ttest_1samp(differences, 0.0, axis=0).pvalue)
+
+
+def test_equal_differences_are_certain_and_a_single_one_is_not_known() -> None:
+    assert student(np.full((5, 1), 0.25)).tolist() == [0.0]
+    assert np.isnan(student(np.array([[1.0]]))).all()
+
+
+def test_the_sign_test_is_scipys_without_the_zeros() -> None:
+    differences = mixed()
+    for p, column in zip(sign(differences), differences.T, strict=True):
+        above, some = int((column > 0).sum()), int((column != 0).sum())
+        assert p == pytest.approx(binomtest(above, some).pvalue)
+
+
+@pytest.mark.parametrize("test", ["wilcoxon", "t", "sign", "none"])
+def test_no_block_or_no_test_is_no_p(test: statistics.Test) -> None:
+    assert np.isnan(p_values(np.empty((0, 3)), test)).all()
+    assert np.isnan(p_values(mixed(), "none")).all()
+
+
+def test_the_rank_biserial_correlation_by_hand() -> None:
+    differences = np.array([[1.0, 2.0, -1.0, 0.0], [2.0, 2.0, -5.0, 0.0], [-3.0, 0.0, -2.0, 0.0]])
+    assert rank_biserial(differences).tolist() == [0.0, 1.0, -1.0, 0.0]
+
+
+def test_the_rank_biserial_correlation_is_that_of_plain_rank_sums() -> None:
+    for effect, column in zip(rank_biserial(mixed()), mixed().T, strict=True):
+        some = column[column != 0]
+        ranks = rankdata(np.abs(some))
+        plus, minus = ranks[some > 0].sum(), ranks[some < 0].sum()
+        assert effect == pytest.approx((plus - minus) / (plus + minus))
 
 
 def test_holm_by_hand() -> None:

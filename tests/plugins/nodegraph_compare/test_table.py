@@ -72,17 +72,18 @@ def test_the_answer_names_the_lowest_and_those_that_are_not_apart() -> None:
     short, long = table(trials(), within=("length",)).table.attrs["answer"]
     assert re.match(
         r"length 5: near has the lowest mean rmse \([\d.]+ mm, interval [\d.]+ to [\d.]+, 30 "
-        r"blocks\); not clearly apart from it: twin .* includes 0\), the other clearly behind\.$",
+        r"blocks\); not clearly apart from it: twin \(paired differences, 5 % over all pairs\); "
+        r"the other clearly behind\.$",
         short,
     )
     assert long.startswith("length 45: near has the lowest")
 
 
 def test_an_answer_when_all_others_are_behind() -> None:
-    scores = Across.of({"a": scored([2, 3, 4]), "b": scored([1, 2, 3])}, axis="fill")
+    scores = Across.of({"a": scored([2, 3, 4.5]), "b": scored([1, 2, 3])}, axis="fill")
     (told,) = table(scores).table.attrs["answer"]
     assert told.startswith("b has the lowest mean rmse (2 mm, ")
-    assert "every other method's paired difference to it lies above 0" in told
+    assert "every other method is clearly behind" in told
 
 
 def test_the_draw_does_not_depend_on_anything_but_the_seed() -> None:
@@ -191,6 +192,75 @@ def test_numbers_label_methods_as_well() -> None:
     assert made["difference"].tolist()[1] == 1.5
     with pytest.raises(ValueError, match="no baseline '4'; compared are: 3, 5"):
         table(scores, baseline="4")
+
+
+def declared(end: str) -> Any:
+    tables = {"a": scored([0.9, 0.8, 0.95, 0.9]), "b": scored([0.5, 0.4, 0.6, 0.5])}
+    for one in tables.values():
+        one.attrs["better"] = {"rmse": end}
+    return Across.of(tables, axis="fill")
+
+
+def test_the_best_is_at_the_end_that_the_scores_declare() -> None:
+    made = table(declared("higher"), baseline="b").table
+    assert made.attrs["best"] == {"mean": [0]}
+    assert made["better in"].tolist()[0] == 1.0
+    assert made.attrs["answer"][0].startswith("a has the highest mean rmse (0.8")
+    assert any("Higher is better." in note for note in made.attrs["notes"])
+    assert table(declared("higher"), better="lower").table.attrs["best"] == {"mean": [1]}
+
+
+def test_a_metric_without_a_better_end_has_no_best() -> None:
+    made = table(declared("none"), baseline="b").table
+    assert made.attrs["best"] == {"mean": []}
+    assert "better in" not in made
+    assert made.attrs["answer"][0].startswith("the mean rmse is lowest for b (0.5 mm, ")
+    assert "and highest for a (0.888 mm, " in made.attrs["answer"][0]
+
+
+@pytest.mark.parametrize("test", ["wilcoxon", "t", "sign"])
+def test_the_baseline_is_told_who_differs(test: Any) -> None:
+    made = table(trials(), within=("length",), baseline="near", test=test).table
+    told = made.attrs["answer"][1]
+    assert (
+        told == "length 5: against near, rmse is significantly higher: far (p < 0.05 after Holm)."
+    )
+    assert "p" in made
+
+
+def test_no_test_is_no_p() -> None:
+    made = table(trials(), baseline="near", test="none").table
+    assert "p" not in made
+    assert made["difference"].notna().any()
+    assert len(made.attrs["answer"]) == 1
+
+
+def test_a_constant_metric_has_intervals_without_width_and_no_winner_ahead() -> None:
+    scores = Across.of({"a": scored([0.1] * 7), "b": scored([0.1] * 7)}, axis="fill")
+    made = table(scores, baseline="a").table
+    assert made["low"].tolist() == pytest.approx([0.1, 0.1])
+    assert made["p"].tolist()[1] == 1.0
+    assert made.attrs["best"] == {"mean": [0, 1]}
+    assert "not clearly apart from it: b" in made.attrs["answer"][0]
+
+
+def test_infinite_scores_are_lacking() -> None:
+    scores = Across.of({"a": scored([1, 2, 3]), "b": scored([1, np.inf, -np.inf])}, axis="fill")
+    with pytest.warns(UserWarning, match="b lacks 2"):
+        made = table(scores).table
+    assert made["mean"].tolist() == [1.0, 1.0]
+
+
+def test_many_groups_are_told_in_one_sentence() -> None:
+    rows = pd.DataFrame({"marker": np.repeat(range(20), 3), "take": [0, 1, 2] * 20})
+    tables = {
+        "a": rows.assign(rmse=1.0),
+        "b": rows.assign(rmse=np.where(rows["marker"] < 5, 0.5, 2.0)),
+    }
+    made = table(Across.of(tables, axis="fill"), within=("marker",), blocks=("take",)).table
+    assert made.attrs["answer"] == [
+        "Of 20 groups (marker), a has the lowest mean rmse in 15, b in 5."
+    ]
 
 
 def test_units_follow_the_metric() -> None:

@@ -1,0 +1,117 @@
+"""Which axis or column is what in a figure of curves: defaults filled in, every name checked."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from nodegraph_compare.curve_points import Axes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from nodegraph import Across
+    from nodegraph_mocap import Table
+
+_MADE = ("low", "high", "blocks", "rows", "on curve", "local minimum", "floor", "below floor")
+
+
+def axes_of(
+    scores: Across[Table],
+    *,
+    x: str,
+    metric: str | None,
+    compare: str | None,
+    blocks: tuple[str, ...],
+    lowest: bool | None,
+) -> Axes:
+    """Return what is drawn.
+
+    Raises
+    ------
+    ValueError
+        If there is no table, a name is unknown, used twice or one that the result's table needs,
+        or `x` or the metric is no number.
+    """
+    if not len(scores):
+        raise ValueError("there is no table to draw a curve of")
+    free = [axis for axis in scores.axes if axis not in (x, *blocks)]
+    compare = compare if compare is not None or not free else free[-1]
+    metric = _first_number(scores, x) if metric is None else metric
+    named = (x, metric, *filter(None, [compare]), *blocks)
+    _check_once((*named, *(axis for axis in free if axis not in named)))
+    for name in named:
+        _check_known(scores, name, column=name == metric)
+    _check_x(scores, x)
+    _check_numbers(scores, metric, "metric")
+    others = tuple(axis for axis in free if axis != compare)
+    apart = x not in scores.axes if lowest is None else lowest
+    return Axes(x, metric, compare, blocks, others, apart)
+
+
+def check_floor(floor: Across[Table], axes: Axes) -> None:
+    """Raise a ValueError if the floor lacks the metric, or only some of it has the labels."""
+    _check_known(floor, axes.metric, column=True)
+    _check_numbers(floor, axes.metric, "metric of the floor")
+    if axes.compare and any(axes.compare in table for table in floor.values()):
+        _check_known(floor, axes.compare, column=False)
+
+
+def _first_number(scores: Across[Table], x: str) -> str:
+    first = scores.values()[0]
+    floats = [str(name) for name in first if first[name].dtype.kind == "f" and name != x]
+    if not floats:
+        raise ValueError(f"the tables have no column of floats; columns: {_list(first.columns)}")
+    return floats[0]
+
+
+def _check_once(named: tuple[str, ...]) -> None:
+    twice = sorted({name for name in named if named.count(name) > 1})
+    if twice:
+        raise ValueError(f"x, metric, compare and blocks share a name: {', '.join(twice)}")
+    taken = [name for name in named if name in (*_MADE, "marked")]
+    if taken:
+        raise ValueError(f"the table of the curve has a column {', '.join(taken)} of its own")
+
+
+def _check_known(scores: Across[Table], name: str, *, column: bool) -> None:
+    if name in scores.axes and not column:
+        return
+    for where, table in _placed(scores):
+        if name not in table.columns:
+            axes = "" if column else f"axes: {_list(scores.axes)}; "
+            what = "metric" if column else "axis or column"
+            raise ValueError(f"no {what} {name!r}{where}; {axes}columns: {_list(table.columns)}")
+
+
+def _check_x(scores: Across[Table], x: str) -> None:
+    if x not in scores.axes:
+        _check_numbers(scores, x, "x")
+        return
+    labels = list(dict.fromkeys(at.get(x, "") for at, _ in scores))
+    words = [str(label) for label in labels if not _is_number(label)]
+    if words:
+        raise ValueError(f"x {x!r} is no axis of finite numbers: it has {', '.join(words[:5])}")
+
+
+def _check_numbers(scores: Across[Table], name: str, what: str) -> None:
+    for where, table in _placed(scores):
+        if table[name].dtype.kind not in "iuf":
+            numbers = [column for column in table if table[column].dtype.kind in "iuf"]
+            raise ValueError(
+                f"{what} {name!r} is no column of numbers{where}; there are: {_list(numbers)}"
+            )
+
+
+def _placed(scores: Across[Table]) -> Iterable[tuple[str, Table]]:
+    """Yield each table and the words that say which it is."""
+    for names, table in zip(scores.names(), scores.values(), strict=True):
+        yield f" in the table of {names}" if names else "", table
+
+
+def _is_number(label: Any) -> bool:
+    return isinstance(label, int | float) and type(label) is not bool and math.isfinite(label)
+
+
+def _list(names: Iterable[object]) -> str:
+    return ", ".join(str(name) for name in names) or "none"

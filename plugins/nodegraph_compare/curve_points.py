@@ -1,0 +1,221 @@
+"""From gathered tables to curves: the points of each compared label, by their place along x."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from nodegraph_compare.bootstrap import Bootstrap
+from nodegraph_compare.labels import label_order
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable, Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from nodegraph import Across, Label
+    from nodegraph_mocap import Table
+
+
+T = TypeVar("T", bound="Hashable")
+
+
+@dataclass(frozen=True)
+class Axes:
+    """What a curve's figure shows; each is a gathered axis or a column of the tables.
+
+    Attributes
+    ----------
+    x : str
+        Holds numbers.
+    metric : str
+        A column of numbers.
+    compare : str or None
+        A curve per label.
+    blocks : tuple of str
+    others : tuple of str
+        Gathered axes that are none of these.
+    lowest : bool
+        Whether the points of the `others` at one x stay apart, and the curve takes the lowest.
+    """
+
+    x: str
+    metric: str
+    compare: str | None
+    blocks: tuple[str, ...]
+    others: tuple[str, ...]
+    lowest: bool
+
+
+@dataclass(frozen=True)
+class Points:
+    """The P points of one compared label, in the order of their x, the lowest first.
+
+    Attributes
+    ----------
+    label : str, int, float or bool
+        Empty where nothing is compared.
+    others : tuple of P mappings of axis to label
+        Of the axes that tell apart points with one x.
+    x, value, low, high : (P,) arrays of float64
+        Value: mean over the counted blocks, or rows where no blocks are named; NaN where there
+        is none. Ends of its interval: NaN with too few blocks, or where none are named.
+    count : (P,) array of int
+        Blocks, or rows, with a number.
+    without_x, without_value : int
+        Rows left out because x is no finite number, and blocks (or rows) because the metric is
+        none.
+    """
+
+    label: Label
+    others: tuple[Mapping[str, Label], ...]
+    x: NDArray[np.float64]
+    value: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    count: NDArray[np.intp]
+    without_x: int
+    without_value: int
+
+    @property
+    def curve(self) -> NDArray[np.intp]:
+        """Places of the points that the curve takes: at each x the lowest, the first of equals."""
+        known = np.flatnonzero(np.isfinite(self.value))
+        return known[np.unique(self.x[known], return_index=True)[1]]
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """The rows of all tables: what they belong to, and their numbers."""
+
+    labels: Sequence[Label]
+    others: Sequence[tuple[Label, ...]]
+    blocks: Sequence[Hashable]
+    x: NDArray[np.float64]
+    value: NDArray[np.float64]
+
+
+def points(scores: Across[Table], axes: Axes, *, seed: int) -> tuple[Points, ...]:
+    """Return the points of every compared label, in the order of the labels."""
+    rows = _rows(scores, axes)
+    labels = tuple(dict.fromkeys(rows.labels))
+    if axes.compare is not None and axes.compare in scores.axes:
+        labels = label_order(scores, axes.compare)
+    of = _places(rows.labels)
+    bootstrap = Bootstrap(seed)
+    return tuple(_points(rows, of.get(label, []), label, axes, bootstrap) for label in labels)
+
+
+def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
+    """Return the mean of the metric over each label's rows; of all, where nothing tells them apart.
+
+    The one number of rows that have no compared label stands under an empty label.
+    """
+    known = axes.compare in floor.axes or any(axes.compare in one for one in floor.values())
+    labels = _gathered(floor, axes.compare if known else None)
+    value = _numbers(floor, axes.metric)
+    means: dict[Label, float] = {}
+    for label, places in _places(labels).items():
+        finite = value[places][np.isfinite(value[places])]
+        means |= {label: float(finite.mean())} if len(finite) else {}
+    return means
+
+
+def _rows(scores: Across[Table], axes: Axes) -> _Rows:
+    count = sum(len(table) for table in scores.values())
+    blocks = _together(scores, axes.blocks) if axes.blocks else range(count)
+    others = _together(scores, axes.others) if axes.lowest else [()] * count
+    return _Rows(
+        labels=_gathered(scores, axes.compare),
+        others=others,
+        blocks=blocks,
+        x=_numbers(scores, axes.x),
+        value=_numbers(scores, axes.metric),
+    )
+
+
+def _together(scores: Across[Table], names: tuple[str, ...]) -> list[tuple[Label, ...]]:
+    """Return the labels of all rows in several axes or columns."""
+    parts = [_gathered(scores, name) for name in names]
+    return list(zip(*parts, strict=True)) if parts else [()] * len(_gathered(scores, None))
+
+
+def _gathered(scores: Across[Table], name: str | None) -> list[Label]:
+    """Return the label of all rows in an axis, or column; nothing where there is no name."""
+    found: list[Label] = []
+    for labels, table in scores:
+        if name is None or name in scores.axes:
+            found += [labels.get(name, "") if name else ""] * len(table)
+        else:
+            column = table[name]
+            found += column.where(column.notna(), "missing").tolist()
+    return found
+
+
+def _numbers(scores: Across[Table], name: str) -> NDArray[np.float64]:
+    """Return finite numbers of all rows, else NaN."""
+    parts = [
+        np.full(len(table), labels.get(name, np.nan), dtype=np.float64)
+        if name in scores.axes
+        else table[name].to_numpy(dtype=np.float64)
+        for labels, table in scores
+    ]
+    numbers = np.concatenate([*parts, np.empty(0)])
+    return np.where(np.isfinite(numbers), numbers, np.nan)
+
+
+def _places(keys: Iterable[T]) -> dict[T, list[int]]:
+    """Return the places of each key, in the order in which the keys first come."""
+    found: dict[T, list[int]] = {}
+    for place, key in enumerate(keys):
+        found.setdefault(key, []).append(place)
+    return found
+
+
+def _points(
+    rows: _Rows, places: Sequence[int], label: Label, axes: Axes, bootstrap: Bootstrap
+) -> Points:
+    placed = [place for place in places if np.isfinite(rows.x[place])]
+    apart = axes.lowest and not axes.blocks
+    cells = _places(
+        (rows.x[place], rows.others[place], place if apart else None) for place in placed
+    )
+    blocks = [_blocks(rows, [placed[one] for one in cell]) for cell in cells.values()]
+    made = [_statistics(values, axes, bootstrap) for values in blocks]
+    numbers = np.array([(x, *one) for (x, _, _), one in zip(cells, made, strict=True)])
+    numbers = numbers.reshape(-1, 5)
+    order = np.lexsort((numbers[:, 1], numbers[:, 0]))
+    keys = list(cells)
+    x, value, low, high, count = numbers[order].T
+    return Points(
+        label,
+        tuple(dict(zip(axes.others, keys[place][1], strict=False)) for place in order),
+        x,
+        value,
+        low,
+        high,
+        count.astype(np.intp),
+        without_x=len(places) - len(placed),
+        without_value=sum(int(np.isnan(values).sum()) for values in blocks),
+    )
+
+
+def _blocks(rows: _Rows, places: list[int]) -> NDArray[np.float64]:
+    """Return the mean of the rows of each block; NaN where a row has no number."""
+    value = rows.value[places]
+    blocks = _places(rows.blocks[place] for place in places)
+    return np.array([value[block].mean() for block in blocks.values()])
+
+
+def _statistics(
+    values: NDArray[np.float64], axes: Axes, bootstrap: Bootstrap
+) -> tuple[float, float, float, int]:
+    """Return the mean over the blocks that have one, the ends of its interval, and their count."""
+    known = values[np.isfinite(values)]
+    mean = float(known.mean()) if len(known) else np.nan
+    if not axes.blocks:
+        return mean, np.nan, np.nan, len(known)
+    low, high = bootstrap.interval(known[:, np.newaxis])
+    return mean, float(low[0]), float(high[0]), len(known)

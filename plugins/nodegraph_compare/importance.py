@@ -1,0 +1,230 @@
+"""How much of a metric's variance each axis explains, and how often the winner changes."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from nodegraph import Across, Label, node
+from nodegraph_compare.better import Better, sign_of
+from nodegraph_compare.blocks import columns_of, values_of
+from nodegraph_compare.importance_answer import answers
+from nodegraph_compare.left_out import absences, end_text, listed, shortened
+from nodegraph_compare.question import Question, ask, unit_of
+from nodegraph_compare.variance import Sources, effects, whole, winner_changes
+from nodegraph_mocap import Figure, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+_MOST_CELLS = 20_000_000
+REST = "higher interactions"
+
+
+class Explained(NamedTuple):
+    """What explains a metric: its numbers and their picture."""
+
+    table: Table
+    figure: Figure
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """A value for every combination of labels; `dropped` says which labels had to go."""
+
+    labels: tuple[tuple[Label, ...], ...]
+    values: NDArray[np.float64]
+    dropped: tuple[str, ...]
+
+
+@node("compare.importance", cite=("hoeffding1948class", "hutter2014efficient"))
+def importance(
+    scores: Across[Table],
+    *,
+    metric: str | None = None,
+    compare: str | None = None,
+    factors: tuple[str, ...] = (),
+    better: Better = "declared",
+) -> Explained:
+    """Variance of a metric that each axis explains, and how often the best method changes with it.
+
+    A cell is one combination of the labels of the factors; its value is the mean of the metric
+    over its rows. The functional analysis of variance splits the variance of the cells exactly:
+    ``V = sum of V_a + sum of V_ab + rest``, ``V_a`` the variance of the means along axis a,
+    ``V_ab`` what the means along two axes add to those along each, the rest what needs three axes
+    or more to be told. ``eta squared`` is the share of V, ``partial eta squared`` of an effect is
+    ``V_a / (V_a + V_rest)``; of two factors, the rest is their interaction. These are shares of
+    the cells at hand: an axis explains more the further its labels lie apart.
+
+    The split holds for a full table only. Where cells are missing (refused, failed, skipped, or
+    with a row without a number), labels are left out until none is: each time the label with the
+    largest share of missing cells, of equals one of the axis with most labels. What goes is named
+    in a warning and in the notes.
+
+    Parameters
+    ----------
+    scores
+        Tables, a row per unit (a gap, a marker, a take).
+    metric
+        The column of numbers to explain. Default: the first column of floats.
+    compare
+        The factor whose labels compete. Default: the last gathered axis.
+    factors
+        Axes, or columns. Default: every gathered axis; where there is one only, the first column
+        of the tables too, if it says which unit a row is.
+    better
+        Which end of the metric wins: ``lower``, ``higher``, or ``none`` (nobody wins).
+        ``declared``: as the scores declare it, else ``lower``.
+
+    Returns
+    -------
+    table
+        A row per factor, pair of factors, and for what is left: ``labels`` (of a factor),
+        ``variance`` (the metric's unit, squared), ``eta squared``, ``partial eta squared``,
+        ``winner changes`` (share of pairs of labels of that factor, all other factors equal,
+        whose best label of `compare` is another; equal values: the first).
+    figure
+        The shares.
+
+    Raises
+    ------
+    ValueError
+        If a name is neither axis nor column or is used twice, `compare` is no factor, the metric
+        holds no numbers, or there are more than twenty million cells.
+    """
+    question = _ask(scores, metric, compare, factors, better)
+    grid = _grid(scores, question)
+    table = _table(grid, question, unit_of(scores, question))
+    absent = absences((one for one in scores.absent if one.kind != "skipped"), question)
+    if grid.dropped or absent:
+        warnings.warn(shortened([*grid.dropped, *absent]), stacklevel=2)
+    table.attrs["notes"] = [
+        f"A cell is one combination of {', '.join(_factors(question))}, the mean of "
+        f"{question.metric} over its rows; {grid.values.size} cells. {end_text(question)}",
+        "eta squared: share of the cells' variance. winner changes: share of pairs of labels of "
+        "the factor, all others equal, between which the best changes.",
+        *grid.dropped,
+        *absences(scores.absent, question),
+    ]
+    table.attrs["answer"] = answers(table, question)
+    return Explained(table, _draw(table, question))
+
+
+def _ask(
+    scores: Across[Table],
+    metric: str | None,
+    compare: str | None,
+    factors: tuple[str, ...],
+    better: Better,
+) -> Question:
+    """Return the question: its `within` are the factors that are not compared, in order."""
+    if factors and compare is not None and compare not in factors:
+        raise ValueError(f"{compare!r} is no factor; factors are: {', '.join(factors)}")
+    gathered = [name for name in factors if name in scores.axes]
+    compare = compare if compare is not None or not factors else (gathered or factors)[-1]
+    within = tuple(name for name in factors if name != compare)
+    if len({*factors}) < len(factors):
+        raise ValueError(f"factors name something twice: {', '.join(factors)}")
+    asked = ask(scores, metric=metric, compare=compare, within=within, blocks=(), better=better)
+    if factors:
+        return asked
+    # the defaults of `blocks` are the other axes, and the unit
+    others = tuple(name for name in asked.blocks if name in scores.axes) or asked.blocks
+    return ask(
+        scores, metric=metric, compare=asked.compare, within=others, blocks=(), better=better
+    )
+
+
+def _factors(question: Question) -> tuple[str, ...]:
+    return (*question.within, *question.compared)
+
+
+def _grid(scores: Across[Table], question: Question) -> _Grid:
+    names = _factors(question)
+    columns = columns_of(scores, names)
+    sizes = [len(labels) for labels in columns.labels]
+    if math.prod(sizes) > _MOST_CELLS:
+        told = ", ".join(f"{name} {size}" for name, size in zip(names, sizes, strict=True))
+        raise ValueError(
+            f"{math.prod(sizes)} cells are more than {_MOST_CELLS}; labels: {told}; name fewer "
+            "factors"
+        )
+    cell, size = columns.combined(), math.prod(sizes)
+    count = np.bincount(cell, minlength=size)
+    total = np.bincount(cell, weights=values_of(scores, question.metric), minlength=size)
+    values = np.where(count > 0, total / np.maximum(count, 1), np.nan).reshape(sizes)
+    kept = whole(values)
+    labels = tuple(
+        tuple(all_of[place] for place in places)
+        for all_of, places in zip(columns.labels, kept, strict=True)
+    )
+    gone = [
+        f"{name}: left out {listed([one for one in all_of if one not in left])}"
+        for name, all_of, left in zip(names, columns.labels, labels, strict=True)
+        if len(left) < len(all_of)
+    ]
+    missing = int(np.isnan(values).sum())
+    dropped = (f"{missing} of {size} cells have no number", *gone) if gone else ()
+    return _Grid(labels, values[np.ix_(*kept)], dropped)
+
+
+def _table(grid: _Grid, question: Question, unit: str) -> Table:
+    from pandas import DataFrame
+
+    names = _factors(question)
+    found = effects(grid.values) if grid.values.size else _unknown(len(names))
+    total = sum(found.values())
+    rest = found[()] if len(names) != 2 else found[0, 1]
+    rows = []
+    for sources, variance in found.items():
+        if not sources and len(names) < 3:
+            continue
+        residual = not sources or (len(names) < 3 and len(sources) == 2)
+        alone = len(sources) == 1
+        rows.append(
+            {
+                "source": " x ".join(names[one] for one in sources) or REST,
+                "labels": len(grid.labels[sources[0]]) if alone else np.nan,
+                "variance": variance,
+                "eta squared": _share(variance, total),
+                "partial eta squared": np.nan if residual else _share(variance, variance + rest),
+                "winner changes": _changes(grid, question, sources[0]) if alone else np.nan,
+            }
+        )
+    made = DataFrame(rows)
+    made["labels"] = made["labels"].astype("Int64")
+    made.attrs["title"] = f"What explains the variance of {question.metric}"
+    shares = ("eta squared", "partial eta squared", "winner changes")
+    made.attrs["units"] = dict.fromkeys(shares, "share") | (
+        {"variance": f"({unit})^2"} if unit else {}
+    )
+    return made
+
+
+def _unknown(count: int) -> Mapping[Sources, float]:
+    return dict.fromkeys(effects(np.zeros((1,) * count)), np.nan)
+
+
+def _share(part: float, total: float) -> float:
+    return part / total if total > 0.0 else np.nan
+
+
+def _changes(grid: _Grid, question: Question, axis: int) -> float:
+    compared = len(question.within)
+    if not grid.values.size or not question.compare or question.better == "none":
+        return np.nan
+    if axis == compared:
+        return np.nan
+    return winner_changes(sign_of(question.better) * grid.values, compared, axis)
+
+
+def _draw(table: Table, question: Question) -> Figure:
+    from nodegraph_compare.importance_figure import draw
+
+    return draw(table, question)

@@ -1,0 +1,105 @@
+"""What a comparison leaves out, told in sentences: blocks, methods and combinations."""
+
+from __future__ import annotations
+
+import warnings
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from nodegraph import Absent, Across
+    from nodegraph_compare.blocks import Group
+    from nodegraph_compare.question import Question
+    from nodegraph_mocap import Table
+
+_TOLD = 8
+_NOTED = 40
+_NAMED = 20
+
+
+def left_out(scores: Across[Table], question: Question, found: Sequence[Group]) -> list[str]:
+    """Return what is left out as notes, and warn of all of it that was not skipped on purpose.
+
+    Called by a node itself, so that the warning is the node's.
+    """
+    told = [text for text in (dropped(one, question) for one in found) if text]
+    missing = absences((one for one in scores.absent if one.kind != "skipped"), question)
+    empty = [] if found else ["the tables have no rows"]
+    if told or missing or empty:
+        warnings.warn(shortened([*told, *missing, *empty]), stacklevel=3)
+    more = len(told) - _NOTED
+    noted = told if more <= 0 else [*told[:_NOTED], f"and so in {more} more groups"]
+    return noted + absences(scores.absent, question)
+
+
+def dropped(group: Group, question: Question) -> str | None:
+    """Return how many blocks were left out of a group, and whose numbers they lack."""
+    lacking = np.count_nonzero(~np.isfinite(group.values), axis=0)
+    both = list(zip(group.methods, lacking.tolist(), group.usable.tolist(), strict=True))
+    some = [f"{name} lacks {count}" for name, count, usable in both if usable and count]
+    without = [str(name) for name, _, usable in both if not usable]
+    total, count = len(group.values), np.count_nonzero(~group.complete)
+    told = [f"{count} of {total} blocks left out ({listed(some)})"] if some else []
+    told += [f"without any number, not compared: {listed(without)}"] if without else []
+    place = group_text(group, question)
+    start = f"{place}: " if place else ""
+    return start + "; ".join(told) if told else None
+
+
+def absences(absent: Iterable[Absent], question: Question) -> list[str]:
+    """Return how many combinations are absent, by method and kind, with the reasons."""
+    reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for one in absent:
+        method = str(one.labels.get(question.compare or "", "")) or "all"
+        reasons[method, one.kind].append(one.reason)
+    return [
+        f"{method}: {len(told)} {'combination' if len(told) == 1 else 'combinations'} {kind}"
+        + _because(told)
+        for (method, kind), told in reasons.items()
+    ]
+
+
+def shortened(told: list[str]) -> str:
+    """Return sentences as one text, and how many more there are where there are many."""
+    more = f"; and {len(told) - _TOLD} more, see the table's notes" if len(told) > _TOLD else ""
+    return "; ".join(told[:_TOLD]) + more
+
+
+def listed(names: Sequence[object]) -> str:
+    """Return names as text, and how many more there are where there are many."""
+    more = len(names) - _NAMED
+    rest = f" and {more} more" if more > 0 else ""
+    return ", ".join(str(one) for one in names[:_NAMED]) + rest
+
+
+def group_text(group: Group, question: Question) -> str:
+    """Return the labels of a group as text: ``length 5, take jaw``."""
+    pairs = zip(question.within, group.labels, strict=True)
+    return ", ".join(f"{name} {label}" for name, label in pairs)
+
+
+def block_text(question: Question) -> str:
+    """Return what a block is, and the value of one."""
+    over = " and ".join(question.averaged)
+    also = f" The rows of a block include every {over}." if over else ""
+    return (
+        f"A block is one combination of {', '.join(question.blocks) or 'all rows'}; its value is "
+        f"the mean of {question.metric} over its rows.{also}"
+    )
+
+
+def end_text(question: Question) -> str:
+    """Return which end of the metric is the better one."""
+    if question.better == "none":
+        return f"Neither end of {question.metric} is the better one."
+    return f"{question.better.capitalize()} is better."
+
+
+def _because(told: list[str]) -> str:
+    reasons = [reason for reason in dict.fromkeys(told) if reason]
+    more = f"; and {len(reasons) - 2} more reasons" if len(reasons) > 2 else ""
+    return f" ({'; '.join(reasons[:2])}{more})" if reasons else ""

@@ -1,0 +1,33 @@
+"""What the figures of comparisons share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_LONGEST = 40
+
+
+def plain(label: object) -> str:
+    """Return a label as text that matplotlib draws as it stands, shortened if it is long."""
+    text = " ".join(str(label).split())
+    text = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
+    return text.replace("$", r"\$")
+
+
+def turned(axis: Axes) -> None:
+    """Turn the names along x, so that long ones do not meet."""
+    axis.tick_params(axis="x", rotation=40)
+    for text in axis.get_xticklabels():
+        text.set(ha="right", rotation_mode="anchor")
+
+
+def without_drawing(why: str) -> Figure:
+    """Return a figure that says why nothing is drawn."""
+    figure = Figure(figsize=(4.2, 1.2))
+    figure.text(0.5, 0.5, why, ha="center", va="center")
+    return figure

@@ -1,0 +1,131 @@
+"""The table in rows and columns, as a paper prints it: a mean and its interval in each cell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from nodegraph import Label
+    from nodegraph_compare.layout import Layout
+    from nodegraph_compare.question import Question
+    from nodegraph_compare.summary import Summary
+    from nodegraph_mocap import Table
+
+Labels = tuple["Label", ...]
+
+
+class _Cell(NamedTuple):
+    """What stands in one place of the table."""
+
+    mean: float
+    low: float
+    high: float
+    p: float
+    blocks: int
+    best: bool
+
+
+_NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, False)
+
+
+def wide_table(
+    found: Sequence[Summary],
+    question: Question,
+    layout: Layout,
+    order: Sequence[Label],
+    parts: Sequence[str],
+) -> Table:
+    """Return the means in rows and columns.
+
+    What is wanted beside the mean (`parts`: low, high and p, that of its difference to the
+    baseline) stands in columns of its own. ``attrs["cells"]`` says which columns a
+    reader sees in one, ``attrs["best"]`` in which rows of a column a group's best mean stands.
+    """
+    from pandas import DataFrame
+
+    cells = {
+        (_picked(at, layout.rows), _picked(at, layout.columns)): cell
+        for one in found
+        for at, cell in _cells(one, question)
+    }
+    place = _order(found, question, order)
+    rows = sorted({row for row, _ in cells}, key=place(layout.rows))
+    tops = sorted({top for _, top in cells}, key=place(layout.columns))
+    columns: dict[str, Any] = {
+        name: [row[at] for row in rows] for at, name in enumerate(layout.rows)
+    }
+    if set(question.within).issubset(layout.rows):
+        both = [[cells.get((row, top), _NOTHING).blocks for top in tops] for row in rows]
+        columns["blocks"] = [max(one) for one in both]
+    shown: dict[str, dict[str, str]] = {}
+    best: dict[str, list[int]] = {}
+    for top, head in zip(tops, _heads(tops, layout.columns, taken=columns), strict=True):
+        column = [cells.get((row, top), _NOTHING) for row in rows]
+        shown[head] = {part: f"{head} {part}" for part in parts}
+        best[head] = [at for at, cell in enumerate(column) if cell.best]
+        columns[head] = [cell.mean for cell in column]
+        for part, name in shown[head].items():
+            columns[name] = [getattr(cell, part) for cell in column]
+    made = DataFrame(columns)
+    made.attrs.update(cells=shown, best=best, units={})
+    return made
+
+
+def blocks_text(found: Sequence[Summary]) -> str:
+    """Return over how many blocks the means of a table are."""
+    counts = sorted({int(one.blocks.max(initial=0)) for one in found})
+    if len(counts) == 1:
+        return f"Every mean is over {counts[0]} blocks."
+    return f"The means are over {counts[0]} to {counts[-1]} blocks." if counts else ""
+
+
+def _cells(summary: Summary, question: Question) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
+    at = dict(zip(question.within, summary.group.labels, strict=True))
+    paired, bests, blocks = summary.paired, summary.bests, summary.blocks
+    for place, method in enumerate(summary.group.methods):
+        names = dict.fromkeys(question.compared, method)
+        p = np.nan if paired is None else float(paired.p[place])
+        mean, low, high = (float(one[place]) for one in (summary.mean, summary.low, summary.high))
+        yield at | names, _Cell(mean, low, high, p, int(blocks[place]), bool(bests[place]))
+
+
+def _picked(at: Mapping[str, Label], names: Sequence[str]) -> Labels:
+    return tuple(at[name] for name in names)
+
+
+def _order(
+    found: Sequence[Summary], question: Question, order: Sequence[Label]
+) -> Callable[[Sequence[str]], Callable[[Labels], tuple[int, ...]]]:
+    """Return what gives the places of labels in the order in which the graph lists them."""
+    listed: dict[str, Sequence[Label]] = dict.fromkeys(question.compared, order)
+    for at, name in enumerate(question.within):
+        listed[name] = tuple(dict.fromkeys(one.group.labels[at] for one in found))
+    places = {
+        name: {label: at for at, label in enumerate(labels)} for name, labels in listed.items()
+    }
+
+    def key_of(names: Sequence[str]) -> Callable[[Labels], tuple[int, ...]]:
+        return lambda labels: tuple(
+            places[name][label] for name, label in zip(names, labels, strict=True)
+        )
+
+    return key_of
+
+
+def _heads(tops: Sequence[Labels], names: Sequence[str], taken: Iterable[str]) -> list[str]:
+    """Return a name for each column: its labels, with what they are where the labels are bare."""
+    bare = [
+        ", ".join(str(one) if isinstance(one, str) else f"{name} {one}" for name, one in both)
+        for both in (list(zip(names, labels, strict=True)) for labels in tops)
+    ]
+    parts = {f"{head} {part}" for head in bare for part in ("low", "high", "p")}
+    if len({*bare, *parts, *taken}) == len(bare) + len(parts) + len(list(taken)):
+        return bare
+    return [
+        ", ".join(f"{name} {one!r}" for name, one in zip(names, labels, strict=True))
+        for labels in tops
+    ]

@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nodegraph import Absent, Across
+from nodegraph_compare.blocks import Group
+from nodegraph_compare.left_out import dropped, end_text, left_out, listed
+from nodegraph_compare.question import Question
+
+QUESTION = Question("rmse", "fill", ("length",), ("gap",), ())
+
+
+def lacking(length: int) -> Group:
+    values = np.array([[1.0, np.nan, np.nan], [2.0, 3.0, np.nan]])
+    return Group((length,), ("a", "b", "c"), values, np.zeros(3), np.zeros(3))
+
+
+def test_what_is_dropped_is_counted_by_method() -> None:
+    assert dropped(lacking(5), QUESTION) == (
+        "length 5: 1 of 2 blocks left out (b lacks 1); without any number, not compared: c"
+    )
+
+
+def test_many_groups_are_summed_up_in_notes_and_warning() -> None:
+    scores = Across.of({"a": pd.DataFrame()}, axis="fill")
+    with pytest.warns(UserWarning, match=r"length 7: .*; and 92 more, see the table's notes"):
+        noted = left_out(scores, QUESTION, [lacking(length) for length in range(100)])
+    assert noted[-1] == "and so in 60 more groups"
+    assert len(noted) == 41
+
+
+def test_skipped_combinations_are_noted_without_a_warning() -> None:
+    absent = (Absent({"fill": "b"}, "skipped", ""),)
+    scores = Across(("fill",), (({"fill": "a"}, pd.DataFrame()),), absent)
+    whole = Group((5,), ("a",), np.ones((3, 1)), np.zeros(1), np.zeros(1))
+    assert left_out(scores, QUESTION, [whole]) == ["b: 1 combination skipped"]
+
+
+def test_a_long_list_is_shortened() -> None:
+    assert listed([1, "a"]) == "1, a"
+    assert listed(range(25)).endswith("18, 19 and 5 more")
+
+
+def test_the_better_end_is_told() -> None:
+    assert end_text(QUESTION) == "Lower is better."
+    assert end_text(Question("lag", None, (), (), (), "none")) == (
+        "Neither end of lag is the better one."
+    )
