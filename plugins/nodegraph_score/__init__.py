@@ -14,14 +14,31 @@ if TYPE_CHECKING:
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
+    from nodegraph_score.alignment import alignment
     from nodegraph_score.distance import distance
     from nodegraph_score.gaps import gaps
+    from nodegraph_score.head_motion import head_motion
     from nodegraph_score.impulses import impulses
     from nodegraph_score.roughness import roughness
     from nodegraph_score.smoothness import smoothness
+    from nodegraph_score.steps import steps
     from nodegraph_score.tracking import tracking
+    from nodegraph_score.unselected import unselected
+    from nodegraph_score.weights_mse import weights_mse
 
-    return (distance, gaps, impulses, roughness, smoothness, tracking)
+    return (
+        alignment,
+        distance,
+        gaps,
+        head_motion,
+        impulses,
+        roughness,
+        smoothness,
+        steps,
+        tracking,
+        unselected,
+        weights_mse,
+    )
 
 
 @hookimpl

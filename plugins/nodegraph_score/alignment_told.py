@@ -1,0 +1,74 @@
+"""What is said of what PCA finds: an answer, and what was left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from nodegraph_mocap import Table, Trajectories
+    from nodegraph_score.components import Components, Movement
+
+HEAD, FACE = "head motion", "face"
+_FEWEST = 2
+
+
+def answer(parts: Sequence[Table], axes: tuple[str, ...]) -> list[str]:
+    """Return what the components are, and how much head motion makes of the first."""
+    found: dict[str, list[str]] = {}
+    for part in parts:
+        found.setdefault(", ".join(part["finds"]), []).append(named(part, axes))
+    told = [
+        f"{what} in {', '.join(names)}" if any(names) else what for what, names in found.items()
+    ]
+    shares = [
+        f"{named(part, axes)} {_percent(first['head motion'])}, {_percent(first['in all'])}".strip()
+        for part in parts
+        for first in (part.iloc[0],)
+    ]
+    return [
+        f"PCA finds, in this order: {'; '.join(told)}.",
+        f"Of the first component, and of all variance, head motion makes: {'; '.join(shares)}.",
+    ]
+
+
+def named(part: Table, axes: tuple[str, ...]) -> str:
+    """Return the labels of a recording's rows as one text."""
+    first = part.iloc[0]
+    return ", ".join(str(first[axis]) for axis in axes if first[axis] != "")
+
+
+def _percent(share: float) -> str:
+    # Adding 0 takes the sign from a zero.
+    return f"{round(100 * share) + 0}%"
+
+
+def left_out(recording: Trajectories, found: Components, moved: Movement) -> Iterator[str]:
+    """Say what was left out, and what cannot be said."""
+    frames = len(moved.curves)
+    if frames < _FEWEST:
+        yield f"needs {_FEWEST} complete frames; {_lacking(recording)}"
+        return
+    if frames < recording.frames:
+        yield f"{recording.frames - frames} of {recording.frames} frames lack samples: left out"
+    if not len(found.sd):
+        yield "nothing moves: there are no components"
+    elif not moved.columns.size:
+        yield "the head does not move: nothing can go with it"
+    elif not moved.tells:
+        numbers = moved.basis.shape[1]
+        yield f"{frames} frames are too few to say what goes with {numbers} numbers of the head"
+
+
+def _lacking(recording: Trajectories) -> str:
+    complete = int(np.count_nonzero(recording.present.all(axis=1)))
+    if not recording.frames or not recording.markers:
+        return f"there are {recording.frames} frames of {len(recording.markers)} markers"
+    missing = np.count_nonzero(~recording.present, axis=0)
+    worst = int(missing.argmax())
+    told = f"{complete} of {recording.frames} are"
+    if not missing[worst]:
+        return told
+    return f"{told} ({recording.markers[worst]} alone lacks {missing[worst]}): fill it first"

@@ -1,0 +1,146 @@
+"""How far the weights of blendshapes are from what they should be."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Truth, node
+from nodegraph_mocap import Selection, Table, Weights
+from nodegraph_mocap.shape_names import matched
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+UNITS = {
+    "frames": "frames",
+    "missing": "frames",
+    "shapes": "shapes",
+    "markers": "markers",
+}
+
+
+@node("score.weights_mse")
+def weights_mse(
+    estimate: Weights, reference: Truth[Weights], selection: Selection | None = None
+) -> Table:
+    """Mean squared error of blendshape weights, one row for a take.
+
+    With ``e[t, k]`` the weight of shape k in frame t minus that of the reference:
+
+    ========= ==========================================================================
+    mse       mean of ``e[t, k]^2`` over the frames compared and over all shapes
+    rmse      its square root
+    max       largest ``|e[t, k]|``
+    frames    how many frames are compared
+    missing   how many are not, as a weight is missing (NaN) in either
+    shapes    how many shapes there are
+    worst     the shape of the largest mean of ``e[t, k]^2`` over frames; of equals, the
+              first
+    worst_mse that mean
+    markers   how many markers are chosen; only with a selection
+    ========= ==========================================================================
+
+    Shapes are matched by name, whichever convention each is written in (``EyeBlinkLeft``,
+    ``eyeBlinkLeft``, ``eyeBlink_L``). Every shape of either counts: one that the other lacks is 0
+    there, as is one that no marker shows, so that it weighs on the error as it would on the face.
+    Warnings and the table's notes count and name such shapes, and count the frames left out.
+
+    Parameters
+    ----------
+    estimate
+        T frames.
+    reference
+        T frames: what the weights are, or those from all markers.
+    selection
+        The markers that the estimate is made from.
+
+    Returns
+    -------
+    Table
+        As above. Where no frame can be compared the numbers are NaN.
+
+    Raises
+    ------
+    ValueError
+        If frame counts differ, the two have no shape in common, or a shape of one may be two of
+        the other.
+    """
+    if estimate.frames != reference.frames:
+        raise ValueError(
+            f"estimate has {estimate.frames} frames, the reference {reference.frames}: it must "
+            "have as many"
+        )
+    errors, names, notes = _errors(estimate, reference)
+    known = np.asarray(np.isfinite(errors).all(axis=1))
+    if not known.all():
+        notes.append(
+            f"{np.count_nonzero(~known)} of {len(known)} frames lack a weight and are not compared"
+        )
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    table = _table(errors[known], names, missing=int(np.count_nonzero(~known)), selection=selection)
+    table.attrs.update(
+        title="Errors of weights", notes=[f"{note}." for note in notes], units=dict(UNITS)
+    )
+    return table
+
+
+def _errors(
+    estimate: Weights, reference: Weights
+) -> tuple[NDArray[np.float64], tuple[str, ...], list[str]]:
+    """Return (T, K) differences, the shapes' names and what is to be told of them."""
+    found = matched(estimate.names, reference.names)
+    if not found:
+        raise ValueError(
+            f"no shape is in both: estimate has {_list(estimate.names)}, reference "
+            f"{_list(reference.names)}"
+        )
+    spare = tuple(name for name in estimate.names if name not in found)
+    names = (*reference.names, *spare)
+    places = {name: number for number, name in enumerate(names)}
+    errors = np.zeros((estimate.frames, len(names)))
+    errors[:, [places[found.get(name, name)] for name in estimate.names]] = estimate.values
+    errors[:, : len(reference.names)] -= reference.values
+    driven = set(found.values())
+    lacking = tuple(name for name in reference.names if name not in driven)
+    notes = [
+        f"{len(absent)} of {len(names)} shapes only the {what} has; they are 0 in the other: "
+        f"{_list(absent)}"
+        for what, absent in (("estimate", spare), ("reference", lacking))
+        if absent
+    ]
+    return errors, names, notes
+
+
+def _table(
+    errors: NDArray[np.float64],
+    names: tuple[str, ...],
+    *,
+    missing: int,
+    selection: Selection | None,
+) -> Table:
+    from pandas import DataFrame
+
+    some = len(errors) > 0
+    by_shape = np.square(errors).mean(axis=0) if some else np.full(len(names), np.nan)
+    worst = int(by_shape.argmax())
+    row = {
+        "mse": by_shape.mean(),
+        "rmse": np.sqrt(by_shape.mean()),
+        "max": np.abs(errors).max() if some else np.nan,
+        "frames": len(errors),
+        "missing": missing,
+        "shapes": len(names),
+        "worst": names[worst] if some else "",
+        "worst_mse": by_shape[worst],
+    }
+    if selection is not None:
+        row["markers"] = len(selection.chosen)
+    return DataFrame([row])
+
+
+def _list(names: tuple[str, ...]) -> str:
+    return ", ".join(names) or "none"

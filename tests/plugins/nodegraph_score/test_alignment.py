@@ -1,0 +1,305 @@
+"""PCA of a head that moves, of a face that moves, and of both."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+import nodegraph_mocap
+import nodegraph_score
+from nodegraph import Absent, Across, Refusal
+from nodegraph.node import node_of
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import HeadMotion, Trajectories
+from nodegraph_score.alignment import COLUMNS, alignment
+
+FRAMES = 400
+FACE = np.random.default_rng(8).normal(0.0, 40.0, (12, 3))
+SECONDS = np.arange(FRAMES) / 60.0
+
+
+def motion(frames: int = FRAMES, *, degrees: float = 4.0, mm: float = 5.0) -> HeadMotion:
+    """Return a head that turns and shifts, each number at its own pace."""
+    paces = np.array([0.31, 0.47, 0.59, 0.73, 0.83, 0.97])
+    waves = np.sin(2 * np.pi * SECONDS[:frames, None] * paces + np.arange(6))
+    return HeadMotion(
+        rotations=Rotation.from_rotvec(degrees * waves[:, :3], degrees=True).as_matrix(),
+        translations=mm * waves[:, 3:],
+        scales=np.ones(frames),
+    )
+
+
+def still(frames: int = FRAMES) -> HeadMotion:
+    return motion(frames, degrees=0.0, mm=0.0)
+
+
+def speech(frames: int = FRAMES, mm: float = 3.0) -> NDArray[np.float64]:
+    """Return offsets of a few points, at paces of their own."""
+    paces = np.array([2.1, 3.3, 4.7, 5.9])
+    waves = mm * np.sin(2 * np.pi * SECONDS[:frames, None] * paces)
+    offsets = np.zeros((frames, len(FACE), 3))
+    offsets[:, 8:, 1] = waves
+    return offsets
+
+
+def recording(positions: NDArray[np.float64]) -> Trajectories:
+    names = tuple(f"m{number}" for number in range(positions.shape[1]))
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+def captured(offsets: NDArray[np.float64], where: HeadMotion) -> Trajectories:
+    turned = np.einsum("tij,tmj->tmi", where.rotations, FACE + offsets)
+    return recording(turned + where.translations[:, None])
+
+
+def one(take: Any) -> Across[Any]:
+    return Across((), (({}, take),))
+
+
+def of(**takes: Any) -> Across[Any]:
+    return Across.of(takes, axis="align")
+
+
+def quietly(*given: Any, **settings: Any) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return alignment(*given, **settings)
+
+
+def test_ports_are_as_promised() -> None:
+    found = node_of(alignment)
+    assert found is not None
+    assert [str(port) for port in found.inputs] == [
+        "recordings: Across[Trajectories]",
+        "head_motion: Truth[HeadMotion]",
+        "removed: Across[HeadMotion] | None",
+    ]
+    assert [port.name for port in found.outputs] == ["table", "figure"]
+
+
+def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
+    table = alignment(one(captured(0.0 * speech(), motion())), motion(), components=2).table
+    assert tuple(table.columns) == COLUMNS
+    np.testing.assert_allclose(table["head motion"], 1.0, atol=1e-6)
+    np.testing.assert_allclose(table["in all"], 1.0, atol=1e-6)
+    assert set(table["finds"]) == {"head motion"}
+    assert (table["R"] > 0.99).all()
+    assert table.attrs["answer"] == [
+        "PCA finds, in this order: head motion, head motion.",
+        "Of the first component, and of all variance, head motion makes: 100%, 100%.",
+    ]
+
+
+def test_a_moving_face_on_a_still_head_is_none() -> None:
+    with pytest.warns(UserWarning, match="the head does not move"):
+        table = alignment(one(captured(speech(), still())), still()).table
+    assert (table["head motion"] == 0.0).all()
+    assert set(table["finds"]) == {"face"}
+    assert table[["R", "by chance", "correlation"]].isna().all(axis=None)
+    assert set(table["with"]) == {""}
+
+
+def test_what_the_head_makes_and_what_the_face_makes_are_told_apart() -> None:
+    """A mouth that moves with the head is not moved by it."""
+    where = motion(mm=0.0, degrees=0.0)
+    along = np.sin(2 * np.pi * SECONDS * 2.1)[:, None] * [4.0, 0.0, 0.0]
+    where = replace(where, translations=along)
+    take = captured(speech(), where)
+    whole = alignment(one(take), where).table
+    assert whole["finds"][0] == "head motion"
+    # by hand: 12 points shift by 4 mm times a sine, 4 points by 3 mm times each their own
+    assert whole["in all"][0] == pytest.approx(12 * 16 / (12 * 16 + 4 * 9), abs=0.02)
+    nodding = speech()
+    nodding[:, 9:] = 0.0
+    aligned = alignment(one(captured(nodding, still())), where, one(where)).table
+    assert (aligned["in all"] == 0.0).all()
+    assert aligned["finds"].tolist() == ["face"]
+    assert aligned["R"][0] == pytest.approx(1.0)
+
+
+def test_what_an_alignment_has_left_is_found() -> None:
+    """Only the shift was taken out, so that the turn is all that is left."""
+    where = motion()
+    shift = replace(where, rotations=still().rotations)
+    made = recording(captured(speech(), where).positions - where.translations[:, None])
+    table = alignment(one(made), where, one(shift)).table
+    turned = captured(speech(), replace(where, translations=still().translations))
+    same = alignment(one(turned), replace(where, translations=still().translations)).table
+    np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
+
+
+def test_each_recording_has_its_rows_and_is_in_the_answer() -> None:
+    where, take = motion(), captured(speech(), motion())
+    aligned = recording(FACE + speech())
+    found = alignment(of(no=take, yes=aligned), where, of(no=still(), yes=where), components=3)
+    assert found.table["align"].tolist() == ["no"] * 3 + ["yes"] * 3
+    assert found.table["component"].tolist() == [1, 2, 3] * 2
+    assert found.table["in all"][3] == 0.0
+    first, shares = found.table.attrs["answer"]
+    assert first == (
+        "PCA finds, in this order: head motion, head motion, head motion in no; "
+        "face, face, face in yes."
+    )
+    assert shares.endswith("; yes 0%, 0%.")
+
+
+def test_the_order_of_what_was_removed_does_not_matter() -> None:
+    where, take = motion(), captured(speech(), motion())
+    aligned = recording(FACE + speech())
+    takes = of(no=take, yes=aligned)
+    one_way = alignment(takes, where, of(no=still(), yes=where)).table
+    other = alignment(takes, where, of(yes=where, no=still())).table
+    assert one_way.equals(other)
+
+
+def test_shares_are_of_the_whole_recording() -> None:
+    table = alignment(one(captured(speech(), motion())), motion(), components=4).table
+    flat = captured(speech(), motion()).positions.reshape(FRAMES, -1)
+    values = np.linalg.eigvalsh(np.cov(flat.T, bias=True))[::-1]
+    np.testing.assert_allclose(table["share"], (values / values.sum())[:4])
+    np.testing.assert_allclose(table["sd"] ** 2, values[:4])
+
+
+def test_the_number_that_goes_best_with_a_component_is_named() -> None:
+    where = replace(still(), translations=motion().translations * [0.0, 1.0, 0.0])
+    table = alignment(one(captured(0.0 * speech(), where)), where).table
+    assert table["with"].tolist() == ["shift y"]
+    assert table["correlation"][0] == pytest.approx(1.0)
+
+
+def test_scans_in_any_order_are_judged_alike() -> None:
+    order = np.random.default_rng(0).permutation(FRAMES)
+    take, where = captured(speech(), motion()), motion()
+    mixed = replace(where, rotations=where.rotations[order], translations=where.translations[order])
+    table = alignment(one(take), where).table
+    other = alignment(one(recording(take.positions[order])), mixed).table
+    same = ["share", "head motion", "in all", "R", "correlation"]
+    np.testing.assert_allclose(table[same].to_numpy(), other[same].to_numpy(), atol=1e-9)
+    assert (other["by chance"] < table["by chance"]).all()
+
+
+def test_incomplete_frames_are_left_out_and_counted() -> None:
+    positions = captured(speech(), motion()).positions.copy()
+    positions[30:50, 2] = np.nan
+    with pytest.warns(UserWarning, match="20 of 400 frames lack samples: left out"):
+        table = alignment(one(recording(positions)), motion()).table
+    kept = np.r_[0:30, 50:400]
+    whole = motion()
+    part = HeadMotion(
+        rotations=whole.rotations[kept],
+        translations=whole.translations[kept],
+        scales=whole.scales[kept],
+    )
+    same = alignment(one(recording(positions[kept])), part).table
+    np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
+    assert table.attrs["notes"] == ["20 of 400 frames lack samples: left out."]
+
+
+def test_a_recording_that_cannot_be_judged_does_not_stop_the_others() -> None:
+    positions = np.full((FRAMES, 12, 3), np.nan)
+    positions[:, :11] = captured(speech(), motion()).positions[:, :11]
+    with pytest.warns(UserWarning, match=r"bad: needs 2 complete frames; 0 of 400 are \(m11 alone"):
+        table = alignment(
+            of(bad=recording(positions), good=captured(speech(), motion())), motion()
+        ).table
+    assert set(table["align"]) == {"good"}
+
+
+def test_an_absent_recording_is_no_row() -> None:
+    gone = Absent({"align": "gone"}, "failed", "no landmarks")
+    takes = replace(of(good=captured(speech(), motion())), absent=(gone,))
+    assert set(alignment(takes, motion()).table["align"]) == {"good"}
+
+
+@pytest.mark.parametrize(
+    ("positions", "told"),
+    [
+        (FACE[None], "needs 2 complete frames; 1 of 1 are"),
+        (np.tile(FACE, (20, 1, 1)), "nothing moves"),
+        (np.full((20, 12, 3), np.nan), r"0 of 20 are \(m0 alone lacks 20\): fill it first"),
+        (np.empty((20, 0, 3)), "nothing moves"),
+        (np.empty((1, 0, 3)), "1 frames of 0 markers"),
+        (np.empty((0, 12, 3)), "0 frames of 12 markers"),
+    ],
+)
+def test_what_has_no_components_is_refused(positions: NDArray[np.float64], told: str) -> None:
+    with pytest.raises(Refusal, match=told):
+        alignment(one(recording(positions)), motion(len(positions)))
+
+
+def test_no_recording_is_refused() -> None:
+    with pytest.raises(Refusal, match="there is no recording"):
+        alignment(Across(("align",), ()), motion())
+
+
+def test_too_few_frames_say_nothing_of_correlation() -> None:
+    vectors, shifts = np.random.default_rng(1).normal(0.0, 1.0, (2, 7, 3))
+    where = replace(
+        still(7),
+        rotations=Rotation.from_rotvec(vectors, degrees=True).as_matrix(),
+        translations=shifts,
+    )
+    with pytest.warns(UserWarning, match="7 frames are too few"):
+        table = alignment(one(captured(speech(7), where)), where).table
+    assert table["R"].isna().all()
+    assert table["head motion"].notna().all()
+
+
+def test_other_frame_counts_are_told() -> None:
+    with pytest.raises(ValueError, match="recording b has 9 frames, the head motion 400"):
+        alignment(of(b=captured(speech(9), motion(9))), motion())
+    with pytest.raises(ValueError, match="has 400 frames, the head motion removed 9"):
+        alignment(one(captured(speech(), motion())), motion(), one(motion(9)))
+
+
+def test_a_recording_has_one_head_motion_that_was_removed() -> None:
+    take = captured(speech(), motion())
+    with pytest.raises(ValueError, match="recording b has 0 head motions that were removed"):
+        alignment(of(a=take, b=take), motion(), of(a=motion()))
+    both = Across.of({"a": motion(), "b": motion()}, axis="other")
+    with pytest.raises(ValueError, match="has 2 head motions that were removed"):
+        alignment(one(take), motion(), both)
+
+
+def test_mirror_images_are_refused() -> None:
+    take = captured(speech(), motion())
+    mirrored = replace(motion(), rotations=motion().rotations @ np.diag([1.0, -1.0, 1.0]))
+    with pytest.raises(ValueError, match="head motion, frame 0"):
+        alignment(one(take), mirrored)
+    with pytest.raises(ValueError, match="removed of the recording, frame 0"):
+        alignment(one(take), motion(), one(mirrored))
+
+
+def test_an_axis_cannot_be_called_as_a_column_is() -> None:
+    takes = Across.of({"a": captured(speech(), motion())}, axis="share")
+    with pytest.raises(ValueError, match="an axis cannot be called share"):
+        alignment(takes, motion())
+
+
+def test_the_figure_has_a_bar_per_component_filled_by_the_head() -> None:
+    where, take = motion(), captured(speech(), motion())
+    found = quietly(
+        of(no=take, yes=recording(FACE + speech())), where, of(no=still(), yes=where), components=3
+    )
+    no, yes = found.figure.axes
+    assert (no.get_title(), yes.get_title()) == ("no", "yes")
+    heights = [[bar.get_height() for bar in bars] for bars in no.containers]
+    rows = found.table[found.table["align"] == "no"]
+    np.testing.assert_allclose(heights[0], rows["share"])
+    np.testing.assert_allclose(heights[1], rows["share"] * rows["head motion"].clip(0, 1))
+    assert all(bar.get_height() == 0.0 for bar in yes.containers[1])
+    found.figure.savefig(io.BytesIO(), format="svg")
+
+
+def test_it_keeps_the_promises_of_a_score() -> None:
+    plugins = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
+    check_node(alignment, registry=Registry(loaded=plugins))

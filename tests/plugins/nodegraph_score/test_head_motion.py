@@ -1,0 +1,79 @@
+"""The error of a head motion is the angle and the distance by which it was changed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import nodegraph_mocap
+import nodegraph_score
+from nodegraph.node import node_of
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import HeadMotion
+from nodegraph_score.head_motion import head_motion
+
+
+def motion(frames: int = 10) -> HeadMotion:
+    rng = np.random.default_rng(0)
+    return HeadMotion(
+        rotations=Rotation.from_rotvec(rng.normal(0, 0.3, (frames, 3))).as_matrix(),
+        translations=rng.normal(0, 5, (frames, 3)),
+        scales=np.ones(frames),
+    )
+
+
+def test_ports_are_as_promised() -> None:
+    found = node_of(head_motion)
+    assert found is not None
+    assert [str(port) for port in found.inputs] == [
+        "estimate: HeadMotion",
+        "truth: Truth[HeadMotion]",
+    ]
+
+
+def test_each_error_is_told_in_its_unit() -> None:
+    truth = motion()
+    angles = np.linspace(0.0, 9.0, 10)
+    turns = Rotation.from_rotvec(angles[:, None] * [0.6, 0.0, 0.8], degrees=True).as_matrix()
+    estimate = HeadMotion(
+        rotations=turns @ truth.rotations,
+        translations=truth.translations + np.array([0.0, 3.0, -4.0]),
+        scales=np.full(10, 1.02),
+    )
+    table = head_motion(estimate, truth)
+    assert table["frame"].tolist() == list(range(10))
+    np.testing.assert_allclose(table["rotation"], angles, atol=1e-9)
+    np.testing.assert_allclose(table["translation"], 5.0)
+    np.testing.assert_allclose(table["scale"], 2.0)
+    assert table.attrs["units"]["rotation"] == "degrees"
+
+
+def test_the_truth_has_no_error() -> None:
+    table = head_motion(motion(), motion())
+    assert np.abs(table[["rotation", "translation", "scale"]].to_numpy()).max() < 1e-9
+
+
+def test_other_frame_counts_are_told() -> None:
+    with pytest.raises(ValueError, match="estimate has 9 frames, the truth has 10"):
+        head_motion(motion(9), motion())
+
+
+def test_one_frame_and_none() -> None:
+    assert len(head_motion(motion(1), motion(1))) == 1
+    assert len(head_motion(motion(0), motion(0))) == 0
+
+
+def test_a_mirror_image_is_refused() -> None:
+    mirrored = replace(motion(), rotations=motion().rotations @ np.diag([1.0, 1.0, -1.0]))
+    with pytest.raises(ValueError, match="estimate, frame 0"):
+        head_motion(mirrored, motion())
+
+
+def test_it_keeps_the_promises_of_a_score() -> None:
+    plugins = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
+    check_node(head_motion, registry=Registry(loaded=plugins))

@@ -1,0 +1,39 @@
+"""Samples that are nearer to another marker's place."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_score.misplaced import misplaced
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 999), far=st.sampled_from([0.0, 2000.0]))
+def test_it_is_the_nearest_of_all_places(seed: int, far: float) -> None:
+    rng = np.random.default_rng(seed)
+    truth = rng.normal(0.0, 10.0, (6, 5, 3)) + far
+    positions = truth + rng.normal(0.0, 6.0, truth.shape)
+    truth[rng.random((6, 5)) < 0.15] = np.nan
+    positions[rng.random((6, 5)) < 0.15] = np.nan
+    expected = np.zeros((6, 5), dtype=bool)
+    for frame in range(6):
+        for marker in range(5):
+            apart = [math.dist(positions[frame, marker], place) for place in truth[frame]]
+            own = apart[marker]
+            if not math.isnan(own):
+                expected[frame, marker] = min(one for one in apart if not math.isnan(one)) < own
+    np.testing.assert_array_equal(misplaced(positions, truth), expected)
+
+
+def test_two_markers_under_each_others_names() -> None:
+    truth = np.random.default_rng(0).normal(0.0, 30.0, (20, 6, 3))
+    swapped = truth.copy()
+    swapped[5:9, [1, 4]] = swapped[5:9, [4, 1]]
+    found = misplaced(swapped, truth)
+    assert found.sum() == 8
+    assert found[5:9, [1, 4]].all()
+    assert not misplaced(truth, truth).any()

@@ -1,0 +1,135 @@
+"""Poses in six numbers, what is left of them, and how far they are apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph_mocap import HeadMotion
+from nodegraph_score.pose import carried, check_proper, degrees_apart, frames_of, left_over, pose
+
+
+def motion(vectors: NDArray[np.float64], *, scale: float = 1.0, seed: int = 0) -> HeadMotion:
+    """Return turns by rotation vectors in degrees, with any translations."""
+    shifts = np.random.default_rng(seed).normal(0.0, 5.0, (len(vectors), 3))
+    return HeadMotion(
+        rotations=Rotation.from_rotvec(vectors, degrees=True).as_matrix(),
+        translations=shifts,
+        scales=np.full(len(vectors), scale),
+    )
+
+
+def some(frames: int = 20, *, seed: int = 0, scale: float = 1.0) -> HeadMotion:
+    vectors = np.random.default_rng(seed).normal(0.0, 20.0, (frames, 3))
+    return motion(vectors, seed=seed + 1, scale=scale)
+
+
+def placed(points: NDArray[np.float64], where: HeadMotion) -> NDArray[np.float64]:
+    """Return ``s R x + t``, frame by frame and point by point."""
+    return np.array(
+        [
+            [s * (r @ point) + t for point in frame]
+            for frame, r, t, s in zip(
+                points, where.rotations, where.translations, where.scales, strict=True
+            )
+        ]
+    )
+
+
+def test_a_turn_to_and_fro_about_one_axis_is_its_angle() -> None:
+    angles = np.array([-8.0, -1.0, 0.0, 3.0, 6.0])
+    numbers = pose(motion(angles[:, None] * [0.0, 1.0, 0.0]))
+    np.testing.assert_allclose(numbers[:, 1], angles - angles.mean(), atol=0.01)
+    np.testing.assert_allclose(numbers[:, [0, 2]], 0.0, atol=1e-9)
+    np.testing.assert_array_equal(
+        numbers[:, 3:], motion(angles[:, None] * [0.0, 1.0, 0.0]).translations
+    )
+
+
+def test_a_head_that_is_seen_from_behind_does_not_jump() -> None:
+    """Its rotations are about half a turn, where a rotation vector changes its sign."""
+    wobble = np.linspace(-5.0, 5.0, 21)
+    behind = motion((180.0 + wobble)[:, None] * [0.0, 1.0, 0.0])
+    steps = np.diff(pose(behind)[:, :3], axis=0)
+    np.testing.assert_allclose(steps, np.tile([0.0, 0.5, 0.0], (20, 1)), atol=1e-6)
+
+
+@settings(max_examples=30, deadline=None)
+@given(angle=st.floats(0.0, 180.0), seed=st.integers(0, 99))
+def test_two_rotations_are_apart_by_the_angle_between_them(angle: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    axis = rng.normal(size=3)
+    turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True).as_matrix()
+    one = some(1, seed=seed)
+    two = HeadMotion(
+        rotations=turn @ one.rotations, translations=one.translations, scales=one.scales
+    )
+    assert degrees_apart(one, two)[0] == pytest.approx(angle, abs=1e-6)
+    assert degrees_apart(two, one)[0] == pytest.approx(angle, abs=1e-6)
+
+
+def test_a_tiny_turn_is_not_lost() -> None:
+    one = motion(np.zeros((1, 3)))
+    two = motion(np.array([[1e-7, 0.0, 0.0]]))
+    assert degrees_apart(one, two)[0] == pytest.approx(1e-7, rel=1e-6)
+
+
+def test_what_is_left_over_leads_from_the_aligned_face_to_what_was_made() -> None:
+    true, found = some(seed=1, scale=1.2), some(seed=5, scale=0.8)
+    aligned = np.random.default_rng(0).normal(0.0, 40.0, (20, 6, 3))
+    captured = placed(aligned, true)
+    made = np.array(
+        [
+            [r.T @ (point - t) / s for point in frame]
+            for frame, r, t, s in zip(
+                captured, found.rotations, found.translations, found.scales, strict=True
+            )
+        ]
+    )
+    np.testing.assert_allclose(placed(aligned, left_over(true, found)), made, atol=1e-9)
+    nothing = left_over(true, true)
+    np.testing.assert_allclose(nothing.rotations, np.tile(np.eye(3), (20, 1, 1)), atol=1e-12)
+    np.testing.assert_allclose(nothing.translations, 0.0, atol=1e-12)
+
+
+def test_a_still_face_is_carried_to_where_it_is() -> None:
+    where = some(scale=1.1)
+    face = np.random.default_rng(3).normal(0.0, 40.0, (6, 3))
+    positions = placed(np.tile(face, (20, 1, 1)), where)
+    np.testing.assert_allclose(carried(positions, where), positions, atol=1e-9)
+
+
+def test_the_face_that_is_carried_is_its_mean() -> None:
+    where = some(scale=1.1)
+    faces = np.random.default_rng(3).normal(0.0, 40.0, (20, 6, 3))
+    mean = np.tile(faces.mean(axis=0), (20, 1, 1))
+    np.testing.assert_allclose(carried(placed(faces, where), where), placed(mean, where), atol=1e-9)
+
+
+def test_some_frames_are_those() -> None:
+    every = some()
+    chosen = np.arange(20) % 3 == 1
+    kept = frames_of(every, chosen)
+    np.testing.assert_array_equal(kept.rotations, every.rotations[1::3])
+    np.testing.assert_array_equal(kept.translations, every.translations[1::3])
+
+
+def test_a_mirror_image_is_refused_by_its_frame() -> None:
+    rotations = np.tile(np.eye(3), (5, 1, 1))
+    rotations[3] = np.diag([-1.0, 1.0, 1.0])
+    mirrored = HeadMotion(rotations=rotations, translations=np.zeros((5, 3)), scales=np.ones(5))
+    with pytest.raises(ValueError, match=r"truth, frame 3: .* mirror image \(1 of 5 frames\)"):
+        check_proper("truth", mirrored)
+    with pytest.raises(ValueError, match="mirror image"):
+        pose(mirrored)
+
+
+def test_no_frame_has_no_numbers() -> None:
+    none = HeadMotion(
+        rotations=np.empty((0, 3, 3)), translations=np.empty((0, 3)), scales=np.ones(0)
+    )
+    assert pose(none).shape == (0, 6)

@@ -1,0 +1,144 @@
+"""Errors at the markers that were left out, beside plain loops."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph import get_node
+from nodegraph.node import node_of
+from nodegraph_mocap import Origin, Selection, Table, Trajectories
+from nodegraph_score.unselected import UNITS, unselected
+
+COLUMNS = ["marker", "markers", "frames", "missing", "rms", "mean", "max", "farthest"]
+CHOSEN = Selection(chosen=("d", "a"))
+
+
+def recording(markers: str = "abcdef", *, frames: int = 12, seed: int = 0) -> Trajectories:
+    positions = np.random.default_rng(seed).normal(0, 20, (frames, len(markers), 3))
+    return Trajectories(positions=positions, markers=tuple(markers), rate=60.0)
+
+
+def cut(take: Trajectories, marker: str, frames: slice) -> Trajectories:
+    gap = np.zeros(take.origin.shape, bool)
+    gap[frames, take.markers.index(marker)] = True
+    positions = np.where(gap[..., None], np.nan, take.positions)
+    return take.with_samples(positions, changed=gap, origin=Origin.MISSING)
+
+
+def quietly(*given: object) -> Table:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return unselected(*given)  # type: ignore[arg-type]
+
+
+def test_ports_are_as_promised() -> None:
+    found = node_of(unselected)
+    assert found is not None
+    assert [str(port) for port in found.inputs] == [
+        "estimate: Trajectories",
+        "reference: Truth[Trajectories]",
+        "selection: Selection",
+    ]
+    assert not found.settings
+
+
+def test_every_number_by_a_plain_loop() -> None:
+    reference = recording()
+    estimate = cut(cut(recording(seed=1), "c", slice(2, 5)), "f", slice(0, 1))
+    with pytest.warns(UserWarning, match="^4 of 48 samples are missing and not compared$"):
+        table = unselected(estimate, reference, CHOSEN)
+    assert list(table.columns) == COLUMNS
+    assert table["marker"].tolist() == ["b", "c", "e", "f"]
+    for _, row in table.iterrows():
+        place = reference.markers.index(row["marker"])
+        apart = {
+            frame: math.dist(estimate.positions[frame, place], reference.positions[frame, place])
+            for frame in range(12)
+            if not np.isnan(estimate.positions[frame, place, 0])
+        }
+        assert row["markers"] == 2
+        assert row["frames"] == len(apart)
+        assert row["missing"] == 12 - len(apart)
+        assert row["rms"] == pytest.approx(
+            math.sqrt(sum(far**2 for far in apart.values()) / len(apart))
+        )
+        assert row["mean"] == pytest.approx(sum(apart.values()) / len(apart))
+        assert row["max"] == pytest.approx(max(apart.values()))
+        assert row["farthest"] == max(apart, key=lambda frame: apart[frame])
+    assert table.attrs["units"] == UNITS
+    assert table.attrs["notes"] == ["4 of 48 samples are missing and not compared."]
+
+
+def test_markers_are_matched_by_name() -> None:
+    reference, estimate = recording(), recording(seed=1)
+    table = unselected(estimate.keep("fabecd"), reference, CHOSEN)
+    assert table.equals(unselected(estimate, reference, CHOSEN))
+
+
+def test_selected_markers_do_not_count() -> None:
+    reference, estimate = recording(), recording(seed=1)
+    positions = estimate.positions.copy()
+    positions[:, [0, 3]] += 1e6
+    worse = replace(estimate, positions=positions)
+    assert unselected(worse, reference, CHOSEN).equals(unselected(estimate, reference, CHOSEN))
+
+
+def test_what_only_one_of_the_two_has_is_left_out_and_told() -> None:
+    reference, estimate = recording("abcde"), recording("abdefgh", seed=1)
+    with pytest.warns(UserWarning, match="markers only the") as told:
+        table = unselected(estimate, reference, CHOSEN)
+    assert [str(one.message) for one in told] == [
+        "3 markers only the estimate has are left out: f, g, h",
+        "1 markers only the reference has are left out: c",
+    ]
+    assert table["marker"].tolist() == ["b", "e"]
+
+
+def test_a_marker_without_any_frame_has_no_error() -> None:
+    estimate = cut(recording(seed=1), "b", slice(None))
+    with pytest.warns(UserWarning, match="12 of 48 .*; 1 of 4 markers have none at all"):
+        table = unselected(estimate, recording(), CHOSEN)
+    assert [table[one][0] for one in ("frames", "missing", "farthest")] == [0, 12, -1]
+    assert np.isnan(table[["rms", "mean", "max"]].to_numpy()).sum(axis=1).tolist() == [3, 0, 0, 0]
+
+
+def test_where_all_are_selected_no_row_is_left() -> None:
+    take = recording("ab")
+    with pytest.warns(UserWarning, match="all 2 markers are selected, none is left to score"):
+        table = unselected(take, take, Selection(chosen=("a", "b")))
+    assert list(table.columns) == COLUMNS
+    assert len(table) == 0
+
+
+def test_no_frame_at_all() -> None:
+    take = recording("abd", frames=0)
+    table = unselected(take, take, CHOSEN)
+    assert [table[one][0] for one in ("frames", "missing", "farthest")] == [0, 0, -1]
+    assert np.isnan(table["rms"].to_numpy()).all()
+
+
+@pytest.mark.parametrize(
+    ("estimate", "reference", "chosen", "text"),
+    [
+        (recording(frames=11), recording(), "ad", "estimate has 11 frames, the reference 12"),
+        (recording(), recording(), "ax", "selected, but not in the reference: x; it has a, b"),
+        (recording("xyz"), recording(), "ad", "no marker is in both: estimate has x, y, z, ref"),
+    ],
+)
+def test_bad_input(estimate: Trajectories, reference: Trajectories, chosen: str, text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        quietly(estimate, reference, Selection(chosen=tuple(chosen)))
+
+
+def test_a_prediction_from_weights_is_scored_where_it_was_not_fitted() -> None:
+    face = get_node("synthesize.face")(seconds=0.5, noise=0.0, missing=0.0, impulses=0.0)
+    posed = get_node("blendshapes.pose")(face.weights, face.model)
+    chosen = Selection(chosen=posed.markers[::2])
+    table = quietly(posed, posed, chosen)
+    assert table["marker"].tolist() == list(posed.markers[1::2])
+    assert (table[["rms", "mean", "max"]] == 0).all().all()
