@@ -200,9 +200,8 @@ def _scale_bar(axis: Axes, low: NDArray[np.float64], high: NDArray[np.float64]) 
 
 
 def _handles(faces: Sequence[_Face]) -> list[Artist]:
-    """Return a legend of what occurs; captured and recovered always."""
-    shown = {Origin.MEASURED, Origin.FILLED}
-    shown |= {origin for origin in Origin if any(face.of(origin).any() for face in faces)}
+    """Return a legend of what occurs."""
+    shown = {origin for origin in Origin if any(face.of(origin).any() for face in faces)}
     handles: list[Artist] = [
         _symbol(label, colour, marker)
         for origin, label, colour, marker in _ORIGINS

@@ -64,6 +64,12 @@ class _Curves:
         """(F,), True where some recording has no measured sample, or a repaired one."""
         return np.asarray((self.made | ~self.measured).any(axis=0))
 
+    @property
+    def shading(self) -> set[str]:
+        """What the shaded frames are: ``gap`` where any has none measured, ``repaired``."""
+        found = {"gap": ~self.measured, "repaired": self.made & self.measured}
+        return {name for name, flags in found.items() if flags.any()}
+
 
 def draw(
     recordings: dict[str, Trajectories],
@@ -82,15 +88,17 @@ def draw(
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
     rate = next(iter(recordings.values())).rate
+    shading: set[str] = set()
     for column, marker in enumerate(markers):
         curves = _curves(recordings, truth, marker, window)
+        shading |= curves.shading
         for row, coordinate in enumerate(coordinates):
             _panel(axes[row, column], curves, "xyz".index(coordinate), look, list(recordings))
         axes[0, column].set_title(marker)
         axes[-1, column].set_xlabel(f"frame (at {rate:g} Hz)")
     for row, coordinate in enumerate(coordinates):
         axes[row, 0].set_ylabel(f"{coordinate} (mm)")
-    handles = _handles(list(recordings), look, known=truth is not None)
+    handles = _handles(list(recordings), look, sorted(shading), known=truth is not None)
     figure.legend(
         handles=handles,
         loc="outside lower center",
@@ -172,7 +180,9 @@ def _limit(axis: Axes, steady: NDArray[np.float64], values: NDArray[np.float64])
     axis.set_ylim(low - margin, high + margin)
 
 
-def _handles(names: Sequence[str], look: dict[str, Look], *, known: bool) -> list[Artist]:
+def _handles(
+    names: Sequence[str], look: dict[str, Look], shading: Sequence[str], *, known: bool
+) -> list[Artist]:
     handles: list[Artist] = [
         Line2D(
             [],
@@ -188,4 +198,6 @@ def _handles(names: Sequence[str], look: dict[str, Look], *, known: bool) -> lis
     handles.append(Line2D([], [], color=LIGHT, linewidth=_BROAD, label="measured in all"))
     if known:
         handles.append(Line2D([], [], color=BLACK, linewidth=0.8, label="truth"))
-    return [*handles, Patch(color=PALE, label="gap")]
+    if shading:
+        handles.append(Patch(color=PALE, label=" or ".join(shading)))
+    return handles

@@ -91,7 +91,7 @@ def test_repaired_samples_have_their_own_colour() -> None:
     figure = faces(across(despiked=repaired), frames=(FRAME,))
     assert len(dots(figure.axes[0])["repaired"]) == 1
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["captured", "recovered", "repaired"]
+    assert labels == ["captured", "repaired"]
 
 
 def test_a_row_per_recording_and_a_column_per_frame() -> None:

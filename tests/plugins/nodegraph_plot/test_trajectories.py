@@ -8,7 +8,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from nodegraph import Absent, Across
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.style import looks
 from nodegraph_plot.trajectories import trajectories
 from tests.plugins.nodegraph_plot import made_face
@@ -140,3 +140,23 @@ def test_the_figure_can_be_written() -> None:
     buffer = io.BytesIO()
     trajectories(two(), made_face.truth()).savefig(buffer, format="svg")
     assert buffer.getvalue().startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("origins", "said"),
+    [
+        ((Origin.FILLED,), ["gap"]),
+        ((Origin.REPAIRED,), ["repaired"]),
+        ((Origin.FILLED, Origin.REPAIRED), ["gap or repaired"]),
+        ((), []),
+    ],
+)
+def test_the_shading_is_called_what_it_is(origins: tuple[Origin, ...], said: list[str]) -> None:
+    take = made_face.truth()
+    for place, origin in enumerate(origins):
+        changed = np.zeros((made_face.FRAMES, len(take.markers)), dtype=bool)
+        changed[15 + 3 * place, COLUMN] = True
+        take = take.with_samples(take.positions, changed=changed, origin=origin)
+    figure = trajectories(across(one=take), markers=("mouth_l",), frames=(0, 39))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["one", "measured in all", *said]

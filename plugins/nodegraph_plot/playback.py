@@ -1,0 +1,115 @@
+"""Recordings and animations played side by side in the report."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from nodegraph import Across, Truth, node
+from nodegraph_mocap import Animation, Playback, Trajectories
+from nodegraph_mocap.playback import Panel
+from nodegraph_plot.playback_limits import check_meshes, frames_apart, out_of_reach, thinned
+from nodegraph_plot.playback_views import panel_of
+
+
+@node("plot.playback")
+def playback(
+    recordings: Across[Trajectories] | None = None,
+    animations: Across[Animation] | None = None,
+    truth: Truth[Trajectories] | None = None,
+    *,
+    view: Annotated[str, Field(pattern=r"^(auto|[+-][xyz][+-][xyz])$")] = "auto",
+) -> Playback:
+    """Play recordings and animated heads side by side in the report, turned and moved together.
+
+    Each recording is a panel of dots, coloured by where a sample came from (captured, recovered,
+    repaired), joined by its marker set's edges; each animation is a panel with its shaded head.
+    One clock, in seconds, drives all: a panel shows the frame that began last, and holds its last
+    frame when it is shorter than others. The recordings have one scale, and so have the heads;
+    each panel is centred on what was measured of it. The reader plays, slows down, steps, drags
+    to turn, enlarges, and shows trails; nothing moves before it is asked to. It opens at the
+    frame with most samples that a method has made, and whose truth is known if there is one, else
+    at the first.
+
+    With a truth, its own panel comes first, a hollow circle shows where each made or missing
+    sample should be, and the colours can show the error instead. A missing sample is not drawn
+    elsewhere; the panel counts it.
+
+    Together, frames times markers (or times morph targets) may come to 2,000,000: 10 recordings of
+    60 markers and 3,333 frames. Of more, every second, third, ... frame is played, which a warning
+    and the report say. Beside the report lies the playback as a page of its own.
+
+    Parameters
+    ----------
+    recordings
+        Shown in their order.
+    animations
+        Shown after the recordings. A frame with a missing weight has no head.
+    truth
+        Its markers are matched by name.
+    view
+        ``auto``, or the axes that point right and up in the pictures at first, such as ``+x+y``.
+        ``auto`` finds the front of each recording's mean face as `plot.faces` does, and that of a
+        head by the vertices that carry its markers.
+
+    Returns
+    -------
+    Playback
+
+    Raises
+    ------
+    Refusal
+        If a head has no triangles, or the heads are too large: more than 1,000,000 vertices,
+        those of each morph target counted.
+    ValueError
+        If there is neither a recording nor an animation, two of a kind have the same labels, one
+        has no frame, the truth has another number of frames or another rate than a recording, or
+        `view` is not of that form.
+    """
+    shown = [*_labelled("recording", recordings), *_labelled("animation", animations)]
+    if not shown:
+        raise ValueError("there is neither a recording nor an animation to play")
+    check_meshes(shown)
+    known = [("truth", truth)] if truth is not None else []
+    every = frames_apart(value for _, value in [*known, *shown])
+    panels = [_panel(label, value, every, view) for label, value in [*known, *shown]]
+    told = [*_thinning(every), *out_of_reach(panels)]
+    for one in told:
+        warnings.warn(one, stacklevel=2)
+    return Playback(
+        panels=tuple(panels[len(known) :]),
+        truth=panels[0] if known else None,
+        every=every,
+        notes=(*told, *_absent("recording", recordings), *_absent("animation", animations)),
+    )
+
+
+def _labelled(kind: str, gathered: Across[Any] | None) -> list[tuple[str, Any]]:
+    names = gathered.names() if gathered else ()
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ValueError(f"several {kind}s are labelled {', '.join(repeated)}")
+    return list(zip(names, gathered.values(), strict=True)) if gathered else []
+
+
+def _panel(label: str, value: Trajectories | Animation, every: int, view: str) -> Panel:
+    if not value.frames:
+        raise ValueError(f"{label or 'what is to be played'} has no frame")
+    return panel_of(label, thinned(value, every), view)
+
+
+def _thinning(every: int) -> Iterator[str]:
+    if every > 1:
+        yield (
+            f"so much cannot be played in full: of {every} frames one is shown, and {every - 1} "
+            "are left out, here and in no other result"
+        )
+
+
+def _absent(kind: str, gathered: Across[Any] | None) -> Iterator[str]:
+    for one in gathered.absent if gathered else ():
+        name = ", ".join(str(label) for label in one.labels.values() if label != "")
+        yield f"{kind} {name} is absent: {one.kind}, {one.reason}"

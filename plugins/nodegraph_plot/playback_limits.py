@@ -1,0 +1,103 @@
+"""How much a playback may hold, so that a report stays small and a browser keeps pace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Refusal
+from nodegraph_mocap import Animation, Head, HeadMotion, Trajectories
+from nodegraph_mocap.shown.packed import MOST_STEPS
+from nodegraph_mocap.shown.played import beyond, step_of
+
+if TYPE_CHECKING:
+    from nodegraph_mocap.playback import Panel
+
+MOST_SAMPLES = 2_000_000
+"""Frames times markers or morph targets, over all panels; about 10 MB of a report at worst."""
+
+MOST_VERTICES = 1_000_000
+"""Vertices of all heads that differ, each morph target's counted."""
+
+
+def frames_apart(shown: Iterable[Trajectories | Animation]) -> int:
+    """Return of how many frames one is played: 1 where all fit."""
+    samples = sum(one.frames * _across(one) for one in shown)
+    return max(1, -(-samples // MOST_SAMPLES))
+
+
+def thinned(shown: Trajectories | Animation, every: int) -> Trajectories | Animation:
+    """Return every n-th frame of a recording or an animation, the first included."""
+    if every == 1:
+        return shown
+    if isinstance(shown, Animation):
+        return _thinned_animation(shown, every)
+    return replace(
+        shown,
+        positions=shown.positions[::every],
+        origin=shown.origin[::every],
+        sigma=None if shown.sigma is None else shown.sigma[::every],
+        rate=shown.rate / every,
+    )
+
+
+def check_meshes(shown: Iterable[tuple[str, Trajectories | Animation]]) -> None:
+    """Refuse heads without triangles, and more of them than a page can hold.
+
+    Raises
+    ------
+    Refusal
+    """
+    heads: dict[int, Head] = {}
+    for label, one in shown:
+        if not isinstance(one, Animation):
+            continue
+        heads[id(one.head)] = one.head
+        if not len(one.head.faces):
+            raise Refusal(f"the head of {label or 'the animation'} has no triangles to draw")
+    vertices = sum(len(head.vertices) * (1 + len(head.names)) for head in heads.values())
+    if vertices > MOST_VERTICES:
+        raise Refusal(
+            f"the heads have {vertices:,} vertices with those of their morph targets; "
+            f"a playback holds {MOST_VERTICES:,}: play a coarser mesh"
+        )
+
+
+def out_of_reach(panels: Iterable[Panel]) -> Iterator[str]:
+    """Yield which recordings have samples too far away to be played, and how many."""
+    panels = list(panels)
+    step = step_of(panels)
+    for panel in panels:
+        if isinstance(panel.shown, Trajectories):
+            count = np.count_nonzero(beyond(panel.shown, step))
+            if count:
+                yield (
+                    f"{panel.label or 'the recording'}: {count} samples lie more than "
+                    f"{MOST_STEPS * step / 1000:,.0f} m away and are not shown"
+                )
+
+
+def _across(shown: Trajectories | Animation) -> int:
+    """Return how many numbers a frame needs, a marker counted as one."""
+    if isinstance(shown, Animation):
+        return len(shown.head.names) + 4 * (shown.head_motion is not None)
+    return len(shown.markers)
+
+
+def _thinned_animation(shown: Animation, every: int) -> Animation:
+    motion = shown.head_motion
+    return replace(
+        shown,
+        weights=replace(
+            shown.weights, values=shown.weights.values[::every], rate=shown.rate / every
+        ),
+        head_motion=motion
+        and HeadMotion(
+            rotations=motion.rotations[::every],
+            translations=motion.translations[::every],
+            scales=motion.scales[::every],
+        ),
+    )

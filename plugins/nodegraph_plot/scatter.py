@@ -1,0 +1,107 @@
+"""One number against another, a point per row."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Across, Label, node
+from nodegraph_mocap import Figure, Table
+from nodegraph_mocap.style import looks
+from nodegraph_plot.columns import axis_labels, check_number, first_float
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+
+@node("plot.scatter")
+def scatter(
+    scores: Across[Table], *, x: str, metric: str | None = None, compare: str | None = None
+) -> Figure:
+    """Draw a point per row of the gathered tables: a gap, a marker, a take.
+
+    So one sees whether a method errs in a few bad gaps or a little in all, and what the error
+    goes with: the length of the gap, the speed of the marker.
+
+    Parameters
+    ----------
+    scores
+        Tables with the columns that are drawn.
+    x
+        The column of numbers drawn to the right, or an axis whose labels are numbers.
+    metric
+        The column drawn upwards. Default: the first column of floats.
+    compare
+        The axis whose labels have a colour each. Default: the last gathered axis.
+
+    Returns
+    -------
+    Figure
+        An axis is logarithmic where all numbers are positive and the largest is more than 100
+        times the smallest. Rows without a finite number are left out, counted and told.
+
+    Raises
+    ------
+    ValueError
+        If there is no such column or axis, or it holds no numbers; the message says what there
+        is.
+    """
+    from nodegraph_plot.scatter_figure import draw
+
+    if not len(scores):
+        raise ValueError("there is no table to draw")
+    across = scores.values()[0]
+    upwards = metric or first_float(across)
+    by = compare or next(iter(reversed(tuple(scores.axes))), "")
+    if by and by not in scores.axes:
+        raise ValueError(f"no axis {by!r} is gathered; there are {axis_labels(scores)}")
+    points = {name: _points(scores, by, name, x, upwards) for name in _labels(scores, by)}
+    _tell(points)
+    units = {x: "", upwards: "", **across.attrs.get("units", {})}
+    found = {name: one[np.isfinite(one).all(axis=1)] for name, one in points.items()}
+    absent = (str(one.labels.get(by, "")) for one in scores.absent)
+    return draw(found, looks([*found, *absent]), _named(x, units), _named(upwards, units))
+
+
+def _labels(scores: Across[Table], by: str) -> list[str]:
+    return list(dict.fromkeys(str(labels.get(by, "")) for labels, _ in scores))
+
+
+def _points(scores: Across[Table], by: str, name: str, x: str, y: str) -> NDArray[np.float64]:
+    parts = [
+        np.stack([_column(scores, table, labels, one) for one in (x, y)], axis=1)
+        for labels, table in scores
+        if str(labels.get(by, "")) == name
+    ]
+    return np.concatenate(parts)
+
+
+def _column(
+    scores: Across[Table], table: Table, labels: Mapping[str, Label], name: str
+) -> NDArray[np.float64]:
+    if name in scores.axes:
+        label = labels.get(name, "")
+        if isinstance(label, (int, float)):
+            return np.full(len(table), float(label))
+        raise ValueError(f"axis {name!r} has the label {label!r}, which is no number")
+    check_number(table, name, scores)
+    return table[name].to_numpy(dtype=np.float64)
+
+
+def _tell(points: dict[str, NDArray[np.float64]]) -> None:
+    lost = {name: int((~np.isfinite(one)).any(axis=1).sum()) for name, one in points.items()}
+    told = [
+        f"{name or 'scores'} {count} of {len(points[name])}"
+        for name, count in lost.items()
+        if count
+    ]
+    if told:
+        warnings.warn(f"rows without a number, left out: {', '.join(told)}", stacklevel=3)
+
+
+def _named(name: str, units: dict[str, str]) -> str:
+    return f"{name} ({units[name]})" if units.get(name) else name

@@ -1,0 +1,108 @@
+"""How shapes are drawn over their references."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from nodegraph_mocap.style import BLUE, GREY, LIGHT, ORANGE
+from nodegraph_plot.view import frontal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap import Trajectories
+
+_ACROSS = 4
+_SIDE = 2.7
+_MARGIN = 0.1
+_FEW = 12
+"""Points, above which dots and lines are finer."""
+
+_DECIMALS = 9
+"""Of D: what lies beyond is rounding."""
+
+
+def draw(pairs: dict[str, tuple[Trajectories, Trajectories]], frame: int, view: str) -> Figure:
+    """Return the figure: a panel per shape."""
+    rows = -(-len(pairs) // _ACROSS)
+    columns = -(-len(pairs) // rows)
+    size = (_SIDE * max(columns, 2), _SIDE * rows + 0.6)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axis, (name, (shape, reference)) in zip(axes, pairs.items(), strict=False):
+        _panel(axis, name, shape, reference, frame, view)
+    for axis in axes[len(pairs) :]:
+        axis.set_axis_off()
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def _panel(
+    axis: Axes, name: str, shape: Trajectories, reference: Trajectories, frame: int, view: str
+) -> None:
+    seen = frontal(reference, view)
+    flat = np.stack([seen.right, seen.up], axis=1)
+    drawn = []
+    scale = 1.0 if len(reference.markers) <= _FEW else 0.4
+    # The wider one lies below: it can be seen where the two are the same.
+    for one, what, colour, width in (
+        (reference, "reference", ORANGE, 3.2 * scale),
+        (shape, "shape", BLUE, 1.2 * scale),
+    ):
+        points = one.positions[frame if one.frames > 1 else 0] @ flat
+        drawn.append(points)
+        axis.add_collection(LineCollection(_joined(one, points), colors=colour, linewidths=width))
+        size = 3.5 * scale + width
+        axis.plot(*points.T, "o", color=colour, markersize=size, markeredgewidth=0, label=what)
+    apart, squared = _apart(name, shape, reference, frame)
+    axis.add_collection(LineCollection(list(apart @ flat), colors=GREY, linewidths=0.6, zorder=1))
+    axis.set_title(f"{name}\nD = {round(squared, _DECIMALS):.4g}".strip(), fontsize="medium")
+    _frame(axis, np.concatenate(drawn))
+
+
+def _joined(shape: Trajectories, points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Return both ends of every line of a shape that has them."""
+    place = {name: column for column, name in enumerate(shape.markers)}
+    round_trip = np.roll(np.arange(len(points)), -1)
+    ends = np.column_stack([np.arange(len(points)), round_trip])
+    if shape.marker_set is not None:
+        edges = [(place[a], place[b]) for a, b in shape.marker_set.edges if {a, b} <= set(place)]
+        ends = np.array(edges, dtype=np.intp).reshape(-1, 2)
+    lines = points[ends]
+    return list(lines[np.isfinite(lines).all(axis=(1, 2))])
+
+
+def _apart(
+    name: str, shape: Trajectories, reference: Trajectories, frame: int
+) -> tuple[NDArray[np.float64], float]:
+    """Return both ends of the line from each point to the reference's, and their D."""
+    shared = [marker for marker in shape.markers if marker in set(reference.markers)]
+    if not shared:
+        of = f"{name}: the" if name else "the"
+        raise ValueError(f"{of} shape and its reference have no marker in common")
+    ends = [
+        one.keep(shared).positions[frame if one.frames > 1 else 0] for one in (shape, reference)
+    ]
+    lines = np.stack(ends, axis=1)
+    known = lines[np.isfinite(lines).all(axis=(1, 2))]
+    return known, float(np.sum((known[:, 0] - known[:, 1]) ** 2))
+
+
+def _frame(axis: Axes, points: NDArray[np.float64]) -> None:
+    """Show all points, and where the origin is if it is near."""
+    there = points[np.isfinite(points).all(axis=1)]
+    low, high = (there.min(axis=0), there.max(axis=0)) if len(there) else (-np.ones(2), np.ones(2))
+    size = max(float(np.max(high - low)), 1e-9)
+    middle, half = (low + high) / 2, size * (0.5 + _MARGIN)
+    axis.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
+    axis.axhline(0.0, color=LIGHT, linewidth=0.6, zorder=0)
+    axis.axvline(0.0, color=LIGHT, linewidth=0.6, zorder=0)
+    axis.set_aspect("equal")
+    axis.tick_params(labelsize="small")
+    axis.spines[:].set(color="0.88", linewidth=0.6)

@@ -1,0 +1,123 @@
+"""How strongly markers move at each frequency."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Across, Truth, Unit, node
+from nodegraph_mocap import Figure, Trajectories
+from nodegraph_mocap.runs import runs_of
+from nodegraph_plot.gathered import check_markers, named, named_looks
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_SEGMENT = 256
+
+
+@node("plot.spectra", cite="welch1967")
+def spectra(
+    recordings: Across[Trajectories],
+    truth: Truth[Trajectories] | None = None,
+    *,
+    markers: tuple[str, ...] = (),
+    segment: Annotated[int, Field(ge=8), Unit("frames")] | None = None,
+) -> Figure:
+    """Draw the power spectral density of the markers' positions, a line per recording.
+
+    Welch's estimate [1]_: the mean over Hann-windowed, half-overlapping segments without a gap,
+    each with its mean taken off; summed over the three coordinates, averaged over the markers.
+    What a smoothing takes away, and the noise that is left, are where a line leaves the truth.
+
+    Parameters
+    ----------
+    recordings
+        Drawn in their order.
+    truth
+        Drawn as a thin black line.
+    markers
+        Which are averaged. Default: all that the recording has.
+    segment
+        Length of a segment. Default: 256, or the largest power of two for which half of the
+        markers of every recording have a run without a gap. Markers without such a run are left
+        out, counted and told.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        If a recording lacks a marker, or no marker of it has so long a run without a gap.
+
+    References
+    ----------
+    .. [1] P. D. Welch, The use of fast Fourier transform for the estimation of power spectra,
+       IEEE Transactions on Audio and Electroacoustics 15(2), 1967, 70-73.
+    """
+    from nodegraph_plot.spectra_figure import draw
+
+    by_name = named(recordings)
+    check_markers(by_name, markers)
+    chosen = {name: one.keep(markers) if markers else one for name, one in by_name.items()}
+    frames = segment or _common_segment(list(chosen.values()))
+    lines = {name: _spectrum(name, one, frames) for name, one in chosen.items()}
+    known = None if truth is None else _spectrum("the truth", truth, frames)
+    return draw(lines, known, named_looks(recordings))
+
+
+def _common_segment(recordings: list[Trajectories]) -> int:
+    longest = min(float(np.median(_longest_runs(one))) for one in recordings)
+    if longest < 8:
+        raise ValueError(
+            "half of the markers of a recording have no 8 frames without a gap: fill it first"
+        )
+    return min(_SEGMENT, 1 << int(np.log2(longest)))
+
+
+def _longest_runs(recording: Trajectories) -> NDArray[np.intp]:
+    found = runs_of(recording.present)
+    longest = np.zeros(len(recording.markers), dtype=np.intp)
+    np.maximum.at(longest, found.marker, found.stop - found.start)
+    return longest
+
+
+def _spectrum(
+    name: str, recording: Trajectories, segment: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return frequencies in Hz and the mean density in mm^2/Hz."""
+    from scipy.signal import welch
+
+    found = runs_of(recording.present)
+    long = found.stop - found.start >= segment
+    power = np.zeros((len(recording.markers), segment // 2 + 1))
+    count = np.zeros(len(recording.markers))
+    for marker, start, stop in zip(*(one[long] for one in found), strict=True):
+        pieces = 1 + (stop - start - segment) // (segment - segment // 2)
+        track = recording.positions[start:stop, marker]
+        _, density = welch(track, fs=recording.rate, nperseg=segment, axis=0)
+        power[marker] += pieces * density.sum(axis=1)
+        count[marker] += pieces
+    _tell(name, recording, count, segment)
+    mean = power[count > 0] / count[count > 0, np.newaxis]
+    frequency = np.asarray(np.fft.rfftfreq(segment, 1 / recording.rate), dtype=np.float64)
+    return frequency, np.asarray(mean.mean(axis=0))
+
+
+def _tell(name: str, recording: Trajectories, count: NDArray[np.float64], segment: int) -> None:
+    lacking = [one for one, pieces in zip(recording.markers, count, strict=True) if not pieces]
+    if len(lacking) == len(recording.markers):
+        raise ValueError(
+            f"no marker{f' of {name}' if name else ''} has {segment} frames without a gap"
+        )
+    if lacking:
+        warnings.warn(
+            f"{name or 'recording'}: {len(lacking)} markers without {segment} frames in a row are "
+            f"left out: {', '.join(lacking[:8])}",
+            stacklevel=4,
+        )

@@ -1,0 +1,42 @@
+"""How spectra are drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from nodegraph_mocap.style import BLACK
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap.style import Look
+
+    Line = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def draw(lines: dict[str, Line], truth: Line | None, look: dict[str, Look]) -> Figure:
+    """Return the figure: density by frequency, both without the mean, which was taken off."""
+    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    axis = figure.subplots()
+    for name, (frequency, density) in lines.items():
+        one = look[name]
+        axis.plot(
+            frequency[1:],
+            density[1:],
+            one.line,
+            color=one.colour,
+            marker=one.marker,
+            markevery=0.12,
+            markersize=4,
+            linewidth=1.2,
+            label=name or "recording",
+        )
+    if truth is not None:
+        axis.plot(truth[0][1:], truth[1][1:], color=BLACK, linewidth=0.8, label="truth", zorder=5)
+    axis.set(xlabel="frequency (Hz)", ylabel="power (mm$^2$/Hz)", yscale="log")
+    axis.spines[["top", "right"]].set_visible(False)
+    figure.legend(loc="outside right upper", frameon=False)
+    return figure
