@@ -1,0 +1,76 @@
+"""A recording's features: three per marker, one per coordinate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap import Trajectories
+
+STILL = 1e-9
+"""Of the largest spread: a coordinate that spreads less moves by no more than rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """What the methods choose from.
+
+    Attributes
+    ----------
+    markers : tuple of M str
+        In the order of their names, so that nothing hangs on the order in a file.
+    values : (T, 3 M) array of float64
+        Millimetres; x, y, z of each marker, each less its mean over the take.
+    """
+
+    markers: tuple[str, ...]
+    values: NDArray[np.float64]
+
+    @property
+    def spread(self) -> NDArray[np.float64]:
+        """(3 M,), standard deviation of each feature in millimetres."""
+        return np.asarray(np.sqrt(np.mean(self.values**2, axis=0)))
+
+    @property
+    def variances(self) -> NDArray[np.float64]:
+        """(M,), square millimetres: of each marker, summed over its three coordinates."""
+        return np.asarray((self.spread**2).reshape(-1, 3).sum(axis=1))
+
+
+def features_of(recording: Trajectories) -> Features:
+    """Return the features of a recording that has every sample.
+
+    Raises
+    ------
+    Refusal
+        If samples are missing, there are fewer than two frames or no marker, or nothing moves.
+    """
+    _check(recording)
+    markers = tuple(sorted(recording.markers))
+    positions = recording.positions[:, [recording.markers.index(name) for name in markers]]
+    values = (positions - positions[0]).reshape(recording.frames, -1)
+    if not values.any():
+        raise Refusal(f"no marker moves in {recording.frames} frames")
+    return Features(markers, values - values.mean(axis=0))
+
+
+def _check(recording: Trajectories) -> None:
+    lacking = np.count_nonzero(~recording.present, axis=0)
+    if lacking.any():
+        most = int(lacking.argmax())
+        raise Refusal(
+            f"needs every sample: {lacking.sum()} of {recording.origin.size} are missing, in "
+            f"{np.count_nonzero(lacking)} of {len(lacking)} markers, most in "
+            f"{recording.markers[most]!r} ({lacking[most]}); fill them first"
+        )
+    if recording.frames < 2:
+        raise Refusal(f"needs two frames to see what moves, there are {recording.frames}")
+    if not recording.markers:
+        raise Refusal("needs a marker, there is none")

@@ -1,0 +1,122 @@
+"""At each step the marker that explains most of what is left of all the others."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.features import features_of
+from nodegraph_select.pairs import membership, pairs_of
+from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_NOTHING = 1e-12
+"""Of all variance: less is rounding."""
+_TIE = 1e-9
+"""Of the largest gain: what comes so close is as large."""
+
+
+@node("select.greedy", cite="farahat2013")
+def greedy(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
+    """Choose markers by greedy column subset selection (Farahat et al.).
+
+    The columns of X are the features, three coordinates per marker over the take, each less its
+    mean. With S the columns of the markers chosen and ``P_S`` the projection on their span, each
+    step chooses the marker whose three columns, added to S, make ``|X - P_S X|^2`` smallest, that
+    is, from which a linear regression predicts most of what is not yet predicted; the first by
+    name of equals. Its partner is chosen with it, until there are k. Farahat et al. add a column
+    at a time; here a marker has its three at once. Once nothing is left to predict, the rest
+    follow by their variance, which a warning tells.
+
+    Head motion must have been removed. Does not depend on the axes.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with every sample, head motion removed; pairs are those of its marker set,
+        a marker that is in none is alone, which a warning tells unless it is on the midline.
+    k
+        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
+
+    Returns
+    -------
+    Selection
+        The markers chosen, in the order of the recording; all pairs; and a row per pair that was
+        chosen, the first one first: `markers` so far, `unexplained`, the share
+        ``|X - P_S X|^2 / |X|^2`` that is left after it.
+
+    Raises
+    ------
+    Refusal
+        If the recording has fewer than k markers, samples are missing, there are fewer than two
+        frames, or nothing moves.
+    ValueError
+        If the marker set puts a marker into two pairs.
+    """
+    check_count(recording, k)
+    features, pairs = features_of(recording), pairs_of(recording)
+    pair = membership(pairs, features.markers)
+    found, left = _ranked(features.values.T @ features.values, pair)
+    order = np.concatenate([found, pair[by_variance(features.variances)]])
+    left = np.concatenate([left, np.zeros(len(pair))])
+    made = first_pairs(recording, pairs, order, k, left, "unexplained")
+    assert made.history is not None
+    tell_spanned(len(found), len(made.history))
+    return made
+
+
+def _ranked(
+    products: NDArray[np.float64], pair: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return pairs in the order of choice, and what each leaves, until nothing is left.
+
+    Parameters
+    ----------
+    products : (3 M, 3 M) array of float64
+        Of every two features.
+    pair : (M,) array of int
+        Which pair each marker is in.
+    """
+    whole, rest = np.trace(products), products
+    found, left = [], []
+    while np.trace(rest) > _NOTHING * whole:
+        gain = _gains(rest, _NOTHING * whole)
+        best = int(np.flatnonzero(gain >= gain.max() * (1.0 - _TIE))[0])
+        if gain[best] <= 0.0:
+            break
+        chosen = np.flatnonzero(np.repeat(pair == pair[best], 3))
+        rest = _without(rest, chosen, _NOTHING * whole)
+        found.append(pair[best])
+        left.append(max(float(np.trace(rest) / whole), 0.0))
+    return np.array(found, dtype=np.intp), np.array(left)
+
+
+def _gains(rest: NDArray[np.float64], nothing: float) -> NDArray[np.float64]:
+    """Return, for each marker, how much of all features its three would explain."""
+    markers = np.arange(len(rest) // 3)
+    own = rest.reshape(len(markers), 3, len(markers), 3)[markers, :, markers]
+    reach = (rest @ rest).reshape(len(markers), 3, len(markers), 3)[markers, :, markers]
+    squares, vectors = np.linalg.eigh(own)
+    along = np.einsum("mij,mik,mkj->mj", vectors, reach, vectors)
+    return np.asarray(
+        np.divide(along, squares, out=np.zeros_like(along), where=squares > nothing).sum(axis=1)
+    )
+
+
+def _without(
+    rest: NDArray[np.float64], chosen: NDArray[np.intp], nothing: float
+) -> NDArray[np.float64]:
+    """Return the products of what the chosen features do not explain."""
+    squares, vectors = np.linalg.eigh(rest[np.ix_(chosen, chosen)])
+    some = squares > nothing
+    known = rest[:, chosen] @ (vectors[:, some] / np.sqrt(squares[some]))
+    left = rest - known @ known.T
+    left[chosen] = 0.0
+    left[:, chosen] = 0.0
+    return np.asarray(left)

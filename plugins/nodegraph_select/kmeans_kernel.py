@@ -1,0 +1,189 @@
+"""k-means from many starts, compiled: import this module only when a method runs.
+
+All that is compiled stays in this one file, because numba's cache does not notice an edited
+helper in another one. Nothing here runs in parallel: a run depends on its own start alone, and
+graphs have other steps that can run meanwhile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
+    cache=True, nogil=True, error_model="numpy"
+)
+inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
+    cache=True, nogil=True, forceinline=True
+)
+
+CAP = 300
+"""Rounds after which a run stops, settled or not; runs on recorded faces take about ten."""
+
+_DIMENSIONS, _PLACES = 4, 8
+"""Numbers of dimensions and of places are filled up to multiples of these, which processors work
+on at once; what is filled up takes no part in any result."""
+
+_NEAR, _SMALL = 1e-9, 1e-13
+"""Distances this close, relative and absolute, are equal: the two rows of a cluster of two are
+equally far from their mean, and rounding must not choose between them."""
+
+
+@compiled
+def restarts(rows: Any, draws: Any) -> Any:
+    """Cluster rows by k-means from a random start per run.
+
+    Parameters
+    ----------
+    rows : (p, q) array of float64
+        What to cluster.
+    draws : (R, k) array of float64
+        Uniform in 0 to 1, a row per run; k of the p rows, all different, are drawn with them.
+
+    Returns
+    -------
+    (R, k) array of int
+        The row nearest to each cluster's mean, the first of equals; -1 for a cluster that lost
+        all its rows.
+    (R,) array of float64
+        Sum of squared distances of the rows from their clusters' means.
+    (R,) array of int
+        Rounds until no row changed its cluster; `CAP` where that did not happen before.
+    """
+    (runs, k), (p, q) = draws.shape, rows.shape
+    nearest = np.empty((runs, k), np.int64)
+    inertia, rounds = np.empty(runs), np.empty(runs, np.int64)
+    order, cluster = np.empty(p, np.int64), np.empty(p, np.int64)
+    columns = _aligned(_filled_up(q, _DIMENSIONS), _filled_up(p, _PLACES))
+    columns[:q, :p] = rows.T
+    rows = columns.T[:p].copy()
+    squared = _aligned(_filled_up(k, 2), columns.shape[1])
+    squared[k:] = np.inf
+    means, least = np.empty((k, len(columns))), np.empty(columns.shape[1])
+    for run in range(runs):
+        _draw(order, draws[run])
+        for one in range(k):
+            means[one] = rows[order[one]]
+        rounds[run] = _settle(rows, columns, means, squared, cluster, least)
+        inertia[run] = least[:p].sum()
+        _find_nearest(nearest[run], cluster, np.sqrt(least[:p]))
+    return nearest, inertia, rounds
+
+
+@inlined
+def _filled_up(count: int, unit: int) -> int:
+    return -(-count // unit) * unit
+
+
+@inlined
+def _aligned(height: int, width: int) -> Any:
+    """Return zeros that begin where a cache line does, of 64 bytes or 8 numbers."""
+    room = np.zeros(height * width + 8)
+    first = (64 - room.ctypes.data % 64) // 8 % 8
+    return room[first : first + height * width].reshape((height, width))
+
+
+@inlined
+def _draw(order: Any, draws: Any) -> None:
+    """Put as many different numbers as there are draws, each equally likely, first."""
+    count = len(order)
+    for place in range(count):
+        order[place] = place
+    for place in range(len(draws)):
+        other = place + int(draws[place] * (count - place))
+        order[place], order[other] = order[other], order[place]
+
+
+@compiled
+def _settle(rows: Any, columns: Any, means: Any, squared: Any, cluster: Any, least: Any) -> int:
+    """Assign rows and take means in turn until no row changes its cluster; return the rounds.
+
+    Distances from a mean that did not move are kept: they would come out the same, bit for bit.
+    Those of all rows from the means that they were assigned to at last are left in `least`.
+    """
+    nearest, totals = np.empty(len(least), np.int64), np.empty_like(means)
+    count, moved = np.empty(len(means), np.int64), np.ones(len(means), np.bool_)
+    cluster[:] = -1
+    for done in range(CAP + 1):
+        for one in range(len(means)):
+            if moved[one]:
+                _measure(squared[one], columns, means[one])
+        _assign(nearest, least, squared)
+        changed = 0
+        for place in range(len(cluster)):
+            changed += cluster[place] != nearest[place]
+            cluster[place] = nearest[place]
+        if done == CAP or not changed:
+            return done
+        _add(totals, count, rows, cluster)
+        _move(means, moved, totals, count)
+    return CAP
+
+
+@inlined
+def _measure(squared: Any, columns: Any, mean: Any) -> None:
+    """Measure the squared distances of all rows from a mean; infinite from one of no rows."""
+    squared[:] = 0.0 if mean[0] == mean[0] else np.inf
+    for first in range(0, len(columns), _DIMENSIONS):
+        w, x, y, z = columns[first], columns[first + 1], columns[first + 2], columns[first + 3]
+        a, b, c, d = mean[first], mean[first + 1], mean[first + 2], mean[first + 3]
+        for place in range(len(squared)):
+            along, up, out, on = w[place] - a, x[place] - b, y[place] - c, z[place] - d
+            squared[place] = (((squared[place] + along * along) + up * up) + out * out) + on * on
+
+
+@inlined
+def _assign(nearest: Any, least: Any, squared: Any) -> None:
+    """Find the nearest mean of each row, the first of equals."""
+    least[:] = np.inf
+    nearest[:] = 0
+    for one in range(0, len(squared), 2):
+        this, other = squared[one], squared[one + 1]
+        for place in range(len(nearest)):
+            closer = this[place] < least[place]
+            low = this[place] if closer else least[place]
+            who = one if closer else nearest[place]
+            closer = other[place] < low
+            least[place] = other[place] if closer else low
+            nearest[place] = one + 1 if closer else who
+
+
+@compiled
+def _add(totals: Any, count: Any, rows: Any, cluster: Any) -> None:
+    """Add up the rows of each cluster, and count them."""
+    totals[:] = 0.0
+    count[:] = 0
+    for place in range(len(rows)):
+        total, row = totals[cluster[place]], rows[place]
+        for dimension in range(len(row)):
+            total[dimension] += row[dimension]
+        count[cluster[place]] += 1
+
+
+@compiled
+def _move(means: Any, moved: Any, totals: Any, count: Any) -> None:
+    """Put the means where their clusters' are, NaN where no row is left; note which moved."""
+    for one in range(len(means)):
+        mean, total, rows, others = means[one], totals[one], float(count[one]), 0
+        was_left = mean[0] != mean[0]
+        for dimension in range(len(mean)):
+            now = total[dimension] / rows
+            others += now != mean[dimension]
+            mean[dimension] = now
+        moved[one] = others > 0 and not was_left
+
+
+@inlined
+def _find_nearest(nearest: Any, cluster: Any, apart: Any) -> None:
+    """Find the row of each cluster that is nearest to its mean, the first of equals."""
+    least = np.full(len(nearest), np.inf)
+    for place in range(len(cluster)):
+        least[cluster[place]] = min(least[cluster[place]], apart[place])
+    nearest[:] = -1
+    for place in range(len(cluster) - 1, -1, -1):
+        one = cluster[place]
+        if apart[place] <= least[one] * (1.0 + _NEAR) + _SMALL:
+            nearest[one] = place

@@ -1,0 +1,178 @@
+"""Principal feature analysis: a marker for each cluster of features that move alike."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Annotated, get_args
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Refusal, node
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.features import features_of
+from nodegraph_select.pairs import Pairs, in_order, membership, pairs_of, sizes
+from nodegraph_select.principal import leading_vectors
+from nodegraph_select.stability import Stabilities, Stability, stabilities
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+COLUMNS = (
+    "k", "run", "selection", "markers", "pairs", "clusters", "inertia", "rounds", "sum", "mean",
+    "medoid",
+)  # fmt: skip
+
+
+@node("select.pfa", cite=("wellein2007", "cohen2002", "lu2007", "lloyd1982"))
+def pfa(
+    recording: Trajectories,
+    *,
+    k: Annotated[int, Field(ge=1)],
+    variance: Annotated[float, Field(gt=0.0, le=1.0)] = 0.98,
+    runs: Annotated[int, Field(ge=1)] = 1000,
+    stability: Stability = "sum",
+    standardize: bool = False,
+    absolute: bool = False,
+    seed: Annotated[int, Field(ge=0)] = 0,
+) -> Selection:
+    """Choose markers by principal feature analysis (Wellein et al., after Cohen et al.).
+
+    A marker is three features, its coordinates. Of the covariance C of all p features over the
+    take, the q eigenvectors of largest eigenvalue are kept that together have the share
+    `variance` of its trace, q as small as can be; row i of this p x q matrix stands for feature
+    i. Features that move alike have rows that lie together, so the rows are clustered:
+
+    1. k-means (Lloyd) from k different rows drawn at random, until no row changes its cluster
+       (or 300 rounds); a row that is equally far from two means goes to the first, and a cluster
+       that loses all its rows is dropped.
+    2. In each cluster, the feature whose row is nearest to the mean is chosen, the lowest of
+       equals; features are in the order of the markers' names, x, y, z of each.
+    3. A chosen feature chooses its marker, and a marker the pair that it is in, by the
+       recording's marker set; markers of the midline are alone. So are those that the marker set
+       has neither in a pair nor on the midline, which a warning names.
+    4. All of this `runs` times. The frequency of a pair is the share of runs that chose it; the
+       most stable of the runs' selections is the result; of equally stable ones that with fewer
+       markers, then that of the earlier run.
+
+    Runs hardly ever agree, so the result says how many of their selections differ. k clusters
+    choose at most k pairs, and fewer where they choose several coordinates of one: of the 60
+    markers of the three faces that are shipped, 20 at k = 10, 47 to 50 at k = 35.
+
+    Head motion must have been removed, as by `align.procrustes`: it moves all markers alike, and
+    more than any expression. The same seed gives the same answer on any number of threads, and
+    does not depend on the order of the markers, nor on where the origin lies or on the unit; but
+    it depends on the axes, because features are coordinates.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with every sample, head motion removed.
+    k
+        Number of clusters of features; `select.pfa` alone counts these, its rivals count markers.
+    variance
+        Share of the variance that the eigenvectors kept must have.
+    runs
+        How many random starts are clustered.
+    stability
+        What is the highest in the most stable selection. sum (the text): the sum of its pairs'
+        frequencies, which favours large selections. mean: their mean, which favours small ones.
+        medoid: its mean likeness to the selections of all runs, as the Jaccard index (pairs that
+        both have, by pairs that either has).
+    standardize
+        Whether each feature is divided by its standard deviation first, so that those that move
+        little count as much as others; one that does not move stays 0.
+    absolute
+        Whether the rows' absolute values are clustered, so that features that move oppositely
+        are alike, too.
+    seed
+        Starts of the runs; a run's start depends on the seed, on k and on the run's number.
+
+    Returns
+    -------
+    Selection
+        The markers chosen, in the order of the recording; every pair with its frequency; and a
+        row per run:
+
+        ========= =====================================================================
+        k         as given
+        run       its number, from 0
+        selection number of its selection, in the order in which they first came up: runs
+                  with equal numbers chose the same
+        markers   how many markers it chose
+        pairs     how many pairs, those of one marker counted
+        clusters  how many clusters were not dropped
+        inertia   sum of the squared distances of rows from their clusters' means
+        rounds    how often rows were assigned until none changed
+        sum       sum of the frequencies of the pairs that it chose
+        mean      mean of these
+        medoid    mean Jaccard index of its selection and those of all runs
+        ========= =====================================================================
+
+    Raises
+    ------
+    Refusal
+        If samples are missing, there are fewer than two frames, nothing moves, or k is larger
+        than the number of features.
+    ValueError
+        If the marker set puts a marker into two pairs.
+    """
+    from nodegraph_select import kmeans_kernel
+
+    if stability not in get_args(Stability):
+        raise ValueError(f"stability must be sum, mean or medoid, got {stability!r}")
+    features, pairs = features_of(recording), pairs_of(recording)
+    rows = leading_vectors(features, variance=variance, standardize=standardize)
+    if k > len(rows):
+        raise Refusal(
+            f"k = {k} clusters need as many features: {len(features.markers)} markers have "
+            f"{len(rows)}"
+        )
+    # row `run` of the draws is the same however many runs follow
+    draws = np.random.default_rng([seed, k]).random((runs, k))
+    nearest, inertia, rounds = kmeans_kernel.restarts(np.abs(rows) if absolute else rows, draws)
+    chosen = _chosen_pairs(nearest, membership(pairs, features.markers))
+    markers, stable = chosen @ sizes(pairs), stabilities(chosen)
+    best = stable.best(stability, markers)
+    _tell(stable, best, nearest, rounds >= kmeans_kernel.CAP)
+    clusters, found = np.count_nonzero(nearest >= 0, axis=1), np.count_nonzero(chosen, axis=1)
+    history = (
+        np.full(runs, k), np.arange(runs), stable.same, markers, found, clusters, inertia, rounds,
+        stable.sum, stable.mean, stable.medoid,
+    )  # fmt: skip
+    return Selection(
+        chosen=in_order(recording, _named(pairs, chosen[best])),
+        pairs=pairs,
+        frequencies=stable.frequencies,
+        columns=COLUMNS,
+        history=np.stack(history, axis=1).astype(np.float64),
+    )
+
+
+def _chosen_pairs(nearest: NDArray[np.int64], pair: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return which pairs each run chose, (R, P), from the features nearest to its means."""
+    run, cluster = np.nonzero(nearest >= 0)
+    chosen = np.zeros((len(nearest), int(pair.max()) + 1), dtype=np.bool_)
+    chosen[run, pair[nearest[run, cluster] // 3]] = True
+    return chosen
+
+
+def _named(pairs: Pairs, chosen: NDArray[np.bool_]) -> Pairs:
+    return tuple(pairs[number] for number in np.flatnonzero(chosen))
+
+
+def _tell(
+    stable: Stabilities, best: int, nearest: NDArray[np.int64], unsettled: NDArray[np.bool_]
+) -> None:
+    runs = len(nearest)
+    same = np.count_nonzero(stable.same == stable.same[best])
+    notes = [
+        f"{stable.distinct} of {runs} runs' selections are distinct; the most stable one is that "
+        f"of {same} {'run' if same == 1 else 'runs'}"
+    ]
+    dropped = np.count_nonzero((nearest < 0).any(axis=1))
+    if dropped:
+        notes.append(f"{dropped} runs dropped clusters that had lost all their rows")
+    if unsettled.any():
+        notes.append(f"{np.count_nonzero(unsettled)} runs had not settled when they were stopped")
+    warnings.warn("; ".join(notes), stacklevel=3)

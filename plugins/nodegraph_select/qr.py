@@ -1,0 +1,78 @@
+"""Features far from what the earlier ones span: QR with column pivoting."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.features import STILL, features_of
+from nodegraph_select.pairs import membership, pairs_of
+from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@node("select.qr", cite=("businger_golub1965", "manohar2018"))
+def qr(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
+    """Choose markers by QR with column pivoting (Businger & Golub; Manohar et al.).
+
+    The columns of X are the features, three coordinates per marker over the take, each less its
+    mean. The pivots of ``X P = Q R`` are taken in turn: each is the feature that is farthest,
+    ``|R_ii|``, from the space that the earlier ones span. A feature chooses its marker, and the
+    marker its partner, until there are k. Manohar et al. pivot the leading principal components,
+    which gives as many features as components; X gives an order of all that move by themselves.
+    Once what is chosen determines all the others, the rest follow by their variance, which a
+    warning tells.
+
+    Head motion must have been removed. It depends on the axes, because features are coordinates.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with every sample, head motion removed; pairs are those of its marker set,
+        a marker that is in none is alone, which a warning tells unless it is on the midline.
+    k
+        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
+
+    Returns
+    -------
+    Selection
+        The markers chosen, in the order of the recording; all pairs; and a row per pair that was
+        chosen, the first one first: `markers` so far, `residual` in mm, the distance
+        ``|R_ii| / sqrt(T)`` of the feature that chose it.
+
+    Raises
+    ------
+    Refusal
+        If the recording has fewer than k markers, samples are missing, there are fewer than two
+        frames, or nothing moves.
+    ValueError
+        If the marker set puts a marker into two pairs.
+    """
+    check_count(recording, k)
+    features, pairs = features_of(recording), pairs_of(recording)
+    pivots, residual = _pivots(features.values)
+    order = np.concatenate([pivots // 3, by_variance(features.variances)])
+    numbers = membership(pairs, features.markers)[order]
+    residual = np.concatenate([residual, np.zeros(len(features.markers))])
+    made = first_pairs(recording, pairs, numbers, k, residual, "residual")
+    assert made.history is not None
+    tell_spanned(len(np.unique(numbers[: len(pivots)])), len(made.history))
+    return made
+
+
+def _pivots(
+    values: NDArray[np.float64],
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return features in the order of pivoting and their distances, without those of none."""
+    from scipy.linalg import qr as decompose
+
+    upper, order = decompose(values, mode="r", pivoting=True)
+    distance = np.abs(np.diag(upper)) / np.sqrt(len(values))
+    rank = int(np.count_nonzero(distance > STILL * distance[0]))
+    return np.asarray(order[:rank], dtype=np.intp), distance[:rank]

@@ -1,0 +1,58 @@
+"""Pairs of markers drawn at random: what a method must beat."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap.streams import random_for
+from nodegraph_select.pairs import pairs_of
+from nodegraph_select.ranking import check_count, first_pairs
+
+
+@node("select.random")
+def random(
+    recording: Trajectories,
+    *,
+    k: Annotated[int, Field(ge=1)],
+    seed: Annotated[int, Field(ge=0)] = 0,
+) -> Selection:
+    """Choose pairs of markers at random.
+
+    All pairs, left and right, and all markers of the midline are put into a random order, each
+    order being equally likely; the first are chosen, as many as it takes for k markers. A larger
+    k with the same seed adds to the same selection. Where a marker lies and how it moves does
+    not matter, and samples may be missing.
+
+    Parameters
+    ----------
+    recording
+        Whose markers, and whose marker set's pairs; a marker that is in no pair is alone, which
+        a warning tells unless it is on the midline.
+    k
+        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
+    seed
+        Which random order.
+
+    Returns
+    -------
+    Selection
+        The markers chosen, in the order of the recording, and all pairs.
+
+    Raises
+    ------
+    Refusal
+        If the recording has fewer than k markers.
+    ValueError
+        If the marker set puts a marker into two pairs.
+    """
+    check_count(recording, k)
+    pairs = pairs_of(recording)
+    # by name, so that nothing hangs on the order in a file
+    drawn = random_for("select.random", seed).permutation(
+        sorted(range(len(pairs)), key=lambda number: min(pairs[number]))
+    )
+    return first_pairs(recording, pairs, drawn, k)

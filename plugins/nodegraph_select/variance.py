@@ -1,0 +1,53 @@
+"""The markers that move most."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from nodegraph import node
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.features import features_of
+from nodegraph_select.pairs import membership, pairs_of
+from nodegraph_select.ranking import by_variance, check_count, first_pairs
+
+
+@node("select.variance")
+def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
+    """Choose the markers that move most, each with its partner.
+
+    A marker's variance is the mean squared distance from its mean position. From the largest
+    down, each marker is chosen, and the other one of its pair with it, until there are k. What
+    moves alike is chosen again and again: this is what methods that avoid it are compared with.
+
+    Head motion must have been removed. Does not depend on the axes.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with every sample, head motion removed; pairs are those of its marker set,
+        a marker that is in none is alone, which a warning tells unless it is on the midline.
+    k
+        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
+
+    Returns
+    -------
+    Selection
+        The markers chosen, in the order of the recording; all pairs; and a row per pair that was
+        chosen, the first one first: `markers` so far, `variance` in mm^2 of its marker that
+        moves more.
+
+    Raises
+    ------
+    Refusal
+        If the recording has fewer than k markers, samples are missing, there are fewer than two
+        frames, or nothing moves.
+    ValueError
+        If the marker set puts a marker into two pairs.
+    """
+    check_count(recording, k)
+    features, pairs = features_of(recording), pairs_of(recording)
+    order = by_variance(features.variances)
+    numbers = membership(pairs, features.markers)[order]
+    return first_pairs(recording, pairs, numbers, k, features.variances[order], "variance")

@@ -1,0 +1,116 @@
+"""A selection that breaks a promise is caught, and ours keep them all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nodegraph_mocap
+import nodegraph_select
+from nodegraph import node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.variance import variance
+
+REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("select", nodegraph_select)])
+Spoil = Callable[[Trajectories, Selection], object]
+
+
+def no_selection(given: Trajectories, made: Selection) -> tuple[str, ...]:
+    return made.chosen
+
+
+def none_chosen(given: Trajectories, made: Selection) -> Selection:
+    return Selection(chosen=())
+
+
+def strangers(given: Trajectories, made: Selection) -> Selection:
+    return Selection(chosen=("tail",))
+
+
+def backwards(given: Trajectories, made: Selection) -> Selection:
+    return replace(made, chosen=made.chosen[::-1])
+
+
+def half_of_a_pair(given: Trajectories, made: Selection) -> Selection:
+    return Selection(chosen=made.chosen[:3])
+
+
+def forgets_a_pair(given: Trajectories, made: Selection) -> Selection:
+    left = tuple(pair for pair in made.pairs if pair[0] in made.chosen)
+    return Selection(chosen=made.chosen, pairs=left)
+
+
+def first_ones(given: Trajectories, made: Selection) -> Selection:
+    return whole(given, given.markers[0])
+
+
+def nearest_to_zero(given: Trajectories, made: Selection) -> Selection:
+    return whole(given, given.markers[int(np.abs(given.positions[0, :, 0]).argmin())])
+
+
+def topmost(given: Trajectories, made: Selection) -> Selection:
+    return whole(given, given.markers[int(given.positions[0, :, 1].argmax())])
+
+
+def by_the_millimetre(given: Trajectories, made: Selection) -> Selection:
+    return variance(given, k=2 if np.ptp(given.positions[..., 0]) > 200.0 else 5)
+
+
+def whole(given: Trajectories, name: str) -> Selection:
+    pairs = given.marker_set.pairs if given.marker_set else ()
+    chosen = next((pair for pair in pairs if name in pair), (name,))
+    return Selection(chosen=tuple(one for one in given.markers if one in chosen))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (no_selection, "its first output is not a selection; it gives"),
+        (none_chosen, "chooses none"),
+        (strangers, "chooses tail, which the recording lacks"),
+        (backwards, "but the recording has them in another order"),
+        (half_of_a_pair, "of the pair"),
+        (forgets_a_pair, "pairs and markers differ in"),
+        (first_ones, "only one of the recording and the reordered one has"),
+        (nearest_to_zero, "only one of the recording and the shifted one has"),
+        (topmost, "only one of the recording and the turned one has"),
+        (by_the_millimetre, "only one of the recording and the enlarged one has"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*chosen or left each by itself")
+def test_a_selection_that_breaks_a_promise(spoil: Spoil, text: str) -> None:
+    kind = tuple if spoil is no_selection else Selection
+
+    def broken(recording: Trajectories) -> object:
+        """Choose five markers, and spoil it."""
+        return spoil(recording, variance(recording, k=5))
+
+    broken.__annotations__["return"] = kind
+    with pytest.raises(AssertionError, match=text):
+        check_node(node("select.broken")(broken), registry=REGISTRY)
+
+
+@pytest.mark.filterwarnings("ignore:.*chosen or left each by itself")
+def test_who_depends_on_the_axes_may_say_so() -> None:
+    @node("select.topmost")
+    def declared(recording: Trajectories) -> Selection:
+        """Choose the topmost marker of a complete take. It depends on the axes."""
+        return topmost(recording, variance(recording, k=1))
+
+    check_node(declared, registry=REGISTRY)
+
+
+def test_another_name_of_the_port() -> None:
+    @node("select.broken")
+    def broken(take: Trajectories) -> Selection:
+        """Choose the first marker."""
+        return whole(take, take.markers[0])
+
+    with pytest.raises(AssertionError, match="its ports are take; name the recording `recording`"):
+        check_node(broken, registry=REGISTRY)

@@ -1,0 +1,234 @@
+"""Principal feature analysis, beside the method's text in plain sets and loops."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from sklearn.metrics import pairwise_distances
+
+from nodegraph import Refusal
+from nodegraph.equality import difference
+from nodegraph_mocap import Origin, Selection, Trajectories
+from nodegraph_select.pfa import COLUMNS, pfa
+
+Quietly = Callable[..., Selection]
+History = Callable[[Selection], dict[str, Any]]
+Faces = Callable[..., Trajectories]
+
+
+def plain_runs(
+    face: Trajectories, k: int, runs: int, seed: int, *, standardize: bool, absolute: bool
+) -> tuple[list[frozenset[str]], list[float]]:
+    """Return the markers that each run chooses, and its inertia."""
+    names = sorted(face.markers)
+    features = [
+        face.positions[:, face.markers.index(name), axis] for name in names for axis in range(3)
+    ]
+    table = np.array(features)
+    covariance = np.corrcoef(table) if standardize else np.cov(table)
+    vectors, share, _ = np.linalg.svd(covariance)
+    q = next(q for q in range(1, len(share) + 1) if share[:q].sum() >= 0.98 * share.sum())
+    rows = np.abs(vectors[:, :q]) if absolute else vectors[:, :q]
+    draws = np.random.default_rng([seed, k]).random((runs, k))
+    chosen, inertia = [], []
+    for drawn in draws:
+        found, within = plain_clusters(rows, drawn)
+        some = {names[feature // 3] for feature in found}
+        assert face.marker_set is not None
+        for pair in face.marker_set.pairs:
+            if some & set(pair):
+                some |= set(pair)
+        chosen.append(frozenset(some))
+        inertia.append(within)
+    return chosen, inertia
+
+
+def plain_clusters(
+    rows: NDArray[np.float64], drawn: NDArray[np.float64]
+) -> tuple[list[int], float]:
+    left = list(range(len(rows)))
+    for place, draw in enumerate(drawn):
+        other = place + int(draw * (len(rows) - place))
+        left[place], left[other] = left[other], left[place]
+    means = rows[left[: len(drawn)]]
+    before = None
+    while True:
+        apart = pairwise_distances(rows, means)
+        cluster = apart.argmin(axis=1)
+        if before is not None and np.array_equal(cluster, before):
+            break
+        before = cluster
+        means = np.array([rows[cluster == one].mean(axis=0) for one in np.unique(cluster)])
+        before = np.unique(cluster, return_inverse=True)[1]
+    apart = pairwise_distances(rows, means)
+    found = []
+    for one in range(len(means)):
+        inside = np.flatnonzero(cluster == one)
+        near = apart[inside, one]
+        found.append(int(inside[np.flatnonzero(near <= near.min() + 1e-7)[0]]))
+    return found, float((apart.min(axis=1) ** 2).sum())
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+@pytest.mark.parametrize("standardize", [False, True])
+@pytest.mark.parametrize("k", [1, 4, 11, 33])
+def test_as_the_text_says_step_by_step(
+    faces: Faces, quietly: Quietly, history: History, k: int, standardize: bool, absolute: bool
+) -> None:
+    face, options = faces(k), {"standardize": standardize, "absolute": absolute}
+    chosen, inertia = plain_runs(face, k, 40, 7, **options)
+    made = quietly(pfa, face, k=k, runs=40, seed=7, **options)
+    frequency = {pair: sum(pair[0] in one for one in chosen) / 40 for pair in made.pairs}
+    assert made.frequencies == pytest.approx(list(frequency.values()))
+    pairs = [[pair for pair in made.pairs if pair[0] in one] for one in chosen]
+    sums = [round(sum(frequency[pair] for pair in some), 9) for some in pairs]
+    best = min(range(40), key=lambda run: (-sums[run], len(chosen[run]), run))
+    assert set(made.chosen) == chosen[best]
+    found = history(made)
+    assert tuple(found) == COLUMNS
+    assert found["sum"] == pytest.approx(sums)
+    assert found["mean"] == pytest.approx([a / len(b) for a, b in zip(sums, pairs, strict=True)])
+    assert found["inertia"] == pytest.approx(inertia, rel=1e-6, abs=1e-12)
+    assert found["markers"].tolist() == [len(one) for one in chosen]
+    assert found["pairs"].tolist() == [len(one) for one in pairs]
+    order = list(dict.fromkeys(chosen))
+    assert found["selection"].tolist() == [order.index(one) for one in chosen]
+    assert np.all(found["k"] == k)
+    assert found["run"].tolist() == list(range(40))
+
+
+@pytest.mark.parametrize("stability", ["sum", "mean", "medoid"])
+def test_the_most_stable_by_each_measure(
+    face: Trajectories, quietly: Quietly, history: History, stability: str
+) -> None:
+    made = quietly(pfa, face, k=8, runs=200, stability=stability)
+    found = history(made)
+    ranked = sorted(
+        zip(-found[stability], found["markers"], found["run"], strict=True),
+    )
+    best = int(ranked[0][2])
+    assert len(made.chosen) == found["markers"][best]
+    assert made.frequencies is not None
+    inside = [pair[0] in made.chosen for pair in made.pairs]
+    assert made.frequencies[inside].sum() == pytest.approx(found["sum"][best])
+
+
+def test_sum_favours_large_selections_and_mean_small_ones(
+    face: Trajectories, quietly: Quietly, history: History
+) -> None:
+    found = history(quietly(pfa, face, k=8))
+    for measure, sign in (("sum", 1), ("mean", -1)):
+        assert sign * np.corrcoef(found[measure], found["markers"])[0, 1] > 0.1
+    sizes = [
+        len(quietly(pfa, face, k=8, stability=one).chosen) for one in ("mean", "medoid", "sum")
+    ]
+    assert sizes[0] <= sizes[1] <= sizes[2]
+    assert sizes[0] < sizes[2]
+
+
+def test_it_tells_how_many_selections_differ(face: Trajectories, history: History) -> None:
+    with pytest.warns(UserWarning, match="of 60 runs' selections are distinct") as told:
+        made = pfa(face, k=8, runs=60)
+    found = history(made)["selection"]
+    text = str(told[0].message)
+    assert text.startswith(f"{int(found.max()) + 1} of 60 runs' selections are distinct; ")
+    assert told[0].filename == __file__
+
+
+def test_one_run(face: Trajectories) -> None:
+    with pytest.warns(UserWarning, match="1 of 1 runs' selections are distinct; .* of 1 run$"):
+        made = pfa(face, k=4, runs=1)
+    assert made.frequencies is not None
+    assert [pair[0] in made.chosen for pair in made.pairs] == made.frequencies.astype(bool).tolist()
+    assert made.history is not None
+    assert made.history.shape == (1, len(COLUMNS))
+
+
+def test_as_many_clusters_as_features_choose_every_marker(
+    face: Trajectories, quietly: Quietly
+) -> None:
+    made = quietly(pfa, face, k=33, runs=5)
+    assert made.chosen == face.markers
+    assert made.frequencies is not None
+    assert np.all(made.frequencies == 1)
+
+
+def test_more_clusters_than_features_are_refused(face: Trajectories) -> None:
+    with pytest.raises(Refusal, match=r"k = 34 clusters .*: 11 markers have 33"):
+        pfa(face, k=34)
+
+
+def test_one_marker_is_chosen(face: Trajectories, quietly: Quietly) -> None:
+    assert quietly(pfa, face.keep(["nose"]), k=2, runs=10).chosen == ("nose",)
+
+
+def test_clusters_without_rows_are_dropped_and_told(face: Trajectories, history: History) -> None:
+    positions = face.positions.copy()
+    positions[:, :6] = positions[0, :6]
+    still = replace(face, positions=positions)
+    with pytest.warns(UserWarning, match="; 50 runs dropped clusters that had lost all their rows"):
+        made = pfa(still, k=20, runs=50)
+    assert np.all(history(made)["clusters"] < 20)
+
+
+def test_missing_samples_are_refused(face: Trajectories) -> None:
+    positions, gaps = face.positions.copy(), np.zeros(face.origin.shape, bool)
+    gaps[3, 2] = True
+    positions[3, 2] = np.nan
+    gappy = face.with_samples(positions, changed=gaps, origin=Origin.MISSING)
+    with pytest.raises(Refusal, match=r"1 of 990 are missing.*fill them first"):
+        pfa(gappy, k=3)
+
+
+def test_choices_are_checked_in_plain_calls(face: Trajectories) -> None:
+    with pytest.raises(ValueError, match="must be sum, mean or medoid, got 'median'"):
+        pfa(face, k=3, stability="median")  # type: ignore[arg-type]
+
+
+def test_the_same_seed_gives_the_same_answer_and_another_one_another(
+    face: Trajectories, quietly: Quietly
+) -> None:
+    first = quietly(pfa, face, k=8, runs=50, seed=3)
+    assert not difference(first, quietly(pfa, face, k=8, runs=50, seed=3))
+    assert difference(first, quietly(pfa, face, k=8, runs=50, seed=4))
+
+
+def test_a_run_does_not_depend_on_how_many_follow(
+    face: Trajectories, quietly: Quietly, history: History
+) -> None:
+    few, many = (history(quietly(pfa, face, k=8, runs=runs)) for runs in (20, 90))
+    for column in ("inertia", "markers", "selection", "rounds"):
+        assert np.array_equal(few[column], many[column][:20])
+
+
+def test_the_answer_is_the_same_on_any_number_of_threads(face: Trajectories) -> None:
+    import numba
+
+    threads = numba.get_num_threads()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        alone = [pfa(face, k=k, runs=100) for k in range(2, 10)]
+        numba.set_num_threads(1)
+        try:
+            with ThreadPoolExecutor(4) as pool:
+                together = list(pool.map(lambda k: pfa(face, k=k, runs=100), range(2, 10)))
+        finally:
+            numba.set_num_threads(threads)
+    assert not difference(alone, together)
+
+
+def test_the_order_of_the_markers_does_not_matter_even_to_a_run(
+    face: Trajectories, quietly: Quietly
+) -> None:
+    made = quietly(pfa, face, k=9, runs=80)
+    order = np.random.default_rng(1).permutation(face.markers)
+    again = quietly(pfa, face.keep(order), k=9, runs=80)
+    assert not difference(replace(made, chosen=()), replace(again, chosen=()))
+    assert again.chosen == tuple(name for name in order if name in made.chosen)

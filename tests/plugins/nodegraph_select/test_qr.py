@@ -1,0 +1,67 @@
+"""Pivots are the features farthest from the span of those before, by plain projection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.qr import qr
+
+
+def plain(face: Trajectories, k: int) -> tuple[set[str], list[tuple[int, float]]]:
+    """Take the longest column, take its direction out of all, and so on."""
+    left = {
+        (name, axis): column - column.mean()
+        for place, name in enumerate(face.markers)
+        for axis, column in enumerate(face.positions[:, place].T)
+    }
+    chosen: set[str] = set()
+    steps = []
+    while len(chosen) < k:
+        (name, _), column = max(left.items(), key=lambda item: np.linalg.norm(item[1]))
+        along = column / np.linalg.norm(column)
+        left = {one: other - (other @ along) * along for one, other in left.items()}
+        assert face.marker_set is not None
+        pair = next((pair for pair in face.marker_set.pairs if name in pair), (name,))
+        if not chosen.issuperset(pair):
+            chosen |= set(pair)
+            steps.append((len(chosen), float(np.linalg.norm(column) / np.sqrt(len(column)))))
+    return chosen, steps
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_size_by_plain_projection(faces: Callable[..., Trajectories], seed: int) -> None:
+    face = faces(seed)
+    for k in range(1, 12):
+        made = qr(face, k=k)
+        chosen, steps = plain(face, k)
+        assert set(made.chosen) == chosen
+        assert made.columns == ("markers", "residual")
+        assert made.history == pytest.approx(np.array(steps), rel=1e-6)
+
+
+def test_what_is_determined_by_others_comes_last_by_variance(
+    faces: Callable[..., Trajectories],
+) -> None:
+    face = faces(2, movements=2, noise=0.0)
+    with pytest.warns(UserWarning, match=r"\d of the 7 pairs chosen determine all markers"):
+        made = qr(face, k=11)
+    assert made.chosen == face.markers
+    assert made.history is not None
+    assert made.history[0, 1] > 0
+    assert made.history[-1, 1] == 0.0
+
+
+def test_fewer_frames_than_features(face: Trajectories, quietly: Callable[..., Selection]) -> None:
+    short = replace(face, positions=face.positions[:3], origin=face.origin[:3])
+    assert quietly(qr, short, k=11).chosen == face.markers
+
+
+def test_bad_input(face: Trajectories) -> None:
+    with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
+        qr(face, k=12)

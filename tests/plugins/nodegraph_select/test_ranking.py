@@ -1,0 +1,53 @@
+"""The first pairs of an order that together have enough markers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodegraph import Refusal
+from nodegraph_mocap import Trajectories
+from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
+
+PAIRS = (("a", "b"), ("c",), ("d", "e"), ("f",))
+SIX = Trajectories(positions=np.zeros((1, 6, 3)), markers=tuple("fedcba"), rate=60.0)
+
+
+@given(st.permutations([0, 1, 2, 3]), st.lists(st.integers(0, 3), max_size=4), st.integers(1, 6))
+def test_as_many_as_it_takes(order: list[int], again: list[int], k: int) -> None:
+    places = [*order[:2], *again, *order]
+    values = np.arange(len(places), dtype=np.float64)
+    made = first_pairs(SIX, PAIRS, np.array(places), k, values, "place")
+    chosen: list[str] = []
+    steps = []
+    for place, number in enumerate(places):
+        if len(chosen) < k and PAIRS[number][0] not in chosen:
+            chosen += PAIRS[number]
+            steps.append([len(chosen), place])
+    assert set(made.chosen) == set(chosen)
+    assert list(made.chosen) == sorted(chosen, reverse=True)
+    assert made.history is not None
+    assert made.history.tolist() == steps
+
+
+def test_without_values_there_is_no_history() -> None:
+    made = first_pairs(SIX, PAIRS, np.arange(4), 3)
+    assert (made.columns, made.history) == ((), None)
+
+
+def test_variances_from_the_largest_down() -> None:
+    assert by_variance(np.array([1.0, 3.0, 3.0, 0.0])).tolist() == [1, 2, 0, 3]
+
+
+def test_no_more_than_there_are() -> None:
+    check_count(SIX, 6)
+    with pytest.raises(Refusal, match="k = 7 markers cannot be chosen of 6"):
+        check_count(SIX, 7)
+
+
+def test_it_tells_what_is_determined_only_if_more_was_chosen() -> None:
+    tell_spanned(3, 3)
+    with pytest.warns(UserWarning, match="^3 of the 5 pairs chosen determine"):
+        tell_spanned(3, 5)

@@ -1,0 +1,124 @@
+"""What principal feature analysis does on recorded faces."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph_mocap import (
+    Selection,
+    Trajectories,
+    read_c3d,
+    read_live_link,
+    read_marker_set,
+    read_model_npz,
+)
+from nodegraph_select.greedy import greedy
+from nodegraph_select.pfa import pfa
+from nodegraph_select.qr import qr
+from nodegraph_select.random import random
+from nodegraph_select.variance import variance
+
+FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
+TAKES = ("jaw", "cheeks", "take001", "actor_a", "actor_b")
+
+pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the recordings are not here")
+
+
+@cache
+def take(name: str) -> Trajectories:
+    """Optical takes as they are, the others as their weights pose the head that holds still."""
+    if name in ("jaw", "cheeks"):
+        marker_set = read_marker_set(FOLDER / "animface" / "markers.yaml")
+        recording = read_c3d(FOLDER / "animface" / f"{name}.c3d")
+        return replace(recording.keep(marker_set.markers), marker_set=marker_set)
+    values, names, rate = weights(name)
+    model = read_model_npz(FOLDER / "facecap" / "model_60_markers.npz")
+    shapes = {shape.lower(): offsets for shape, offsets in zip(model.names, model.shapes)}  # noqa: B905
+    known = [place for place, shape in enumerate(names) if shape.lower() in shapes]
+    offsets = np.stack([shapes[names[place].lower()] for place in known])
+    return Trajectories(
+        positions=model.neutral + np.einsum("tk,kmc->tmc", values[:, known], offsets),
+        markers=model.markers,
+        rate=rate,
+        marker_set=read_marker_set(FOLDER / "facecap" / "markers.yaml"),
+    )
+
+
+def weights(name: str) -> tuple[Any, tuple[str, ...], float]:
+    if name == "take001":
+        truth = np.load(FOLDER / "facecap" / "take001_truth.npz")
+        return truth["weights"], tuple(map(str, truth["shape_names"])), 30.0
+    file = {"actor_a": "actor_a_60fps.csv", "actor_b": "actor_b_30fps.csv"}[name]
+    read = read_live_link(FOLDER / "livelink" / file)
+    present = np.isfinite(read.values).all(axis=1)
+    return read.values[present], read.names, read.rate
+
+
+@cache
+def found(name: str, k: int) -> tuple[Selection, dict[str, Any]]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        made = pfa(take(name), k=k)
+    assert made.history is not None
+    return made, dict(zip(made.columns, made.history.T, strict=True))
+
+
+@pytest.mark.parametrize("name", TAKES)
+def test_runs_hardly_ever_agree(name: str) -> None:
+    for k in (20, 30):
+        _, history = found(name, k)
+        assert history["selection"].max() + 1 > 900
+
+
+@pytest.mark.parametrize("name", TAKES)
+def test_the_sum_favours_large_selections_the_more_the_larger_k_is(name: str) -> None:
+    likeness = []
+    for k in (10, 20, 30, 40):
+        _, history = found(name, k)
+        likeness.append(np.corrcoef(history["sum"], history["markers"])[0, 1])
+        assert np.corrcoef(history["mean"], history["markers"])[0, 1] < likeness[-1]
+    assert 0.25 < likeness[0] < 0.75
+    assert 0.85 < likeness[-1] < 0.98
+    assert likeness == sorted(likeness)
+
+
+@pytest.mark.parametrize("name", TAKES)
+def test_more_clusters_choose_more_markers(name: str) -> None:
+    sizes = [len(found(name, k)[0].chosen) for k in (5, 10, 20, 40)]
+    assert sizes == sorted(set(sizes))
+    assert 2 * 5 >= sizes[0] >= 5
+
+
+@pytest.mark.parametrize("name", ["jaw", "take001"])
+def test_every_run_settles(name: str) -> None:
+    assert found(name, 20)[1]["rounds"].max() < 60
+
+
+def left(recording: Trajectories, chosen: tuple[str, ...]) -> float:
+    """Return the share of all motion that a regression from some markers does not predict."""
+    centred = recording.positions - recording.positions.mean(axis=0)
+    every = centred.reshape(len(centred), -1)
+    some = recording.keep(chosen).positions
+    some = (some - some.mean(axis=0)).reshape(len(centred), -1)
+    rest = every - some @ np.linalg.lstsq(some, every, rcond=1e-9)[0]
+    return float((rest**2).sum() / (every**2).sum())
+
+
+@pytest.mark.parametrize("name", ["jaw", "cheeks"])
+def test_at_ten_markers_what_avoids_repetition_beats_chance(name: str) -> None:
+    recording = take(name)
+    chance = np.median([left(recording, random(recording, k=10, seed=i).chosen) for i in range(20)])
+    methods: tuple[Callable[..., Selection], ...] = (greedy, qr)
+    for select in methods:
+        assert left(recording, select(recording, k=10).chosen) < chance
+    assert left(recording, greedy(recording, k=10).chosen) < left(
+        recording, variance(recording, k=10).chosen
+    )

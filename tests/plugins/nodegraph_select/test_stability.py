@@ -1,0 +1,67 @@
+"""Frequencies and the three ways to call a selection stable, as fractions."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from nodegraph_select.stability import Stability, stabilities
+
+SELECTIONS = st.integers(1, 6).flatmap(
+    lambda pairs: st.lists(
+        st.frozensets(st.integers(0, pairs - 1), min_size=1), min_size=1, max_size=25
+    ).map(lambda chosen: (pairs, chosen))
+)
+
+
+def matrix(pairs: int, chosen: list[frozenset[int]]) -> NDArray[np.bool_]:
+    made = np.zeros((len(chosen), pairs), dtype=np.bool_)
+    for run, some in enumerate(chosen):
+        made[run, list(some)] = True
+    return made
+
+
+@settings(deadline=None)
+@given(SELECTIONS)
+def test_every_number_and_the_best_as_they_are_defined(
+    case: tuple[int, list[frozenset[int]]],
+) -> None:
+    pairs, chosen = case
+    runs = len(chosen)
+    frequency = [Fraction(sum(pair in one for one in chosen), runs) for pair in range(pairs)]
+    sums = [sum(frequency[pair] for pair in one) for one in chosen]
+    expected: dict[Stability, list[Any]] = {
+        "sum": sums,
+        "mean": [total / len(one) for total, one in zip(sums, chosen, strict=True)],
+        "medoid": [
+            sum(Fraction(len(one & other), len(one | other)) for other in chosen) / runs
+            for one in chosen
+        ],
+    }
+    size = [1 + pair % 2 for pair in range(pairs)]
+    markers = [sum(size[pair] for pair in one) for one in chosen]
+    made = stabilities(matrix(pairs, chosen))
+    assert made.frequencies == pytest.approx([float(one) for one in frequency])
+    for stability, scores in expected.items():
+        assert getattr(made, stability) == pytest.approx([float(one) for one in scores])
+        best = min(range(runs), key=lambda run: (-scores[run], markers[run], run))
+        assert made.best(stability, np.array(markers)) == best
+    first = list(dict.fromkeys(chosen))
+    assert made.same.tolist() == [first.index(one) for one in chosen]
+    assert made.distinct == len(first)
+
+
+def test_more_selections_and_pairs_than_are_compared_at_once() -> None:
+    chosen = np.random.default_rng(2).random((700, 37)) < 0.4
+    chosen[:, 0] = True
+    made = stabilities(chosen)
+    shared = (chosen[:, None] & chosen).sum(axis=2)
+    either = (chosen[:, None] | chosen).sum(axis=2)
+    assert made.medoid == pytest.approx((shared / either).mean(axis=1), abs=1e-12)
+    assert made.distinct == len(np.unique(chosen, axis=0))
