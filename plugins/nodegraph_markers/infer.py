@@ -27,6 +27,7 @@ _FLAT = 0.02
 """Extent of a shape in its thinnest direction, to that in its longest, to tell a left side."""
 _NEAR = 0.75
 _POOR = 2 / 3
+_SIDES, _STABLE, _EDGES = "pairs and midline", "stable landmarks", "edges"
 
 
 class Inferred(NamedTuple):
@@ -59,6 +60,7 @@ def infer(
     recording: Trajectories,
     *,
     tolerance: Annotated[float, Field(gt=0), Unit("mm")] | None = None,
+    keep: bool = False,
 ) -> Inferred:
     """Propose a marker set: pairs, midline, stable landmarks and edges, to be corrected by hand.
 
@@ -78,8 +80,8 @@ def infer(
     - edges: a Delaunay triangulation as seen from the front, without its long thin triangles.
 
     A warning names what found no partner, and says how well the face mirrors itself. A marker
-    set that the recording has is not used, and replaced. Save the proposal, correct it, and read
-    it with the recording from then on.
+    set that the recording has is not used, and replaced, unless `keep` says otherwise. Save the
+    proposal, correct it, and read it with the recording from then on.
 
     Looks at the whole take (600 frames of it, evenly spread, if there are more).
 
@@ -90,6 +92,10 @@ def infer(
     tolerance
         How far a marker may be from the mirror image of its partner. None: three quarters of the
         median distance between neighbouring markers.
+    keep
+        Whether what the recording's own marker set says stays: pairs with the midline, stable
+        landmarks, edges. Only the parts of which it says nothing are proposed, told in a warning;
+        where it says all, nothing is looked at.
 
     Returns
     -------
@@ -101,6 +107,10 @@ def infer(
     Refusal
         If fewer than four markers are ever present, or they lie on a line or a plane.
     """
+    own = recording.marker_set if keep else None
+    lacking = _lacking(own)
+    if own and not lacking:
+        return Inferred(recording, own)
     known = np.flatnonzero(recording.present.any(axis=0))
     if len(known) < _FEWEST:
         raise Refusal(f"needs {_FEWEST} markers that are ever present; there are {len(known)}")
@@ -111,6 +121,7 @@ def infer(
     unseen = len(recording.markers) - len(known)
     told = [f"{unseen} markers are never present and in no part of the set"] if unseen else []
     told += found.told
+    told += [f"the marker set does not say it, so proposed: {', '.join(lacking)}"] if keep else []
     if told:
         warnings.warn("; ".join(told), stacklevel=2)
     marker_set = MarkerSet(
@@ -120,7 +131,30 @@ def infer(
         stable=tuple(names[one] for one in found.stable),
         edges=tuple((names[one], names[other]) for one, other in found.edges),
     )
+    if own:
+        marker_set = _joined(own, marker_set, lacking)
     return Inferred(replace(recording, marker_set=marker_set), marker_set)
+
+
+def _lacking(own: MarkerSet | None) -> list[str]:
+    """Return the parts of which a marker set says nothing."""
+    said = {
+        _SIDES: own and (own.pairs or own.midline),
+        _STABLE: own and own.stable,
+        _EDGES: own and own.edges,
+    }
+    return [part for part, names in said.items() if not names]
+
+
+def _joined(own: MarkerSet, proposed: MarkerSet, lacking: list[str]) -> MarkerSet:
+    sides = proposed if _SIDES in lacking else own
+    return MarkerSet(
+        markers=proposed.markers,
+        pairs=sides.pairs,
+        midline=sides.midline,
+        stable=(proposed if _STABLE in lacking else own).stable,
+        edges=(proposed if _EDGES in lacking else own).edges,
+    )
 
 
 def _check_solid(shape: NDArray[np.float64]) -> None:

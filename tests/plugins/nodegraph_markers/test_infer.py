@@ -175,6 +175,19 @@ def test_one_frame_has_no_landmarks(face: Face) -> None:
     assert infer(face(seed=0, seconds=3.0).neutral).marker_set.stable == ()
 
 
+def test_what_the_recording_knows_is_kept_and_only_the_rest_is_proposed(face: Face) -> None:
+    made = face()
+    whole, known = made.captured, made.marker_set
+    assert infer(whole, keep=True).recording is whole
+    partly = replace(known, pairs=known.pairs[:3], midline=(), stable=())
+    with pytest.warns(UserWarning, match="does not say it, so proposed: stable landmarks$"):
+        found = infer(replace(whole, marker_set=partly), keep=True).marker_set
+    assert found == replace(partly, stable=infer(whole).marker_set.stable)
+    bare = replace(whole, marker_set=None)
+    with pytest.warns(UserWarning, match="pairs and midline, stable landmarks, edges"):
+        assert infer(bare, keep=True).marker_set == infer(bare).marker_set
+
+
 def test_a_body_is_poorly_symmetric(shoulder: Trajectories) -> None:
     with pytest.warns(
         UserWarning, match=r"symmetry is poor: .* within 2\d\.\d mm: .* mm of a mirror im"
