@@ -46,8 +46,8 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
         Selection: selections,
         Detections: detections,
         BlendshapeModel: lambda: {"complete": _model()},
-        Head: lambda: {"complete": _head()},
-        Weights: lambda: {"complete": _weights(FRAMES), "one frame": _weights(1)},
+        Head: heads,
+        Weights: weights,
         Animation: animations,
         HeadMotion: lambda: {name: _still(one.frames) for name, one in recordings().items()},
         Table: tables,
@@ -125,15 +125,40 @@ def detections() -> dict[str, Detections]:
     return made
 
 
-def animations() -> dict[str, Animation]:
-    """Return the head with weights: complete ones, a single frame, and with some missing."""
-    head, weights = _head(), _weights(FRAMES)
-    gappy = weights.values.copy()
+def heads() -> dict[str, Head]:
+    """Return the face's head, and what is left of it without its markers or morph targets."""
+    head = _head()
+    return {
+        "complete": head,
+        "a head without markers": replace(
+            head, markers=(), marker_vertices=np.zeros(0, dtype=np.int64)
+        ),
+        "a head without morph targets": replace(head, names=(), morphs=head.morphs[:0]),
+    }
+
+
+def weights() -> dict[str, Weights]:
+    """Return weights of the face's shapes: complete, a single frame, and with some missing."""
+    complete = _weights(FRAMES)
+    gappy = complete.values.copy()
     gappy[:3, 0] = gappy[10:14, 1] = np.nan
     return {
-        "complete": Animation(head=head, weights=weights, head_motion=_still(FRAMES)),
-        "one frame": Animation(head=head, weights=_weights(1), head_motion=_still(1)),
-        "gaps": Animation(head=head, weights=replace(weights, values=gappy)),
+        "complete": complete,
+        "one frame": _weights(1),
+        "gaps": replace(complete, values=gappy),
+        "weights of another program": replace(
+            complete, names=("MouthSmile_R", "JawOpen", "TongueOut")
+        ),
+    }
+
+
+def animations() -> dict[str, Animation]:
+    """Return the head with its weights, and with head motion but where some are missing."""
+    head, driven = _head(), weights()
+    return {
+        "complete": Animation(head=head, weights=driven["complete"], head_motion=_still(FRAMES)),
+        "one frame": Animation(head=head, weights=driven["one frame"], head_motion=_still(1)),
+        "gaps": Animation(head=head, weights=driven["gaps"]),
     }
 
 

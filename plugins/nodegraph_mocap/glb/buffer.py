@@ -34,6 +34,10 @@ class GlbBuffer:
         """Add (V, 3) positions or offsets of vertices; return the accessor's number."""
         return self._floats(positions, what, bounds=True, target=_VERTICES)
 
+    def directions(self, vectors: NDArray[np.float64], what: str) -> int:
+        """Add (V, 3) normals of vertices, or offsets of them; return the accessor's number."""
+        return self._floats(vectors, what, bounds=False, target=_VERTICES)
+
     def corners(self, faces: NDArray[np.int64]) -> int:
         """Add (F, 3) triangles; return the accessor's number."""
         return self._add(faces.astype("<u4").reshape(-1, 1), _UNSIGNED, target=_CORNERS)

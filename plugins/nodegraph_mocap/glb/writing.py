@@ -14,12 +14,22 @@ from nodegraph_mocap.glb.buffer import GlbBuffer
 from nodegraph_mocap.glb.container import joined_glb
 from nodegraph_mocap.glb.extras import MARKER_VERTICES, TARGET_NAMES, UNIT
 from nodegraph_mocap.glb.motion import held_weights, quaternions
+from nodegraph_mocap.glb.normals import vertex_normals
 from nodegraph_mocap.head import Head
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _METRES = 0.001
+_MATERIAL = {
+    "name": "skin",
+    "pbrMetallicRoughness": {
+        "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 0.8,
+    },
+}
+"""glTF's own is bare metal, which is black where nothing is around to be reflected."""
 
 
 def head_bytes(head: Head) -> bytes:
@@ -27,7 +37,9 @@ def head_bytes(head: Head) -> bytes:
 
     In metres and single precision: read back, a coordinate differs by less than 1e-7 of itself.
     The axes stay, and glTF's are x to the face's left, y up, z ahead. Extras of the mesh name the
-    morph targets (``targetNames``) and the vertex of each marker (``markerVertices``).
+    morph targets (``targetNames``) and the vertex of each marker (``markerVertices``). For smooth
+    shading there are normals, and offsets of them per morph target: exact where one target has
+    weight 1, and a guess where several are mixed. The material is a dull light grey.
 
     Raises
     ------
@@ -86,6 +98,7 @@ def _written(head: Head, buffer: GlbBuffer, animations: list[dict[str, Any]]) ->
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": "head", "mesh": 0}],
         "meshes": [_mesh(head, buffer)],
+        "materials": [_MATERIAL],
         "accessors": buffer.accessors,
         "bufferViews": buffer.views,
         "buffers": [{"byteLength": len(buffer.content)}],
@@ -99,6 +112,7 @@ def _mesh(head: Head, buffer: GlbBuffer) -> dict[str, Any]:
     primitive: dict[str, Any] = {
         "attributes": {"POSITION": buffer.vertices(head.vertices * _METRES, "vertices")},
         "indices": buffer.corners(head.faces),
+        "material": 0,
     }
     mesh: dict[str, Any] = {"name": "head", "primitives": [primitive]}
     vertices = [int(vertex) for vertex in head.marker_vertices]
@@ -110,4 +124,20 @@ def _mesh(head: Head, buffer: GlbBuffer) -> dict[str, Any]:
         ]
         mesh["weights"] = [0.0] * len(head.names)
         extras[TARGET_NAMES] = list(head.names)
+    _add_normals(primitive, head, buffer)
     return mesh | {"extras": extras}
+
+
+def _add_normals(primitive: dict[str, Any], head: Head, buffer: GlbBuffer) -> None:
+    """Add normals of the mesh as it is stored, so that a head which was read writes the same."""
+    at_rest = _stored(head.vertices)
+    normals = vertex_normals(at_rest, head.faces)
+    primitive["attributes"]["NORMAL"] = buffer.directions(normals, "normals")
+    for target, offsets in zip(primitive.get("targets", ()), head.morphs, strict=True):
+        posed = vertex_normals(at_rest + _stored(offsets), head.faces, otherwise=normals)
+        target["NORMAL"] = buffer.directions(posed - normals, "normals")
+
+
+def _stored(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return millimetres as the metres that a reader finds."""
+    return (lengths * _METRES).astype(np.float32).astype(np.float64)

@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph_mocap import Origin
-from nodegraph_mocap.specimens import detections, masks, recordings, specimens, tables
+from nodegraph_mocap import BlendshapeModel, Origin
+from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.specimens import (
+    animations,
+    detections,
+    heads,
+    masks,
+    recordings,
+    specimens,
+    tables,
+    weights,
+)
 
 
 def test_recordings_are_what_their_names_say() -> None:
@@ -50,6 +60,29 @@ def test_detections_are_the_present_samples() -> None:
     made = recordings()
     for name, one in detections().items():
         assert np.array_equal(np.diff(one.offsets), made[name].present.sum(axis=1))
+
+
+def test_recording_model_head_and_weights_are_one_face() -> None:
+    model: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
+    head, driven = heads()["complete"], weights()["complete"]
+    assert recordings()["complete"].markers == model.markers == head.markers
+    assert model.names == head.names == driven.names
+    np.testing.assert_array_equal(head.vertices[head.marker_vertices], model.neutral)
+    np.testing.assert_array_equal(head.morphs[:, head.marker_vertices], model.shapes)
+    assert driven.frames == recordings()["complete"].frames
+
+
+def test_heads_and_weights_are_what_their_names_say() -> None:
+    assert not heads()["a head without markers"].markers
+    assert not heads()["a head without morph targets"].names
+    made = weights()
+    assert np.isnan(made["gaps"].values).any(axis=0).tolist() == [True, True, False]
+    np.testing.assert_array_equal(made["gaps"].values, animations()["gaps"].weights.values)
+    names = made["complete"].names
+    assert set(matched(made["weights of another program"].names, names).values()) == {
+        "mouthSmileRight",
+        "jawOpen",
+    }
 
 
 def test_tables_hold_scores_that_are_there_and_scores_that_are_not() -> None:

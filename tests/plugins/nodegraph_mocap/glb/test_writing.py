@@ -13,6 +13,7 @@ from nodegraph_mocap import Animation, Head, HeadMotion, animation_bytes, head_b
 from nodegraph_mocap.glb.accessors import Accessors
 from nodegraph_mocap.glb.container import split_glb
 from nodegraph_mocap.glb.document import read_document
+from nodegraph_mocap.glb.normals import vertex_normals
 from nodegraph_mocap.read_head import read_head
 from nodegraph_mocap.specimens import animations, specimens
 
@@ -153,6 +154,39 @@ def test_every_accessor_of_vertices_tells_its_bounds_and_views_are_aligned() -> 
     assert document["asset"]["version"] == "2.0"
 
 
+def normals(head: Head) -> list[Any]:
+    """Return the stored (V, 3) normals at rest, and their offsets per morph target."""
+    text, binary = split_glb(head_bytes(head))
+    accessors = Accessors(read_document(text), binary)
+    primitive = json.loads(text)["meshes"][0]["primitives"][0]
+    return [
+        accessors.numbers(attributes["NORMAL"], "", kind="VEC3")
+        for attributes in (primitive["attributes"], *primitive["targets"])
+    ]
+
+
+def test_normals_fit_the_mesh_at_rest_and_in_each_morph_target() -> None:
+    at_rest, *offsets = normals(HEAD)
+    np.testing.assert_allclose(at_rest, vertex_normals(HEAD.vertices, HEAD.faces), atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(at_rest, axis=1), 1, atol=1e-6)
+    for morph, offset in zip(HEAD.morphs, offsets, strict=True):
+        posed = vertex_normals(HEAD.vertices + morph, HEAD.faces)
+        np.testing.assert_allclose(at_rest + offset, posed, atol=1e-5)
+        assert np.abs(offset).max() > 0.01
+
+
+def test_a_morph_target_that_makes_a_triangle_vanish_leaves_its_normals() -> None:
+    faces = HEAD.faces[:1]
+    collapse = np.zeros((1, 10, 3))
+    collapse[0, faces[0]] = HEAD.vertices[faces[0, 0]] - HEAD.vertices[faces[0]]
+    head = replace(HEAD, faces=faces, names=("shut",), morphs=collapse)
+    # whole metres, so that the corners meet in single precision as well
+    vertices, morphs = 1000 * head.vertices.round(), 1000 * head.morphs.round()
+    head = replace(head, vertices=vertices, morphs=morphs)
+    _, offsets = normals(head)
+    assert not offsets.any()
+
+
 def test_another_library_reads_the_same_mesh() -> None:
     import trimesh
 
@@ -161,3 +195,6 @@ def test_another_library_reads_the_same_mesh() -> None:
     np.testing.assert_allclose(mesh.vertices * 1000, HEAD.vertices, rtol=1e-7)
     np.testing.assert_array_equal(mesh.faces, HEAD.faces)
     assert mesh.metadata["targetNames"] == list(HEAD.names)
+    np.testing.assert_allclose(
+        mesh.vertex_normals, vertex_normals(HEAD.vertices, HEAD.faces), atol=1e-6
+    )
