@@ -56,7 +56,8 @@ def test_the_table_has_every_method_at_every_length(built_in: Path) -> None:
 def test_everything_that_the_walk_promises_is_there(built_in: Path) -> None:
     names = {path.name for path in built_in.iterdir()}
     files = {"report.html", "run.json", "events.jsonl", "graph.yaml", "table.csv", "table.tex"}
-    figures = {f"{name}.{form}" for name in ("trajectories", "faces") for form in ("svg", "pdf")}
+    names_of_figures = ("trajectories", "faces", "ranks_figure")
+    figures = {f"{name}.{form}" for name in names_of_figures for form in ("svg", "pdf")}
     assert files | figures <= names
     assert (built_in / "graph.yaml").read_text() == GRAPH.read_text()
 
