@@ -61,6 +61,8 @@ CONTRACTS = (
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,
+    promises.gives_millimetres,
+    promises.runs_with_the_clock,
     promises.does_not_depend_on_the_order_of_markers,
     shifts_nothing_in_time,
     sigma_belongs_to_its_sample,

@@ -21,6 +21,9 @@ from nodegraph_mocap.runs import runs_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_TOGETHER = 2_000_000
+"""Samples that are smoothed at once, so that a long take needs little memory beside itself."""
+
 Method = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
 """Smooths runs of one length, (L, G, 3) mm relative to their first samples, along their frames."""
 
@@ -63,6 +66,13 @@ class Runs:
         for length in np.unique(self.length):
             yield int(length), self.chosen(self.length == length)
 
+    def together(self, most: int) -> Iterator[Runs]:
+        """Yield equally long runs, some at a time: up to so many samples, but one run at least."""
+        some = max(1, most // int(self.length[0]))
+        for first in range(0, len(self.start), some):
+            part = slice(first, first + some)
+            yield Runs(self.marker[part], self.start[part], self.stop[part])
+
     def samples(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return frame and marker of each sample of runs that are equally long, (L, R) each."""
         frame = self.start + np.arange(self.length[0])[:, None]
@@ -77,7 +87,7 @@ def smooth_runs(recording: Trajectories, method: Method, *, shortest: int = 1) -
     recording
         Trajectories, with or without gaps.
     method
-        Is given the runs of one length, all at once.
+        Is given runs of one length, many at once.
     shortest
         Runs of fewer frames stay as they are.
 
@@ -94,10 +104,11 @@ def smooth_runs(recording: Trajectories, method: Method, *, shortest: int = 1) -
     runs = long_enough(Runs.of(recording), shortest)
     positions = recording.positions.copy()
     for _, alike in runs.by_length():
-        where = alike.samples()
-        block = positions[where]
-        # The same run elsewhere in space then gives the same numbers, and a still one itself.
-        positions[where] = block[0] + method(block - block[0])
+        for some in alike.together(_TOGETHER):
+            where = some.samples()
+            block = positions[where]
+            # The same run elsewhere in space then gives the same numbers, and a still one itself.
+            positions[where] = block[0] + method(block - block[0])
     return smoothed(recording, positions)
 
 

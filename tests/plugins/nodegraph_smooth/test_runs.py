@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodegraph import Refusal
+from nodegraph import Refusal, get_node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.runs import Runs, long_enough, smooth_runs, smoothed
 
@@ -35,6 +35,29 @@ def test_runs_of_one_length_are_given_together(recorded: Callable[..., Trajector
     recording = recorded(positions)
     groups = [(length, runs.marker.tolist()) for length, runs in Runs.of(recording).by_length()]
     assert groups == [(2, [2]), (4, [0, 0, 1, 1]), (6, [2])]
+
+
+def test_equally_long_runs_are_given_some_at_a_time(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    (length, runs), *_ = Runs.of(recorded(np.zeros((9, 5, 3)))).by_length()
+    for most, expected in ((20, [[0, 1], [2, 3], [4]]), (5, [[0], [1], [2], [3], [4]])):
+        assert [some.marker.tolist() for some in runs.together(most)] == expected
+    assert length == 9
+
+
+@pytest.mark.parametrize("name", ["butterworth", "dct", "gcv", "one_euro", "savgol", "whittaker"])
+def test_it_does_not_matter_how_many_are_given_at_a_time(
+    name: str, recorded: Callable[..., Trajectories], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    walk = np.random.default_rng(2).normal(0, 1, (97, 7, 3)).cumsum(axis=0)
+    walk[40:43, 2] = np.nan
+    smooth = get_node(f"smooth.{name}")
+    together = smooth(recorded(walk)).positions
+    monkeypatch.setattr("nodegraph_smooth.runs._TOGETHER", 200)
+    apart = smooth(recorded(walk)).positions
+    # a product of matrices adds up in an order that depends on their size
+    np.testing.assert_allclose(apart, together, rtol=0, atol=1e-13 if name == "savgol" else 0)
 
 
 def test_short_runs_stay_and_are_counted(recorded: Callable[..., Trajectories]) -> None:
