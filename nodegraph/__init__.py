@@ -4,9 +4,18 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph import started  # noqa: F401 - first: it notes the time
 from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
-from nodegraph.hooks import Comparison, Contract, Rendered, Renderer, Storage, Tried, hookimpl
+from nodegraph.hooks import (
+    Comparison,
+    Conclusion,
+    Contract,
+    Rendered,
+    Renderer,
+    Storage,
+    Tried,
+    hookimpl,
+)
 from nodegraph.node import node
-from nodegraph.ports import Absent, Across, InputFile, Label, Truth, Unit
+from nodegraph.ports import Absent, Across, Deprecated, InputFile, Label, Truth, Unit
 from nodegraph.values import Files, Value, read_only
 
 if TYPE_CHECKING:
@@ -17,7 +26,9 @@ __all__ = [
     "Absent",
     "Across",
     "Comparison",
+    "Conclusion",
     "Contract",
+    "Deprecated",
     "Files",
     "GraphError",
     "InputFile",

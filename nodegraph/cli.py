@@ -83,11 +83,16 @@ def _parser() -> argparse.ArgumentParser:
     _add_nodes(commands)
     _add_show(commands)
     _add_examples(commands)
+    _add_new(commands)
     _add_why(commands)
     _add_diff(commands)
+    _add_lock(commands)
+    _add_verify(commands)
+    _add_audit(commands)
     _add_export(commands)
     _add_report(commands)
     _add_cite(commands)
+    _add_archive(commands)
     _add_cache(commands)
     _add_schema(commands)
     return parser
@@ -97,10 +102,7 @@ def _add_run(commands: Any) -> None:
     run = _add(commands, "run", "check, plan and run a graph; write the report")
     _add_graph(run)
     run.add_argument("--out", type=Path, metavar="DIR", help="where to write (runs/NAME)")
-    run.add_argument("--jobs", type=int, metavar="N", help="steps at a time (one per processor)")
-    names = "threads, serial, processes, dask, or a plugin's"
-    run.add_argument("--executor", default="threads", metavar="NAME", help=names)
-    run.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster")
+    _add_how(run)
     run.add_argument("--until", action="append", default=[], metavar="NODE", help="run no further")
     run.add_argument("--no-cache", action="store_true", help="neither use nor keep stored results")
     _add_store(run)
@@ -138,6 +140,14 @@ def _add_examples(commands: Any) -> None:
     _add_plugin(examples)
 
 
+def _add_new(commands: Any) -> None:
+    new = _add(commands, "new", "write a plugin package, or a graph, that works")
+    new.add_argument("kind", metavar="KIND", help="plugin or graph")
+    new.add_argument("name", metavar="NAME", help="letters, digits and underscores")
+    new.add_argument("--to", type=Path, default=Path(), metavar="DIR", help="where to")
+    _add_plugin(new)
+
+
 def _add_why(commands: Any) -> None:
     why = _add(commands, "why", "tell why a node would run again")
     _add_graph(why)
@@ -152,6 +162,46 @@ def _add_diff(commands: Any) -> None:
     diff.add_argument("other", type=Path, metavar="RUN", help="the folder of another run")
     _add_plugin(diff)
     _add_store(diff)
+
+
+def _add_lock(commands: Any) -> None:
+    text = "freeze a study: write what decides its results, and what they are"
+    lock = _add(commands, "lock", text)
+    _add_graph(lock)
+    lock.add_argument("--out", type=Path, metavar="FILE", help="where to write (GRAPH.lock)")
+    _add_how(lock)
+    _add_store(lock)
+
+
+def _add_verify(commands: Any) -> None:
+    text = (
+        "tell whether a frozen study still gives its results: identical, within tolerance, same "
+        "conclusions (status 0), or diverged (status 1)"
+    )
+    verify = _add(commands, "verify", text)
+    verify.add_argument("lock", type=Path, metavar="LOCK", help="written by nodegraph lock")
+    verify.add_argument("--rerun", action="store_true", help="use no stored result")
+    where = "where a file lies here that the lock knows by name only"
+    verify.add_argument("--set", action="append", default=[], metavar="INPUT=VALUE", help=where)
+    _add_plugin(verify)
+    _add_how(verify)
+    _add_store(verify)
+
+
+def _add_audit(commands: Any) -> None:
+    text = (
+        "repeat the steps of a graph: does each method give one answer, with more threads and in "
+        "another process too? status 1 if one does not"
+    )
+    audit = _add(commands, "audit", text)
+    _add_graph(audit)
+    audit.add_argument(
+        "--all", action="store_true", help="every combination, not one of each method"
+    )
+    _add_how(audit)
+    # a node that ends its process ends nothing else then
+    audit.set_defaults(executor="processes")
+    _add_store(audit)
 
 
 def _add_export(commands: Any) -> None:
@@ -181,6 +231,22 @@ def _add_cite(commands: Any) -> None:
     cite.add_argument("--out", type=Path, metavar="DIR", help="write files, LaTeX too")
 
 
+def _add_archive(commands: Any) -> None:
+    text = "put a run into one file: graph, inputs, results, sources; a Workflow Run RO-Crate"
+    archive = _add(commands, "archive", text)
+    archive.add_argument("run", type=Path, metavar="RUN", help="the folder of a run: runs/NAME")
+    archive.add_argument("--out", type=Path, metavar="FILE", help="where to write (RUN.zip)")
+    archive.add_argument(
+        "--lock", type=Path, metavar="FILE", help="goes in too (GRAPH.lock, if it is there)"
+    )
+    archive.add_argument(
+        "--no-inputs",
+        action="store_false",
+        dest="inputs",
+        help="only the SHA-256 of the files that the run read, not the files",
+    )
+
+
 def _add_cache(commands: Any) -> None:
     cache = _add(commands, "cache", "list, prune or clear stored results")
     cache.add_argument(
@@ -199,6 +265,14 @@ def _add_schema(commands: Any) -> None:
     schema = _add(commands, "schema", "print a JSON Schema of graph files, for editors")
     schema.add_argument("--out", type=Path, metavar="FILE", help="where to write (standard output)")
     _add_plugin(schema)
+
+
+def _add_how(command: argparse.ArgumentParser) -> None:
+    text = "steps at a time (one per processor)"
+    command.add_argument("--jobs", type=int, metavar="N", help=text)
+    names = "threads, serial, processes, dask, or a plugin's"
+    command.add_argument("--executor", default="threads", metavar="NAME", help=names)
+    command.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster")
 
 
 def _add_store(command: argparse.ArgumentParser) -> None:

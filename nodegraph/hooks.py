@@ -88,16 +88,45 @@ class Storage:
     lend: Callable[[Any], Any] | None = None
 
 
+Parts = Mapping[str, tuple[tuple[str, tuple[str, ...]], ...]]
+"""Of each array of a value, by its name: for each of its first axes a word, and names."""
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Says in the words of its field how two values of one type differ.
 
     ``compare(one, other)`` yields a sentence per difference, the most telling first; nothing
     where the two are the same. What has no comparison is compared part by part.
+
+    ``parts(value)``, if given, says of a value's arrays, by their names, what their first axes
+    are: a word for one member, and the members' names if they have any, as in
+    ``{"positions": (("frame", ()), ("marker", value.markers))}``. By that a lock can tell where
+    two values differ of which it has only one.
     """
 
     type: type
     compare: Callable[[Any, Any], Iterable[str]]
+    parts: Callable[[Any], Parts] | None = None
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """Says what readers take from values of one type, as a study quotes it.
+
+    Attributes
+    ----------
+    type : type
+    conclude : callable
+        Yields a sentence per conclusion that the value supports, such as an order of methods. It
+        has no measured number in it, so that it stays the same while the conclusion does.
+    numbers : callable
+        Returns the value's numbers as CSV with a head.
+    """
+
+    type: type
+    conclude: Callable[[Any], Iterable[str]]
+    numbers: Callable[[Any], str]
 
 
 @dataclass(frozen=True)
@@ -150,6 +179,11 @@ def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
 @hookspec
 def nodegraph_comparisons() -> Iterable[Comparison]:  # type: ignore[empty-body]
     """Return how values of the plugin's types are told apart."""
+
+
+@hookspec
+def nodegraph_conclusions() -> Iterable[Conclusion]:  # type: ignore[empty-body]
+    """Return what a study concludes from values of the plugin's types."""
 
 
 @hookspec

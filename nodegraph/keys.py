@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -75,12 +75,18 @@ class Keys:
         Reads the code of nodes.
     files
         Reads the content of files.
+    doubt
+        Returns why code of that digest has no one result, or nothing if it is not known to have
+        several.
     """
 
-    def __init__(self, plan: Plan, code: Code, files: Files) -> None:
+    def __init__(
+        self, plan: Plan, code: Code, files: Files, doubt: Callable[[str], str] = lambda _: ""
+    ) -> None:
         self._plan = plan
         self._code = code
         self._files = files
+        self._doubt = doubt
         self._fixed: dict[tuple[int, int], Fixed] = {}
         self.of: list[str] = [""] * len(plan.steps)
 
@@ -149,6 +155,8 @@ class Keys:
             files = {name: self._files.digest(path) for name, path in _files(step).items()}
         except OSError as error:
             return Fixed("", reached, reason=f"a file cannot be read: {error}")
+        if doubt := self._doubt(reached.digest):
+            return Fixed("", reached, files, doubt)
         settings = {name: value for name, value in step.settings.items() if name not in files}
         text = repr(sorted(settings.items()))
         if _AT_AN_ADDRESS in text:

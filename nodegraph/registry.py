@@ -5,12 +5,12 @@ from __future__ import annotations
 import warnings
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import plugins
+from nodegraph import hooks, plugins
 from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, nearest
 from nodegraph.node import Node, node_of
 from nodegraph.plugins import BrokenPlugin, Plugin
@@ -18,7 +18,7 @@ from nodegraph.plugins import BrokenPlugin, Plugin
 if TYPE_CHECKING:
     import pluggy
 
-    from nodegraph.hooks import Comparison, Renderer, Storage
+    from nodegraph.hooks import Comparison, Conclusion, Renderer, Storage
 
 
 @dataclass(frozen=True)
@@ -122,44 +122,43 @@ class Registry:
     @cached_property
     def renderers(self) -> tuple[Renderer, ...]:
         """How values appear in a report; the last plugin comes first."""
-        return tuple(one for many in self.hooks.hook.nodegraph_renderers() for one in many)
+        return plugins.listed(self.hooks, "nodegraph_renderers", hooks.Renderer)
 
     @cached_property
     def comparisons(self) -> tuple[Comparison, ...]:
         """How values are told apart; the last plugin comes first."""
-        return tuple(one for many in self.hooks.hook.nodegraph_comparisons() for one in many)
+        return plugins.listed(self.hooks, "nodegraph_comparisons", hooks.Comparison)
+
+    @cached_property
+    def conclusions(self) -> tuple[Conclusion, ...]:
+        """What a study concludes from values; the last plugin comes first."""
+        return plugins.listed(self.hooks, "nodegraph_conclusions", hooks.Conclusion)
 
     @cached_property
     def storages(self) -> tuple[Storage, ...]:
         """How values are kept; the last plugin comes first."""
-        return tuple(one for many in self.hooks.hook.nodegraph_storages() for one in many)
+        return plugins.listed(self.hooks, "nodegraph_storages", hooks.Storage)
 
     @cached_property
     def executors(self) -> Mapping[str, Callable[..., Any]]:
         """Ways to compute steps that plugins bring, by name."""
-        found: dict[str, Callable[..., Any]] = {}
-        for one in reversed(self.hooks.hook.nodegraph_executors()):
-            found.update(one)
-        return found
+        return plugins.named(self.hooks, "nodegraph_executors")
 
     @cached_property
     def bibtex(self) -> tuple[str, ...]:
         """The BibTeX that each plugin ships."""
-        return tuple(self.hooks.hook.nodegraph_bibtex())
+        return tuple(text for _, text in plugins.results(self.hooks, "nodegraph_bibtex"))
 
     @cached_property
     def graphs(self) -> Mapping[str, Path]:
         """Example graphs by name."""
-        paths = [path for many in self.hooks.hook.nodegraph_graphs() for path in many]
+        paths = plugins.listed(self.hooks, "nodegraph_graphs", Path)
         return {path.stem: path for path in sorted(paths)}
 
     @cached_property
     def templates(self) -> Mapping[str, Path]:
         """What ``nodegraph new`` writes: folders by kind."""
-        found: dict[str, Path] = {}
-        for one in reversed(self.hooks.hook.nodegraph_templates()):
-            found.update(one)
-        return found
+        return plugins.named(self.hooks, "nodegraph_templates")
 
     def place(self, path: str) -> Path | None:
         """Return where ``scheme:name`` lies, or None when no plugin has the scheme."""
@@ -169,13 +168,18 @@ class Registry:
 
     @cached_property
     def _places(self) -> Mapping[str, Callable[[str], Path]]:
-        places: dict[str, Callable[[str], Path]] = {}
-        for one in self.hooks.hook.nodegraph_places():
-            places.update(one)
-        return places
+        return plugins.named(self.hooks, "nodegraph_places")
+
+    def without(self, hidden: Callable[[Registered], bool]) -> Registry:
+        """Return the registry as if some of its nodes were not there."""
+        kept = {
+            name: [one for one in claimed if not hidden(one)]
+            for name, claimed in self._by_name.items()
+        }
+        return replace(self, _by_name={name: found for name, found in kept.items() if found})
 
     def _add_file(self, file: Path) -> None:
-        plugin = plugins.from_file(file)
+        plugin = plugins.from_file(file, but={one.node for one in self})
         try:
             self._add_plugin(plugin)
         except Exception as error:
@@ -184,6 +188,9 @@ class Registry:
     def _add_plugin(self, plugin: Plugin) -> None:
         if any(one.name == plugin.name for one in self.loaded):
             raise NodegraphError(f"a plugin {plugin.name!r} is there already; give it another name")
+        for one in self.loaded:
+            if one.module is plugin.module:
+                raise NodegraphError(f"plugin {one.name!r} is the same module, by another name")
         hook = getattr(plugin.module, "nodegraph_nodes", None)
         self._add_nodes(plugin.name, plugin.distribution, hook() if hook else ())
         self.loaded.append(plugin)
@@ -191,9 +198,16 @@ class Registry:
     def _add_nodes(
         self, plugin: str, distribution: str, functions: Iterable[Callable[..., Any]]
     ) -> None:
-        described = [_described(function) for function in functions]
-        for one in described:
-            self._by_name[one.name].append(Registered(one, plugin, distribution))
+        """Add what a plugin brings, all of it or nothing."""
+        if not isinstance(functions, Iterable):
+            kind = type(functions).__name__
+            raise NodegraphError(f"its hook nodegraph_nodes returned {kind}: return [node, ...]")
+        brought: dict[str, Node] = {}
+        for one in map(_described, functions):
+            if brought.setdefault(one.name, one) is not one:
+                raise NodegraphError(f"it has two nodes of the name {one.name}; rename one")
+        for name, described in brought.items():
+            self._by_name[name].append(Registered(described, plugin, distribution))
 
     def _instead(self, name: str) -> str:
         """Return what there is instead: methods of the family, or families."""

@@ -25,11 +25,19 @@ def graph_of(arguments: Namespace) -> Graph:
     """Return the checked graph that the command names, with what its options choose."""
     registry = Registry.installed(arguments.plugin)
     choices = Choices(
-        inputs={name: _value(f"--set {name}", text) for name, text in _pairs(arguments, "set")},
+        inputs=set_values(arguments),
         axes={name: _labels(f"--axis {name}", text) for name, text in _pairs(arguments, "axis")},
         only={name: _kept(f"--only {name}", text) for name, text in _pairs(arguments, "only")},
     )
-    return build(read_graph_file(arguments.graph), registry, choices)
+    graph = build(read_graph_file(arguments.graph), registry, choices)
+    for one in graph.notices:
+        say(str(one))
+    return graph
+
+
+def set_values(arguments: Namespace) -> dict[str, Any]:
+    """Return the inputs' values that the command gives."""
+    return {name: _value(f"--set {name}", text) for name, text in _pairs(arguments, "set")}
 
 
 def run_folder(arguments: Namespace) -> Path:

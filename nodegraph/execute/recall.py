@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from nodegraph.registry import Registry
 
 _CODE, _FILES = "code", "files"
+_SEVERAL = "an audit found that it gives another answer"
 
 
 def open_store(registry: Registry, folder: Path | None, say: Callable[[str], None]) -> Store:
@@ -61,7 +62,8 @@ class Recall:
         self._before = {name: store.recall(name) for name in (_CODE, _FILES)}
         self._code = Code(followed(plan.graph.registry), self._before[_CODE])
         self._files = Files(self._before[_FILES])
-        self.keys = Keys(plan, self._code, self._files)
+        self._doubted: dict[str, str] = {}
+        self.keys = Keys(plan, self._code, self._files, self._doubt)
         self._entries: dict[int, Entry] = {}
         self._saved: set[str] = set()
         self.not_kept: Counter[str] = Counter()
@@ -130,7 +132,7 @@ class Recall:
         key = self.keys.of[step.index]
         if not key:
             self._count(self.keys.why_none(step))
-            return outcome
+            return self._one_of_several(step, outcome)
         if not self.keys.unchanged(step):
             # nor may anything be found or kept that is made of it
             self.keys.of[step.index] = ""
@@ -152,6 +154,39 @@ class Recall:
         self._saved.add(key)
         return replace(outcome, digests=entry.digests)
 
+    def doubt(self, step: Step, said: str) -> bool:
+        """Have no result of a step's code stored, or taken from the store, by runs from now on.
+
+        Parameters
+        ----------
+        step
+            One that was found to have several results.
+        said
+            Under which conditions.
+
+        Returns
+        -------
+        bool
+            Whether that could be written down.
+        """
+        digest = self.keys.fixed(step).reached.digest
+        self.store.remember(_audit_of(digest), {"node": step.method.node.name, "said": said})
+        return self.store.writable
+
+    def _doubt(self, digest: str) -> str:
+        if digest not in self._doubted:
+            said = self.store.recall(_audit_of(digest)).get("said")
+            self._doubted[digest] = f"{_SEVERAL} in {said}" if said else ""
+        return self._doubted[digest]
+
+    def _one_of_several(self, step: Step, outcome: Outcome) -> Outcome:
+        """Return an outcome that says, if its code is in doubt, that it is one of several."""
+        doubt = self._doubted.get(self.keys.fixed(step).reached.digest)
+        if not doubt:
+            return outcome
+        said = f"{doubt}: this result is one of several, and is not stored"
+        return replace(outcome, warnings=(*outcome.warnings, said))
+
     def _count(self, reason: str) -> None:
         with self._lock:
             self.not_kept[reason] += 1
@@ -169,6 +204,10 @@ class Recall:
         for name, known in now.items():
             if known != self._before[name]:
                 self.store.remember(name, known)
+
+
+def _audit_of(digest: str) -> str:
+    return f"audit-{digest}"
 
 
 def _outcome(entry: Entry) -> Outcome:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 
@@ -32,10 +32,17 @@ def read_graph_file(path: Path) -> GraphSpec:
 
 
 @no_collection()
-def read_graph_text(text: str, file: str, folder: Path) -> GraphSpec:
-    """Return what the text of a graph file says; relative paths start at `folder`."""
+def read_graph_text(
+    text: str, file: str, folder: Path, included: Mapping[str, str] | None = None
+) -> GraphSpec:
+    """Return what the text of a graph file says; relative paths start at `folder`.
+
+    Of graph files that it uses, `included` holds texts that are taken in place of what the files
+    say, by their paths from the folder.
+    """
     spec = read_spec(text, file, folder)
-    return _Reader(spec).read() if any(_graph_uses(spec)) else spec
+    texts = {(folder / name).resolve(): one for name, one in (included or {}).items()}
+    return _Reader(spec, texts).read() if any(_graph_uses(spec)) else spec
 
 
 @dataclass(frozen=True)
@@ -53,8 +60,9 @@ class _Size:
 
 
 class _Reader:
-    def __init__(self, root: GraphSpec) -> None:
+    def __init__(self, root: GraphSpec, texts: Mapping[Path, str]) -> None:
         self._root = root
+        self._texts = texts
         self._problems = Problems(root.problems)
         self._specs: dict[Path, GraphSpec] = {}
         self._sizes: dict[Path, _Size | None] = {}  # None for a file that could not be read
@@ -106,7 +114,7 @@ class _Reader:
 
     def _read(self, spec: GraphSpec, method: MethodSpec, path: Path, way: _Way) -> None:
         try:
-            text = text_of(path)
+            text = self._texts[path] if path in self._texts else text_of(path)
         except GraphError as error:
             for one in error.problems:
                 self._problems.add(method.place, f"{method.use}: {one.message}", one.instead)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import Comparison, Files, Renderer, Storage, hookimpl
+from nodegraph import Comparison, Conclusion, Files, Renderer, Storage, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -108,6 +108,14 @@ def nodegraph_comparisons() -> Iterable[Comparison]:
     from nodegraph_mocap.shown.comparisons import comparisons
 
     return comparisons()
+
+
+@hookimpl
+def nodegraph_conclusions() -> Iterable[Conclusion]:
+    """Return what a study concludes from tables."""
+    from nodegraph_mocap.shown.conclusions import conclusions
+
+    return conclusions()
 
 
 @hookimpl

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Comparison
+from nodegraph_mocap.face_model import Weights
 from nodegraph_mocap.recording import Mask, Trajectories
 from nodegraph_mocap.shown.stored_figure import StoredFigure
 from nodegraph_mocap.tables import Table
@@ -23,8 +24,9 @@ _NAMED = 5
 def comparisons() -> tuple[Comparison, ...]:
     """Return the comparisons of this package's types."""
     return (
-        Comparison(Trajectories, compare_recordings),
+        Comparison(Trajectories, compare_recordings, recording_parts),
         Comparison(Mask, compare_masks),
+        Comparison(Weights, compare_weights, weight_parts),
         Comparison(Table, compare_tables),
         Comparison(StoredFigure, compare_drawings),
     )
@@ -52,6 +54,11 @@ def compare_recordings(one: Trajectories, other: Trajectories) -> Iterator[str]:
         yield f"{_samples(relabelled, one.markers)} of another origin"
 
 
+def recording_parts(recording: Trajectories) -> dict[str, tuple[tuple[str, tuple[str, ...]], ...]]:
+    """Return what the positions are made of: frames and markers."""
+    return {"positions": (("frame", ()), ("marker", recording.markers))}
+
+
 def compare_masks(one: Mask, other: Mask) -> Iterator[str]:
     """Yield which samples only one of the masks has."""
     if one.markers != other.markers or one.hidden.shape != other.hidden.shape:
@@ -60,6 +67,27 @@ def compare_masks(one: Mask, other: Mask) -> Iterator[str]:
     lone = one.hidden != other.hidden
     if lone.any():
         yield f"{_samples(lone, one.markers)} in one mask only"
+
+
+def compare_weights(one: Weights, other: Weights) -> Iterator[str]:
+    """Yield what differs: length and shapes, then weights with their frames and shapes."""
+    if one.names != other.names:
+        yield from _names_apart("shapes", one.names, other.names)
+    if len(one.values) != len(other.values):
+        yield f"had {len(one.values)} frames, now {len(other.values)}"
+    if one.names != other.names or len(one.values) != len(other.values):
+        return
+    differs = _differs(one.values, other.values)
+    if differs.any():
+        apart = np.nan_to_num(np.abs(one.values - other.values))
+        frame, column = divmod(int(np.argmax(apart)), apart.shape[1])
+        most = f"by up to {apart[frame, column]:.3g} (frame {frame}, {one.names[column]})"
+        yield f"{_samples(differs, one.names)} of another weight, {most}"
+
+
+def weight_parts(weights: Weights) -> dict[str, tuple[tuple[str, tuple[str, ...]], ...]]:
+    """Return what the weights are made of: frames and shapes."""
+    return {"values": (("frame", ()), ("shape", weights.names))}
 
 
 def compare_tables(one: Table, other: Table) -> Iterator[str]:

@@ -11,7 +11,7 @@ from pandas import DataFrame
 
 from nodegraph.paper.values import told_apart
 from nodegraph.registry import default_registry
-from nodegraph_mocap import Mask, Origin, StoredFigure, Trajectories
+from nodegraph_mocap import Mask, Origin, StoredFigure, Trajectories, Weights
 
 MARKERS = ("brow", "nose", "chin")
 TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
@@ -93,3 +93,35 @@ def test_masks_and_drawings() -> None:
     assert told(one, replace(one, hidden=hidden)) == ("1 sample (frame 2; brow) in one mask only",)
     drawn = StoredFigure(b"<svg/>", b"")
     assert told(drawn, StoredFigure(b"<svg></svg>", b"")) == ("the drawing is another",)
+
+
+def test_weights_are_told_apart_by_frames_and_shapes() -> None:
+    values = np.zeros((20, 2))
+    weights = Weights(values=values, names=("jawOpen", "smile"), rate=60.0)
+    other = values.copy()
+    other[3:5, 1] = 0.25, 0.5
+    assert told(weights, replace(weights, values=other)) == (
+        "2 samples (frames 3 to 4; smile) of another weight, by up to 0.5 (frame 4, smile)",
+    )
+    assert told(weights, Weights(values=values[:5], names=("jawOpen", "frown"), rate=60.0)) == (
+        "shapes only before: smile",
+        "shapes only now: frown",
+        "had 20 frames, now 5",
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (TAKE, {"positions": (("frame", ()), ("marker", MARKERS))}),
+        (
+            Weights(values=np.zeros((4, 1)), names=("jawOpen",), rate=60.0),
+            {"values": (("frame", ()), ("shape", ("jawOpen",)))},
+        ),
+    ],
+)
+def test_values_are_made_of_frames_and_names(value: Any, expected: dict[str, Any]) -> None:
+    kinds = (one for one in default_registry().comparisons if isinstance(value, one.type))
+    parts = next(kinds).parts
+    assert parts is not None
+    assert parts(value) == expected

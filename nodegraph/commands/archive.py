@@ -1,0 +1,51 @@
+"""``nodegraph archive``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+from nodegraph.commands.chosen import say
+from nodegraph.display import size_text
+from nodegraph.errors import NodegraphError
+
+
+def archive(arguments: Namespace) -> int:
+    """Put a finished run into one file, with what it takes to run it again elsewhere."""
+    from nodegraph.paper.archived.contents import contents_of
+    from nodegraph.paper.archived.crate import crate_metadata
+    from nodegraph.paper.archived.file import packed
+    from nodegraph.registry import Registry
+
+    folder = arguments.run.resolve()
+    path = arguments.out or arguments.run.parent / f"{folder.name}.zip"
+    _refuse_others(path, folder)
+    contents = contents_of(
+        arguments.run, Registry.installed([]), lock=arguments.lock, with_inputs=arguments.inputs
+    )
+    content = packed(contents.files, crate_metadata(contents))
+    _write(path, content)
+    print(f"{path} ({len(contents.files) + 1} files, {size_text(len(content))})")
+    for line in contents.lacking:
+        say(f"not in it: {line}")
+    failed = contents.record["counts"].get("failed", 0)
+    if failed:
+        say(f"{failed} steps of this run failed: the archive says so")
+    return 0
+
+
+def _refuse_others(path: Path, run: Path) -> None:
+    from nodegraph.paper.archived.file import is_archive
+
+    if path.resolve().is_relative_to(run):
+        raise NodegraphError(f"{path} lies in the run itself; name another place with --out")
+    if path.is_dir() or (path.exists() and not is_archive(path)):
+        raise NodegraphError(f"{path} is there and is no archive; name another file with --out")
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all."""
+    unfinished = path.with_name(f"{path.name}.part")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished.write_bytes(content)
+    unfinished.replace(path)

@@ -1,0 +1,230 @@
+"""What goes into the archive of a run: graph, inputs, results, sources; it runs again elsewhere."""
+
+from __future__ import annotations
+
+import posixpath
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import NodegraphError
+from nodegraph.finished import FinishedRun
+from nodegraph.folder import GRAPH
+from nodegraph.paper.archived.file import METADATA
+from nodegraph.paper.archived.inputs import ReadFile, files_read
+from nodegraph.paper.archived.readme import readme
+from nodegraph.paper.archived.texts import (
+    Elsewhere,
+    command_elsewhere,
+    folders_here,
+    graph_elsewhere,
+    options_of,
+)
+from nodegraph.paper.citing import cited
+from nodegraph.registry import Registry
+from nodegraph.report.saved import read_study
+from nodegraph.report.study import Study
+
+README = "README.md"
+MOST_BYTES = 100_000_000
+"""Inputs up to this size go into an archive."""
+
+_RUN, _CITATION, _PLUGINS, _GRAPHS = "run", "citation", "plugins", "graphs"
+
+
+@dataclass
+class Contents:
+    """What goes into an archive.
+
+    Attributes
+    ----------
+    graph : str
+        The name of the graph.
+    study : Study
+    record : mapping
+        What ``run.json`` holds, as the run wrote it.
+    files : dict of name to bytes
+    inputs : tuple of ReadFile
+    command : str
+        Runs the graph again, where the archive is unpacked.
+    lacking : list of str
+        What could not be put in, and why.
+    elsewhere : Elsewhere
+        Takes what is of this machine out of a text.
+    """
+
+    graph: str
+    study: Study
+    record: Mapping[str, Any]
+    command: str = ""
+    files: dict[str, bytes] = field(default_factory=dict)
+    inputs: tuple[ReadFile, ...] = ()
+    lacking: list[str] = field(default_factory=list)
+    elsewhere: Elsewhere = field(default_factory=lambda: Elsewhere({}, ()))
+
+    @property
+    def results(self) -> list[str]:
+        """The names of what the run has made."""
+        return sorted(name for name in self.files if name.startswith(f"{_RUN}/"))
+
+
+def contents_of(
+    folder: Path, registry: Registry, *, lock: Path | None = None, with_inputs: bool = True
+) -> Contents:
+    """Return what goes into the archive of a run.
+
+    Parameters
+    ----------
+    folder
+        Of the run.
+    registry
+        Says what plugins ship.
+    lock
+        Goes in beside the graph; by default the one that lies beside the graph, if there is one.
+    with_inputs
+        Whether files that the run read go in, and not only what they are.
+
+    Raises
+    ------
+    NodegraphError
+        If there is no finished run, or the lock is not there.
+    """
+    record, study = FinishedRun(folder).record, read_study(folder)
+    return _Packing(folder, record, study, registry, with_inputs=with_inputs).contents(lock)
+
+
+class _Packing:
+    """Puts the contents of an archive together."""
+
+    def __init__(
+        self,
+        folder: Path,
+        record: Mapping[str, Any],
+        study: Study,
+        registry: Registry,
+        *,
+        with_inputs: bool,
+    ) -> None:
+        self._folder = folder
+        self._record = record
+        self._study = study
+        self._graph = Path(shlex.split(record["command"])[2])
+        self._with_inputs = with_inputs
+        self._home = self._graph.absolute().parent
+        included = record.get("included", {})
+        self._graphs = {name: _inside(name) for name in included}
+        taken = {_RUN, _CITATION, _PLUGINS, _GRAPHS, README, METADATA, self._graph.name}
+        folders = [self._home, *(self._home / Path(name).parent for name in included), Path.cwd()]
+        self._inputs = files_read(record, folders, taken, lambda one: bool(registry.place(one)))
+        self._made = Contents(self._graph.name, study, record, inputs=self._inputs)
+
+    def contents(self, lock: Path | None) -> Contents:
+        made = self._made
+        plugins = dict(self._plugins())
+        said = {one.written: one.name for one in self._inputs}
+        said |= {written: name for written, (name, _) in plugins.items()}
+        made.command = command_elsewhere(self._record["command"], self._graph.name, said)
+        elsewhere = Elsewhere(
+            self._moved(made.command), folders_here(self._record, self._texts(), self._places())
+        )
+        made.elsewhere = elsewhere
+        self._add_graphs(elsewhere)
+        made.files |= dict(plugins.values())
+        self._add_inputs()
+        self._add_lock(lock)
+        for path in sorted(self._folder.rglob("*")):
+            name = path.relative_to(self._folder).as_posix()
+            if path.is_file() and name not in (GRAPH, *self._graphs):
+                made.files[f"{_RUN}/{name}"] = self._checked(elsewhere, name, path.read_bytes())
+        for name, text in cited(self._study).items():
+            made.files[f"{_CITATION}/{name}"] = elsewhere.text(text).encode(
+                errors="backslashreplace"
+            )
+        made.files[README] = elsewhere.text(readme(made)).encode(errors="backslashreplace")
+        return made
+
+    def _moved(self, command: str) -> dict[str, str]:
+        absolute = {
+            one.written: one.name for one in self._inputs if Path(one.written).is_absolute()
+        }
+        found = {str(one.path.absolute()): one.name for one in self._inputs if one.path}
+        return {self._record["command"]: command, **found, **absolute}
+
+    def _texts(self) -> tuple[str, ...]:
+        return (self._study.graph_text, *self._record["included"].values())
+
+    def _places(self) -> Iterator[Path]:
+        yield from (self._home, self._folder, self._folder.parent)
+        for option, value in options_of(self._record["command"]):
+            if option == "--store":
+                yield Path(value)
+
+    def _add_graphs(self, elsewhere: Elsewhere) -> None:
+        moved = {
+            str(Path(self._home / one.written)): one.name
+            for one in self._inputs
+            if not one.is_shipped
+        }
+        moved |= {str(one.path): one.name for one in self._inputs if one.path}
+        moved |= {str(self._home / name): there for name, there in self._graphs.items()}
+        moved = {posixpath.normpath(path): name for path, name in moved.items()}
+        texts = {"": (self._study.graph_text, self._graph.name)} | {
+            name: (text, self._graphs[name]) for name, text in self._record["included"].items()
+        }
+        for was, (text, name) in texts.items():
+            home = self._home / Path(was).parent
+            there = graph_elsewhere(text, home, name, moved)
+            self._made.files[name] = elsewhere.text(there).encode()
+
+    def _plugins(self) -> Iterator[tuple[str, tuple[str, bytes]]]:
+        """Yield each plugin file that the command named, with its name and content here."""
+        for option, value in options_of(self._record["command"]):
+            if option == "--plugin":
+                try:
+                    content = Path(value).read_bytes()
+                except OSError as error:
+                    self._made.lacking.append(f"plugin {Path(value).name}: {error.strerror}")
+                else:
+                    yield value, (f"{_PLUGINS}/{Path(value).name}", content)
+
+    def _add_inputs(self) -> None:
+        for one in self._inputs:
+            why = self._why_not(one)
+            if why:
+                self._made.lacking.append(f"input {one.name}: {why}")
+            elif not one.is_shipped:
+                self._made.files |= {name: path.read_bytes() for name, path in one.contents()}
+        if not self._record["code"]:
+            self._made.lacking.append(
+                "inputs: the run stored nothing, and so has not noted which files it read"
+            )
+
+    def _why_not(self, one: ReadFile) -> str:
+        if one.is_shipped:
+            return ""
+        if one.path is None:
+            return "is not where it was, or its content is another"
+        if not self._with_inputs:
+            return "left out, as was asked for"
+        return f"larger than {MOST_BYTES // 10**6} MB" if one.size > MOST_BYTES else ""
+
+    def _add_lock(self, lock: Path | None) -> None:
+        path = lock or self._home / f"{self._graph.stem}.lock"
+        if lock is not None and not path.is_file():
+            raise NodegraphError(f"{lock}: no such lock; `nodegraph lock GRAPH` writes it")
+        if path.is_file():
+            self._made.files[f"{self._graph.stem}.lock"] = path.read_bytes()
+
+    def _checked(self, elsewhere: Elsewhere, name: str, content: bytes) -> bytes:
+        made = elsewhere.content(name, content)
+        if made is content and elsewhere.still_in(content):
+            self._made.lacking.append(f"run/{name}: has a path of this machine in it, still")
+        return made
+
+
+def _inside(name: str) -> str:
+    """Return where a graph that the graph uses lies in the archive."""
+    path = posixpath.normpath(name)
+    return f"{_GRAPHS}/{posixpath.basename(path)}" if path.startswith(("..", "/")) else path

@@ -1,0 +1,1 @@
+"""Whether nodes give one answer, whatever the circumstances."""

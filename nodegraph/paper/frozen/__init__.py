@@ -1,0 +1,1 @@
+"""Studies that are frozen in a text file, and verified later."""

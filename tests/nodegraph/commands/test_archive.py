@@ -1,0 +1,298 @@
+"""``archive`` writes one file that runs again elsewhere, and holds no path of this machine."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import sys
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import pytest
+
+Command = Callable[..., tuple[int, str, str]]
+READER = """
+
+from nodegraph import InputFile
+
+@node("toy.read")
+def read(*, path: InputFile) -> float:
+    '''Read a number.'''
+    return float(path.read_text())
+
+@node("toy.breaks")
+def breaks(x: float, *, path: InputFile) -> float:
+    raise ValueError(f"{path.absolute()}: no good")
+"""
+GRAPH = """\
+nodegraph: 1
+title: "Numbers <in> files"
+inputs: {start: numbers/one.txt, factor: 2}
+axes: {length: [1, 5]}
+nodes:
+  a: {use: toy.read, with: {path: $start}}
+  b: {use: toy.read, with: {path: ABSOLUTE}}
+  gaps: {use: toy.cut, in: a, with: {length: $length}}
+  fill: {in: gaps, alternatives: fill.*}
+  total: {use: toy.sum, in: fill}
+  scaled: {use: toy.number, with: {start: $factor}}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _study(tmp_path: Path) -> None:
+    """A graph that reads a file beside it, and one that lies elsewhere."""
+    Path("toys.py").write_text(Path("toys.py").read_text() + READER)
+    (tmp_path / "far away").mkdir()
+    (tmp_path / "far away" / "two.txt").write_text("2.5")
+    Path("study/numbers").mkdir(parents=True)
+    Path("study/numbers/one.txt").write_text("17.5")
+    text = GRAPH.replace("ABSOLUTE", json.dumps(str(tmp_path / "far away" / "two.txt")))
+    Path("study/toy.yaml").write_text(text)
+
+
+def ran(command: Command, *words: str) -> int:
+    return command("run", "study/toy.yaml", "--store", "kept", "--out", "ran", *words)[0]
+
+
+def archived(command: Command, *words: str) -> tuple[dict[str, bytes], str]:
+    status, _, err = command("archive", "ran", *words, nodes=False)
+    assert status == 0, err
+    with zipfile.ZipFile("ran.zip") as file:
+        assert file.testzip() is None
+        return {name: file.read(name) for name in file.namelist()}, err
+
+
+def metadata(files: dict[str, bytes]) -> dict[str, dict[str, Any]]:
+    described = json.loads(files["ro-crate-metadata.json"])
+    assert described["@context"][0] == "https://w3id.org/ro/crate/1.1/context"
+    entities = {one["@id"]: one for one in described["@graph"]}
+    assert len(entities) == len(described["@graph"])
+    return entities
+
+
+def references(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        if set(value) == {"@id"}:
+            yield value["@id"]
+        for one in value.values():
+            yield from references(one)
+    elif isinstance(value, list):
+        for one in value:
+            yield from references(one)
+
+
+def test_every_file_is_described_as_it_is(command: Command) -> None:
+    assert ran(command) == 0
+    files, err = archived(command)
+    assert err == ""
+    entities = metadata(files)
+    described = {unquote(at): one for at, one in entities.items() if "File" in str(one["@type"])}
+    assert described.keys() == files.keys() - {"ro-crate-metadata.json"}
+    for name, one in described.items():
+        assert one["sha256"] == hashlib.sha256(files[name]).hexdigest()
+        assert int(one["contentSize"]) == len(files[name])
+    parts = {unquote(one["@id"]) for one in entities["./"]["hasPart"]}
+    assert parts == described.keys()
+    for one in entities.values():
+        for at in references({name: part for name, part in one.items() if name != "@id"}):
+            assert at in entities or at.startswith("https://w3id.org/ro/crate/"), at
+
+
+def test_the_description_is_that_of_a_workflow_run(command: Command) -> None:
+    assert ran(command) == 0
+    files, _ = archived(command)
+    entities = metadata(files)
+    root = entities["./"]
+    profiles = {one["@id"] for one in root["conformsTo"]}
+    assert "https://w3id.org/ro/wfrun/workflow/0.5" in profiles
+    main = entities[root["mainEntity"]["@id"]]
+    assert main["@type"] == ["File", "SoftwareSourceCode", "ComputationalWorkflow"]
+    assert main["@id"] == "toy.yaml"
+    action = entities[root["mentions"]["@id"]]
+    assert action["@type"] == "CreateAction"
+    assert action["instrument"] == {"@id": "toy.yaml"}
+    assert action["actionStatus"] == "http://schema.org/CompletedActionStatus"
+    assert action["startTime"] <= action["endTime"]
+    read = {one["@id"] for one in action["object"]}
+    given = {"#value-factor", "#labels-length", "#labels-fill"}
+    assert read == {"numbers/one.txt", "inputs/two.txt", *given}
+    made = {one["@id"] for one in action["result"]}
+    assert made == {one for one in files if one.startswith("run/")}
+    assert {"run/report.html", "run/run.json", "run/events.jsonl"} <= made
+    assert entities["numbers/one.txt"]["exampleOfWork"] == {"@id": "#input-start"}
+    assert entities["#input-start"]["additionalType"] == "File"
+    assert entities["#value-factor"]["value"] == 2
+    parameters = {one["@id"] for one in main["input"]}
+    assert parameters == {"#input-start", "#input-factor", "#axis-length", "#axis-fill"}
+
+
+def test_the_same_run_gives_the_same_bytes(command: Command) -> None:
+    assert ran(command) == 0
+    archived(command)
+    first = Path("ran.zip").read_bytes()
+    archived(command)
+    assert Path("ran.zip").read_bytes() == first
+
+
+def test_no_path_of_this_machine_is_in_it(command: Command, tmp_path: Path) -> None:
+    text = Path("study/toy.yaml").read_text()
+    # failures say where something lies, and so may an input that is not used
+    text = text.replace("factor: 2", "factor: 2, unread: /somebody/elses/disk/take.txt")
+    text += "  bad: {use: toy.breaks, in: b, with: {path: $start}}\n"
+    text += "  odd: {use: text.of, with: {text: $unread}}\n"
+    Path("study/toy.yaml").write_text(text)
+    nodes = Path("toys.py").read_text()
+    Path("toys.py").write_text(
+        nodes + '\n@node("text.of")\ndef of(*, text: str) -> str:\n    return text\n'
+    )
+    words = (
+        "--plugin",
+        str(tmp_path / "toys.py"),
+        "--set",
+        f"start={tmp_path}/study/numbers/one.txt",
+    )
+    status = command(
+        "run", str(tmp_path / "study/toy.yaml"), *words, "--store", str(tmp_path / "kept"),
+        "--out", "ran", nodes=False,
+    )[0]  # fmt: skip
+    assert status == 1
+    record = Path("ran/run.json").read_text()
+    assert record.count(str(tmp_path)) > 4
+
+    files, err = archived(command)
+    assert "1 steps of this run failed" in err
+    for name, content in files.items():
+        plain = gzip.decompress(content) if name.endswith(".gz") else content
+        for path in (str(tmp_path), str(Path.home()), sys.prefix, "/somebody/elses"):
+            assert path.encode() not in plain, name
+    made = json.loads(files["run/run.json"])
+    assert made["command"] == (
+        "nodegraph run toy.yaml --set start=inputs/one.txt --plugin plugins/toys.py"
+    )
+    [reason] = [one["reason"] for one in made["steps"] if one["state"] == "failed"]
+    assert reason == "inputs/one.txt: no good"
+    entities = metadata(files)
+    assert entities["#run"]["actionStatus"] == "http://schema.org/FailedActionStatus"
+    assert "1 steps failed" in entities["#run"]["error"]
+
+
+def test_it_runs_again_where_it_is_unpacked(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert ran(command, "--set", "start=far away/two.txt", "--axis", "length=2,3") == 0
+    files, _ = archived(command)
+    readme = files["README.md"].decode()
+    [line] = [one.strip() for one in readme.splitlines() if one.startswith("    nodegraph run")]
+    assert line == (
+        "nodegraph run toy.yaml --set start=inputs/two.txt --axis length=2,3 "
+        "--plugin plugins/toys.py"
+    )
+    for module in [name for name, one in sys.modules.items() if name == "toys"]:
+        del sys.modules[module]
+    there = tmp_path / "unpacked"
+    with zipfile.ZipFile("ran.zip") as file:
+        file.extractall(there)
+    Path("far away/two.txt").unlink()
+    monkeypatch.chdir(there)
+    words = [*line.split()[1:], "--store", "kept", "--out", "again"]
+    assert command(*words, nodes=False)[0] == 0
+    was, now = (
+        {(one["node"], str(one["labels"])): one["digests"] for one in json.loads(text)["steps"]}
+        for text in (Path("run/run.json").read_text(), Path("again/run.json").read_text())
+    )
+    assert was == now
+
+
+def test_inputs_are_left_out_on_demand_or_when_they_changed(command: Command) -> None:
+    assert ran(command) == 0
+    files, err = archived(command, "--no-inputs")
+    assert "inputs/two.txt" not in files
+    assert "not in it: input numbers/one.txt: left out" in err
+    digest = hashlib.sha256(b"17.5").hexdigest()
+    assert f"`numbers/one.txt`: {digest}.txt" in files["README.md"].decode()
+    assert metadata(files)["#file-numbers/one.txt"]["sha256"] == digest
+    assert "inputs/two.txt" in files["toy.yaml"].decode()
+
+    Path("study/numbers/one.txt").write_text("18")
+    files, err = archived(command)
+    assert "numbers/one.txt" not in files
+    assert files["inputs/two.txt"] == b"2.5"
+    assert "input numbers/one.txt: is not where it was, or its content is another" in err
+
+
+def test_a_lock_goes_in_beside_the_graph(command: Command) -> None:
+    assert ran(command) == 0
+    assert "toy.lock" not in archived(command)[0]
+    Path("study/toy.lock").write_text("locked")
+    files, _ = archived(command)
+    assert files["toy.lock"] == b"locked"
+    assert "`nodegraph verify toy.lock`" in files["README.md"].decode()
+    Path("other").write_text("another")
+    assert archived(command, "--lock", "other")[0]["toy.lock"] == b"another"
+    status, _, err = command("archive", "ran", "--lock", "nothing", nodes=False)
+    assert status == 2
+    assert "nothing: no such lock" in err
+
+
+def test_a_graph_that_uses_others(command: Command) -> None:
+    Path("shared").mkdir()
+    Path("shared/part.yaml").write_text(
+        "nodegraph: 1\n"
+        "outputs: {x: read}\n"
+        "nodes:\n  read: {use: toy.read, with: {path: ../far away/two.txt}}\n"
+    )
+    text = Path("study/toy.yaml").read_text()
+    Path("study/toy.yaml").write_text(f"{text}  part: {{use: ../shared/part.yaml}}\n")
+    assert ran(command) == 0
+    files, err = archived(command)
+    assert err == ""
+    assert "part: {use: graphs/part.yaml}" in files["toy.yaml"].decode()
+    assert "path: ../inputs/two.txt" in files["graphs/part.yaml"].decode()
+
+
+def test_a_run_that_stored_nothing_does_not_know_what_it_read(command: Command) -> None:
+    assert ran(command, "--no-cache") == 0
+    _, err = archived(command)
+    assert "has not noted which files it read" in err
+
+
+def test_what_is_no_run_is_refused(command: Command) -> None:
+    Path("empty").mkdir()
+    status, _, err = command("archive", "empty", nodes=False)
+    assert status == 2
+    assert "there is no finished run" in err
+    Path("empty/events.jsonl").write_text("{}\n")  # a run that was interrupted
+    assert command("archive", "empty", nodes=False)[0] == 2
+    assert command("archive", "missing", nodes=False)[0] == 2
+    assert not list(Path().glob("*.zip"))
+
+
+def test_what_is_no_archive_is_never_replaced(command: Command) -> None:
+    assert ran(command) == 0
+    Path("ran.zip").write_text("mine")
+    status, _, err = command("archive", "ran", nodes=False)
+    assert status == 2
+    assert "ran.zip is there and is no archive" in err
+    assert Path("ran.zip").read_text() == "mine"
+    with zipfile.ZipFile("other.zip", "w") as file:
+        file.writestr("a", "b")
+    assert command("archive", "ran", "--out", "other.zip", nodes=False)[0] == 2
+    assert command("archive", "ran", "--out", "study", nodes=False)[0] == 2
+    assert command("archive", "ran", "--out", "ran/in.zip", nodes=False)[0] == 2
+
+
+def test_without_the_package_it_says_what_to_install(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert ran(command) == 0
+    for name in ("rocrate", "rocrate.rocrate"):
+        monkeypatch.setitem(sys.modules, name, None)
+    status, _, err = command("archive", "ran", nodes=False)
+    assert status == 2
+    assert "pip install 'nodegraph[archive]'" in err
+    assert not Path("ran.zip").exists()

@@ -1,0 +1,102 @@
+"""``audit`` prints a line per method, and its status says whether all have one answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+Command = Callable[..., tuple[int, str, str]]
+ODD = """
+
+@node("odd.process")
+def process(x: float) -> float:
+    import os
+    return float(os.getpid())
+
+@node("odd.dies")
+def dies(x: float) -> float:
+    import os
+    os._exit(7)
+"""
+_STORE = ("--store", "kept")
+
+
+def add(nodes: str) -> None:
+    path = Path("toys.py")
+    path.write_text(path.read_text() + ODD)
+    graph = Path("toy.yaml")
+    graph.write_text(graph.read_text() + nodes)
+
+
+def rows(out: str) -> list[list[str]]:
+    table = out.split("\n\n")[0].splitlines()
+    return [line.split() for line in table[1:]]
+
+
+def test_a_line_per_node_and_method(command: Command) -> None:
+    status, out, err = command("audit", "toy.yaml", *_STORE)
+    assert status == 0, out + err
+    assert rows(out) == [
+        ["a", "toy.number", "identical", "1"],
+        ["gaps", "toy.cut", "identical", "1"],
+        ["fill", "fill.hold", "identical", "1"],
+        ["fill", "fill.strict", "identical", "1"],
+        ["total", "toy.sum", "identical", "1"],
+        ["one", "fill.hold", "identical", "1"],
+    ]
+    assert "repeating 6 of 8 steps" in err
+
+
+def test_all_combinations_on_demand(command: Command) -> None:
+    words = ("--set", "start=-5", "--all", *_STORE)
+    status, out, _ = command("audit", "toy.yaml", *words)
+    assert status == 0, out
+    strict = next(row for row in rows(out) if row[1] == "fill.strict")
+    assert strict[2:] == ["refused", "1", "of", "2", "too", "small"]
+
+
+def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
+    command: Command,
+) -> None:
+    add("  odd: {use: odd.process, in: a}\n")
+    status, out, _ = command("audit", "toy.yaml", *_STORE)
+    assert status == 1
+    assert rows(out)[-1][:3] == ["odd", "odd.process", "differs"]
+    assert "odd.process: results are not stored any more" in out
+
+    status, out, _ = command("run", "toy.yaml", *_STORE, "--out", "ran")
+    assert status == 0
+    told = "odd.process: an audit found that it gives another answer in another process"
+    assert f"1 results are not stored: {told}" in out
+    assert "this result is one of several, and is not stored" in Path("ran/run.json").read_text()
+    # the same again, with the same code: an audit does not take it back
+    assert told in command("audit", "toy.yaml", "--only", "fill=hold", *_STORE)[1]
+
+    assert command("cache", "clear", *_STORE, nodes=False)[0] == 0
+    assert "an audit found" not in command("run", "toy.yaml", *_STORE, "--out", "ran")[1]
+
+
+def test_an_edit_ends_the_doubt(command: Command) -> None:
+    add("  odd: {use: odd.process, in: a}\n")
+    assert command("audit", "toy.yaml", *_STORE)[0] == 1
+    path = Path("toys.py")
+    path.write_text(path.read_text().replace("float(os.getpid())", "x"))
+    status, out, _ = command("audit", "toy.yaml", *_STORE)
+    assert status == 0, out
+    assert "an audit found" not in out
+
+
+def test_a_node_that_dies_ends_nothing_else(command: Command) -> None:
+    add("  odd: {use: odd.dies, in: a}\n")
+    status, out, _ = command("audit", "toy.yaml", *_STORE)
+    assert status == 1
+    assert rows(out)[-1][:3] == ["odd", "odd.dies", "failed"]
+    assert "ended with exit status 7" in out
+    assert rows(out)[0][2] == "identical"
+
+
+def test_a_wrong_graph_is_told_before_anything_runs(command: Command) -> None:
+    Path("toy.yaml").write_text("nodegraph: 1\nnodes: {a: {use: toy.nothing}}\n")
+    status, _, err = command("audit", "toy.yaml", *_STORE)
+    assert status == 2
+    assert "toy.yaml:2:" in err

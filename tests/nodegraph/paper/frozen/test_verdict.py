@@ -1,0 +1,33 @@
+"""The verdict follows from what moved, why, and what is concluded."""
+
+from __future__ import annotations
+
+import pytest
+
+from nodegraph.paper.frozen.compared import Compared, Grade, Moved
+from nodegraph.paper.frozen.explained import Change
+from nodegraph.paper.frozen.results import Cell
+from nodegraph.paper.frozen.verdict import verdict
+
+CELL = Cell("fill=hold", "only", "fill", {"fill": "hold"}, 0)
+EDITED = Moved(CELL, Grade("moved", 0.1), Change(own=("code: a was edited",)))
+DRIFTED = Moved(CELL, Grade("moved", 1e-6), Change(around=("numpy was 1, now 2",)))
+
+
+@pytest.mark.parametrize(
+    ("found", "conclusions", "changed", "expected"),
+    [
+        (Compared(identical=3), True, [], "identical"),
+        (Compared(identical=3, near=1), True, [], "within tolerance"),
+        (Compared(identical=3, near=1), True, ["a tie"], "within tolerance"),
+        (Compared([DRIFTED], identical=3), True, [], "same conclusions"),
+        (Compared([DRIFTED], identical=3), True, ["b < a"], "diverged"),
+        (Compared([DRIFTED], identical=3), False, [], "diverged"),
+        (Compared([EDITED], identical=3), True, [], "diverged"),
+        (Compared([DRIFTED, EDITED]), True, [], "diverged"),
+        (Compared(identical=3, only_now=["fill"]), True, [], "diverged"),
+        (Compared(identical=3, only_locked=["fill"]), True, [], "diverged"),
+    ],
+)
+def test_a_verdict(found: Compared, conclusions: bool, changed: list[str], expected: str) -> None:
+    assert verdict(found, conclusions, changed) == expected
