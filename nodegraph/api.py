@@ -45,7 +45,10 @@ def load(
         With every mistake at its place; nothing has run.
     """
     registry = _registry(plugins) or default_registry()
-    return build(read_graph_file(Path(graph)), registry, _choices(set, axis, only))
+    built = build(read_graph_file(Path(graph)), registry, _choices(set, axis, only))
+    for one in built.notices:
+        warnings.warn(str(one), stacklevel=2)
+    return built
 
 
 def run(

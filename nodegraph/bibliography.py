@@ -33,6 +33,11 @@ def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
     return missing | dict(zip(found, texts, strict=True))
 
 
+def entry_keys(bibtex: Iterable[str]) -> tuple[str, ...]:
+    """Return the keys of all entries; BibTeX that cannot be read is left out with a warning."""
+    return tuple(_entries(bibtex))
+
+
 def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
     """Return the BibTeX of the entries wanted, sorted by key; one that nobody ships is left out.
 

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from nodegraph.node import Node
+from nodegraph.signature import Setting
 
 _PARAMETERS = re.compile(r"^Parameters\n-+\n.*?(?=^\w[\w ]*\n-+$|\Z)", re.MULTILINE | re.DOTALL)
 
@@ -40,10 +41,16 @@ def describe_settings(node: Node) -> tuple[SettingText, ...]:
             setting_kind(node, one.name),
             one.unit,
             "required" if one.required else shown(one.default),
-            meanings.get(one.name, ""),
+            _with_instead(one, meanings.get(one.name, "")),
         )
         for one in node.settings.values()
     )
+
+
+def summary_of(node: Node) -> str:
+    """Return a node's first line, which begins with what replaces it, if something does."""
+    instead = f"(deprecated: {node.deprecated}) " if node.deprecated else ""
+    return f"{instead}{node.summary}"
 
 
 def port_meanings(node: Node) -> dict[str, str]:
@@ -73,6 +80,10 @@ def shown(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(shown, value))}]"
     return str(value)
+
+
+def _with_instead(setting: Setting, meaning: str) -> str:
+    return f"(deprecated: {setting.deprecated}) {meaning}" if setting.deprecated else meaning
 
 
 @lru_cache(maxsize=512)

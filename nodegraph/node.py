@@ -6,7 +6,7 @@ import inspect
 import re
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import (
     TYPE_CHECKING,
@@ -49,11 +49,14 @@ class Node:
         The function itself, unchanged.
     cite : tuple of str
         Keys of BibTeX entries that its plugin ships.
+    deprecated : str
+        What to use instead; empty unless something replaces it.
     """
 
     name: str
     function: Callable[..., Any]
     cite: tuple[str, ...]
+    deprecated: str = field(default="", kw_only=True)
 
     @property
     def family(self) -> str:
@@ -158,7 +161,9 @@ class Node:
         return hints
 
 
-def node(name: str, *, cite: str | tuple[str, ...] = "none") -> Callable[[F], F]:
+def node(
+    name: str, *, cite: str | tuple[str, ...] = "none", deprecated: str = ""
+) -> Callable[[F], F]:
     """Make a function a node; it stays callable as it is.
 
     Positional arguments are input ports, keyword-only arguments are settings, the return
@@ -170,6 +175,9 @@ def node(name: str, *, cite: str | tuple[str, ...] = "none") -> Callable[[F], F]
         ``family.method``, in lower case.
     cite
         Keys of BibTeX entries that the plugin ships, or ``"none"``.
+    deprecated
+        For a node that something replaces, what to use instead: ``"use fill.new"``. It works as
+        before, whoever uses it is told, and ``family.*`` leaves it out.
 
     Raises
     ------
@@ -189,7 +197,8 @@ def node(name: str, *, cite: str | tuple[str, ...] = "none") -> Callable[[F], F]
     keys = (cite,) if isinstance(cite, str) else tuple(cite)
 
     def mark(function: F) -> F:
-        described = Node(name, function, tuple(key for key in keys if key != "none"))
+        cited = tuple(key for key in keys if key != "none")
+        described = Node(name, function, cited, deprecated=deprecated)
         setattr(function, _ATTRIBUTE, described)
         return function
 

@@ -5,17 +5,23 @@ from __future__ import annotations
 import importlib.util
 import sys
 import time
+import warnings
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin, get_type_hints
 
 import pluggy
 
 from nodegraph import hooks
-from nodegraph.errors import NodegraphError
-from nodegraph.node import node_of
+from nodegraph.errors import NodegraphError, nearest
+from nodegraph.node import Node, node_of
 from nodegraph.started import LOADED
+
+_WORDS: Mapping[Any, str] = {str: "text", Iterable: "a list", Mapping: "a mapping"}
+"""What the types that hooks return are called."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +63,14 @@ def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
     return good, broken
 
 
-def from_file(path: Path) -> Plugin:
+def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
     """Import one Python file as a plugin.
+
+    Parameters
+    ----------
+    path
+    but
+        Nodes of other plugins, which the file may import to call them: they are not its own.
 
     Raises
     ------
@@ -82,7 +94,7 @@ def from_file(path: Path) -> Plugin:
             del sys.modules[path.stem]
             sys.modules.update({path.stem: before} if before else {})
         raise NodegraphError(f"{path}: the plugin does not import: {_reason(error)}") from error
-    return Plugin(path.stem, _with_nodes(module))
+    return Plugin(path.stem, _with_nodes(module, but))
 
 
 def manager(plugins: list[Plugin]) -> pluggy.PluginManager:
@@ -90,15 +102,78 @@ def manager(plugins: list[Plugin]) -> pluggy.PluginManager:
     made = pluggy.PluginManager(hooks.GROUP)
     made.add_hookspecs(hooks)
     for plugin in plugins:
-        made.register(plugin.module, plugin.name)
+        try:
+            made.register(plugin.module, plugin.name)
+        except pluggy.PluginValidationError as error:
+            made.unregister(name=plugin.name)
+            _tell(plugin.name, "its hooks are", " ".join(str(error).split()))
+        else:
+            _tell_unknown(made, plugin)
     return made
 
 
-def _with_nodes(module: Any) -> Any:
+def results(made: pluggy.PluginManager, hook: str) -> Iterator[tuple[str, Any]]:
+    """Yield each plugin's name and what its hook returns, the last plugin first.
+
+    A hook that raises, or returns something of another kind than its specification says, is told
+    and left out; those of the other plugins go on.
+    """
+    kind = _kinds()[hook]
+    for one in reversed(getattr(made.hook, hook).get_hookimpls()):
+        try:
+            returned = one.function()
+            is_list = kind is Iterable and not isinstance(returned, str | Mapping)
+            found = tuple(returned) if is_list and isinstance(returned, Iterable) else returned
+        except (Exception, SystemExit) as error:
+            _tell(one.plugin_name, f"its hook {hook} is", _reason(error))
+            continue
+        if isinstance(found, tuple if kind is Iterable else kind):
+            yield one.plugin_name, found
+        else:
+            said = f"it returned {type(found).__name__} where {_WORDS[kind]} is due"
+            _tell(one.plugin_name, f"its hook {hook} is", said)
+
+
+def listed(made: pluggy.PluginManager, hook: str, kind: type) -> tuple[Any, ...]:
+    """Return what the plugins' hooks list, the last plugin first; what is of another type is told.
+
+    Parameters
+    ----------
+    made
+    hook
+    kind
+        What each must be.
+    """
+    found = []
+    for name, many in results(made, hook):
+        for one in many:
+            if isinstance(one, kind):
+                found.append(one)
+            else:
+                said = f"{one!r} is not a {kind.__name__}"
+                _tell(name, f"what {hook} lists is", said)
+    return tuple(found)
+
+
+def named(made: pluggy.PluginManager, hook: str) -> dict[str, Any]:
+    """Return what the plugins' hooks give by name; a name that is taken is told and left out."""
+    found: dict[str, Any] = {}
+    owner: dict[str, str] = {}
+    for name, many in reversed(list(results(made, hook))):
+        for key, one in many.items():
+            if key in owner:
+                _tell(name, f"{key!r} of {hook} is", f"plugin {owner[key]!r} has that name")
+            else:
+                found[key], owner[key] = one, name
+    return found
+
+
+def _with_nodes(module: Any, but: Container[Node]) -> Any:
     """Let a file that only decorates functions give them as its nodes."""
     if hasattr(module, "nodegraph_nodes"):
         return module
-    found = tuple(one for one in vars(module).values() if node_of(one) is not None)
+    nodes = ((one, node_of(one)) for one in vars(module).values())
+    found = tuple(one for one, node in nodes if node is not None and node not in but)
 
     @hooks.hookimpl
     def nodegraph_nodes() -> tuple[Any, ...]:
@@ -106,6 +181,30 @@ def _with_nodes(module: Any) -> Any:
 
     module.nodegraph_nodes = nodegraph_nodes
     return module
+
+
+@cache
+def _kinds() -> Mapping[str, Any]:
+    """Return the type that each hook returns, as its specification says."""
+    kinds = {}
+    for name, specification in vars(hooks).items():
+        if name.startswith(f"{hooks.GROUP}_"):
+            returned = get_type_hints(specification)["return"]
+            kinds[name] = get_origin(returned) or returned
+    return kinds
+
+
+def _tell_unknown(made: pluggy.PluginManager, plugin: Plugin) -> None:
+    """Tell of what is marked as a hook, and is none: a name that is written wrongly."""
+    known = _kinds()
+    for name in dir(plugin.module):
+        marked = made.parse_hookimpl_opts(plugin.module, name)
+        if marked is not None and (marked.get("specname") or name) not in known:
+            _tell(plugin.name, f"{name} is", f"there is no such hook; {nearest(name, known)}")
+
+
+def _tell(plugin: str, what: str, why: str) -> None:
+    warnings.warn(f"plugin {plugin!r}: {what} left out: {why}", stacklevel=2)
 
 
 def _distribution(entry: EntryPoint) -> str:

@@ -22,6 +22,17 @@ class Unit:
 
 
 @dataclass(frozen=True, slots=True)
+class Deprecated:
+    """Marks a setting that something else replaces, and says what to use instead.
+
+    ``Annotated[int | None, Deprecated("use max_gap")] = None``. It works as before; whoever gives
+    it is told.
+    """
+
+    instead: str
+
+
+@dataclass(frozen=True, slots=True)
 class TruthMark:
     """Marks a port that takes or gives the answer."""
 

@@ -8,7 +8,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from nodegraph.errors import NodeError
-from nodegraph.ports import Across, FileMark, Port, TruthMark, Unit
+from nodegraph.ports import Across, Deprecated, FileMark, Port, TruthMark, Unit
 from nodegraph.values import Value
 
 _REQUIRED = inspect.Parameter.empty
@@ -28,6 +28,8 @@ class Setting:
     unit : str
     is_file : bool
         Whether it names a file to read.
+    deprecated : str
+        What to use instead; empty unless something replaces it.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Setting:
     default: Any
     unit: str
     is_file: bool
+    deprecated: str = ""
 
     @property
     def required(self) -> bool:
@@ -91,7 +94,10 @@ def read_setting(argument: inspect.Parameter, hint: Any) -> Setting:
     units = [mark.name for mark in _marks(hint) if isinstance(mark, Unit)]
     inner, _ = _without_none(hint)
     is_file = _has_mark(hint, FileMark) or _has_mark(inner, FileMark)
-    return Setting(argument.name, hint, argument.default, units[0] if units else "", is_file)
+    marks = (*_marks(hint), *_marks(inner))
+    instead = next((one.instead for one in marks if isinstance(one, Deprecated)), "")
+    unit = units[0] if units else ""
+    return Setting(argument.name, hint, argument.default, unit, is_file, instead)
 
 
 def is_record(hint: Any) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
+from nodegraph.describe import summary_of
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.registry import Registry
 from nodegraph.terminal import columns
@@ -16,5 +17,5 @@ def nodes(arguments: Namespace) -> int:
     if family and not registry.family(family):
         raise NodegraphError(f"no family {family!r}; {nearest(family, registry.families)}")
     found = [one for one in registry if not family or one.node.family == family]
-    print(columns([(one.node.name, one.node.summary, one.plugin) for one in found]))
+    print(columns([(one.node.name, summary_of(one.node), one.plugin) for one in found]))
     return 0

@@ -24,6 +24,8 @@ def _shown(found: Registered, registry: Registry) -> str:
         ("out", str(port)) for port in node.outputs
     ]
     parts = [f"{node.name}    plugin {found.plugin} {found.distribution}".rstrip(), columns(ports)]
+    if node.deprecated:
+        parts.insert(1, f"deprecated: {node.deprecated}")
     settings = describe_settings(node)
     if settings:
         head = ("setting", "default", "unit", "is", "meaning")

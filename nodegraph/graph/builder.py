@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.axes import check_fixed, spread
 from nodegraph.graph.choices import Choices, Names
+from nodegraph.graph.deprecated import notices
 from nodegraph.graph.flat import Flat
 from nodegraph.graph.methods import Chosen, choose
 from nodegraph.graph.model import Gather, Graph, GraphNode, LeftOut, Method, sources_of
@@ -76,6 +77,12 @@ class Builder:
             self._names.inputs,
             self._choices,
             tuple(self._left_out),
+            notices(
+                self._spec.nodes.values(),
+                self._chosen,
+                {name: axis.labels for name, axis in self._names.axes.items()},
+                self._registry,
+            ),
         )
 
     def _node(self, spec: NodeSpec, chosen: list[Chosen]) -> GraphNode:

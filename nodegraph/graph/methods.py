@@ -60,15 +60,24 @@ def choose(
 
 def _unfolded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterator[MethodSpec]:
     for method in spec.methods:
-        if not method.use.endswith(".*"):
+        if not is_family(method.use):
             yield method
             continue
         family = registry.family(method.use[:-2])
+        kept = {label: one for label, one in family.items() if not one.node.deprecated}
         if not family:
             hint = nearest(method.use, [f"{name}.*" for name in registry.families])
             problems.add(method.place, f"no node of the family {method.use!r}", hint)
-        for label, one in family.items():
+        elif not kept:
+            hint = "; ".join(f"{one.node.name}: {one.node.deprecated}" for one in family.values())
+            problems.add(method.place, f"all nodes of {method.use!r} are deprecated", hint)
+        for label, one in kept.items():
             yield replace(method, label=label, use=one.full_name)
+
+
+def is_family(use: str) -> bool:
+    """Whether a ``use`` names all methods of a family."""
+    return use.endswith(".*")
 
 
 def _replaced(methods: list[MethodSpec], written: Sequence[MethodSpec]) -> dict[str, MethodSpec]:
@@ -144,7 +153,7 @@ def _by_port(wiring: Wiring, node: Node | None) -> Wiring:
 def _check_family(
     spec: NodeSpec, made: Mapping[str, Registered | None], problems: Problems
 ) -> None:
-    if not any(one.use.endswith(".*") for one in spec.methods):
+    if not any(is_family(one.use) for one in spec.methods):
         return
     nodes = [one.node for one in made.values() if one is not None]
     for node in nodes[1:]:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.display import in_notebook
-from nodegraph.errors import Place
+from nodegraph.errors import Place, Problem
 from nodegraph.node import Node
 from nodegraph.ports import Label
 from nodegraph.spec.parts import Reference
@@ -167,6 +167,8 @@ class Graph:
     choices : Choices
         What the command or the caller has chosen.
     left_out : tuple of LeftOut
+    notices : tuple of Problem
+        What it uses that is deprecated, and where.
     """
 
     spec: GraphSpec
@@ -176,6 +178,7 @@ class Graph:
     inputs: Mapping[str, Any]
     choices: Choices
     left_out: tuple[LeftOut, ...] = ()
+    notices: tuple[Problem, ...] = ()
 
     @property
     def title(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import PackageNotFoundError, version
+from operator import attrgetter
 
 from nodegraph.errors import Problems
 from nodegraph.spec.parts import GraphSpec
@@ -20,6 +21,9 @@ def check_requires(spec: GraphSpec, problems: Problems) -> None:
         except InvalidRequirement:
             hint = "write a package as pip takes it: my-plugin>=1.2"
             problems.add(place, f"requires: {text!r} is not a package", hint)
+            continue
+        here = attrgetter("marker")(wanted)  # what stands behind the semicolon
+        if here is not None and not here.evaluate():
             continue
         found = _version(wanted.name)
         if found is None or not wanted.specifier.contains(found, prereleases=True):

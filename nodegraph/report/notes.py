@@ -20,6 +20,7 @@ def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
             *_settled(run, command),
             *_left_out_by_plan(run),
             *_left_out_by_command(run),
+            *_deprecated(run),
             *_warned(run),
         )
     )
@@ -47,6 +48,13 @@ def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
 
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:
     return (StepNote(one.node, "", one.reason, "left out") for one in run.plan.graph.left_out)
+
+
+def _deprecated(run: Run) -> Iterable[StepNote]:
+    notices = run.plan.graph.notices
+    return (
+        StepNote(str(one.place), "", f"{one.message}: {one.instead}", "warning") for one in notices
+    )
 
 
 def _warned(run: Run) -> Iterator[StepNote]:

@@ -20,7 +20,7 @@ _NO_SETTING: Schema = {"properties": {"with": {"maxProperties": 0}}}
 
 def alternatives_schema(nodes: Iterable[Usable]) -> Schema:
     """Return the forms of ``alternatives``: a family, a list, or labels."""
-    families = sorted({one.family for one in nodes})
+    families = _families(nodes)
     family = {"type": "string", "enum": families}
     listed = {
         "type": "array",
@@ -45,7 +45,7 @@ def alternatives_schema(nodes: Iterable[Usable]) -> Schema:
 
 def alternatives_parts(nodes: list[Usable]) -> dict[str, Schema]:
     """Return the definitions that alternatives refer to."""
-    families = sorted({one.family for one in nodes})
+    families = _families(nodes)
     settings = sorted({name for one in nodes for name in one.settings})
     return {
         **_methods(nodes),
@@ -61,8 +61,14 @@ def shared_checks(nodes: Iterable[Usable]) -> Iterator[Schema]:
         values = [_shared_value(one, setting) for setting in one.settings]
         then: Schema = {"properties": names, **({"allOf": values} if values else {})}
         yield _when(_some_use(one), then)
+        if one.node.deprecated:
+            continue  # a family leaves it out
         beside = {"properties": {"alternatives": {"properties": {one.family: ref(one.key)}}}}
         yield _when({"type": "object", **_in_family(one)}, beside)
+
+
+def _families(nodes: Iterable[Usable]) -> list[str]:
+    return sorted({one.family for one in nodes if not one.node.deprecated})
 
 
 def _methods(nodes: Iterable[Usable]) -> dict[str, Schema]:
@@ -126,13 +132,11 @@ def _some_use(one: Usable) -> Schema:
     """Hold for alternatives of which one uses this node."""
     parts = {"required": ["use"], "properties": {"use": one.named}}
     labelled = {**one.named, "type": ["string", "object"], **parts}
-    return {
-        "anyOf": [
-            {"type": "array", "contains": one.named},
-            {"type": "object", "not": {"additionalProperties": {"not": labelled}}},
-            _in_family(one),
-        ]
-    }
+    forms: list[Schema] = [
+        {"type": "array", "contains": one.named},
+        {"type": "object", "not": {"additionalProperties": {"not": labelled}}},
+    ]
+    return {"anyOf": forms if one.node.deprecated else [*forms, _in_family(one)]}
 
 
 def _in_family(one: Usable) -> Schema:

@@ -86,7 +86,8 @@ class Usable:
     def constant(self) -> Schema:
         """Return its name with what is said of it."""
         text = "\n\n".join(_lines(self.found))
-        return {"const": self.key, "title": self.key, "description": text}
+        found = {"const": self.key, "title": self.key, "description": text}
+        return {**found, "deprecated": True} if self.node.deprecated else found
 
     @cached_property
     def _settings(self) -> tuple[dict[str, Schema], dict[str, Schema]]:
@@ -110,6 +111,8 @@ def usable(registry: Registry) -> list[Usable]:
 def _lines(found: Registered) -> Iterator[str]:
     node = found.node
     yield node.summary or node.name
+    if node.deprecated:
+        yield f"Deprecated: {node.deprecated}."
     if node.inputs:
         yield f"In: {', '.join(map(str, node.inputs))}."
     yield f"Out: {', '.join(map(str, node.outputs))}."

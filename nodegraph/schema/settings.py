@@ -113,8 +113,12 @@ def _texts(node: Node, name: str, accepted: Schema) -> Schema:
     setting = node.settings[name]
     default = "Required." if setting.required else f"Default: {shown(setting.default)}."
     kind = _kind(node, name) + (f", in {setting.unit}" if setting.unit else "")
-    parts = (port_meanings(node).get(name, ""), f"{kind[:1].upper()}{kind[1:]}.", default)
-    found = {"description": " ".join(part for part in parts if part)}
+    instead = f"Deprecated: {setting.deprecated}." if setting.deprecated else ""
+    meaning = port_meanings(node).get(name, "")
+    parts = (instead, meaning, f"{kind[:1].upper()}{kind[1:]}.", default)
+    found: Schema = {"description": " ".join(part for part in parts if part)}
+    if instead:
+        found["deprecated"] = True
     if not setting.required and "default" in accepted and _is_json(accepted["default"]):
         found["default"] = accepted["default"]
     return found

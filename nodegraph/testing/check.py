@@ -8,11 +8,14 @@ from typing import Any
 
 from nodegraph.hooks import Contract, Tried
 from nodegraph.node import Node, node_of
+from nodegraph.plugins import results
 from nodegraph.registry import Registry, default_registry
+from nodegraph.testing.citations import citation_faults
 from nodegraph.testing.declaration import declaration_faults, unreadable
 from nodegraph.testing.faults import Faults
 from nodegraph.testing.specimens import cases, without_specimens
 from nodegraph.testing.trial import Trial
+from nodegraph.testing.variants import examples
 
 
 def check_node(
@@ -25,12 +28,14 @@ def check_node(
     """Check everything that a node promises, and all that its family does.
 
     Its name and signature can be read; it has a docstring, which says what each setting means;
-    its defaults lie within their own bounds. On every specimen that the plugins ship for its
-    ports' types (recordings with gaps, of one frame, all missing, ...) it returns what its
-    annotation says, or raises `nodegraph.Refusal` or ValueError and nothing else; it gives the
-    same answer twice, whatever the global random state, by keyword and by position; and it
-    leaves its inputs as they were. On each, the contracts of its family hold. It does something
-    on at least one of them.
+    its defaults lie within their own bounds; its plugin ships what it cites. On every specimen
+    that the plugins ship for its ports' types (recordings with gaps, of one frame, all missing,
+    ...) it returns what its annotation says, without infinite numbers, or declines in words of
+    its own, by `nodegraph.Refusal` or ValueError; it gives the same answer twice, whatever the
+    global random state, by keyword and by position, made anew each time; and it leaves its inputs
+    as they were, and so the process: it prints nothing, writes no file, lets no RuntimeWarning of
+    numpy out, changes no environment, folder, filter of warnings or setting of numpy and
+    matplotlib. On each, the contracts of its family hold. It does something on at least one.
 
     Parameters
     ----------
@@ -39,7 +44,8 @@ def check_node(
     inputs
         Values for ports, instead of specimens: for types of which no plugin ships any.
     settings
-        Values for settings: for those that have no default.
+        Values for settings: for those that have neither a default nor an example, as in
+        ``Annotated[int, Field(examples=[5])]``.
     registry
         Whose specimens and contracts; those of all installed plugins by default.
 
@@ -73,7 +79,10 @@ def _find_faults(
     if reason:
         faults.add(f"cannot be read as a node: {reason}")
         return
+    settings = {**examples(node), **settings}
     for fault in declaration_faults(node, settings):
+        faults.add(fault)
+    for fault in citation_faults(node, registry):
         faults.add(fault)
     uncallable = list(_uncallable(node, inputs, settings, registry))
     for fault in uncallable:
@@ -100,7 +109,8 @@ def _uncallable(
     for name, one in node.settings.items():
         if one.required and name not in settings:
             yield (
-                f"setting {name!r} has no default: test with "
+                f"setting {name!r} has no default: give it an example, "
+                "Annotated[..., Field(examples=[...])], or test with "
                 f"check_node(..., settings={{{name!r}: ...}})"
             )
 
@@ -129,8 +139,8 @@ def _try(
 
 
 def _contracts(family: str, registry: Registry) -> list[Contract]:
-    every = registry.hooks.hook.nodegraph_contracts()
-    return [one for promised in every for one in promised.get(family, ())]
+    every = results(registry.hooks, "nodegraph_contracts")
+    return [one for _, promised in every for one in promised.get(family, ())]
 
 
 def _hold(contract: Contract, trial: Trial, outputs: Mapping[str, Any]) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from nodegraph.node import Node
+from nodegraph.plugins import results
 from nodegraph.ports import Absent, Across, Port
 from nodegraph.registry import Registry
 
@@ -18,7 +19,7 @@ _LACKING = Absent({_AXIS: "third"}, "refused", "needs one complete frame")
 def specimens_of(kind: type, registry: Registry) -> dict[str, Any]:
     """Return the specimens, by name, that a port of that type can take."""
     made: dict[str, Any] = {}
-    for makers in registry.hooks.hook.nodegraph_specimens():
+    for _, makers in results(registry.hooks, "nodegraph_specimens"):
         for held, make in makers.items():
             if issubclass(held, kind):
                 made.update(make())

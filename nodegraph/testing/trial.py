@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import copy
-import random
-import traceback
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import values_of
 from nodegraph.node import Node
+from nodegraph.testing.errors import fault_of, told
 from nodegraph.testing.faults import Faults
+from nodegraph.testing.parts import infinite, kept_between
+from nodegraph.testing.surroundings import surroundings
 
-_DECLINED = (NodegraphError, ValueError)
 _WRITES = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
 """What numpy, numba and frozen dataclasses say when somebody writes to what is locked."""
 
@@ -28,9 +25,13 @@ _MUTATES = (
     "changes its inputs, which other nodes read as well: copy before you write, "
     "positions = recording.positions.copy()"
 )
-_GLOBAL = (
-    "draws from the global random state, so that no run can be repeated: draw from "
-    "numpy.random.default_rng(seed), where `seed: int = 0` is a setting"
+_KEEPS = (
+    "returns what it keeps between calls, so that whoever changes it changes earlier results: make "
+    "the answer anew in every call, without a cache or a buffer of the module"
+)
+_INFINITE = (
+    "makes infinite numbers out of finite ones: find where it divides by zero or overflows, and "
+    "raise nodegraph.Refusal, or leave such a sample missing"
 )
 
 
@@ -57,49 +58,58 @@ class Trial:
             What came out; or why the node declined this specimen; or None after a fault.
         """
         before = copy.deepcopy((self.inputs, self.settings))
-        try:
-            made, drawn = self._watched()
-        except Exception as error:
-            self._note_error(error)
-            return None
-        if drawn:
-            self.fault(_GLOBAL)
-            return None
+        returned, left = self._watched()
+        for fault, shown in left.items():
+            self.fault(fault, shown)
         changed = self._changed(before)
-        if changed or (isinstance(made, str) and _is_write(made)):
-            self.fault(_MUTATES, changed or str(made))
+        if changed:
+            self.fault(_MUTATES, changed)
             return None
-        return made if made is None or isinstance(made, str) else self._repeated(made)
+        if isinstance(returned, BaseException):
+            return self._declined(returned)
+        made = self._promised(returned)
+        if made is None or left:
+            return None
+        if where := infinite(made) if not infinite(self.inputs) else "":
+            self.fault(_INFINITE, where)
+        return self._repeated(made)
 
-    def _watched(self) -> tuple[Mapping[str, Any] | str | None, bool]:
-        """Return what came out, or why it declined, and whether it drew from a global state."""
+    def _watched(self) -> tuple[Any, Mapping[str, str]]:
+        """Return what was returned or raised, and what was left otherwise than it was."""
+        returned: Any = None
         for _ in range(2):
-            with _chance(1) as drawn:
+            with surroundings(1) as left:
                 try:
-                    made: Mapping[str, Any] | str | None = self.call(self.inputs)
-                except _DECLINED as declined:
-                    made = f"{type(declined).__name__}: {declined}"
-            if not drawn():
-                return made, False
-            # once may be a library that draws while it is imported
-        return made, True
+                    returned = self.node.function(**self.inputs, **self.settings)
+                except (Exception, SystemExit) as error:
+                    returned = error
+            if not left.faults:
+                break
+            # once may be a library that does so while it is imported
+        return returned, left.faults
 
-    def call(
-        self, inputs: Mapping[str, Any], settings: Mapping[str, Any] | None = None
-    ) -> Mapping[str, Any] | None:
-        """Call the node as the machine does; None when it returned what it does not promise."""
-        with _quiet():
-            returned = self.node.function(**inputs, **{**self.settings, **(settings or {})})
-        return self._promised(returned)
+    def _declined(self, error: BaseException) -> str | None:
+        """Return why this specimen was declined, or None where it was no declining."""
+        if any(sign in str(error) for sign in _WRITES):
+            self.fault(_MUTATES, told(error))
+        elif fault := fault_of(error, self.inputs):
+            self.fault(fault, told(error))
+        else:
+            return f"{type(error).__name__}: {error}"
+        return None
 
     def again(
         self, settings: Mapping[str, Any] | None = None, /, **inputs: Any
     ) -> Mapping[str, Any] | None:
         """Call the node with some settings and inputs exchanged; None where it declines."""
         try:
-            return self.call({**self.inputs, **inputs}, settings)
-        except _DECLINED:
+            with _quiet():
+                returned = self.node.function(
+                    **{**self.inputs, **inputs}, **{**self.settings, **(settings or {})}
+                )
+        except (NodegraphError, ValueError):
             return None
+        return self._promised(returned)
 
     def _promised(self, returned: Any) -> Mapping[str, Any] | None:
         try:
@@ -111,13 +121,13 @@ class Trial:
 
     def _repeated(self, made: Mapping[str, Any]) -> Mapping[str, Any] | None:
         try:
-            with _chance(2), _quiet():
+            with surroundings(2):
                 second = self.node.function(*self._positional(), **self.settings)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             self.fault(
                 "fails when it is called a second time, with its ports by position: keep no "
                 "state between calls",
-                _told(error),
+                told(error),
             )
             return None
         promised = self._promised(second)
@@ -129,6 +139,8 @@ class Trial:
         if differs:
             self.fault(self._unrepeatable(), differs)
             return None
+        if place := kept_between(made, promised, {**self.inputs, **self.settings}):
+            self.fault(_KEEPS, f"{place} is one and the same array in two calls")
         return made
 
     def _positional(self) -> list[Any]:
@@ -154,50 +166,9 @@ class Trial:
             "`seed: int = 0` and draw from numpy.random.default_rng(seed); keep no state"
         )
 
-    def _note_error(self, error: Exception) -> None:
-        if _is_write(str(error)):
-            self.fault(_MUTATES, _told(error))
-            return
-        self.fault(
-            f"raises {type(error).__name__} on odd data: handle it, raise "
-            'nodegraph.Refusal("what it needs") where this data cannot be done, or ValueError '
-            "with the place and what is wrong",
-            _told(error),
-        )
-
-
-def _is_write(message: str) -> bool:
-    return any(sign in message for sign in _WRITES)
-
 
 @contextmanager
 def _quiet() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
-
-
-@contextmanager
-def _chance(seed: int) -> Iterator[Any]:
-    """Seed the global random states, tell afterwards whether they were used, and restore them."""
-    kept = random.getstate(), np.random.get_state()  # noqa: NPY002  (it is what is watched)
-    random.seed(seed)
-    np.random.seed(seed)  # noqa: NPY002
-    began = _states()
-    used: list[bool] = []
-    try:
-        yield lambda: bool(used and used[0])
-    finally:
-        used.append(bool(difference(began, _states())))
-        random.setstate(kept[0])
-        np.random.set_state(kept[1])  # noqa: NPY002
-
-
-def _states() -> tuple[Any, ...]:
-    return random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
-
-
-def _told(error: Exception) -> str:
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    said = str(error) or "no message"
-    return f"{type(error).__name__}: {said} ({Path(last.filename).name}:{last.lineno})"

@@ -58,9 +58,11 @@ CONTRACTS = (
     missing_stays_missing,
     repaired_samples_are_marked,
     sigma_belongs_to_its_sample,
+    promises.gives_millimetres,
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,
+    promises.runs_with_the_clock,
     promises.does_not_depend_on_the_order_of_markers,
 )
 

@@ -43,6 +43,7 @@ CONTRACTS = (
     promises.takes_and_gives_a_recording,
     present_samples_stay,
     written_samples_are_marked,
+    promises.gives_millimetres,
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,

@@ -6,7 +6,7 @@ hold for it beside its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,10 +23,21 @@ SWAP = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
 """A turn by which coordinates only change places and signs."""
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+_OTHER_LENGTHS = {"m", "metre", "metres", "meter", "meters", "cm", "um", "inch", "inches", "ft"}
+_SECONDS = {"s": 1, "ms": 1, "Hz": -1, "mm/s": -1, "mm/s^2": -2}
+"""The power of seconds in units of settings."""
+
 DEPENDS_ON_AXES = "depends on the axes"
 """What the documentation of a method says that works coordinate by coordinate."""
 
+DEPENDS_ON_RATE = "depends on the rate"
+"""What the documentation of a method says that has a duration by heart."""
+
 SCALE = 2.0
+FASTER = 2.0
+MISPLACED = 100.0
+"""How many times too near the origin, or too far from it, no method puts a sample by intent."""
+
 TOLERANCE = 1e-6
 """Millimetres: far above rounding, far below anything a camera sees."""
 
@@ -57,8 +68,7 @@ def moves_with_the_face(tried: Tried) -> Iterator[str]:
 def turns_with_the_face(tried: Tried) -> Iterator[str]:
     """Do with a turned recording what is done with the other, or say "depends on the axes"."""
     # whoever works coordinate by coordinate still gives the same when axes only change places
-    declared = DEPENDS_ON_AXES in " ".join(tried.doc.lower().split())
-    turn = SWAP if declared else TURN
+    turn = SWAP if says(tried, DEPENDS_ON_AXES) else TURN
     for given, made in before_and_after(tried):
         again = made_again(tried, replace(given, positions=given.positions @ turn.T))
         if again is None:
@@ -69,11 +79,7 @@ def turns_with_the_face(tried: Tried) -> Iterator[str]:
 
 def scales_with_the_face(tried: Tried) -> Iterator[str]:
     """Do with a face twice as large, and settings in mm twice as large, what is done with it."""
-    settings = {
-        name: value * SCALE ** _power(tried.units.get(name, ""))
-        for name, value in tried.settings.items()
-        if isinstance(value, float) and _power(tried.units.get(name, ""))
-    }
+    settings = _changed(tried, SCALE, _power)
     for given, made in before_and_after(tried):
         sigma = None if given.sigma is None else given.sigma * SCALE
         larger = replace(given, positions=given.positions * SCALE, sigma=sigma)
@@ -82,6 +88,39 @@ def scales_with_the_face(tried: Tried) -> Iterator[str]:
             yield "declines the recording of a larger face"
         else:
             yield from differences(made, again, again.positions / SCALE)
+
+
+def runs_with_the_clock(tried: Tried) -> Iterator[str]:
+    """Do at twice the rate, settings in Hz and s changed with it, what is done at the rate.
+
+    Or say "depends on the rate", as a method may that has a time of its own by heart.
+    """
+    if says(tried, DEPENDS_ON_RATE):
+        return
+    settings = _changed(tried, 1.0 / FASTER, _power_of_seconds)
+    for given, made in before_and_after(tried):
+        again = made_again(tried, replace(given, rate=given.rate * FASTER), settings)
+        if again is None:
+            yield "declines the recording that plays faster"
+        else:
+            yield from differences(made, again, again.positions)
+
+
+def gives_millimetres(tried: Tried) -> Iterator[str]:
+    """Give positions in millimetres, and take settings that are lengths in millimetres."""
+    for name, unit in tried.units.items():
+        if unit.replace("/", " ").replace("^", " ").split(" ")[0] in _OTHER_LENGTHS:
+            yield f"setting {name!r} is in {unit}: let it be in mm, as positions are"
+    for given, made in before_and_after(tried):
+        written = made.present & np.any(given.positions != made.positions, axis=2)
+        if not written.any() or not given.present.any():
+            continue
+        ratio = _usual_distance(made, written) / _usual_distance(given, given.present)
+        if not 1.0 / MISPLACED < ratio < MISPLACED:
+            yield (
+                f"{spots(made, written)} come out {ratio:.2g} times as far from the origin as what "
+                "went in: are they in metres? positions are in millimetres"
+            )
 
 
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
@@ -93,6 +132,11 @@ def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
         else:
             again = again.keep(given.markers)
             yield from differences(made, again, again.positions)
+
+
+def says(tried: Tried, words: str) -> bool:
+    """Return whether a node's documentation says these words."""
+    return words in " ".join(tried.doc.lower().split())
 
 
 def before_and_after(tried: Tried) -> Iterator[tuple[Trajectories, Trajectories]]:
@@ -133,8 +177,29 @@ def spots(recording: Trajectories, where: NDArray[np.bool_]) -> str:
     return f"frame {frame}, marker {recording.markers[marker]!r}{more}"
 
 
+def _usual_distance(recording: Trajectories, which: NDArray[np.bool_]) -> float:
+    """Return the median distance of some samples from the origin, which is not 0."""
+    return max(float(np.median(np.linalg.norm(recording.positions[which], axis=1))), 1e-9)
+
+
+def _changed(tried: Tried, factor: float, power: Callable[[str], int]) -> dict[str, Any]:
+    """Return the settings that change when what they are measured in does, changed."""
+    powers = {name: power(tried.units.get(name, "")) for name in tried.settings}
+    return {
+        name: value * factor ** powers[name]
+        for name, value in tried.settings.items()
+        if powers[name] and isinstance(value, (int, float))
+    }
+
+
 def _power(unit: str) -> int:
     """Return the power of millimetres in a unit: 2 for ``mm^2``, 0 for ``frames``."""
     if "per mm" in unit:
         return -1
     return 0 if not unit.startswith("mm") else 2 if unit.startswith("mm^2") else 1
+
+
+def _power_of_seconds(unit: str) -> int:
+    """Return the power of seconds in a unit: -2 for ``mm/s^2``, 0 for ``Hz per mm/s``."""
+    above, _, below = unit.partition(" per ")
+    return _SECONDS.get(above, 0) - _SECONDS.get(below, 0)

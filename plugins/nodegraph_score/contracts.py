@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from nodegraph import Tried
-from nodegraph_mocap import Table
+from nodegraph_mocap import Table, Trajectories
 
 _ANSWERS = ("truth", "reference")
+_ROUNDING = 1e-9
+_FAR = 50.0
+"""How many times too large or too small a score is that has another unit than it says."""
 
 
 def gives_a_table(tried: Tried) -> Iterator[str]:
@@ -34,4 +38,20 @@ def the_answer_scores_zero(tried: Tried) -> Iterator[str]:
             yield f"column {column!r} has {table[column].abs().max():.3g} {unit}"
 
 
-CONTRACTS = (gives_a_table, the_answer_scores_zero)
+def tells_millimetres(tried: Tried) -> Iterator[str]:
+    """Score an estimate that is off by a millimetre everywhere near 1, where the unit is mm."""
+    truth = next((tried.inputs[name] for name in _ANSWERS if name in tried.inputs), None)
+    if not isinstance(truth, Trajectories) or "estimate" not in tried.inputs:
+        return
+    shifted = replace(truth, positions=truth.positions + np.array([1.0, 0.0, 0.0]))
+    outputs = tried.again(estimate=shifted)
+    if outputs is None:
+        return
+    table = next(iter(outputs.values()))
+    for column, unit in table.attrs.get("units", {}).items():
+        largest = table[column].abs().max() if unit == "mm" and column in table else 0.0
+        if _ROUNDING < largest < 1.0 / _FAR or largest > _FAR:
+            yield f"column {column!r} has {largest:.3g} mm: is it in metres?"
+
+
+CONTRACTS = (gives_a_table, the_answer_scores_zero, tells_millimetres)

@@ -58,10 +58,10 @@ def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
 CONTRACTS = (
     promises.takes_and_gives_a_recording,
     adds_no_gap_and_fills_none,
+    promises.gives_millimetres,
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,
-    promises.gives_millimetres,
     promises.runs_with_the_clock,
     promises.does_not_depend_on_the_order_of_markers,
     shifts_nothing_in_time,

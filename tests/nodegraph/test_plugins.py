@@ -172,3 +172,22 @@ def test_a_module_that_is_no_plugin_keeps_its_name(tmp_path: Path) -> None:
     path.write_text("number = 1\n")
     plugins.from_file(path)
     assert hasattr(sys.modules["json"], "dumps")
+
+
+def test_a_file_may_call_another_plugin_s_node(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    written(tmp_path, "toy_one.py", NODE + HOOK)
+    install(monkeypatch, tmp_path, one="toy_one")
+    text = """
+from toy_one import mine
+from nodegraph import node
+
+@node("fill.twice")
+def twice(recording: float) -> float:
+    return mine(mine(recording))
+
+same = twice
+"""
+    registry = Registry.installed([written(tmp_path, "toy_caller.py", text)])
+    assert [one.full_name for one in registry] == ["one:fill.mine", "toy_caller:fill.twice"]

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -141,3 +142,146 @@ def test_what_is_installed_is_read_once(install: Callable[..., Registry]) -> Non
         assert default_registry() is default_registry()
     finally:
         default_registry.cache_clear()
+
+
+def bibtex_that_fails() -> str:
+    raise RuntimeError("out of ink")
+
+
+def graphs_that_end_early() -> Iterator[Path]:
+    yield Path("a.yaml")
+    raise RuntimeError("out of paper")
+
+
+NONSENSE: dict[str, tuple[dict[str, Any], str, str]] = {
+    "raises": (
+        {"nodegraph_bibtex": bibtex_that_fails},
+        "bibtex",
+        r"its hook nodegraph_bibtex is left out: RuntimeError: out of ink \(test_registry.py:\d+\)",
+    ),
+    "raises on the way": (
+        {"nodegraph_graphs": graphs_that_end_early},
+        "graphs",
+        "its hook nodegraph_graphs is left out: RuntimeError: out of paper",
+    ),
+    "exits": (
+        {"nodegraph_renderers": lambda: sys.exit("enough")},
+        "renderers",
+        "its hook nodegraph_renderers is left out: SystemExit: enough",
+    ),
+    "another kind": (
+        {"nodegraph_templates": lambda: ["plugin"]},
+        "templates",
+        "its hook nodegraph_templates is left out: it returned list where a mapping is due",
+    ),
+    "a text for a list": (
+        {"nodegraph_graphs": lambda: "graphs/lips.yaml"},
+        "graphs",
+        "its hook nodegraph_graphs is left out: it returned str where a list is due",
+    ),
+    "a list for a text": (
+        {"nodegraph_bibtex": lambda: ["@misc{a}"]},
+        "bibtex",
+        "its hook nodegraph_bibtex is left out: it returned list where text is due",
+    ),
+    "something else in the list": (
+        {"nodegraph_renderers": lambda: [float]},
+        "renderers",
+        "what nodegraph_renderers lists is left out: <class 'float'> is not a Renderer",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NONSENSE)
+def test_a_hook_that_fails_or_returns_nonsense_is_told_and_the_rest_go_on(
+    install: Callable[..., Registry], name: str
+) -> None:
+    broken, what, said = NONSENSE[name]
+    shown = Renderer(float, lambda value, title: Rendered(""))
+    good = plugin(
+        "good",
+        hold,
+        nodegraph_bibtex=lambda: "@misc{b}",
+        nodegraph_renderers=lambda: [shown],
+        nodegraph_graphs=lambda: [Path("x/fill.yaml")],
+        nodegraph_templates=lambda: {"lips": Path("lips")},
+    )
+    registry = install(plugin("bad", other, **broken), good)
+    with pytest.warns(UserWarning, match=f"plugin 'bad': {said}"):
+        found = getattr(registry, what)
+    whole = {
+        "bibtex": ("@misc{b}",),
+        "renderers": (shown,),
+        "graphs": {"fill": Path("x/fill.yaml")},
+        "templates": {"lips": Path("lips")},
+    }
+    assert found == whole[what]
+    assert [one.full_name for one in registry] == ["good:fill.hold", "bad:fill.other"]
+
+
+def test_a_name_that_another_plugin_has_is_told_and_stays_the_first_s(
+    install: Callable[..., Registry], tmp_path: Path
+) -> None:
+    def places(folder: str) -> Callable[[], Mapping[str, Callable[[str], Path]]]:
+        return lambda: {"sample": lambda name: tmp_path / folder / name}
+
+    registry = install(
+        plugin("one", nodegraph_places=places("one")), plugin("two", nodegraph_places=places("two"))
+    )
+    said = "plugin 'two': 'sample' of nodegraph_places is left out: plugin 'one' has that name"
+    with pytest.warns(UserWarning, match=said):
+        assert registry.place("sample:face") == tmp_path / "one" / "face"
+
+
+def test_a_hook_with_arguments_or_of_no_known_name_is_told(
+    install: Callable[..., Registry],
+) -> None:
+    def bibtex(style: str) -> str:
+        return style
+
+    registry = install(
+        plugin("one", hold, nodegraph_bibtex=bibtex),
+        plugin("two", other, nodegraph_bibtext=lambda: "@misc{a}"),
+        plugin("three", nodegraph_bibtex=lambda: "@misc{b}"),
+    )
+    with pytest.warns(UserWarning, match="plugin '(one|two)': .* left out: ") as told:
+        assert registry.bibtex == ("@misc{b}",)
+    texts = [str(one.message) for one in told]
+    assert len(texts) == 2
+    assert texts[0].startswith("plugin 'one': its hooks are left out: ")
+    assert "nodegraph_bibtext is left out: there is no such hook; did you mean" in texts[1]
+    assert len(list(registry)) == 2
+
+
+@pytest.mark.parametrize("nodes", [None, 5, hold])
+def test_nodes_that_are_no_list_are_told(install: Callable[..., Registry], nodes: Any) -> None:
+    bad = plugin("bad", nodegraph_nodes=lambda: nodes)
+    said = "plugin 'bad' is left out: .*nodegraph_nodes returned .*: return \\[node, ...\\]"
+    with pytest.warns(UserWarning, match=said):
+        registry = install(bad, plugin("good", hold))
+    assert [one.full_name for one in registry] == ["good:fill.hold"]
+
+
+def test_a_hook_of_nodes_that_fails_is_told(install: Callable[..., Registry]) -> None:
+    with pytest.warns(UserWarning, match="plugin 'bad' is left out: ZeroDivisionError"):
+        registry = install(plugin("bad", nodegraph_nodes=lambda: [1 / 0]), plugin("good", hold))
+    assert [one.full_name for one in registry] == ["good:fill.hold"]
+
+
+def test_a_node_that_is_listed_twice_is_there_once(install: Callable[..., Registry]) -> None:
+    registry = install(plugin("one", hold, hold), plugin("two", other))
+    assert [one.full_name for one in registry] == ["one:fill.hold", "two:fill.other"]
+
+
+def test_two_nodes_of_one_name_in_one_plugin_are_told(install: Callable[..., Registry]) -> None:
+    with pytest.warns(UserWarning, match="'one' is left out: .*two nodes of the name fill.hold"):
+        registry = install(plugin("one", hold, other, other_hold), plugin("two", other))
+    assert [one.full_name for one in registry] == ["two:fill.other"]
+
+
+def test_one_module_by_two_names_is_told(install: Callable[..., Registry]) -> None:
+    one = plugin("one", hold, nodegraph_bibtex=lambda: "@misc{a}")
+    with pytest.warns(UserWarning, match="plugin 'two' is left out: .*plugin 'one' is the same"):
+        registry = install(one, Plugin("two", one.module))
+    assert [one.full_name for one in registry] == ["one:fill.hold"]
+    assert registry.bibtex == ("@misc{a}",)

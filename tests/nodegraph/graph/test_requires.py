@@ -1,0 +1,67 @@
+"""What a graph requires is looked for, and what to install is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError
+from typing import Any
+
+import pytest
+
+from nodegraph.graph import Graph, requires
+
+INSTALLED = {"lips": "1.2.0", "chin": "2.0rc1"}
+TEXT = "nodes: {{a: {{use: read.number}}}}\nrequires: [@@'{0}']"
+
+
+@pytest.fixture(autouse=True)
+def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def version(name: str) -> str:
+        if name not in INSTALLED:
+            raise PackageNotFoundError(name)
+        return INSTALLED[name]
+
+    monkeypatch.setattr(requires, "version", version)
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        "lips",
+        "lips>=1,<2",
+        "lips[extra]>=1.2",
+        "chin>=2.0rc0",
+        "chin>=1",
+        "nose>=1; python_version<'3'",
+        "lips @ https://example.org/lips.zip",
+    ],
+)
+def test_what_is_there_will_do(graph_of: Callable[..., Graph], wanted: str) -> None:
+    text = TEXT.format(wanted.replace("'", "''"))
+    assert graph_of(text.replace("@@", "")).nodes
+
+
+@pytest.mark.parametrize(
+    ("wanted", "said"),
+    [
+        ("lips>=1.3", "requires lips>=1.3, but 1.2.0 is installed\n    pip install 'lips>=1.3'"),
+        ("lips<1", "requires lips<1, but 1.2.0 is installed\n    pip install 'lips<1'"),
+        ("chin>=2", "requires chin>=2, but 2.0rc1 is installed\n    pip install 'chin>=2'"),
+        ("nose", "requires nose, but it is not installed\n    pip install 'nose'"),
+        ("nose>=", "requires: 'nose>=' is not a package\n    write a package as pip takes it"),
+    ],
+)
+def test_what_is_missing_or_too_old_is_told_with_what_to_install(
+    mistakes_of: Callable[..., list[Any]], wanted: str, said: str
+) -> None:
+    [problem] = mistakes_of(TEXT.format(wanted))
+    assert said in str(problem)
+
+
+def test_a_missing_plugin_and_its_node_are_both_told(
+    mistakes_of: Callable[..., list[Any]],
+) -> None:
+    text = "requires: [@@nose>=2]\nnodes: {a: {use: @@fill.nose}}"
+    first, second = mistakes_of(text)
+    assert "pip install 'nose>=2'" in str(first)
+    assert "no node 'fill.nose'" in str(second)

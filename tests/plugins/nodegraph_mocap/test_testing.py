@@ -1,0 +1,179 @@
+"""The strategies give what may travel, odd cases among it, and shrink to what is simple."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, find, given, settings
+from hypothesis import strategies as st
+
+from nodegraph_mocap import (
+    BlendshapeModel,
+    Detections,
+    HeadMotion,
+    MarkerSet,
+    Mask,
+    Origin,
+    Trajectories,
+    Weights,
+    testing,
+)
+from nodegraph_mocap.testing.events import NAMES, RATES
+
+QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+THOROUGH = settings(
+    max_examples=3000,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=list(HealthCheck),
+)
+WITHOUT_SHRINKING = settings(THOROUGH, phases=[Phase.generate])
+
+
+@QUICK
+@given(testing.recordings(frames=(2, 9), markers=(3, 5)))
+def test_recordings_have_the_sizes_that_were_asked_for(recording: Trajectories) -> None:
+    assert 2 <= recording.frames <= 9
+    assert 3 <= len(recording.markers) <= 5
+    assert recording.rate in RATES
+
+
+@QUICK
+@given(testing.recordings(gaps=False, made=False, with_marker_set=False))
+def test_what_is_not_asked_for_does_not_come(recording: Trajectories) -> None:
+    assert np.all(recording.origin == Origin.MEASURED)
+    assert (recording.sigma, recording.marker_set) == (None, None)
+
+
+@QUICK
+@given(testing.cuts())
+def test_a_cut_hides_present_samples_and_nothing_else(
+    cut: tuple[Trajectories, Trajectories, Mask],
+) -> None:
+    gappy, truth, mask = cut
+    assert not np.any(mask.hidden & ~truth.present)
+    assert np.array_equal(gappy.present, truth.present & ~mask.hidden)
+    assert np.array_equal(gappy.positions[gappy.present], truth.positions[gappy.present])
+
+
+@QUICK
+@given(testing.recordings().flatmap(lambda one: st.tuples(st.just(one), testing.masks(one))))
+def test_a_mask_belongs_to_its_recording(both: tuple[Trajectories, Mask]) -> None:
+    recording, mask = both
+    assert mask.markers == recording.markers
+    assert not np.any(mask.hidden & ~recording.present)
+
+
+@QUICK
+@given(testing.marker_sets(["lip_left", "lip_right", "nose"]))
+def test_a_marker_set_pairs_left_and_right(marker_set: MarkerSet) -> None:
+    assert marker_set.pairs in ((), (("lip_left", "lip_right"),))
+    assert marker_set.midline in ((), ("nose",))
+
+
+@QUICK
+@given(testing.weights(gaps=False), testing.models(shapes=(2, 2)))
+def test_weights_and_models(weights: Weights, model: BlendshapeModel) -> None:
+    assert np.all((weights.values >= 0.0) & (weights.values <= 1.0))
+    assert len(model.names) == 2
+
+
+@QUICK
+@given(testing.head_motions(scaled=False))
+def test_head_motions_turn_and_do_not_mirror(motion: HeadMotion) -> None:
+    assert np.allclose(np.linalg.det(motion.rotations), 1.0)
+    assert np.all(motion.scales == 1.0)
+
+
+ODD: dict[str, tuple[Callable[[], st.SearchStrategy[Any]], Callable[[Any], bool]]] = {
+    "one frame": (testing.recordings, lambda one: one.frames == 1),
+    "one marker": (testing.recordings, lambda one: len(one.markers) == 1),
+    "complete": (testing.recordings, lambda one: one.origin.size > 20 and one.present.all()),
+    "a gap at the start": (
+        testing.recordings,
+        lambda one: one.frames > 3 and not one.present[0, 0] and one.present[1:, 0].any(),
+    ),
+    "a gap at the end": (
+        testing.recordings,
+        lambda one: one.frames > 3 and not one.present[-1, 0] and one.present[:-1, 0].any(),
+    ),
+    "a marker never seen": (
+        testing.recordings,
+        lambda one: one.present.any() and not one.present.any(axis=0).all(),
+    ),
+    "a frame without any marker": (
+        testing.recordings,
+        lambda one: one.present.any() and not one.present.any(axis=1).all(),
+    ),
+    "all missing": (testing.recordings, lambda one: not one.present.any()),
+    "filled": (testing.recordings, lambda one: bool(np.any(one.origin == Origin.FILLED))),
+    "repaired": (testing.recordings, lambda one: bool(np.any(one.origin == Origin.REPAIRED))),
+    "sigma": (testing.recordings, lambda one: one.sigma is not None),
+    "a marker set with pairs": (
+        testing.recordings,
+        lambda one: one.marker_set is not None and bool(one.marker_set.pairs),
+    ),
+    "markers out of order": (
+        testing.recordings,
+        lambda one: len(one.markers) > 3 and one.markers != NAMES[: len(one.markers)],
+    ),
+    "a sample far off": (
+        lambda: testing.recordings(gaps=False),
+        lambda one: bool(np.any(np.abs(one.positions) > 200.0)),
+    ),
+    "a frame without points": (
+        testing.detections,
+        lambda one: len(one.points) > 0 and bool(np.any(np.diff(one.offsets) == 0)),
+    ),
+    "no point at all": (testing.detections, lambda one: len(one.points) == 0),
+    "weights missing": (testing.weights, lambda one: bool(np.isnan(one.values).any())),
+    "a shape that moves nothing": (
+        testing.models,
+        lambda one: bool(np.any(np.all(one.shapes == 0.0, axis=(1, 2)))),
+    ),
+    "two shapes alike": (
+        testing.models,
+        lambda one: len(one.names) == 2 and np.array_equal(one.shapes[0], one.shapes[1]),
+    ),
+    "a head that turns far": (
+        testing.head_motions,
+        lambda one: bool(np.any(one.rotations[:, 0, 0] < 0.0)),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_what_is_odd_comes_too(name: str) -> None:
+    strategy, is_odd = ODD[name]
+    assert is_odd(find(strategy(), is_odd, settings=WITHOUT_SHRINKING))
+
+
+def test_an_example_shrinks_to_what_matters() -> None:
+    gappy = find(testing.recordings(), lambda one: not one.present.all(), settings=THOROUGH)
+    assert gappy.origin.tolist() == [[Origin.MISSING]]
+    two = find(
+        testing.recordings(),
+        lambda one: len(one.markers) > 1 and bool(np.any(one.origin == Origin.FILLED)),
+        settings=THOROUGH,
+    )
+    assert (two.frames, two.markers) == (1, ("nose", "brow_left"))
+    assert (two.marker_set, two.sigma) == (None, None)
+    points = find(testing.detections(), lambda one: len(one.points) > 1, settings=THOROUGH)
+    assert len(points.points) == 2
+
+
+def test_hypothesis_is_imported_by_those_who_ask() -> None:
+    code = "import sys, nodegraph_mocap.testing; assert 'hypothesis' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@QUICK
+@given(testing.detections())
+def test_detections_keep_frames(points: Detections) -> None:
+    assert len(points.offsets) == points.frames + 1
