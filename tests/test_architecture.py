@@ -14,7 +14,7 @@ import nodegraph
 ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
-    {"commands", "notebook"},
+    {"commands", "notebook", "options"},
     {"paper"},
     {"api", "report", "testing"},
     {"finished", "forms"},

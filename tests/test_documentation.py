@@ -68,9 +68,9 @@ def test_every_hook_and_every_package_is_told() -> None:
 
 @pytest.mark.parametrize("text", [GRAPHS, PLUGINS], ids=["graphs", "plugins"])
 def test_every_command_that_is_shown_is_one(text: str) -> None:
-    from nodegraph.cli import _parser
+    from nodegraph.options import parser
 
-    commands = next(one.choices for one in _parser()._actions if one.choices)
+    commands = next(one.choices for one in parser()._actions if one.choices)
     lines = [line for block in blocks(text, "sh") for line in block.splitlines()]
     used = {line.split()[1] for line in lines if line.startswith("nodegraph ")}
     assert used
