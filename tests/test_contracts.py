@@ -17,7 +17,10 @@ from nodegraph_mocap import sample_folder
 
 HERE = Path(__file__).parent
 NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
+    "blendshapes.from_frames": lambda: {"frames": {"smile": 15, "jawOpen": 30}},
+    "compare.curve": lambda: {"x": "frames"},
     "markers.rename": lambda: {"names": {"nose": "forehead", "forehead": "nose"}},
+    "plot.scatter": lambda: {"x": "rmse"},
     "points.literal": lambda: {"points": {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}},
     "read.head": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "head.obj"},
     "read.model": lambda: {"path": sample_folder("face")},
@@ -25,6 +28,11 @@ NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
     "read.marker_set": lambda: {"path": sample_folder("face")},
     "recording.resample": lambda: {"rate": 44.1},
     "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "weights.csv"},
+    "select.greedy": lambda: {"k": 5},
+    "select.pfa": lambda: {"k": 5},
+    "select.qr": lambda: {"k": 5},
+    "select.random": lambda: {"k": 5},
+    "select.variance": lambda: {"k": 5},
 }
 """Values for settings that have no default."""
 

@@ -1,0 +1,54 @@
+"""A head that moves as a face did."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from nodegraph import node
+from nodegraph_blendshapes.matching import shapes_of
+from nodegraph_mocap import Animation, Head, HeadMotion, Weights
+
+
+@node("animate.mesh", cite=("curio2006",))
+def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) -> Animation:
+    """Animate a head's mesh by weights, which may come from another face.
+
+    The morph targets of the head and the shapes whose weights were solved are parallel: what has
+    the same name means the same expression, so the weights found on one face drive another [1]_.
+    Names match across conventions (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``). Weights
+    that the head has no morph target for are left out, and morph targets without weight stay at 0;
+    warnings count and name both. Missing weights (NaN) stay missing; ``write.glb`` tells what it
+    does with them.
+
+    Parameters
+    ----------
+    weights
+        T frames.
+    head
+        With morph targets.
+    head_motion
+        Of the same T frames: vertices in a frame are ``s R (posed) + t``. R turns about the
+        origin, so the head must stand in the coordinates of the neutral that the recording was
+        aligned to. t stays in the millimetres of the recording, and s is how much larger the
+        recorded face was than that neutral: with a head of another size, neither is adapted. By
+        default the head keeps still.
+
+    Returns
+    -------
+    Animation
+        T frames at the rate of the weights.
+
+    Raises
+    ------
+    ValueError
+        If weights and head have no shape in common, a weight could mean two morph targets, or
+        weights and head motion differ in their number of frames.
+
+    References
+    ----------
+    .. [1] C. Curio et al., Semantic 3D motion retargeting for facial animation, APGV '06, 77-84.
+    """
+    found = tuple(shapes_of(weights, head.names, "head"))
+    columns = [weights.names.index(name) for name in found]
+    driving = replace(weights, values=weights.values[:, columns], names=found)
+    return Animation(head=head, weights=driving, head_motion=head_motion)

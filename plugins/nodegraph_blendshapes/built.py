@@ -1,0 +1,89 @@
+"""What building a model gives: the model, and the face at rest as a recording."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from nodegraph_blendshapes.listed import listed
+from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_RATE = 1.0
+"""A single frame has no rate, but a recording needs one."""
+
+APART = 1e-6
+"""Millimetres: far above rounding, far below what any camera sees."""
+
+
+class Built(NamedTuple):
+    """What the nodes give that build a model."""
+
+    model: BlendshapeModel
+    neutral: Trajectories
+
+
+def built(model: BlendshapeModel, marker_set: MarkerSet | None) -> Built:
+    """Return a model and its neutral; warn of shapes whose weights nobody could tell."""
+    _tell_unseen(model)
+    _tell_alike(model)
+    neutral = Trajectories(
+        positions=model.neutral[None], markers=model.markers, rate=_RATE, marker_set=marker_set
+    )
+    return Built(model, neutral)
+
+
+def with_markers(recording: Trajectories, marker_set: MarkerSet | None) -> Trajectories:
+    """Return a recording with what is known of its markers, or as it is where nothing is.
+
+    Raises
+    ------
+    ValueError
+        If the marker set names a marker that the recording lacks.
+    """
+    if marker_set is None:
+        return recording
+    absent = [name for name in marker_set.markers if name not in recording.markers]
+    if absent:
+        raise ValueError(
+            f"the marker set names {listed(absent)}, which the model lacks; it has "
+            f"{listed(recording.markers)}"
+        )
+    return replace(recording, marker_set=marker_set)
+
+
+def _tell_unseen(model: BlendshapeModel) -> None:
+    still = [
+        name for name, shape in zip(model.names, model.shapes, strict=True) if not _moves(shape)
+    ]
+    if still:
+        warnings.warn(
+            f"{len(still)} of {len(model.names)} shapes move no marker: {listed(still)}",
+            stacklevel=4,
+        )
+
+
+def _tell_alike(model: BlendshapeModel) -> None:
+    shapes = dict(zip(model.names, model.shapes, strict=True))
+    moving = {name: shape for name, shape in shapes.items() if _moves(shape)}
+    alike = [
+        f"{one} and {other}"
+        for one, other in combinations(moving, 2)
+        if not _moves(moving[one] - moving[other])
+    ]
+    if alike:
+        warnings.warn(
+            f"{len(alike)} pairs of shapes are the same, so that only the sum of their weights "
+            f"can be told: {listed(alike)}",
+            stacklevel=4,
+        )
+
+
+def _moves(offsets: NDArray[np.float64]) -> bool:
+    return bool(np.abs(offsets).max(initial=0.0) > APART)

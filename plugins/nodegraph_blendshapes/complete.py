@@ -1,0 +1,73 @@
+"""Frames in which every marker is present: only they can become a shape."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Refusal
+from nodegraph_blendshapes.listed import listed
+from nodegraph_mocap import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def whole_frame(recording: Trajectories, frame: int, what: str) -> NDArray[np.float64]:
+    """Return (M, 3) positions of a frame.
+
+    Parameters
+    ----------
+    recording
+    frame
+    what
+        What it is for, for messages: ``the neutral``, ``shape 'smile'``.
+
+    Raises
+    ------
+    Refusal
+        If a marker is missing there.
+    ValueError
+        If the recording has no such frame.
+    """
+    if frame >= recording.frames:
+        last = f"0 to {recording.frames - 1}" if recording.frames else "none"
+        raise ValueError(f"{what}: there is no frame {frame}; there are {last}")
+    lacking = [
+        name
+        for name, there in zip(recording.markers, recording.present[frame], strict=True)
+        if not there
+    ]
+    if lacking:
+        raise Refusal(
+            f"{what}: frame {frame} lacks {len(lacking)} of {len(recording.markers)} markers "
+            f"({listed(lacking)}); fill the recording first, or take another frame"
+        )
+    return np.asarray(recording.positions[frame])
+
+
+def pose_at_rest(neutral: Trajectories, frame: int, recording: Trajectories) -> NDArray[np.float64]:
+    """Return (M, 3) positions of the recording's markers in a frame of another one.
+
+    Raises
+    ------
+    Refusal
+        If one of them is missing there.
+    ValueError
+        If `neutral` lacks a marker of the recording, or has no such frame.
+    """
+    absent = [name for name in recording.markers if name not in neutral.markers]
+    if absent:
+        raise ValueError(
+            f"the neutral has no marker {listed(absent)}; it has {listed(neutral.markers)}"
+        )
+    spare = [name for name in neutral.markers if name not in recording.markers]
+    if spare:
+        warnings.warn(
+            f"{len(spare)} markers of the neutral are not in the recording, and are left out: "
+            f"{listed(spare)}",
+            stacklevel=3,
+        )
+    return whole_frame(neutral.keep(recording.markers), frame, "the neutral")

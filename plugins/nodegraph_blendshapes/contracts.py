@@ -1,0 +1,198 @@
+"""What every node promises that builds or poses a model, or animates a head, whoever wrote it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph import Tried
+from nodegraph_mocap import Animation, BlendshapeModel, Head, Trajectories, Weights
+from nodegraph_mocap.promises import SHIFT, TOLERANCE, TURN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_Points = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
+_WITH_MARKERS = (Trajectories, BlendshapeModel, Head)
+
+
+def gives_a_model_or_a_recording(tried: Tried) -> Iterator[str]:
+    """Give a blendshape model first, or the recording of a posed one."""
+    made = _made(tried)
+    if not isinstance(made, BlendshapeModel | Trajectories):
+        yield f"its first output is {type(made).__name__}; it gives {', '.join(tried.outputs)}"
+
+
+def keeps_the_markers(tried: Tried) -> Iterator[str]:
+    """Give the markers of the recording, head or model that goes in, in their order."""
+    made, given = _made(tried), _markers_given(tried)
+    if isinstance(made, BlendshapeModel | Trajectories) and made.markers != given:
+        yield f"markers went in as {given}, came out as {made.markers}"
+
+
+def neutral_is_that_of_the_model(tried: Tried) -> Iterator[str]:
+    """Give as `neutral`, if at all, the model's neutral as a recording of one frame."""
+    made, neutral = _made(tried), tried.outputs.get("neutral")
+    if not isinstance(made, BlendshapeModel) or neutral is None:
+        return
+    if not isinstance(neutral, Trajectories):
+        yield f"its output `neutral` is {type(neutral).__name__}, not a recording"
+    elif neutral.markers != made.markers or neutral.frames != 1:
+        yield "`neutral` is not one frame of the model's markers"
+    elif not np.array_equal(neutral.positions[0], made.neutral):
+        yield "`neutral` differs from the model's"
+
+
+def moves_with_the_face(tried: Tried) -> Iterator[str]:
+    """Do the same with a face that stands elsewhere, turned another way."""
+    moved = {name: _moved(one) for name, one in tried.inputs.items()}
+    yield from _differences(tried, tried.again(**moved), "the face elsewhere", _back, _unturned)
+
+
+def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
+    """Do the same with markers in another order."""
+    turned = {name: _reordered(one) for name, one in tried.inputs.items()}
+    again = tried.again(**turned)
+    ordered = None if again is None else {name: _reordered(one) for name, one in again.items()}
+    yield from _differences(tried, ordered, "markers in another order")
+
+
+def does_not_depend_on_the_order_of_shapes(tried: Tried) -> Iterator[str]:
+    """Do the same with the shapes of weights in another order."""
+    weights = tried.inputs.get("weights")
+    if isinstance(weights, Weights):
+        other = replace(weights, values=weights.values[:, ::-1], names=weights.names[::-1])
+        yield from _differences(tried, tried.again(weights=other), "weights in another order")
+
+
+def gives_an_animation_of_its_weights(tried: Tried) -> Iterator[str]:
+    """Take `weights` and `head`, and give an animation of that head by those weights."""
+    weights, head, made = tried.inputs.get("weights"), tried.inputs.get("head"), _made(tried)
+    if not isinstance(weights, Weights) or not isinstance(head, Head):
+        yield f"its ports are {', '.join(tried.inputs) or 'none'}; name them `weights` and `head`"
+    elif not isinstance(made, Animation):
+        yield f"its first output is {type(made).__name__}, not an animation"
+    elif (made.frames, made.rate) != (weights.frames, weights.rate):
+        yield f"{weights.frames} frames at {weights.rate} Hz became {made.frames} at {made.rate}"
+    elif made.head.names != head.names or not np.array_equal(made.head.vertices, head.vertices):
+        yield "the head that it animates is not the one that was given"
+    elif unlike := [name for name in made.weights.names if not _same_weight(made, weights, name)]:
+        yield f"weights went in otherwise than they came out: {', '.join(unlike)}"
+
+
+BLENDSHAPES = (
+    gives_a_model_or_a_recording,
+    keeps_the_markers,
+    neutral_is_that_of_the_model,
+    moves_with_the_face,
+    does_not_depend_on_the_order_of_markers,
+    does_not_depend_on_the_order_of_shapes,
+)
+ANIMATE = (gives_an_animation_of_its_weights,)
+
+
+def _made(tried: Tried) -> Any:
+    return next(iter(tried.outputs.values()))
+
+
+def _markers_given(tried: Tried) -> tuple[str, ...]:
+    given = (one.markers for one in tried.inputs.values() if isinstance(one, _WITH_MARKERS))
+    return next(given, ())
+
+
+def _same_weight(made: Animation, weights: Weights, name: str) -> bool:
+    if name not in weights.names:
+        return False
+    came, went = made.weights.names.index(name), weights.names.index(name)
+    return np.array_equal(made.weights.values[:, came], weights.values[:, went], equal_nan=True)
+
+
+def _moved(value: Any) -> Any:
+    if isinstance(value, Trajectories):
+        return replace(value, positions=value.positions @ TURN.T + SHIFT)
+    if isinstance(value, BlendshapeModel):
+        neutral = value.neutral @ TURN.T + SHIFT
+        return replace(value, neutral=neutral, shapes=value.shapes @ TURN.T)
+    if isinstance(value, Head):
+        vertices = value.vertices @ TURN.T + SHIFT
+        return replace(value, vertices=vertices, morphs=value.morphs @ TURN.T)
+    return value
+
+
+def _reordered(value: Any) -> Any:
+    names = value.markers[::-1] if isinstance(value, _WITH_MARKERS) else ()
+    if isinstance(value, Trajectories):
+        return value.keep(names)
+    if isinstance(value, BlendshapeModel):
+        neutral, shapes = value.neutral[::-1], value.shapes[:, ::-1]
+        return replace(value, neutral=neutral, shapes=shapes, markers=names)
+    if isinstance(value, Head):
+        return replace(value, markers=names, marker_vertices=value.marker_vertices[::-1])
+    return value
+
+
+def _back(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray((points - SHIFT) @ TURN)
+
+
+def _unturned(offsets: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(offsets @ TURN)
+
+
+def _as_it_is(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return points
+
+
+def _differences(
+    tried: Tried,
+    again: Mapping[str, Any] | None,
+    what: str,
+    points: _Points = _as_it_is,
+    offsets: _Points = _as_it_is,
+) -> Iterator[str]:
+    """Yield where a model or recording differs from another, once that is moved back.
+
+    Parameters
+    ----------
+    tried
+    again
+        What came out of other inputs.
+    what
+        What is other about these.
+    points, offsets
+        What moves positions and offsets back.
+    """
+    if again is None:
+        yield f"declines {what}"
+        return
+    made, other = _made(tried), next(iter(again.values()))
+    if isinstance(made, Trajectories) and isinstance(other, Trajectories):
+        apart = _apart(made.positions, points(other.positions))
+    elif isinstance(made, BlendshapeModel) and isinstance(other, BlendshapeModel):
+        apart = _models_apart(made, other, points, offsets)
+    else:
+        return
+    if apart > TOLERANCE:
+        yield f"{what}: positions differ by up to {apart:.3g} mm"
+
+
+def _models_apart(
+    made: BlendshapeModel, other: BlendshapeModel, points: _Points, offsets: _Points
+) -> float:
+    if made.names != other.names:
+        return np.inf
+    shapes = [
+        # which way a principal component points is anybody's choice
+        min(_apart(one, offsets(two)), _apart(one, -offsets(two)))
+        for one, two in zip(made.shapes, other.shapes, strict=True)
+    ]
+    return max([_apart(made.neutral, points(other.neutral)), *shapes])
+
+
+def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    if one.shape != other.shape or np.any(np.isnan(one) != np.isnan(other)):
+        return np.inf
+    return float(np.nan_to_num(np.abs(one - other)).max(initial=0.0))

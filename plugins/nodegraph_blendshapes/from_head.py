@@ -1,0 +1,60 @@
+"""A model from a head's mesh, which the same weights drive."""
+
+from __future__ import annotations
+
+from nodegraph import Refusal, node
+from nodegraph_blendshapes.built import Built, built, with_markers
+from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
+
+
+@node("blendshapes.from_head", cite=("curio2006", "lewis2014"))
+def from_head(head: Head, marker_set: MarkerSet | None = None) -> Built:
+    """Build a model from a head: its morph targets where its markers sit.
+
+    The model's shapes have the names of the morph targets, so weights that are solved with it
+    animate the head [1]_ [2]_. A warning names shapes that are the same at the markers, or move
+    none of them.
+
+    Parameters
+    ----------
+    head
+        With morph targets, and a vertex for each marker (``read.head`` takes them from a table,
+        its setting `marker_vertices`).
+    marker_set
+        What is known of the head's markers, for `neutral`.
+
+    Returns
+    -------
+    model : BlendshapeModel
+        At the head's markers, in its axes.
+    neutral : Trajectories
+        The model's face at rest: one frame, its rate set to 1 Hz, with the marker set.
+
+    Raises
+    ------
+    Refusal
+        If the head names no vertex of a marker, or has no morph targets.
+    ValueError
+        If the marker set names a marker that the head lacks.
+
+    References
+    ----------
+    .. [1] C. Curio et al., Semantic 3D motion retargeting for facial animation, APGV '06, 77-84.
+    .. [2] J. P. Lewis et al., Practice and theory of blendshape facial models, Eurographics 2014,
+       State of the Art Reports, 199-218.
+    """
+    if not head.markers:
+        raise Refusal(
+            "the head does not say which vertices carry markers; give read.head a table of them "
+            "by its setting marker_vertices"
+        )
+    if not head.names:
+        raise Refusal("the head has no morph targets")
+    model = BlendshapeModel(
+        neutral=head.vertices[head.marker_vertices],
+        shapes=head.morphs[:, head.marker_vertices],
+        names=head.names,
+        markers=head.markers,
+    )
+    made = built(model, None)
+    return made._replace(neutral=with_markers(made.neutral, marker_set))

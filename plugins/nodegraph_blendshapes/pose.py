@@ -1,0 +1,66 @@
+"""The recording that a model makes of weights."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from nodegraph import node
+from nodegraph_blendshapes.built import with_markers
+from nodegraph_blendshapes.matching import shapes_of
+from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories, Weights
+
+
+@node("blendshapes.pose", cite=("lewis2014",))
+def pose(
+    weights: Weights, model: BlendshapeModel, marker_set: MarkerSet | None = None
+) -> Trajectories:
+    """Pose a model by weights: ``neutral + sum(weight * shape)`` in every frame.
+
+    Weights and shapes are matched by name, whichever convention each is written in
+    (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``) [1]_. Weights that the model has no shape
+    for are left out, and shapes without weight stay at 0; warnings count and name both. A frame in
+    which a weight of the model is missing (NaN) is missing as a whole, counted in a warning.
+
+    Parameters
+    ----------
+    weights
+        T frames.
+    model
+        Whose shapes they drive.
+    marker_set
+        What is known of the model's markers, for the recording.
+
+    Returns
+    -------
+    Trajectories
+        T frames of the model's markers, without head motion, at the rate of the weights.
+
+    Raises
+    ------
+    ValueError
+        If weights and model have no shape in common, a weight could mean two shapes, or the marker
+        set names a marker that the model lacks.
+
+    References
+    ----------
+    .. [1] J. P. Lewis et al., Practice and theory of blendshape facial models, Eurographics 2014,
+       State of the Art Reports, 199-218.
+    """
+    found = shapes_of(weights, model.names, "model")
+    values = weights.values[:, [weights.names.index(name) for name in found]]
+    shapes = model.shapes[[model.names.index(shape) for shape in found.values()]]
+    lacking = np.asarray(np.isnan(values).any(axis=1))
+    if lacking.any():
+        warnings.warn(
+            f"{np.count_nonzero(lacking)} of {len(lacking)} frames lack a weight, and are missing; "
+            f"the first is frame {np.argmax(lacking)}",
+            stacklevel=2,
+        )
+    offsets = np.tensordot(values, shapes, axes=1)
+    offsets[lacking] = np.nan
+    posed = Trajectories(
+        positions=model.neutral + offsets, markers=model.markers, rate=weights.rate
+    )
+    return with_markers(posed, marker_set)

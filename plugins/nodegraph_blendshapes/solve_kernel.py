@@ -1,0 +1,253 @@
+"""Least squares within bounds by normal equations, frame by frame, compiled.
+
+The block pivoting of Portugal, Judice & Vicente (1994): some weights are free and the others at a
+bound. The free ones are solved for; then all weights on the wrong side are exchanged at once, the
+free ones that are beyond a bound and the bound ones that the gradient pulls inwards, until none is
+left. Mostly that takes two or three rounds. Where their number does not fall for some rounds, only
+the last of them is exchanged, which cannot go round in circles (Murty, 1974), until it does fall.
+Each frame starts from the free weights of the one before. Import this module only when one runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"}
+)
+
+PULL = 1e-14
+"""A gradient is zero up to this share of ``|column| |target|``, what rounding leaves of it."""
+
+AT_LOW, AT_HIGH, FREE = 0, 1, 2
+_ROUNDS = 4
+_NOTHING = 1e-300
+
+
+class Squares(NamedTuple):
+    """A sum of squares ``|sum(w[k] columns[k]) - target|^2`` over weights w within bounds.
+
+    Attributes
+    ----------
+    columns : (K, R) array of float64
+    gram : (K, K) array of float64
+        ``columns columns'``.
+    lengths : (K,) array of float64
+        Of the columns.
+    low, high : float
+    """
+
+    columns: Any
+    gram: Any
+    lengths: Any
+    low: float
+    high: float
+
+
+class Work(NamedTuple):
+    """Where a search stands: the weights, which are free, and Cholesky's factor for these.
+
+    Attributes
+    ----------
+    weights, ahead, slope : (K,) arrays of float64
+        The weights, the solution for the free ones, the gradient.
+    place : (K,) array of int8
+        `AT_LOW`, `AT_HIGH` or `FREE`.
+    wrong : (K,) array of bool
+        Weights to be exchanged.
+    order : (K,) array of int64
+        The free weights, as the factor has them.
+    size : (1,) array of int64
+        How many are free.
+    factor : (K, K) array of float64
+    """
+
+    weights: Any
+    ahead: Any
+    slope: Any
+    place: Any
+    wrong: Any
+    order: Any
+    size: Any
+    factor: Any
+
+
+@compiled
+def bounded(squares: Any, targets: Any, linears: Any, most: int, made: Any) -> None:
+    """Write the weights of least squares of each target.
+
+    Parameters
+    ----------
+    squares : Squares
+        No column depends on others.
+    targets : (N, R) array of float64
+    linears : (N, K) array of float64
+        ``columns target``.
+    most
+        How many rounds of exchanges a target gets. Where that is not enough, its weights are
+        within the bounds, and not those of least squares.
+    made : (N, K) array of float64
+        Written.
+    """
+    work = _new_work(squares)
+    for frame in range(len(targets)):
+        target = targets[frame]
+        length = math.sqrt(_dot(target, target, len(target)))
+        _exchange(squares, linears[frame], work, length, most)
+        _refine(squares, target, work)
+        made[frame] = work.weights
+
+
+@compiled
+def _new_work(squares: Any) -> Any:
+    """Return a search that has not begun: every weight is free."""
+    count = len(squares.lengths)
+    work = Work(
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(count),
+        np.full(count, FREE, np.int8),
+        np.zeros(count, np.bool_),
+        np.arange(count),
+        np.full(1, count, np.int64),
+        np.zeros((count, count)),
+    )
+    _factorize(squares.gram, work, 0)
+    return work
+
+
+@compiled
+def _dot(one: Any, other: Any, count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += one[k] * other[k]
+    return total
+
+
+@compiled
+def _add(one: Any, other: Any, factor: float, count: int) -> None:
+    for k in range(count):
+        one[k] += other[k] * factor
+
+
+@compiled
+def _factorize(gram: Any, work: Any, begin: int) -> None:
+    """Write the factor's rows from `begin` on."""
+    factor, order = work.factor, work.order
+    for i in range(begin, work.size[0]):
+        row, entries = factor[i], gram[order[i]]
+        for k in range(i):
+            row[k] = (entries[order[k]] - _dot(row, factor[k], k)) / factor[k, k]
+        row[i] = math.sqrt(max(entries[order[i]] - _dot(row, row, i), _NOTHING))
+
+
+@compiled
+def _solve(work: Any) -> None:
+    """Replace the right-hand side in `ahead` by the solution for the free weights."""
+    factor, ahead = work.factor, work.ahead
+    for i in range(work.size[0]):
+        ahead[i] = (ahead[i] - _dot(factor[i], ahead, i)) / factor[i, i]
+    for i in range(work.size[0] - 1, -1, -1):
+        ahead[i] /= factor[i, i]
+        _add(ahead, factor[i], -ahead[i], i)
+
+
+@compiled
+def _exchange(squares: Any, linear: Any, work: Any, length: float, most: int) -> None:
+    """Exchange weights that are on the wrong side until none is left."""
+    fewest, rounds = len(linear) + 1, _ROUNDS
+    for _ in range(most):
+        _free_ones(squares, linear, work)
+        wrong = _mark(squares, work, length)
+        if wrong == 0:
+            return
+        rounds = _ROUNDS if wrong < fewest else rounds - 1
+        fewest = min(fewest, wrong)
+        if rounds < 0:
+            _mark_the_last_only(work)
+        _factorize(squares.gram, work, _swap(squares, work))
+
+
+@compiled
+def _free_ones(squares: Any, linear: Any, work: Any) -> None:
+    """Write the free weights, whether beyond the bounds or not, and the gradient."""
+    size, weights, slope = work.size[0], work.weights, work.slope
+    for k in range(len(slope)):
+        slope[k] = -linear[k]
+    for j in range(len(weights)):
+        if work.place[j] != FREE and weights[j] != 0.0:
+            _add(slope, squares.gram[j], weights[j], len(slope))
+    for k in range(size):
+        work.ahead[k] = -slope[work.order[k]]
+    _solve(work)
+    for k in range(size):
+        weights[work.order[k]] = work.ahead[k]
+        _add(slope, squares.gram[work.order[k]], work.ahead[k], len(slope))
+
+
+@compiled
+def _mark(squares: Any, work: Any, length: float) -> int:
+    """Mark the weights that are on the wrong side, and return how many."""
+    count = 0
+    for j in range(len(work.weights)):
+        if work.place[j] == FREE:
+            work.wrong[j] = not squares.low <= work.weights[j] <= squares.high
+        else:
+            pull = -work.slope[j] if work.place[j] == AT_LOW else work.slope[j]
+            work.wrong[j] = pull > PULL * length * squares.lengths[j]
+        count += work.wrong[j]
+    return count
+
+
+@compiled
+def _mark_the_last_only(work: Any) -> None:
+    last = 0
+    for j in range(len(work.wrong)):
+        if work.wrong[j]:
+            last = j
+            work.wrong[j] = False
+    work.wrong[last] = True
+
+
+@compiled
+def _swap(squares: Any, work: Any) -> Any:
+    """Exchange the marked weights, and return from which row on the factor is another."""
+    order, kept, same = work.order, 0, work.size[0]
+    for k in range(work.size[0]):
+        i = order[k]
+        if work.wrong[i]:
+            above = work.weights[i] > squares.high
+            work.place[i] = AT_HIGH if above else AT_LOW
+            work.weights[i] = squares.high if above else squares.low
+            work.wrong[i] = False
+            same = min(same, k)
+        else:
+            order[kept] = i
+            kept += 1
+    for j in range(len(work.wrong)):
+        if work.wrong[j]:
+            work.place[j] = FREE
+            order[kept] = j
+            kept += 1
+    work.size[0] = kept
+    return same
+
+
+@compiled
+def _refine(squares: Any, target: Any, work: Any) -> None:
+    """Take from the free weights what the normal equations have cost in accuracy."""
+    rest = target.copy()
+    for j in range(len(work.weights)):
+        if work.weights[j] != 0.0:
+            _add(rest, squares.columns[j], -work.weights[j], len(rest))
+    for k in range(work.size[0]):
+        work.ahead[k] = _dot(squares.columns[work.order[k]], rest, len(rest))
+    _solve(work)
+    for k in range(work.size[0]):
+        i = work.order[k]
+        work.weights[i] = min(max(work.weights[i] + work.ahead[k], squares.low), squares.high)

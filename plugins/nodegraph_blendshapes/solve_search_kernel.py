@@ -1,0 +1,262 @@
+"""Least squares within bounds where columns may depend on each other, compiled.
+
+The active-set method of Stark & Parker (1995), which is that of Lawson & Hanson (1974) for two
+bounds: some weights are free and the others stay. The free ones are solved for, by Householder's
+reflections, as normal equations would square what little tells such columns apart; where that
+leads out of the bounds, the way there is gone as far as it leads within them, and the weight that
+stops it is bound. Where it does not, the weight that the gradient pulls the most is freed. The sum
+of squares falls with each weight that is freed, so that no set of free weights comes twice; one
+with which it does not fall, by rounding, is not freed again until it has. All begin at rest, at 0.
+Import this module only when one runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"}
+)
+
+PULL = 1e-14
+"""A gradient is zero up to this share of ``|column| |target|``, what rounding leaves of it."""
+
+DEPENDENT = 1e-13
+"""A column of which no larger share is at right angles to the free ones is not freed."""
+
+AT_LOW, AT_HIGH, AT_REST, FREE = 0, 1, 2, 3
+
+
+class Squares(NamedTuple):
+    """A sum of squares ``|sum(w[k] columns[k]) - target|^2`` over weights w within bounds.
+
+    Attributes
+    ----------
+    columns : (K, R) array of float64
+    lengths : (K,) array of float64
+        Of the columns.
+    low, high : float
+        0 is not outside of them.
+    """
+
+    columns: Any
+    lengths: Any
+    low: float
+    high: float
+
+
+class Work(NamedTuple):
+    """Where a search stands.
+
+    Attributes
+    ----------
+    weights, ahead, slope, diagonal : (K,) arrays of float64
+        The weights, where the free ones lead, the gradient, the triangle's diagonal.
+    place : (K,) array of int8
+        `AT_LOW`, `AT_HIGH`, `AT_REST` between the two, or `FREE`.
+    refused : (K,) array of bool
+        Weights that are not to be freed: rounding alone pulls them.
+    order : (K,) array of int64
+        The free weights, as they were freed.
+    size : (1,) array of int64
+        How many are free.
+    table : (K + 1, R) array of float64
+        The free columns, and what they are to give.
+    """
+
+    weights: Any
+    ahead: Any
+    slope: Any
+    diagonal: Any
+    place: Any
+    refused: Any
+    order: Any
+    size: Any
+    table: Any
+
+
+@compiled
+def search(squares: Any, targets: Any, most: int, made: Any, free: Any) -> None:
+    """Write weights of least squares of each target, of which there may be several.
+
+    Parameters
+    ----------
+    squares : Squares
+    targets : (N, R) array of float64
+    most
+        How many weights may be freed for a target. Where that is not enough, the weights are
+        within the bounds, and their squares not the least.
+    made : (N, K) array of float64
+        Written.
+    free : (N, K) array of bool
+        Written: which weights are free; their columns do not depend on each other.
+    """
+    work = _new_work(squares)
+    for frame in range(len(targets)):
+        _begin(squares, work)
+        _search(squares, targets[frame], work, most)
+        made[frame] = work.weights
+        free[frame] = work.place == FREE
+
+
+@compiled
+def _new_work(squares: Any) -> Any:
+    count, height = squares.columns.shape
+    return Work(
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(count, np.int8),
+        np.zeros(count, np.bool_),
+        np.zeros(count, np.int64),
+        np.zeros(1, np.int64),
+        np.zeros((count + 1, height)),
+    )
+
+
+@compiled
+def _begin(squares: Any, work: Any) -> None:
+    work.weights[:] = 0.0
+    work.refused[:] = False
+    work.size[0] = 0
+    work.place[:] = AT_REST
+    if squares.low == 0.0:
+        work.place[:] = AT_LOW
+    elif squares.high == 0.0:
+        work.place[:] = AT_HIGH
+
+
+@compiled
+def _search(squares: Any, target: Any, work: Any, most: int) -> None:
+    least = _squares_and_slope(squares, target, work)
+    enough = PULL * math.sqrt(least)
+    for _ in range(most):
+        newest = _most_pulled(squares, work, enough)
+        if newest < 0 or work.size[0] == len(target):
+            return
+        before = work.place[newest]
+        work.place[newest] = FREE
+        work.order[work.size[0]] = newest
+        work.size[0] += 1
+        _look_ahead(squares, target, work)
+        if abs(work.diagonal[work.size[0] - 1]) <= DEPENDENT * squares.lengths[newest]:
+            work.size[0] -= 1
+            work.place[newest] = before
+            work.refused[newest] = True
+            continue
+        while not _go(squares, work):
+            _look_ahead(squares, target, work)
+        value = _squares_and_slope(squares, target, work)
+        if value < least:
+            least = value
+            work.refused[:] = False
+        else:
+            work.refused[newest] = True
+
+
+@compiled
+def _dot(one: Any, other: Any, count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += one[k] * other[k]
+    return total
+
+
+@compiled
+def _add(one: Any, other: Any, factor: float, count: int) -> None:
+    for k in range(count):
+        one[k] += other[k] * factor
+
+
+@compiled
+def _squares_and_slope(squares: Any, target: Any, work: Any) -> Any:
+    """Write the gradient, and return the sum of squares."""
+    rest = -target
+    for j in range(len(work.weights)):
+        if work.weights[j] != 0.0:
+            _add(rest, squares.columns[j], work.weights[j], len(rest))
+    for j in range(len(work.weights)):
+        work.slope[j] = _dot(squares.columns[j], rest, len(rest))
+    return _dot(rest, rest, len(rest))
+
+
+@compiled
+def _most_pulled(squares: Any, work: Any, enough: float) -> int:
+    """Return which weight that is not free the gradient pulls inwards the most, or -1."""
+    most, found = enough, -1
+    for j in range(len(work.weights)):
+        if work.place[j] == FREE or work.refused[j]:
+            continue
+        pull = -work.slope[j]
+        if work.place[j] == AT_HIGH or (work.place[j] == AT_REST and pull < 0.0):
+            pull = -pull
+        if pull > most * squares.lengths[j]:
+            most, found = pull / squares.lengths[j], j
+    return found
+
+
+@compiled
+def _look_ahead(squares: Any, target: Any, work: Any) -> None:
+    """Write where the free weights have the least squares, the others staying."""
+    size, height = work.size[0], len(target)
+    for k in range(size):
+        work.table[k] = squares.columns[work.order[k]]
+    rest = work.table[size]
+    rest[:] = target
+    for j in range(len(work.weights)):
+        if work.place[j] != FREE and work.weights[j] != 0.0:
+            _add(rest, squares.columns[j], -work.weights[j], height)
+    _triangle(work, height)
+    for k in range(size - 1, -1, -1):
+        value = rest[k]
+        for j in range(k + 1, size):
+            value -= work.table[j, k] * work.ahead[j]
+        work.ahead[k] = value / work.diagonal[k]
+
+
+@compiled
+def _triangle(work: Any, height: int) -> None:
+    """Reflect the table's rows so that each is 0 beyond its place."""
+    size = work.size[0]
+    for k in range(size):
+        mirror = work.table[k, k:]
+        length = math.sqrt(_dot(mirror, mirror, height - k))
+        work.diagonal[k] = -length if mirror[0] >= 0.0 else length
+        mirror[0] -= work.diagonal[k]
+        half = work.diagonal[k] * mirror[0]  # minus half of the mirror's squared length
+        if half != 0.0:
+            for other in range(k + 1, size + 1):
+                column = work.table[other, k:]
+                _add(column, mirror, _dot(mirror, column, height - k) / half, height - k)
+
+
+@compiled
+def _go(squares: Any, work: Any) -> bool:
+    """Go ahead as far as the bounds let; bind the weight that stops, and say if none did."""
+    share, stop, bound, place = 1.0, -1, 0.0, FREE
+    for k in range(work.size[0]):
+        here, there = work.weights[work.order[k]], work.ahead[k]
+        if there < squares.low and squares.low - here >= share * (there - here):
+            share, stop = (squares.low - here) / (there - here), k
+            bound, place = squares.low, AT_LOW
+        elif there > squares.high and squares.high - here <= share * (there - here):
+            share, stop = (squares.high - here) / (there - here), k
+            bound, place = squares.high, AT_HIGH
+    for k in range(work.size[0]):
+        i = work.order[k]
+        gone = work.weights[i] + share * (work.ahead[k] - work.weights[i])
+        gone = work.ahead[k] if stop < 0 else gone
+        work.weights[i] = min(max(gone, squares.low), squares.high)
+    if stop >= 0:
+        work.weights[work.order[stop]] = bound
+        work.place[work.order[stop]] = place
+        work.size[0] -= 1
+        for k in range(stop, work.size[0]):
+            work.order[k] = work.order[k + 1]
+    return stop < 0

@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph_blendshapes.animate_mesh import mesh
+from nodegraph_mocap import Head, HeadMotion, Weights
+from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.write_glb import write_glb
+
+HEAD: Head = specimens()[Head]()["complete"]
+WEIGHTS: Weights = specimens()[Weights]()["complete"]
+MOTION: HeadMotion = specimens()[HeadMotion]()["complete"]
+
+
+def test_weights_drive_the_morph_targets_of_their_names() -> None:
+    made = mesh(WEIGHTS, HEAD, MOTION)
+    assert made.head is HEAD
+    assert made.head_motion is MOTION
+    np.testing.assert_array_equal(made.morph_weights, WEIGHTS.values)
+    assert (made.frames, made.rate) == (WEIGHTS.frames, WEIGHTS.rate)
+    assert mesh(WEIGHTS, HEAD).head_motion is None
+
+
+def test_weights_of_one_face_drive_another_by_name() -> None:
+    other = replace(HEAD, names=("mouthSmile_R", "JawOpen", "mouthSmile_L"))
+    made = mesh(WEIGHTS, other)
+    np.testing.assert_array_equal(made.morph_weights, WEIGHTS.values[:, [2, 0, 1]])
+
+
+def test_what_has_no_counterpart_is_left_out_and_named() -> None:
+    weights = replace(WEIGHTS, names=("TongueOut", "jawOpen", "browInnerUp"))
+    with pytest.warns(UserWarning) as told:  # noqa: PT030  (two of them, both below)
+        made = mesh(weights, HEAD)
+    assert [str(one.message) for one in told] == [
+        "2 of 3 weights have no shape on the head, and are left out: TongueOut, browInnerUp",
+        "2 of the head's 3 shapes have no weight, and stay at 0: mouthSmileLeft, mouthSmileRight",
+    ]
+    assert made.weights.names == ("jawOpen",)
+    np.testing.assert_array_equal(made.morph_weights[:, 0], WEIGHTS.values[:, 1])
+    assert not made.morph_weights[:, 1:].any()
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        replace(HEAD, names=("a", "b", "c")),
+        replace(HEAD, names=(), morphs=np.zeros((0, 10, 3))),
+    ],
+    ids=["other names", "no morph targets"],
+)
+def test_nothing_in_common_is_an_error(head: Head) -> None:
+    message = "have no shape in common: the weights have jawOpen, mouthSmileLeft, mouthSmileRight,"
+    with pytest.raises(ValueError, match=message):
+        mesh(WEIGHTS, head)
+
+
+def test_head_motion_of_another_length_is_an_error() -> None:
+    short = HeadMotion(
+        rotations=MOTION.rotations[:-1],
+        translations=MOTION.translations[:-1],
+        scales=MOTION.scales[:-1],
+    )
+    with pytest.raises(ValueError, match="the weights have 40 frames, the head motion 39"):
+        mesh(WEIGHTS, HEAD, short)
+
+
+def test_a_missing_weight_stays_missing_until_a_file_is_written() -> None:
+    values = WEIGHTS.values.copy()
+    values[4:6, 1] = np.nan
+    made = mesh(replace(WEIGHTS, values=values), HEAD)
+    np.testing.assert_array_equal(made.morph_weights, values)
+    with pytest.warns(UserWarning, match="2 weights in 2 frames are missing, and repeat the last"):
+        write_glb(made)

@@ -1,0 +1,144 @@
+"""A node that breaks a promise of its family is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nodegraph_blendshapes
+import nodegraph_mocap
+from nodegraph import node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_blendshapes.animate_mesh import mesh
+from nodegraph_blendshapes.built import Built
+from nodegraph_blendshapes.from_head import from_head
+from nodegraph_blendshapes.from_pca import from_pca
+from nodegraph_blendshapes.pose import pose
+from nodegraph_mocap import Animation, BlendshapeModel, Head, Trajectories, Weights
+
+REGISTRY = Registry(
+    loaded=[Plugin("mocap", nodegraph_mocap), Plugin("blendshapes", nodegraph_blendshapes)]
+)
+
+
+def stranger(model: BlendshapeModel) -> BlendshapeModel:
+    return replace(model, markers=model.markers[::-1])
+
+
+def centred(model: BlendshapeModel) -> BlendshapeModel:
+    return replace(model, neutral=model.neutral - model.neutral.mean(axis=0))
+
+
+def larger_first(model: BlendshapeModel) -> BlendshapeModel:
+    shapes = model.shapes.copy()
+    shapes[:, 0] *= 2
+    return replace(model, shapes=shapes)
+
+
+def flat(model: BlendshapeModel) -> BlendshapeModel:
+    return replace(model, shapes=model.shapes * [1.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (stranger, "Give the markers of the recording"),
+        (centred, "Do the same with a face that stands elsewhere"),
+        (flat, "Do the same with a face that stands elsewhere"),
+        (larger_first, "Do the same with markers in another order"),
+    ],
+)
+def test_a_model_that_breaks_a_promise(
+    spoil: Callable[[BlendshapeModel], BlendshapeModel], text: str
+) -> None:
+    @node("blendshapes.broken")
+    def of_head(head: Head) -> BlendshapeModel:
+        """Build a model, and spoil it."""
+        return spoil(from_head(head).model)
+
+    @node("blendshapes.broken")
+    def of_recording(recording: Trajectories) -> BlendshapeModel:
+        """Build a model, and spoil it."""
+        return spoil(from_pca(recording).model)
+
+    for broken in (of_head, of_recording):
+        with pytest.raises(AssertionError, match=text):
+            check_node(broken, registry=REGISTRY)
+
+
+def test_a_neutral_that_is_not_the_model_s() -> None:
+    @node("blendshapes.broken")
+    def broken(head: Head) -> Built:
+        """Build a model, and give another neutral."""
+        made = from_head(head)
+        return made._replace(neutral=replace(made.neutral, positions=made.neutral.positions + 1.0))
+
+    with pytest.raises(AssertionError, match="`neutral` differs from the model's"):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_pose_that_takes_weights_by_their_column() -> None:
+    @node("blendshapes.broken")
+    def broken(weights: Weights, model: BlendshapeModel) -> Trajectories:
+        """Pose, by column."""
+        return pose(replace(weights, names=model.names), model)
+
+    with pytest.raises(AssertionError, match="Do the same with the shapes of weights in another"):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_a_node_that_gives_something_else() -> None:
+    @node("blendshapes.broken")
+    def broken(head: Head) -> Head:
+        """Give the head."""
+        return head
+
+    with pytest.raises(AssertionError, match="its first output is Head"):
+        check_node(broken, registry=REGISTRY)
+
+
+def doubled(made: Animation) -> Animation:
+    return replace(made, weights=replace(made.weights, values=2 * made.weights.values))
+
+
+def faster(made: Animation) -> Animation:
+    return replace(made, weights=replace(made.weights, rate=2 * made.rate))
+
+
+def swollen(made: Animation) -> Animation:
+    return replace(made, head=replace(made.head, vertices=1.1 * np.array(made.head.vertices)))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (doubled, "weights went in otherwise than they came out: jawOpen"),
+        (faster, "frames at 60.0 Hz became"),
+        (swollen, "the head that it animates is not the one"),
+    ],
+)
+def test_an_animation_that_breaks_a_promise(
+    spoil: Callable[[Animation], Animation], text: str
+) -> None:
+    @node("animate.broken")
+    def broken(weights: Weights, head: Head) -> Animation:
+        """Animate, and spoil it."""
+        return spoil(mesh(weights, head))
+
+    with pytest.raises(AssertionError, match=text):
+        check_node(broken, registry=REGISTRY)
+
+
+def test_an_animation_whose_ports_have_other_names() -> None:
+    @node("animate.broken")
+    def broken(curves: Weights, head: Head) -> Animation:
+        """Animate."""
+        return mesh(curves, head)
+
+    with pytest.raises(AssertionError, match="name them `weights` and `head`"):
+        check_node(broken, registry=REGISTRY)

@@ -1,0 +1,109 @@
+"""What importing the nodes costs, what they say when they are used together, and in a graph."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nodegraph as ng
+from nodegraph.node import node_of
+from nodegraph_blendshapes import nodegraph_nodes
+from nodegraph_blendshapes.from_head import from_head
+from nodegraph_blendshapes.pose import pose
+from nodegraph_mocap import Animation, Head, Trajectories, Weights, head_bytes
+from nodegraph_mocap.specimens import heads, weights
+
+GRAPH = """\
+nodegraph: 1
+inputs: {head: head.glb, weights: weights.csv}
+axes:
+  k: [1, 2]
+nodes:
+  face: {use: read.head, with: {path: $head}}
+  curves: {use: read.weights, with: {path: $weights}}
+  parallel: {use: blendshapes.from_head, in: face}
+  posed: {use: blendshapes.pose, in: {weights: curves, model: parallel}}
+  model:
+    in: posed
+    alternatives:
+      frames: {use: blendshapes.from_frames, with: {frames: {one: 1, two: 2}}}
+      pca: {use: blendshapes.from_pca, with: {components: $k}}
+  animation: {use: animate.mesh, in: {weights: curves, head: face}}
+  files: {use: write.glb, in: animation}
+"""
+CURVES = """\
+Timecode,BlendShapeCount,JawOpen,MouthSmileLeft,MouthSmileRight
+00:00:00:01.000,3,0,0,0
+00:00:00:02.000,3,1,0.5,0.25
+00:00:00:03.000,3,0.5,0.75,1
+00:00:00:04.000,3,0.25,1,0
+"""
+
+
+def test_importing_the_nodes_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, nodegraph_blendshapes; list(nodegraph_blendshapes.nodegraph_nodes());"
+        "print([name for name in ('numba', 'scipy', 'pandas') if name in sys.modules])"
+    )
+    path = [entry for entry in sys.path if entry]
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}; {code}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_nodes_that_build_from_a_recording_are_alternatives_of_one_another() -> None:
+    ports = {}
+    for function in nodegraph_nodes():
+        found = node_of(function)
+        assert found is not None
+        ports[found.name] = (
+            [port.name for port in found.inputs if not port.optional],
+            [port.name for port in found.outputs],
+        )
+    assert ports["blendshapes.from_frames"] == (["recording"], ["model", "neutral"])
+    assert ports["blendshapes.from_pca"] == (["recording"], ["model", "neutral", "components"])
+    assert ports["blendshapes.from_head"] == (["head"], ["model", "neutral"])
+    assert ports["blendshapes.pose"][0] == ["weights", "model"]
+    assert ports["animate.mesh"][0] == ["weights", "head"]
+
+
+def test_a_graph_poses_builds_and_animates(tmp_path: Path) -> None:
+    head = heads()["complete"]
+    (tmp_path / "head.glb").write_bytes(head_bytes(head))
+    (tmp_path / "weights.csv").write_text(CURVES)
+    (tmp_path / "graph.yaml").write_text(GRAPH)
+    run = ng.run(ng.load(tmp_path / "graph.yaml"))
+    posed = run["posed"].value
+    assert isinstance(posed, Trajectories)
+    built = run["model"].at(model="frames", k=1)
+    np.testing.assert_array_equal(built.neutral, posed.positions[0])
+    assert len(run["model"].at(model="pca", k=2).names) == 2
+    animation = run["animation"].value
+    assert isinstance(animation, Animation)
+    at_markers = animation.head.vertices + np.tensordot(
+        animation.morph_weights, animation.head.morphs, axes=1
+    )
+    np.testing.assert_allclose(
+        at_markers[:, head.marker_vertices], posed.positions, rtol=0, atol=1e-9
+    )
+    assert list(run["files"].value.content) == ["animation.glb"]
+
+
+@pytest.mark.parametrize("name", ["complete", "one frame"])
+def test_the_head_s_markers_move_as_the_posed_model_s(name: str) -> None:
+    head: Head = heads()["complete"]
+    driving: Weights = weights()[name]
+    posed = pose(driving, from_head(head).model)
+    for frame, values in zip(posed.positions, driving.values, strict=True):
+        vertices = head.vertices + sum(
+            weight * morph for weight, morph in zip(values, head.morphs, strict=True)
+        )
+        np.testing.assert_allclose(frame, vertices[head.marker_vertices], rtol=0, atol=1e-12)

@@ -1,0 +1,125 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_blendshapes.pose import pose
+from nodegraph_mocap import BlendshapeModel, MarkerSet, Weights, read_live_link, read_model_npz
+from nodegraph_mocap.specimens import specimens
+
+DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
+MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
+SET: MarkerSet = specimens()[MarkerSet]()["complete"]
+WEIGHTS: Weights = specimens()[Weights]()["complete"]
+
+
+def test_a_pose_is_the_neutral_and_each_shape_as_much_as_its_weight() -> None:
+    posed = pose(WEIGHTS, MODEL, SET)
+    assert (posed.markers, posed.rate, posed.marker_set) == (MODEL.markers, WEIGHTS.rate, SET)
+    for frame, weights in zip(posed.positions, WEIGHTS.values, strict=True):
+        expected = MODEL.neutral.copy()
+        for weight, shape in zip(weights, MODEL.shapes, strict=True):
+            expected += weight * shape
+        np.testing.assert_allclose(frame, expected, rtol=0, atol=1e-12)
+    assert posed.measured.all()
+    assert pose(WEIGHTS, MODEL).marker_set is None
+
+
+def test_names_of_another_convention_and_order_mean_the_same_shapes() -> None:
+    order = [2, 0, 1]
+    other = Weights(
+        values=WEIGHTS.values[:, order],
+        names=("mouthSmile_R", "JawOpen", "mouth_smile_left"),
+        rate=WEIGHTS.rate,
+    )
+    np.testing.assert_allclose(
+        pose(other, MODEL).positions, pose(WEIGHTS, MODEL).positions, rtol=0, atol=1e-12
+    )
+
+
+def test_what_has_no_counterpart_is_left_out_and_named() -> None:
+    weights = replace(WEIGHTS, names=("jawOpen", "TongueOut", "browInnerUp"))
+    with pytest.warns(UserWarning) as told:  # noqa: PT030  (two of them, both below)
+        posed = pose(weights, MODEL)
+    assert [str(one.message) for one in told] == [
+        "2 of 3 weights have no shape on the model, and are left out: TongueOut, browInnerUp",
+        "2 of the model's 3 shapes have no weight, and stay at 0: mouthSmileLeft, mouthSmileRight",
+    ]
+    expected = MODEL.neutral + WEIGHTS.values[:, 0, None, None] * MODEL.shapes[0]
+    np.testing.assert_allclose(posed.positions, expected, rtol=0, atol=1e-12)
+
+
+def test_nothing_in_common_is_an_error() -> None:
+    weights = replace(WEIGHTS, names=("a", "b", "c"))
+    message = "no shape in common: the weights have a, b, c, the model jawOpen, mouthSmileLeft, mou"
+    with pytest.raises(ValueError, match=message):
+        pose(weights, MODEL)
+
+
+def test_a_weight_that_could_mean_two_shapes_is_an_error() -> None:
+    model = replace(MODEL, names=("jawOpen", "smile_L", "smileLeft"))
+    weights = replace(WEIGHTS, names=("JawOpen", "Smile-L", "c"))
+    with pytest.raises(ValueError, match="'Smile-L' may be 'smile_L' or 'smileLeft'"):
+        pose(weights, model)
+
+
+def test_a_frame_that_lacks_a_weight_is_missing() -> None:
+    values = WEIGHTS.values.copy()
+    values[3, 1] = values[3, 2] = values[9] = np.nan
+    with pytest.warns(UserWarning, match="^2 of 40 frames lack a weight, .* the first is frame 3"):
+        posed = pose(replace(WEIGHTS, values=values), MODEL)
+    missing = np.isin(np.arange(40), [3, 9])
+    np.testing.assert_array_equal(posed.present, ~missing[:, None] & np.ones(10, dtype=bool))
+    np.testing.assert_array_equal(
+        posed.positions[~missing], pose(WEIGHTS, MODEL).positions[~missing]
+    )
+
+
+@pytest.mark.filterwarnings("ignore:1 of ")
+def test_a_missing_weight_that_the_model_does_not_know_does_no_harm() -> None:
+    values = WEIGHTS.values.copy()
+    values[:, 2] = np.nan
+    weights = replace(WEIGHTS, values=values, names=("jawOpen", "mouthSmileLeft", "TongueOut"))
+    assert pose(weights, MODEL).present.all()
+
+
+def test_a_marker_set_of_another_face_is_an_error() -> None:
+    with pytest.raises(ValueError, match="the marker set names chin, which the model lacks"):
+        pose(WEIGHTS, MODEL, MarkerSet(markers=("chin",)))
+
+
+def test_no_frames_make_a_recording_without_frames() -> None:
+    assert pose(replace(WEIGHTS, values=np.zeros((0, 3))), MODEL).frames == 0
+
+
+@settings(deadline=None, max_examples=30, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_least_squares_finds_the_weights_again(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    model = BlendshapeModel(
+        neutral=random.normal(0, 60, (8, 3)),
+        shapes=random.normal(0, 5, (6, 8, 3)),
+        names=tuple("abcdef"),
+        markers=tuple("stuvwxyz"),
+    )
+    values = random.uniform(-1, 2, (12, 6))
+    posed = pose(Weights(values=values, names=model.names, rate=60.0), model)
+    offsets = (posed.positions - model.neutral).reshape(12, -1)
+    found = np.linalg.lstsq(model.shapes.reshape(6, -1).T, offsets.T, rcond=None)[0].T
+    np.testing.assert_allclose(found, values, rtol=0, atol=1e-9)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+def test_a_recorded_performance_poses_a_published_model() -> None:
+    model = read_model_npz(DATA / "facecap" / "model_60_markers.npz")
+    weights = read_live_link(DATA / "livelink" / "actor_a_60fps.csv")
+    posed = pose(weights, model)
+    assert posed.positions.shape == (328, 60, 3)
+    assert posed.present.all()
+    way = np.linalg.norm(posed.positions - model.neutral, axis=2)
+    assert 5 < way.max() < 60
