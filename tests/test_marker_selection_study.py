@@ -1,0 +1,189 @@
+"""How few markers tell the same expressions: command line to curves and faces."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+import nodegraph as ng
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT.parent / "shared" / "data"
+GRAPH = ROOT / "graphs" / "marker_selection.yaml"
+AS_PRINTED = ROOT / "tests" / "language" / "marker_selection.yaml"
+ACTORS = ("ME", "MB", "JZ")
+SHORT = ("--axis", "k=10,20,35,50", "--set", "runs=30", "--store", "store")
+
+needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+
+Row = dict[str, str]
+
+
+def run(folder: Path, graph: Path, *words: str) -> Path:
+    command = [sys.executable, "-m", "nodegraph.cli", "run", str(graph), *words]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    (folder / "runs" / "marker_selection" / "said.txt").write_text(done.stdout)
+    return folder / "runs" / "marker_selection"
+
+
+def rows(folder: Path) -> dict[str, list[Row]]:
+    """The points of each actor."""
+    with (folder / "fig2_table.csv").open() as file:
+        every = list(csv.DictReader(file))
+    return {
+        actor: [row for row in every if row["actor"] == actor]
+        for actor in dict.fromkeys(row["actor"] for row in every)
+    }
+
+
+def curve(points: list[Row]) -> dict[int, float]:
+    """The lowest error for each number of markers."""
+    found: dict[int, float] = {}
+    for row in points:
+        markers, error = int(row["markers"]), float(row["mse"])
+        found[markers] = min(error, found.get(markers, error))
+    return dict(sorted(found.items()))
+
+
+def minima(points: list[Row]) -> list[int]:
+    triples = zip(
+        *(itertools.islice(curve(points).items(), i, None) for i in range(3)), strict=False
+    )
+    return [x for (_, before), (x, here), (_, after) in triples if before > here < after]
+
+
+def marked(points: list[Row]) -> list[tuple[int, str]]:
+    return [(int(row["markers"]), row["marked"]) for row in points if row["marked"]]
+
+
+def check_marks(folder: Path) -> None:
+    """What is marked and said is what a plain search of the table finds."""
+    found = rows(folder)
+    low = {actor: minima(points) for actor, points in found.items()}
+    shared = [
+        x
+        for x in sorted(itertools.chain(*low.values()))
+        if all(any(abs(x - other) <= 2 for other in one) for one in low.values())
+    ]
+    said = (folder / "said.txt").read_text()
+    kinds = {kind for points in found.values() for _, kind in marked(points)}
+    if shared:
+        assert f"within 2 of markers {shared[0]}," in said
+        assert kinds == {"shared"}
+        assert all(abs(marked(points)[0][0] - shared[0]) <= 2 for points in found.values())
+    else:
+        assert "No local minimum is shared within 2 markers" in said
+        assert kinds == {"knee"}
+    for actor, points in found.items():
+        told = "Neither a minimum to mark nor a knee: " in said and actor in said
+        assert len(marked(points)) == 1 or (not marked(points) and told)
+
+
+@pytest.fixture(scope="module")
+def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run on built-in data, with few starts of four searches."""
+    return run(tmp_path_factory.mktemp("selection"), GRAPH, *SHORT)
+
+
+def test_fewer_markers_cost_more_and_every_actor_has_a_floor(built_in: Path) -> None:
+    found = rows(built_in)
+    assert tuple(found) == ACTORS
+    for points in found.values():
+        assert len(points) == 4
+        errors = list(curve(points).values())
+        assert errors[0] == max(errors)
+        (floor,) = {float(row["floor"]) for row in points}
+        assert 0 < floor < errors[0] / 10
+        for row in points:
+            assert (row["below floor"] == "True") == (float(row["mse"]) <= floor)
+
+
+def test_what_is_marked_is_what_a_plain_search_finds(built_in: Path) -> None:
+    check_marks(built_in)
+
+
+def test_the_faces_are_those_that_are_marked(built_in: Path) -> None:
+    html = (built_in / "report.html").read_text()
+    for actor, points in rows(built_in).items():
+        row = next(row for row in points if row["marked"])
+        assert f"{actor}, k {row['k']}" in html
+        assert f"{row['markers']} of 60 markers" in html
+
+
+def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path) -> None:
+    names = {path.name for path in built_in.glob("*.svg")}
+    assert names == {
+        "fig1.svg", "fig2_figure.svg", "left-out_figure.svg",
+        *(f"rivals_figure_actor-{actor}.svg" for actor in ACTORS),
+    }  # fmt: skip
+    html = (built_in / "report.html").read_text()
+    assert "What the text claims" in html
+    assert "greedy" in html
+
+
+def test_the_graph_of_the_language_runs_as_it_is_printed(tmp_path: Path) -> None:
+    folder = run(tmp_path, AS_PRINTED, "--axis", "k=10,30,50", "--store", "store")
+    found = rows(folder)
+    assert tuple(found) == ACTORS
+    assert "floor" not in found["ME"][0]
+    check_marks(folder)
+
+
+def test_an_actor_whose_take_has_long_gaps_is_refused_and_the_others_are_drawn(
+    tmp_path: Path,
+) -> None:
+    actors = "{ME: {rec: 'sample:actor_a', model: 'sample:actor_a'}, "
+    actors += "gappy: {rec: 'sample:face', model: 'sample:face'}}"
+    words = ("--axis", f"actor={actors}", "--axis", "k=10,30", "--only", "chosen=pfa")
+    folder = run(tmp_path, GRAPH, *words, "--set", "runs=5", "--store", "store")
+    assert tuple(rows(folder)) == ("ME",)
+    said = (folder / "said.txt").read_text()
+    assert "gappy: 2 combinations refused" in said
+
+
+@pytest.fixture(scope="module")
+def performers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """Two recorded performances on a face with markers, as C3D, and one that is there already."""
+    folder = tmp_path_factory.mktemp("performers")
+    path = DATA / "facecap" / "model_60_markers.npz"
+    model = ng.get_node("read.model")(path=path).model
+    for name, file in (("a", "actor_a_60fps.csv"), ("b", "actor_b_30fps.csv")):
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*the timecode skips|.*lack a weight")
+            weights = ng.get_node("read.weights")(path=DATA / "livelink" / file)
+            posed = ng.get_node("blendshapes.pose")(weights, model)
+        (content,) = ng.get_node("write.c3d")(posed).content.values()
+        (folder / f"{name}.c3d").write_bytes(content)
+    files = (("A", "a.c3d"), ("B", "b.c3d"), ("C", DATA / "facecap" / "take001.c3d"))
+    actors = {name: {"rec": str(file), "model": str(path)} for name, file in files}
+    return folder, json.dumps(actors)
+
+
+@needs_recordings
+def test_three_performers_have_their_curves_floors_and_marks(performers: tuple[Path, str]) -> None:
+    folder, actors = performers
+    words = ("--axis", f"actor={actors}", "--only", "chosen=pfa")
+    made = run(folder, GRAPH, *SHORT, *words)
+    found = rows(made)
+    assert tuple(found) == ("A", "B", "C")
+    for points in found.values():
+        assert len(points) == 4
+        assert 1e-4 < float(points[0]["floor"]) < 2e-2
+        assert float(points[0]["mse"]) > float(points[-1]["mse"])
+    check_marks(made)
+    steps = json.loads((made / "run.json").read_text())["steps"]
+    told = {
+        step["node"]: " ".join(step.get("warnings", ()))
+        for step in steps
+        if step["labels"] == {"actor": "B"}
+    }
+    assert "stable landmarks" in told["marked"]
+    assert "3 of 4033 frames" in told["aligned"]

@@ -1,0 +1,145 @@
+"""From points without names to an animated head: command line to report."""
+
+from __future__ import annotations
+
+import csv
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT.parent / "shared" / "data"
+GRAPH = ROOT / "graphs" / "pipeline.yaml"
+AS_PRINTED = Path(__file__).with_name("language") / "pipeline.yaml"
+CHAIN = ("tracks", "named", "fill", "despike", "smooth", "each_step")
+STEPS = ["captured", "fill", "despike", "smooth"]
+
+needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+
+
+def run(folder: Path, graph: Path, *words: str) -> Path:
+    command = [sys.executable, "-m", "nodegraph.cli", "run", str(graph), *words]
+    done = subprocess.run(
+        [*command, "--out", "made", "--store", "store"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder / "made"
+
+
+def each_step(folder: Path) -> dict[str, dict[str, Any]]:
+    """Return the rows of the table by step; numbers as numbers, nothing as NaN."""
+    with (folder / "each-step.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["step"] for row in rows] == STEPS
+    words = ("step", "verdict")
+    return {
+        row["step"]: {
+            name: text if name in words else float(text or "nan") for name, text in row.items()
+        }
+        for row in rows
+    }
+
+
+def changed(folder: Path, *, sources: dict[str, Any], replaced: dict[str, str], **top: Any) -> Path:
+    """Write the shipped graph's chain with other sources, and return the file.
+
+    Parameters
+    ----------
+    sources
+        Nodes that stand for `face`.
+    replaced
+        What the chain reads instead of which output of `face`.
+    """
+    text = GRAPH.read_text()
+    for output, source in replaced.items():
+        text = text.replace(f"face.{output}", source)
+    nodes = yaml.safe_load(text)["nodes"]
+    graph = {
+        "nodegraph": 1,
+        **top,
+        "nodes": sources | {name: nodes[name] for name in CHAIN},
+        "report": ["each_step"],
+    }
+    path = folder / "chain.yaml"
+    path.write_text(yaml.safe_dump(graph, sort_keys=False))
+    return path
+
+
+@pytest.fixture(scope="module")
+def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run(tmp_path_factory.mktemp("pipeline"), GRAPH)
+
+
+def test_every_step_brings_what_it_changes_nearer_to_the_truth(built_in: Path) -> None:
+    found = each_step(built_in)
+    assert [found[step]["verdict"] for step in STEPS] == ["begins", "adds", "better", "better"]
+    for step in ("despike", "smooth"):
+        assert found[step]["after"] < found[step]["before"]
+        assert found[step]["nearer"] > 0.5
+    assert found["smooth"]["rmse"] < 0.75 * found["captured"]["rmse"]
+
+
+def test_the_fill_adds_what_was_missing_and_changes_nothing(built_in: Path) -> None:
+    found = each_step(built_in)
+    assert found["fill"]["added"] == found["captured"]["missing"] > 1000
+    assert found["fill"]["changed"] == found["fill"]["missing"] == 0
+    assert math.isnan(found["fill"]["before"])
+    assert found["captured"]["rmse"] < found["fill"]["added rmse"] < 3.0
+
+
+def test_figures_playback_and_the_animated_head_are_there(built_in: Path) -> None:
+    assert (built_in / "glb" / "animation.glb").read_bytes()[:4] == b"glTF"
+    for name in ("fig9.svg", "trajectories.svg", "playback.html"):
+        assert (built_in / name).is_file()
+    html = (built_in / "report.html").read_text()
+    assert "despike makes it better" in html
+    assert "face.neutral" in html
+
+
+def test_on_a_clean_recording_impulse_removal_and_smoothing_make_it_worse(tmp_path: Path) -> None:
+    clean = {"seconds": 3, "noise": 0, "impulses": 0, "missing": 0}
+    sources = {"face": {"use": "synthesize.face", "with": clean}}
+    made = run(tmp_path, changed(tmp_path, sources=sources, replaced={}))
+    found = each_step(made)
+    assert [found[step]["verdict"] for step in STEPS] == ["begins", "nothing", "worse", "worse"]
+    assert found["despike"]["before"] == found["captured"]["rmse"] == 0.0
+    html = (made / "report.html").read_text()
+    assert "despike makes it WORSE" in html
+    assert "smooth makes it worse" in html
+
+
+def test_the_chain_runs_as_the_language_prints_it(tmp_path: Path) -> None:
+    made = run(tmp_path, AS_PRINTED)
+    assert (made / "fig9.svg").is_file()
+
+
+@needs_recordings
+def test_the_same_chain_on_real_optics_that_were_damaged(tmp_path: Path) -> None:
+    jaw, markers = (DATA / "animface" / name for name in ("jaw.c3d", "markers.yaml"))
+    reading = {"path": str(jaw), "marker_set": str(markers)}
+    sources = {
+        "capture": {"use": "read.recording", "with": reading},
+        "noise": {"use": "noise.add", "in": "capture", "with": {"sigma": 0.1}},
+        "impulses": {"use": "impulses.add", "in": "noise.noisy"},
+        "gaps": {"use": "gaps.cut", "in": "impulses.spiky"},
+        "points": {"use": "points.scatter", "in": "gaps.gappy", "with": {"ghosts": 0.002}},
+        "rest": {"use": "recording.crop", "in": "capture", "with": {"first": 0, "last": 0}},
+    }
+    replaced = {"detections": "points.detections", "neutral": "rest", "truth": "noise.truth"}
+    graph = changed(tmp_path, sources=sources, replaced=replaced, known=["rest"])
+    found = each_step(run(tmp_path, graph))
+    assert found["captured"]["missing"] == found["fill"]["added"] == 20 * 15
+    assert found["captured"]["misplaced"] == 0
+    assert found["captured"]["rmse"] < found["fill"]["added rmse"] < 1.5
+    for step in ("despike", "smooth"):
+        assert found[step]["verdict"] == "better"
+    assert found["smooth"]["rmse"] < 0.5 * found["captured"]["rmse"]
