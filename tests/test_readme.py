@@ -35,6 +35,13 @@ def test_the_graph_is_a_good_one(tmp_path: Path) -> None:
     assert list(ng.load(path).nodes) == ["capture", "gaps", "fill", "error", "table"]
 
 
+def test_the_picture_shows_the_graph(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "graph.yaml").write_text(blocks("yaml")[0])
+    assert main(["draw", str(tmp_path / "graph.yaml")]) == 0
+    (picture,) = re.findall(r'<img src="(.*?)"', README)
+    assert capsys.readouterr().out.strip() == (ROOT / picture).read_text().strip()
+
+
 def test_the_graph_that_stands_where_a_node_does_is_a_good_one(tmp_path: Path) -> None:
     graph, clean = blocks("yaml")
     (tmp_path / "clean.yaml").write_text(clean)
