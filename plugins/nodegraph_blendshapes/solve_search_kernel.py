@@ -55,8 +55,10 @@ class Work(NamedTuple):
 
     Attributes
     ----------
-    weights, ahead, slope, diagonal : (K,) arrays of float64
-        The weights, where the free ones lead, the gradient, the triangle's diagonal.
+    weights, ahead, slope : (K,) arrays of float64
+        The weights, where the free ones lead, the gradient.
+    diagonal, half : (K,) arrays of float64
+        Of the triangle; minus half of each mirror's squared length.
     place : (K,) array of int8
         `AT_LOW`, `AT_HIGH`, `AT_REST` between the two, or `FREE`.
     refused : (K,) array of bool
@@ -66,13 +68,15 @@ class Work(NamedTuple):
     size : (1,) array of int64
         How many are free.
     table : (K + 1, R) array of float64
-        The free columns, and what they are to give.
+        A row for each free column, the triangle's left of the diagonal and a mirror from there on;
+        and what the columns are to give, reflected.
     """
 
     weights: Any
     ahead: Any
     slope: Any
     diagonal: Any
+    half: Any
     place: Any
     refused: Any
     order: Any
@@ -112,6 +116,7 @@ def _new_work(squares: Any) -> Any:
         np.zeros(count),
         np.zeros(count),
         np.zeros(count),
+        np.zeros(count),
         np.zeros(count, np.int8),
         np.zeros(count, np.bool_),
         np.zeros(count, np.int64),
@@ -144,14 +149,16 @@ def _search(squares: Any, target: Any, work: Any, most: int) -> None:
         work.place[newest] = FREE
         work.order[work.size[0]] = newest
         work.size[0] += 1
-        _look_ahead(squares, target, work)
+        _look_ahead(squares, target, work, work.size[0] - 1)
         if abs(work.diagonal[work.size[0] - 1]) <= DEPENDENT * squares.lengths[newest]:
             work.size[0] -= 1
             work.place[newest] = before
             work.refused[newest] = True
             continue
-        while not _go(squares, work):
-            _look_ahead(squares, target, work)
+        stop = _go(squares, work)
+        while stop >= 0:
+            _look_ahead(squares, target, work, stop)
+            stop = _go(squares, work)
         value = _squares_and_slope(squares, target, work)
         if value < least:
             least = value
@@ -202,43 +209,46 @@ def _most_pulled(squares: Any, work: Any, enough: float) -> int:
 
 
 @compiled
-def _look_ahead(squares: Any, target: Any, work: Any) -> None:
-    """Write where the free weights have the least squares, the others staying."""
+def _look_ahead(squares: Any, target: Any, work: Any, begin: int) -> None:
+    """Write where the free weights have the least squares, the others staying.
+
+    Rows of the table before `begin` are as they were.
+    """
     size, height = work.size[0], len(target)
-    for k in range(size):
+    for k in range(begin, size):
         work.table[k] = squares.columns[work.order[k]]
+        _reflect(work, work.table[k], k)
+        mirror = work.table[k, k:]
+        length = math.sqrt(_dot(mirror, mirror, height - k))
+        work.diagonal[k] = -length if mirror[0] >= 0.0 else length
+        mirror[0] -= work.diagonal[k]
+        work.half[k] = work.diagonal[k] * mirror[0]
     rest = work.table[size]
     rest[:] = target
     for j in range(len(work.weights)):
         if work.place[j] != FREE and work.weights[j] != 0.0:
             _add(rest, squares.columns[j], -work.weights[j], height)
-    _triangle(work, height)
+    _reflect(work, rest, size)
     for k in range(size - 1, -1, -1):
-        value = rest[k]
-        for j in range(k + 1, size):
-            value -= work.table[j, k] * work.ahead[j]
-        work.ahead[k] = value / work.diagonal[k]
+        work.ahead[k] = rest[k] / work.diagonal[k]
+        _add(rest, work.table[k], -work.ahead[k], k)
 
 
 @compiled
-def _triangle(work: Any, height: int) -> None:
-    """Reflect the table's rows so that each is 0 beyond its place."""
-    size = work.size[0]
-    for k in range(size):
-        mirror = work.table[k, k:]
-        length = math.sqrt(_dot(mirror, mirror, height - k))
-        work.diagonal[k] = -length if mirror[0] >= 0.0 else length
-        mirror[0] -= work.diagonal[k]
-        half = work.diagonal[k] * mirror[0]  # minus half of the mirror's squared length
-        if half != 0.0:
-            for other in range(k + 1, size + 1):
-                column = work.table[other, k:]
-                _add(column, mirror, _dot(mirror, column, height - k) / half, height - k)
+def _reflect(work: Any, row: Any, count: int) -> None:
+    """Reflect a row by the first mirrors, one after the other."""
+    for k in range(count):
+        if work.half[k] != 0.0:
+            mirror, beyond = work.table[k, k:], row[k:]
+            _add(beyond, mirror, _dot(mirror, beyond, len(mirror)) / work.half[k], len(mirror))
 
 
 @compiled
-def _go(squares: Any, work: Any) -> bool:
-    """Go ahead as far as the bounds let; bind the weight that stops, and say if none did."""
+def _go(squares: Any, work: Any) -> int:
+    """Go ahead as far as the bounds let; bind the weight that stops.
+
+    Returns where in the order it was, or -1 if none did.
+    """
     share, stop, bound, place = 1.0, -1, 0.0, FREE
     for k in range(work.size[0]):
         here, there = work.weights[work.order[k]], work.ahead[k]
@@ -259,4 +269,4 @@ def _go(squares: Any, work: Any) -> bool:
         work.size[0] -= 1
         for k in range(stop, work.size[0]):
             work.order[k] = work.order[k + 1]
-    return stop < 0
+    return stop

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
     Matrix = NDArray[np.float64]
 
-KKT = 1e-12
-"""A gradient is zero up to this share of `Chain.noise`."""
+KKT, ROUNDING = 1e-12, 1e-15
+"""A gradient is zero up to these shares of the largest at weights of 0 and of `Chain.noise`."""
 
 ENOUGH = 1e-10
-"""With no larger share left, the weights are given."""
+"""With no larger share left of the largest gradient at weights of 0, the weights are given."""
 
 SHARE = 1e-9
 """How much the norm counts beside the squares, while the weights of least norm are approached."""
@@ -95,15 +95,15 @@ def least(chain: Chain) -> Matrix:
     weights, left = np.zeros_like(chain.linear), np.inf
     for _ in range(_APPROACHES):
         weights = _nearest(strict, weights)
-        inwards = chain.inwards(weights, chain.gradient(weights))
-        left = float(np.abs(inwards).max()) / chain.noise(weights)
-        if left <= KKT:
+        left = float(np.abs(chain.inwards(weights, chain.gradient(weights))).max())
+        if left <= max(KKT * chain.size, ROUNDING * chain.noise(weights)):
             break
         strict = replace(strict, linear=chain.linear + share * weights)
-    if left > ENOUGH:
+    if left > ENOUGH * chain.size:
         raise Refusal(
-            "the weights of least squares with smoothness could not be found within rounding: of "
-            f"the gradient {left:.1g} of its parts is left; try a larger ridge"
+            "the weights of least squares with smoothness could not be found within rounding: a "
+            f"gradient of {left / chain.size:.1g} of the largest at weights of 0 is left; try a "
+            "larger ridge or less smoothness"
         )
     return weights
 

@@ -16,7 +16,8 @@ from nodegraph_blendshapes.solve_smooth import solve_take
 from nodegraph_blendshapes.solve_table import residual_table
 from nodegraph_mocap import BlendshapeModel, Table, Trajectories, Weights
 
-Penalty = Annotated[float, Field(ge=0.0, allow_inf_nan=False), Unit("mm^2")]
+LARGEST = 1e12
+Penalty = Annotated[float, Field(ge=0.0, le=LARGEST, allow_inf_nan=False), Unit("mm^2")]
 
 
 class Explained(NamedTuple):
@@ -68,8 +69,8 @@ def solve_weights(
     Looks at no other frame unless there is smoothness; then at all of the take. The least of
     ``sum over frames of |B w[t] - (x[t] - x0)|^2 + ridge |w[t]|^2 + smoothness |w[t] - w[t-1]|^2``
     is convex; it is found by exchanging weights of all frames or from within the bounds [6]_, to a
-    gradient of at most 1e-10 of what it is the sum of; where rounding does not let it, the take is
-    refused. Of several answers it takes, but for a billionth of the largest curvature, the
+    gradient of at most 1e-10 of the largest at weights of 0; where rounding does not let it, the
+    take is refused. Of several answers it takes, but for a billionth of the largest curvature, the
     one of the least sum of squared weights. A frame without any marker splits the take. The weight
     of a shape that is not seen in a frame follows from the frames around. It takes 8 K^2 bytes per
     frame, K being the number of shapes.
@@ -126,8 +127,8 @@ def solve_weights(
     """
     low, high = limits(bounds)
     for name, penalty in (("ridge", ridge), ("smoothness", smoothness)):
-        if not 0.0 <= penalty < float("inf"):
-            raise ValueError(f"{name} must be 0 or a positive number of mm^2, got {penalty}")
+        if not 0.0 <= penalty <= LARGEST:
+            raise ValueError(f"{name} must be from 0 to {LARGEST:g} mm^2, got {penalty}")
     problem = Problem.of(recording, model)
     if smoothness:
         solved = solve_take(problem, low, high, ridge, smoothness)

@@ -82,8 +82,12 @@ def test_hardly_any_smoothness_is_none_and_much_of_it_is_one_expression() -> Non
     recording = posed(model, VALUES, noise=0.5)
     alone = found(recording, model)
     np.testing.assert_allclose(found(recording, model, smoothness=1e-9), alone, rtol=0, atol=1e-7)
-    still = found(recording, model, smoothness=1e9)
-    assert np.ptp(still, axis=0).max() < 1e-5
+    still = found(recording, model, smoothness=1e7)
+    assert np.ptp(still, axis=0).max() < 1e-3
+    middle = found(at(recording, recording.positions.mean(axis=0, keepdims=True)), model)
+    np.testing.assert_allclose(still, np.broadcast_to(middle, still.shape), rtol=0, atol=1e-3)
+    with pytest.raises(Refusal, match="try a larger ridge or less smoothness"):
+        found(recording, model, smoothness=1e12)
 
 
 def test_a_frame_without_any_marker_splits_the_take() -> None:
@@ -149,7 +153,5 @@ def test_what_rounding_hides_is_refused(monkeypatch: pytest.MonkeyPatch) -> None
     model, _, _ = face(VALUES)
     recording = posed(model, VALUES, noise=0.5)
     monkeypatch.setattr(solve_smooth, "_nearest", lambda chain, weights: weights)
-    with pytest.raises(
-        Refusal, match=r"could not be found within rounding: of the gradient 1 of its parts is left"
-    ):
+    with pytest.raises(Refusal, match=r"within rounding: a gradient of 1 of the largest at"):
         solve_weights(recording, model, smoothness=1.0)

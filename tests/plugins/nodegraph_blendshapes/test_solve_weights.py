@@ -191,9 +191,9 @@ def test_halves_and_threads_give_what_the_whole_gives() -> None:
         ({"bounds": (1.0, 0.0)}, "bounds must be two numbers"),
         ({"bounds": (0.2, 1.0)}, "bounds must be two numbers"),
         ({"bounds": "some"}, "bounds must be two numbers"),
-        ({"ridge": -1.0}, "ridge must be 0 or a positive number of mm\\^2, got -1"),
-        ({"smoothness": float("inf")}, "smoothness must be 0 or a positive number"),
-        ({"smoothness": float("nan")}, "smoothness must be 0 or a positive number"),
+        ({"ridge": -1.0}, "ridge must be from 0 to 1e\\+12 mm\\^2, got -1"),
+        ({"smoothness": float("inf")}, "smoothness must be from 0 to 1e\\+12 mm"),
+        ({"smoothness": float("nan")}, "smoothness must be from 0 to 1e\\+12 mm"),
     ],
 )
 def test_nonsense_settings_are_named(settings: dict[str, Any], text: str) -> None:

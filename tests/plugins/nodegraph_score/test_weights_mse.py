@@ -1,0 +1,127 @@
+"""Errors of weights, beside plain loops."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph.node import node_of
+from nodegraph_mocap import Selection, Table, Weights
+from nodegraph_score.weights_mse import UNITS, weights_mse
+
+COLUMNS = ["mse", "rmse", "max", "frames", "missing", "shapes", "worst", "worst_mse"]
+
+
+def weights(names: str = "abcd", *, frames: int = 9, seed: int = 0) -> Weights:
+    values = np.random.default_rng(seed).uniform(0, 1, (frames, len(names)))
+    return Weights(values=values, names=tuple(names), rate=60.0)
+
+
+def quietly(estimate: Weights, reference: Weights) -> Table:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return weights_mse(estimate, reference)
+
+
+def test_ports_are_as_promised() -> None:
+    found = node_of(weights_mse)
+    assert found is not None
+    assert [str(port) for port in found.inputs] == [
+        "estimate: Weights",
+        "reference: Truth[Weights]",
+        "selection: Selection | None",
+    ]
+    assert not found.settings
+
+
+def test_every_number_by_a_plain_loop() -> None:
+    estimate, reference = weights(), weights(seed=1)
+    values = estimate.values.copy()
+    values[3, 1] = values[7] = np.nan
+    estimate = replace(estimate, values=values)
+    with pytest.warns(UserWarning, match="^2 of 9 frames lack a weight and are not compared$"):
+        table = weights_mse(estimate, reference)
+    assert list(table.columns) == COLUMNS
+    squares: dict[str, list[float]] = {name: [] for name in "abcd"}
+    for frame in range(9):
+        if frame not in (3, 7):
+            for place, name in enumerate("abcd"):
+                error = values[frame, place] - reference.values[frame, place]
+                squares[name].append(float(error) ** 2)
+    every = [one for of_shape in squares.values() for one in of_shape]
+    (row,) = table.to_dict("records")
+    mse = sum(every) / len(every)
+    by_shape = {name: sum(of_shape) / 7 for name, of_shape in squares.items()}
+    assert row["mse"] == pytest.approx(mse, rel=1e-12)
+    assert row["rmse"] == pytest.approx(mse**0.5, rel=1e-12)
+    assert row["max"] == pytest.approx(max(every) ** 0.5, rel=1e-12)
+    assert (row["frames"], row["missing"], row["shapes"]) == (7, 2, 4)
+    assert row["worst"] == max(by_shape, key=lambda name: by_shape[name])
+    assert row["worst_mse"] == pytest.approx(max(by_shape.values()), rel=1e-12)
+    assert table.attrs["notes"] == ["2 of 9 frames lack a weight and are not compared."]
+    assert table.attrs["units"] == UNITS
+
+
+def test_a_frame_that_the_reference_lacks_is_not_compared() -> None:
+    estimate, reference = weights(), weights(seed=1)
+    values = reference.values.copy()
+    values[:, 2] = np.nan
+    table = quietly(estimate, replace(reference, values=values))
+    assert (table["frames"][0], table["missing"][0], table["worst"][0]) == (0, 9, "")
+    assert np.isnan(table[["mse", "rmse", "max", "worst_mse"]].to_numpy()).all()
+
+
+def test_the_same_weights_have_no_error_and_the_first_of_equals_is_worst() -> None:
+    (row,) = weights_mse(weights(), weights()).to_dict("records")
+    assert (row["mse"], row["max"], row["worst"]) == (0.0, 0.0, "a")
+
+
+def test_shapes_are_matched_in_any_order_and_convention() -> None:
+    reference = replace(weights(), names=("eyeBlink_L", "jawOpen", "tongueOut", "eyeBlink_R"))
+    estimate = replace(
+        weights(),
+        names=("TongueOut", "EyeBlinkRight", "EyeBlinkLeft", "JawOpen"),
+        values=reference.values[:, [2, 3, 0, 1]] + [0.0, 0.0, 0.5, 0.0],
+    )
+    (row,) = weights_mse(estimate, reference).to_dict("records")
+    assert row["mse"] == pytest.approx(0.25 / 4, rel=1e-12)
+    assert (row["worst"], row["shapes"]) == ("eyeBlink_L", 4)
+
+
+def test_a_shape_that_one_lacks_is_0_there() -> None:
+    estimate, reference = weights("abx"), weights("abcd", seed=1)
+    with pytest.warns(UserWarning, match="shapes only the") as told:
+        table = weights_mse(estimate, reference)
+    assert [str(one.message) for one in told] == [
+        "1 of 5 shapes only the estimate has; they are 0 in the other: x",
+        "2 of 5 shapes only the reference has; they are 0 in the other: c, d",
+    ]
+    errors = np.concatenate(
+        [
+            estimate.values[:, :2] - reference.values[:, :2],
+            -reference.values[:, 2:],
+            estimate.values[:, 2:],
+        ],
+        axis=1,
+    )
+    assert table["mse"][0] == pytest.approx(np.square(errors).mean(), rel=1e-12)
+    assert table["shapes"][0] == 5
+
+
+def test_a_selection_tells_how_many_markers() -> None:
+    table = weights_mse(weights(), weights(seed=1), Selection(chosen=("m1", "m7", "m3")))
+    assert list(table.columns) == [*COLUMNS, "markers"]
+    assert table["markers"][0] == 3
+
+
+def test_what_cannot_be_compared_is_named() -> None:
+    with pytest.raises(ValueError, match="estimate has 9 frames, the reference 8"):
+        weights_mse(weights(), weights(frames=8))
+    with pytest.raises(ValueError, match="no shape is in both: estimate has a, b, reference x, y"):
+        weights_mse(weights("ab"), weights("xy"))
+    twice = replace(weights("ab"), names=("eyeBlinkLeft", "eyeBlink_L"))
+    with pytest.raises(ValueError, match="'eyeBlinkLeft' and 'eyeBlink_L' both mean"):
+        weights_mse(twice, replace(weights("a"), names=("EyeBlinkLeft",)))
