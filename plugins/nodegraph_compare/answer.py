@@ -10,6 +10,7 @@ import numpy as np
 from nodegraph_compare.bootstrap import CONFIDENCE, FEWEST, RESAMPLES
 from nodegraph_compare.left_out import block_text, end_text, group_text, listed
 from nodegraph_compare.statistics import LEVEL, Test
+from nodegraph_mocap.style import unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,21 +35,32 @@ def answers(
     if len(found) > _MOST_GROUPS and question.compare and question.better != "none":
         return [_counted(found, question)]
     told = []
-    for one in found[:_MOST_GROUPS]:
-        told.append(answer(one, question, unit))
+    for same in _alike(found[:_MOST_GROUPS]):
+        told.append(_answer(same, question, unit))
         if against is not None and test != "none":
-            told += _to_baseline(one, question, against)
+            told += [said for one in same for said in _to_baseline(one, question, against)]
     more = len(found) - _MOST_GROUPS
     return told + ([f"{more} more groups are in the table."] if more > 0 else [])
 
 
-def answer(summary: Summary, question: Question, unit: str) -> str:
-    """Return one sentence on a group: which mean is best, and which are not clearly apart.
+def _alike(found: Sequence[Summary]) -> list[list[Summary]]:
+    """Return groups with one best method, and the same methods behind it, together."""
+    together: dict[object, list[Summary]] = {}
+    for place, one in enumerate(found):
+        known = one.best is not None and len(one.values) >= FEWEST
+        said = (_best_names(one), _rest(one)) if known else place
+        together.setdefault(said, []).append(one)
+    return list(together.values())
+
+
+def _answer(same: Sequence[Summary], question: Question, unit: str) -> str:
+    """Return one sentence on groups that are alike: which mean is best, which are not behind it.
 
     A method is apart when its paired difference to the one with the best mean is larger than
     Tukey's range allows, so that of equal methods any is called apart in 5 % of studies.
     """
-    start = _start(summary, question)
+    summary = same[0]
+    start = _start(same, question)
     if not summary.blocks.any():
         return f"{start}no block has a number for every method; nothing can be said."
     if not question.compare:
@@ -57,11 +69,11 @@ def answer(summary: Summary, question: Question, unit: str) -> str:
         only = int(np.flatnonzero(summary.blocks)[0])
         numbers = _numbers(summary, only, unit)
         return f"{start}only {_name(summary, only)} has a mean {question.metric} ({numbers})."
-    best = summary.best
-    if best is None:
+    if summary.best is None:
         return f"{start}{_span(summary, question, unit)}."
-    told = f"{_name(summary, best)} has the {_EXTREME[question.better]} mean {question.metric}"
-    return f"{start}{told} ({_numbers(summary, best, unit)}){_rest(summary, best)}."
+    verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
+    told = f"{_best_names(summary)} {verb} the {_EXTREME[question.better]} mean {question.metric}"
+    return f"{start}{told} ({_numbers_of(same, unit)}){_rest(summary)}."
 
 
 def notes(question: Question, seed: int, against: Label | None, test: Test) -> list[str]:
@@ -72,7 +84,7 @@ def notes(question: Question, seed: int, against: Label | None, test: Test) -> l
         f"numbers. low, high: {CONFIDENCE:.0%} studentised bootstrap interval of the mean over "
         f"blocks ({RESAMPLES} resamples, seed {seed}; Student's below five blocks, none below "
         f"{FEWEST}), not adjusted for the number of intervals. Clearly behind the best: by "
-        "Tukey's range of the paired differences, adjusted for all pairs of methods.",
+        "Tukey's range of the paired differences, 5 % over all pairs of methods.",
     ]
     if against is not None and test != "none":
         told.append(
@@ -107,23 +119,47 @@ def _to_baseline(summary: Summary, question: Question, against: Label) -> list[s
         for side, where in sides
     }
     told = [f"{side}: {listed(names)}" for side, names in named.items() if names]
-    said = f"{_start(summary, question)}against {against}, {question.metric} is "
+    said = f"{_start([summary], question)}against {against}, {question.metric} is "
     if not told:
         return [f"{said}not significantly different for any method (p < {LEVEL:g} after Holm)."]
     return [f"{said}significantly {'; '.join(told)} (p < {LEVEL:g} after Holm)."]
 
 
-def _start(summary: Summary, question: Question) -> str:
-    place = group_text(summary.group, question)
-    return f"{place}: " if place else ""
+def _start(same: Sequence[Summary], question: Question) -> str:
+    if len(question.within) == 1:
+        places = f"{question.within[0]} {listed([one.group.labels[0] for one in same])}"
+    else:
+        places = "; ".join(group_text(one.group, question) for one in same)
+    return f"{places}: " if places else ""
+
+
+def _numbers_of(same: Sequence[Summary], unit: str) -> str:
+    """Return the best mean and its interval, or from where to where the best means of groups go."""
+    bests = [(one, one.best) for one in same if one.best is not None]
+    if len(bests) == 1:
+        return _numbers(*bests[0], unit)
+    means = [float(one.mean[place]) for one, place in bests]
+    counts = sorted({int(one.blocks[place]) for one, place in bests})
+    blocks = f"{counts[0]} blocks" if len(counts) == 1 else f"{counts[0]} to {counts[-1]} blocks"
+    ends = sorted({min(means), max(means)})
+    return f"{_valued(ends, unit)}, {blocks} each"
 
 
 def _numbers(summary: Summary, place: int, unit: str) -> str:
     count = int(summary.blocks[place])
-    text = f"{summary.mean[place]:.3g} {unit}".rstrip()
+    text = _valued([float(summary.mean[place])], unit)
     if count < FEWEST:
         return f"{text}, {'one block' if count == 1 else f'{count} blocks'}"
-    return f"{text}, interval {summary.low[place]:.3g} to {summary.high[place]:.3g}, {count} blocks"
+    ends = [float(summary.low[place]), float(summary.high[place])]
+    bare = _valued(ends, unit if unit == "share" else "")
+    return f"{text}, interval {bare}, {count} blocks"
+
+
+def _valued(values: Sequence[float], unit: str) -> str:
+    """Return numbers from first to last with their unit; shares in percent."""
+    if unit == "share":
+        values, unit = [100 * value for value in values], "%"
+    return f"{' to '.join(f'{value:.3g}' for value in values)} {unit_text(unit)}".rstrip()
 
 
 def _span(summary: Summary, question: Question, unit: str) -> str:
@@ -133,21 +169,25 @@ def _span(summary: Summary, question: Question, unit: str) -> str:
     return f"the mean {question.metric} is lowest for {ends[0]} and highest for {ends[1]}"
 
 
-def _rest(summary: Summary, best: int) -> str:
-    others = [place for place in np.flatnonzero(summary.blocks).tolist() if place != best]
+def _rest(summary: Summary) -> str:
+    others = np.flatnonzero((summary.blocks > 0) & ~summary.bests).tolist()
     count = len(summary.values)
     if count < FEWEST:
         told = "one block says" if count == 1 else f"{count} blocks say"
         return f"; {told} nothing of how far the others are apart"
+    if not others:
+        return ""
     close = [_name(summary, place) for place in others if not summary.behind[place]]
     if not close:
-        return "; every other method is clearly behind (paired differences, 5 % over all pairs)"
+        return "; every other method is clearly behind"
     more = len(others) - len(close)
     rest = f"; the {'other' if more == 1 else f'other {more}'} clearly behind" if more else ""
-    return (
-        f"; not clearly apart from it: {listed(close)} "
-        f"(paired differences, 5 % over all pairs){rest}"
-    )
+    best = "them" if np.count_nonzero(summary.bests) > 1 else "it"
+    return f"; not clearly apart from {best}: {listed(close)}{rest}"
+
+
+def _best_names(summary: Summary) -> str:
+    return listed([_name(summary, place) for place in np.flatnonzero(summary.bests).tolist()])
 
 
 def _name(summary: Summary, place: int) -> str:

@@ -19,6 +19,7 @@ FEWEST = 3
 _FEW = 5
 _DRAWN_AT_ONCE = 4_000_000
 _ROUNDING = 1e-12
+_FARTHEST = 10.0
 _TAILS = (50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE))
 
 Ends = tuple["NDArray[np.float64]", "NDArray[np.float64]"]
@@ -43,7 +44,10 @@ class Bootstrap:
     ================ ============= ============= ============= =============
 
     With three or four blocks, where resampling says too little, the interval is Student's;
-    with fewer there is none. Equal seeds and equal numbers of blocks draw equal blocks.
+    with fewer there is none. An end that lies more than ten times as far from the mean as
+    Student's is replaced by that: it comes of resamples of blocks that are equal or nearly so,
+    and is infinite where they are. Blocks that differ by rounding alone count as equal. Equal
+    seeds and equal numbers of blocks draw equal blocks.
 
     Parameters
     ----------
@@ -62,9 +66,14 @@ class Bootstrap:
             return np.full(columns, np.nan), np.full(columns, np.nan)
         mean = values.mean(axis=0)
         error = values.std(axis=0, ddof=1) / np.sqrt(blocks)
-        varied = np.ptp(values, axis=0) > 0.0  # where all are equal, nothing is uncertain
+        varied = differ(values)  # where all are equal, nothing is uncertain
         apart = (values - mean) / np.where(varied, error, 1.0)
-        low, high = _student(blocks) if blocks < _FEW else self._quantiles(apart)
+        low, high = student = _student(blocks)
+        if blocks >= _FEW:
+            low, high = (
+                np.where(np.abs(one) > _FARTHEST * np.abs(known), known, one)
+                for one, known in zip(self._quantiles(apart), student, strict=True)
+            )
         low, high = (np.where(varied, one, 0.0) for one in (low, high))
         return mean - high * error, mean - low * error
 
@@ -89,6 +98,11 @@ class Bootstrap:
         if blocks not in self._kept:
             self._kept = {blocks: list(_drawn(np.random.default_rng(self._seed), blocks))}
         return self._kept[blocks]
+
+
+def differ(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return, for the columns of (B, K) values, whether they differ by more than rounding."""
+    return np.asarray(np.ptp(values, axis=0) > _ROUNDING * np.abs(values).max(axis=0))
 
 
 def _student(blocks: int) -> Ends:

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from nodegraph_compare.curve_answer import verdict
+from nodegraph_compare.pictures import reach
 from nodegraph_mocap.style import BLACK, looks
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 _DASHES = (0, (5, 3))
 _SYMBOLS = {"shared": "o", "minimum": "o", "knee": "s"}
+_ROOM = 1.05
 _MEANINGS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee"}
 
 
@@ -75,7 +77,7 @@ def _draw_curve(panel: Panel, one: Points, scale: Scale, look: Look) -> None:
         clip_on=False,
     )
     curve = one.curve
-    ends = np.nan_to_num(np.clip([one.value - one.low, one.high - one.value], 0, None))
+    ends = reach(one.value, one.low, one.high)
     panel.errorbar(
         one.x[curve],
         value[curve],
@@ -132,11 +134,18 @@ def _set_scale(panel: Panel, scale: Scale, found: Sequence[Points]) -> None:
         panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         panel.yaxis.set_minor_formatter(NullFormatter())
     if np.isfinite(scale.highest):
-        panel.set_ylim(scale.lowest, scale.highest)
+        panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(found, scale))
     deep = sum(int(np.count_nonzero(one.value < scale.lowest)) for one in found)
     if deep:
         told = f"{deep} on the lower edge: 0 or lower than shown"
         panel.text(0.01, 0.02, told, transform=panel.transAxes, fontsize="x-small", color="0.35")
+
+
+def _top(found: Sequence[Points], scale: Scale) -> float:
+    """Return where a linear scale ends: above all intervals that are drawn."""
+    ends = [one.value + reach(one.value, one.low, one.high)[1] for one in found]
+    known = np.concatenate([one[points.curve] for one, points in zip(ends, found, strict=True)])
+    return max(scale.highest, _ROOM * float(np.nanmax(known, initial=0.0)))
 
 
 def _legend(

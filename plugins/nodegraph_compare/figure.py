@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from nodegraph_compare.pictures import plain, turned
-from nodegraph_mocap.style import PALE, looks
+from nodegraph_compare.pictures import plain, reach, turned
+from nodegraph_mocap.style import PALE, looks, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -128,7 +128,7 @@ def _point(
     axis.errorbar(
         x,
         mean,
-        yerr=np.nan_to_num(np.clip([mean - low, high - mean], 0, None)),
+        yerr=reach(mean, low, high),
         color=look.colour,
         marker=look.marker,
         markersize=5,
@@ -176,4 +176,4 @@ def _handle(look: Look) -> Line2D:
 
 
 def _quantity(question: Question, unit: str) -> str:
-    return plain(f"mean {question.metric}" + (f" ({unit})" if unit else ""))
+    return plain(f"mean {question.metric}" + (f" ({unit_text(unit)})" if unit else ""))

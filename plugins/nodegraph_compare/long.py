@@ -21,6 +21,10 @@ _PAIRED = {
     "p": "p",
     "better in": "better",
 }
+_INTERVALS = {
+    "mean": {"low": "low", "high": "high"},
+    "difference": {"low": "difference low", "high": "difference high"},
+}
 _SHARES = ("refused", "left missing", "better in")
 
 
@@ -49,6 +53,8 @@ def long_table(
     several = question.compare is not None
     made.attrs["best"] = {"mean": np.flatnonzero(bests).tolist()} if several else {}
     made.attrs["units"] = _units(made, unit)
+    made.attrs["labels"] = [*question.within, *question.compared]
+    made.attrs["cells"] = {name: parts for name, parts in _INTERVALS.items() if name in made}
     return made
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
 
 _LONGEST = 40
 
@@ -24,6 +26,14 @@ def turned(axis: Axes) -> None:
     axis.tick_params(axis="x", rotation=40)
     for text in axis.get_xticklabels():
         text.set(ha="right", rotation_mode="anchor")
+
+
+def reach(
+    mean: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return how far the bars go; an end that is not finite has none, or it would set the scale."""
+    reach = np.stack([mean - low, high - mean])
+    return np.where(np.isfinite(reach), np.clip(reach, 0.0, None), 0.0)
 
 
 def without_drawing(why: str) -> Figure:

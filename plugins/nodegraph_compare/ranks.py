@@ -157,6 +157,7 @@ def _table(found: Sequence[Ranking], question: Question) -> Table:
         ]
     made = DataFrame(rows)
     made.attrs["title"] = _title("Mean ranks", question)
+    made.attrs["labels"] = [*question.within, name]
     return made
 
 
@@ -175,7 +176,8 @@ def _pairs(found: Sequence[Ranking], question: Question) -> Table:
             for a, b, difference, p, effect in both
         ]
     made = DataFrame(rows)
-    made.attrs.update(title=_title("Pairs", question), notes=[])
+    labels = [*question.within, "first", "second"]
+    made.attrs.update(title=_title("Pairs", question), notes=[], labels=labels)
     return made
 
 
@@ -192,7 +194,8 @@ def _overall(found: Sequence[Ranking], question: Question) -> Table:
             | {"critical difference": told.critical}
         )
     made = DataFrame(rows)
-    made.attrs.update(title=_title("Friedman's test", question), notes=[])
+    labels = list(question.within)
+    made.attrs.update(title=_title("Friedman's test", question), notes=[], labels=labels)
     return made
 
 

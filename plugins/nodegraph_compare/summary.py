@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.better import End, sign_of
-from nodegraph_compare.bootstrap import FEWEST
+from nodegraph_compare.bootstrap import FEWEST, differ
 from nodegraph_compare.statistics import Test, holm, p_values, range_quantile
 
 if TYPE_CHECKING:
@@ -109,12 +109,18 @@ def summarise(
         mean=mean,
         rms=np.sqrt((values**2).mean(axis=0)) if blocks else nothing,
         median=np.median(values, axis=0) if blocks else nothing,
-        sd=values.std(axis=0, ddof=1) if blocks > 1 else nothing,
+        sd=_sd(values) if blocks > 1 else nothing,
         low=low,
         high=high,
         behind=behind_best(values, mean, end),
         paired=paired,
     )
+
+
+def _sd(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the standard deviations of columns, 0 where they differ by rounding alone."""
+    sd = values.std(axis=0, ddof=1)
+    return np.where(differ(values) | ~np.isfinite(sd), sd, 0.0)
 
 
 def differences(

@@ -20,6 +20,7 @@ from nodegraph_compare.statistics import LEVEL, Test
 from nodegraph_compare.summary import Summary, summarise
 from nodegraph_compare.wide import blocks_text, wide_table
 from nodegraph_mocap import Figure, Table
+from nodegraph_mocap.style import unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -177,7 +178,7 @@ def _laid_out(
         return made
     parts = [part for part in ("low", "high", "p") if part not in unwanted]
     made = wide_table(found, question, layout, order, parts)
-    told = f" ({unit})" if unit else ""
+    told = f" ({unit_text(unit)})" if unit else ""
     made.attrs["title"] = f"Mean {question.metric}{told}{by}{within}"
     made.attrs["notes"] = [f"{_cell_text(question, parts)} {blocks_text(found)}"]
     return made

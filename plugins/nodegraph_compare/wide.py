@@ -71,7 +71,7 @@ def wide_table(
         for part, name in shown[head].items():
             columns[name] = [getattr(cell, part) for cell in column]
     made = DataFrame(columns)
-    made.attrs.update(cells=shown, best=best, units={})
+    made.attrs.update(cells=shown, best=best, units={}, labels=list(layout.rows))
     return made
 
 

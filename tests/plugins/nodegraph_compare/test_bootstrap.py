@@ -125,3 +125,13 @@ def test_skewed_differences_are_covered_nearly_as_often_and_better_than_by_perce
     ends = np.percentile(counts @ differences / 20, [2.5, 97.5], axis=0)
     assert 0.90 < covered < 0.96
     assert covered > np.mean((ends[0] <= truth) & (ends[1] >= truth)) + 0.04
+
+
+def test_blocks_that_are_nearly_equal_have_an_end_that_can_be_drawn() -> None:
+    values = np.array([[0.0] * 7 + [0.06], [0.24] * 7 + [0.3], [0.1 + 1e-17] * 7 + [0.1 + 2e-17]]).T
+    low, high = Bootstrap(0).interval(values)
+    error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
+    reach = t.ppf(0.975, len(values) - 1)
+    assert (values.mean(axis=0) - low <= 10 * reach * error + 1e-15).all()
+    assert (high - values.mean(axis=0) <= 10 * reach * error + 1e-15).all()
+    assert (low[2], high[2]) == (pytest.approx(0.1, abs=1e-15), pytest.approx(0.1, abs=1e-15))

@@ -127,3 +127,23 @@ def test_equal_inputs_draw_equal_files() -> None:
         figure(scores(), mark="shared").savefig(file, format="png")
         files.append(file.getvalue())
     assert files[0] == files[1]
+
+
+def test_intervals_are_in_sight() -> None:
+    random = np.random.default_rng(0)
+    entries = tuple(
+        (
+            {"actor": "ME", "k": k},
+            pd.DataFrame({"markers": k, "unit": range(4), "mse": random.uniform(1, 4, 4)}),
+        )
+        for k in (5, 10, 15)
+    )
+    made = curve(
+        Across(("actor", "k"), entries),
+        x="markers",
+        metric="mse",
+        compare="actor",
+        blocks=("unit",),
+    )
+    (axis,) = made.figure.axes
+    assert axis.get_ylim()[1] > made.table["high"].max() > 1.05 * made.table["mse"].max()

@@ -10,6 +10,7 @@ from matplotlib.colors import to_hex
 from matplotlib.container import ErrorbarContainer
 
 from nodegraph import Across
+from nodegraph_compare.pictures import reach
 from nodegraph_compare.table import Compared, table
 from nodegraph_mocap.style import looks
 
@@ -132,3 +133,20 @@ def test_of_many_panels_some_are_drawn_and_the_rest_told() -> None:
     made = table(Across.of(tables, axis="fill"), within=("a", "b"), blocks=("gap",))
     assert len(made.figure.axes) == 24
     assert made.figure.get_supxlabel() == "6 more panels are not drawn"
+
+
+def test_an_end_that_is_not_finite_leaves_the_points_in_sight() -> None:
+    nan, inf = np.full(2, np.nan), np.full(2, np.inf)
+    mean = np.array([1.0, 2.0])
+    assert reach(mean, nan, inf).tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert reach(mean, mean - 0.5, mean + 0.25).tolist() == [[0.5, 0.5], [0.25, 0.25]]
+
+
+def test_methods_of_which_one_is_always_zero_are_all_in_sight() -> None:
+    tables = {"without": [0.0] * 8, "rare": [0.0] * 7 + [0.02], "other": [0.3, 0.4] * 4}
+    scores = {name: pd.DataFrame({"gap": range(8), "rmse": one}) for name, one in tables.items()}
+    made = table(Across.of(scores, axis="fill"))
+    (axis,) = made.figure.axes
+    low, high = axis.get_ylim()
+    assert low <= 0.0
+    assert 0.35 < high < 2.0

@@ -69,14 +69,42 @@ def test_rows_are_the_statistics_of_the_blocks() -> None:
 
 
 def test_the_answer_names_the_lowest_and_those_that_are_not_apart() -> None:
-    short, long = table(trials(), within=("length",)).table.attrs["answer"]
+    one = Across(trials().axes, tuple(entry for entry in trials() if entry[0]["length"] == 5))
+    (told,) = table(one, within=("length",)).table.attrs["answer"]
     assert re.match(
-        r"length 5: near has the lowest mean rmse \([\d.]+ mm, interval [\d.]+ to [\d.]+, 30 "
-        r"blocks\); not clearly apart from it: twin \(paired differences, 5 % over all pairs\); "
-        r"the other clearly behind\.$",
-        short,
+        r"length 5: near, twin share the lowest mean rmse \([\d.]+ mm, interval [\d.]+ to [\d.]+, "
+        r"30 blocks\); every other method is clearly behind\.$",
+        told,
     )
-    assert long.startswith("length 45: near has the lowest")
+
+
+def test_the_answer_names_who_is_not_clearly_behind() -> None:
+    near = [1.0, 1.2, 0.9, 1.1]
+    tables = {"a": near, "b": [1.3, 1.0, 0.9, 1.2], "far": [9.0, 9.1, 9.2, 9.0], "a2": near}
+    scores = {name: scored(values) for name, values in tables.items()}
+    (told,) = table(Across.of(scores, axis="fill")).table.attrs["answer"]
+    assert told.endswith("; not clearly apart from them: b; the other clearly behind.")
+    del scores["a2"]
+    (told,) = table(Across.of(scores, axis="fill")).table.attrs["answer"]
+    assert told.endswith("; not clearly apart from it: b; the other clearly behind.")
+
+
+def test_groups_with_one_answer_share_a_sentence() -> None:
+    made = table(trials(), within=("length",)).table
+    (told,) = made.attrs["answer"]
+    bests = sorted(made[made["fill"] == "near"]["mean"])
+    start = "length 5, 45: near, twin share the lowest mean rmse "
+    assert told.startswith(f"{start}({bests[0]:.3g} to {bests[1]:.3g} mm, 30 blocks each); ")
+
+
+def test_shares_are_told_in_percent_and_powers_as_they_are_printed() -> None:
+    for unit, text in (("share", "(20 %,"), ("mm^2", "(0.2 mm²,")):
+        tables = {"a": scored([0.2, 0.1, 0.3, 0.2]), "b": scored([0.4, 0.5, 0.6, 0.5])}
+        for one in tables.values():
+            one.attrs["units"] = {"rmse": unit}
+        made = table(Across.of(tables, axis="fill"))
+        assert text in made.table.attrs["answer"][0]
+        assert "mm^2" not in made.figure.axes[0].get_ylabel()
 
 
 def test_an_answer_when_all_others_are_behind() -> None:
@@ -241,7 +269,16 @@ def test_a_constant_metric_has_intervals_without_width_and_no_winner_ahead() -> 
     assert made["low"].tolist() == pytest.approx([0.1, 0.1])
     assert made["p"].tolist()[1] == 1.0
     assert made.attrs["best"] == {"mean": [0, 1]}
-    assert "not clearly apart from it: b" in made.attrs["answer"][0]
+    assert made.attrs["answer"][0].startswith("a, b share the lowest mean rmse (0.1")
+    assert made.attrs["answer"][0].endswith("7 blocks).")
+
+
+def test_blocks_that_differ_by_rounding_alone_have_no_deviation() -> None:
+    nearly = [0.35, 0.35 + 6e-17, 0.35 - 6e-17, 0.35]
+    scores = Across.of({"a": scored(nearly), "b": scored([1, 2, 3, 4])}, axis="fill")
+    made = table(scores).table
+    assert made["sd"].tolist() == [0.0, pytest.approx(np.std([1, 2, 3, 4], ddof=1))]
+    assert made[["low", "high"]].iloc[0].tolist() == [pytest.approx(0.35)] * 2
 
 
 def test_infinite_scores_are_lacking() -> None:
