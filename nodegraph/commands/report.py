@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from argparse import Namespace
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 def report(arguments: Namespace) -> int:
     """Make the report of a finished run again, or one that lays several side by side."""
     from nodegraph.report import page
-    from nodegraph.report.merged import linked, merged
+    from nodegraph.report.merged import merged
     from nodegraph.report.saved import read_study
 
     runs = list(dict.fromkeys(arguments.runs))
@@ -28,7 +29,7 @@ def report(arguments: Namespace) -> int:
         raise NodegraphError("say by --out FILE where the report of several runs is to be written")
     if arguments.out and out.exists():
         raise NodegraphError(f"{out} is there already; name another file, or remove it first")
-    named = {where: linked(study, where) for where, study in _seen_from(out.parent, studies)}
+    named = dict(_seen_from(out.parent, studies))
     study = merged(named) if len(named) > 1 else next(iter(named.values()))
     out.parent.mkdir(parents=True, exist_ok=True)
     content = page(study).encode(errors="backslashreplace")
@@ -38,6 +39,13 @@ def report(arguments: Namespace) -> int:
 
 
 def _seen_from(folder: Path, studies: Mapping[Path, Study]) -> Iterator[tuple[str, Study]]:
-    """Yield each study with the way to its run, which links follow and readers know it by."""
+    """Yield each study, its links leading to its run, with the name that readers know it by.
+
+    That is the run's folder, or the way to it where two are called alike.
+    """
+    from nodegraph.report.merged import linked
+
+    called = Counter(run.resolve().name for run in studies)
     for run, study in studies.items():
-        yield Path(os.path.relpath(run, folder)).as_posix(), study
+        where, name = Path(os.path.relpath(run, folder)).as_posix(), run.resolve().name
+        yield name if called[name] == 1 else where, linked(study, where)

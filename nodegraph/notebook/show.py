@@ -15,6 +15,7 @@ from nodegraph.report.page import duration, templates_of
 
 _MOST = 24
 _FEW = 3
+_FONT = "<style>body { font: 0.925rem/1.5 system-ui, sans-serif; margin: 0; }</style>"
 _LONGEST_LABELS = 72
 _PALETTE = re.compile(r"\.nodegraph-picture \{([^}]*)\}")
 _LIGHT = '[data-jp-theme-light="true"], .vscode-light, html[theme="light"]'
@@ -66,7 +67,7 @@ def framed(rendered: Rendered) -> str:
     """
     styles = "".join(f"<style>{one}</style>" for one in rendered.styles)
     scripts = "".join(f"<script>{one}</script>" for one in rendered.scripts)
-    return f"<!DOCTYPE html><meta charset=utf-8>{styles}{rendered.html}{scripts}"
+    return f"<!DOCTYPE html><meta charset=utf-8>{_FONT}{styles}{rendered.html}{scripts}"
 
 
 def _axes(graph: Graph) -> dict[str, str]:

@@ -138,7 +138,8 @@ def _answer(values: Iterable[tuple[str, Any]]) -> tuple[str, ...]:
     for labels, value in values:
         attributes = getattr(value, "attrs", None)
         sentences = attributes.get("answer", ()) if isinstance(attributes, Mapping) else ()
-        said += [f"{labels}: {one}" if labels else one for one in sentences]
+        place = labels.replace("=", " ")
+        said += [f"{place}: {one}" if place else one for one in sentences]
     return tuple(dict.fromkeys(said))
 
 
@@ -160,7 +161,7 @@ def _method_row(node: GraphNode, method: Method, texts: Mapping[str, str]) -> Me
         for one in describe_settings(method.node)
         for value in [_values(method, one.name)]
     )
-    citation = " ".join(texts[key] for key in method.node.cite)
+    citation = "\n".join(texts[key] for key in method.node.cite)
     use, summary = method.node.name, method.node.summary
     plugin = method.distribution or method.plugin
     keys = tuple(method.node.cite)

@@ -62,7 +62,7 @@ class MethodRow:
         The first sentence of the method's documentation.
     settings : tuple of SettingRow
     citation : str
-        The source to cite, as it is printed.
+        The sources to cite, as they are printed, a line each.
     plugin : str
         Which package brought the method.
     keys : tuple of str

@@ -60,6 +60,11 @@ def looks(labels: Iterable[object]) -> dict[str, Look]:
     return {text: _look(place) for place, text in enumerate(texts)}
 
 
+def unit_text(unit: str) -> str:
+    """Return a unit as it is printed: ``mm²`` for ``mm^2``."""
+    return unit.replace("^2", "\N{SUPERSCRIPT TWO}").replace("^3", "\N{SUPERSCRIPT THREE}")
+
+
 def _look(place: int) -> Look:
     cycle = place // len(COLOURS)
     return Look(

@@ -32,7 +32,8 @@ else:
 
         ``attrs`` may hold ``title`` (str), ``notes`` (list of str), ``units`` (column: unit) and
         ``better`` (column: which end is the better one, ``lower``, ``higher`` or ``none``); for
-        readers, ``answer`` (list of str), ``best`` (column: the rows whose cells are marked) and
+        readers, ``answer`` (list of str), ``labels`` (the columns that say which row it is; else
+        the first one where it is text), ``best`` (column: the rows whose cells are marked) and
         ``cells`` (column: the names of the columns that are shown within it, as its ``low`` and
         ``high`` ends and its ``p``).
         """

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nodegraph_mocap.style import BLUE, GREY, LIGHT, ORANGE
 from nodegraph_plot.view import frontal
@@ -23,6 +24,7 @@ _MARGIN = 0.1
 _FEW = 12
 """Points, above which dots and lines are finer."""
 
+_KINDS = (("reference", ORANGE, 3.2), ("shape", BLUE, 1.2))
 _DECIMALS = 9
 """Of D: what lies beyond is rounding."""
 
@@ -38,8 +40,8 @@ def draw(pairs: dict[str, tuple[Trajectories, Trajectories]], frame: int, view: 
         _panel(axis, name, shape, reference, frame, view)
     for axis in axes[len(pairs) :]:
         axis.set_axis_off()
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    handles = [_handle(*kind) for kind in _KINDS]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 
@@ -51,10 +53,8 @@ def _panel(
     drawn = []
     scale = 1.0 if len(reference.markers) <= _FEW else 0.4
     # The wider one lies below: it can be seen where the two are the same.
-    for one, what, colour, width in (
-        (reference, "reference", ORANGE, 3.2 * scale),
-        (shape, "shape", BLUE, 1.2 * scale),
-    ):
+    for one, (what, colour, wide) in zip((reference, shape), _KINDS, strict=True):
+        width = wide * scale
         points = one.positions[frame if one.frames > 1 else 0] @ flat
         drawn.append(points)
         axis.add_collection(LineCollection(_joined(one, points), colors=colour, linewidths=width))
@@ -64,6 +64,12 @@ def _panel(
     axis.add_collection(LineCollection(list(apart @ flat), colors=GREY, linewidths=0.6, zorder=1))
     axis.set_title(f"{name}\nD = {round(squared, _DECIMALS):.4g}".strip(), fontsize="medium")
     _frame(axis, np.concatenate(drawn))
+
+
+def _handle(what: str, colour: str, wide: float) -> Line2D:
+    return Line2D(
+        [], [], color=colour, marker="o", markersize=3.5 + wide, linewidth=wide, label=what
+    )
 
 
 def _joined(shape: Trajectories, points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -105,4 +111,6 @@ def _frame(axis: Axes, points: NDArray[np.float64]) -> None:
     axis.axvline(0.0, color=LIGHT, linewidth=0.6, zorder=0)
     axis.set_aspect("equal")
     axis.tick_params(labelsize="small")
+    # without those at the ends, names of ticks do not meet those of the next panel
+    axis.locator_params(nbins=6, prune="both")
     axis.spines[:].set(color="0.88", linewidth=0.6)

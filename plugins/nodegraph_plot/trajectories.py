@@ -49,9 +49,9 @@ def trajectories(
     truth
         Drawn as a thin black line.
     markers
-        Default: the marker with the most filled and repaired samples, those with a known truth
-        where there are any, summed over the recordings, else with the most missing ones; its
-        name is the panel's title.
+        Default: the marker with the most filled and repaired samples (in `frames`, if they are
+        given), those with a known truth where there are any, summed over the recordings, else
+        with the most missing ones; its name is the panel's title.
     frames
         First and last frame. Default: the longest gap of the drawn markers, with as many frames
         again on each side, at least 10; the whole take where there is no gap.
@@ -72,17 +72,23 @@ def trajectories(
 
     by_name = named(recordings)
     check_truth(by_name, truth)
-    chosen = markers or (_most_made(by_name, truth),)
+    if frames is not None:
+        check_frames(by_name, frames)
+    chosen = markers or (_most_made(by_name, truth, frames),)
     check_markers(by_name, chosen)
     window = _around_gap(by_name, chosen, truth) if frames is None else frames
-    check_frames(by_name, window)
     if window[0] >= window[1]:
         raise ValueError(f"frames are first and last, the first before the last; got {window}")
     return draw(by_name, truth, named_looks(recordings), chosen, window, coordinates)
 
 
-def _most_made(recordings: dict[str, Trajectories], truth: Trajectories | None) -> str:
+def _most_made(
+    recordings: dict[str, Trajectories],
+    truth: Trajectories | None,
+    frames: tuple[int, int] | None,
+) -> str:
     """Return the marker with the most made samples of known truth, the first of equals."""
+    seen = slice(None) if frames is None else slice(frames[0], frames[1] + 1)
     first, *others = recordings.values()
     names = [name for name in first.markers if all(name in one.markers for one in others)]
     if not names:
@@ -90,8 +96,8 @@ def _most_made(recordings: dict[str, Trajectories], truth: Trajectories | None) 
     filled, missing = (np.zeros(len(names), dtype=int) for _ in range(2))
     for recording in recordings.values():
         columns = [recording.markers.index(name) for name in names]
-        filled += telling(recording, truth)[:, columns].sum(axis=0)
-        missing += (~recording.present)[:, columns].sum(axis=0)
+        filled += telling(recording, truth)[seen, columns].sum(axis=0)
+        missing += (~recording.present)[seen, columns].sum(axis=0)
     return names[int(np.lexsort((-np.arange(len(names)), missing, filled))[-1])]
 
 

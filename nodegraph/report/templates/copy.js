@@ -1,22 +1,31 @@
 "use strict";
-// Tables are copied as they are shown, rows in their present order; CSV has all digits.
+// Tables are copied as they are shown, rows in their present order; CSV has all digits, and a
+// column of its own for each number that is shown within another's cell.
 {
   const shownText = (cell) => [...cell.querySelectorAll("button")].at(-1)?.textContent ?? cell.textContent;
   const cellsOf = (row) => [...row.cells].map((cell) => shownText(cell).trim());
-  const exactOf = (row) => [...row.cells].map((cell) => cell.dataset.value ?? shownText(cell).trim());
-  const partsOf = (table, read) => ({
+  const exactOf = (cell) => [cell.dataset.value ?? shownText(cell).trim(), ...(cell.dataset.within?.split(",") ?? [])];
+  // The columns of the file, in its order: which part of which cell holds them.
+  const columnsOf = (table) => [...table.tHead.rows[table.tHead.rows.length - 1].cells].flatMap((cell, column) =>
+    JSON.parse(cell.dataset.names ?? JSON.stringify([[column, shownText(cell).trim()]]))
+      .map(([place, name], part) => ({ place, name, column, part }))).sort((a, b) => a.place - b.place);
+  const partsOf = (table) => ({
     heads: [...table.tHead.rows].map(cellsOf),
-    rows: [...table.tBodies[0].rows].map(read),
+    rows: [...table.tBodies[0].rows].map(cellsOf),
     numeric: [...table.tHead.rows[table.tHead.rows.length - 1].cells].map((cell) => cell.classList.contains("number")),
     caption: table.caption?.textContent.trim() ?? "",
   });
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const csv = (table) => {
-    const { heads, rows } = partsOf(table, exactOf);
-    return [...heads, ...rows].map((row) => row.map(quoted).join(",")).join("\n") + "\n";
+    const columns = columnsOf(table);
+    const rows = [...table.tBodies[0].rows].map((row) => {
+      const cells = [...row.cells].map(exactOf);
+      return columns.map(({ column, part }) => cells[column]?.[part] ?? "");
+    });
+    return [columns.map(({ name }) => name), ...rows].map((row) => row.map(quoted).join(",")).join("\n") + "\n";
   };
   const markdown = (table) => {
-    const { heads, rows, numeric } = partsOf(table, cellsOf);
+    const { heads, rows, numeric } = partsOf(table);
     const line = (cells) => `| ${cells.map((text) => text.replaceAll("|", "\\|")).join(" | ")} |`;
     const rule = `|${numeric.map((one) => (one ? "---:" : "---")).join("|")}|`;
     return [...heads.map(line), rule, ...rows.map(line)].join("\n") + "\n";
@@ -26,10 +35,11 @@
     "~": "\\textasciitilde{}", "^": "\\textasciicircum{}", "<": "\\textless{}", ">": "\\textgreater{}",
     // these two would be taken for an option where a row begins
     "[": "{[}", "*": "{*}",
+    "\u2020": "\\textdagger{}", "\u00b2": "\\textsuperscript{2}", "\u00b3": "\\textsuperscript{3}",
   };
-  const escaped = (text) => text.replace(/[\\&%$#_{}~^<>[*]/g, (one) => SPECIAL[one]);
+  const escaped = (text) => text.replace(/[\\&%$#_{}~^<>[*\u2020\u00b2\u00b3]/g, (one) => SPECIAL[one]);
   const latex = (table) => {
-    const { heads, rows, numeric, caption } = partsOf(table, cellsOf);
+    const { heads, rows, numeric, caption } = partsOf(table);
     const line = (cells) => `${cells.map(escaped).join(" & ")} \\\\`;
     return [
       "% needs \\usepackage{booktabs}", "\\begin{table}", `\\caption{${escaped(caption)}}`,

@@ -34,13 +34,26 @@ for (const table of document.querySelectorAll("table.sortable")) {
       heads.forEach((one) => one.removeAttribute("aria-sort"));
       head.setAttribute("aria-sort", falling ? "descending" : "ascending");
       sort(index, falling ? -1 : 1);
+      for (const row of table.querySelectorAll("tr.group")) row.classList.remove("group");
     });
   });
 }
-// What is wider than the page scrolls in its own frame, with the arrow keys too.
-for (const frame of document.querySelectorAll("figure, .wide, .rendered")) {
-  if (frame.scrollWidth > frame.clientWidth) frame.tabIndex = 0;
+// Of a drawing that is wider than the page, its beginning is seen first.
+for (const frame of document.querySelectorAll(".drawing")) {
+  const first = frame.querySelector(".box");
+  if (!first || frame.scrollWidth <= frame.clientWidth) continue;
+  const [outer, inner] = [frame.getBoundingClientRect(), first.getBoundingClientRect()];
+  frame.scrollLeft += inner.left + inner.width / 2 - outer.left - outer.width / 2;
 }
+// What is wider than the page scrolls in its own frame, with the arrow keys too. What is folded is
+// not measured before it is seen: a browser would have to lay out thousands of rows for that.
+const reachable = (part) => {
+  for (const frame of part.querySelectorAll("figure, .wide, .rendered")) {
+    if (!frame.closest("details:not([open])") && frame.scrollWidth > frame.clientWidth) frame.tabIndex = 0;
+  }
+};
+reachable(document);
+document.addEventListener("toggle", (event) => reachable(event.target), true);
 // A link into something folded opens it.
 const unfold = () => {
   const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));

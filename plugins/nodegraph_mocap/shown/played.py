@@ -195,7 +195,7 @@ def _edges(recording: Trajectories) -> list[list[int]]:
 def _telling_second(playback: Playback) -> float:
     """Return when most samples are seen that a method has made, with a known truth if any has.
 
-    0 where none was made.
+    Where none was made, the frame in which the heads are moved most: their rest tells nothing.
     """
     seconds, most = 0.0, (0, 0)
     truth = _truth_of(playback)
@@ -207,6 +207,19 @@ def _telling_second(playback: Playback) -> float:
             frame = max(range(len(counts)), key=lambda one: counts[one])
             if counts[frame] > most:
                 most, seconds = counts[frame], frame / panel.shown.rate
+    return seconds if most[1] else _most_moved(playback)
+
+
+def _most_moved(playback: Playback) -> float:
+    """Return when the weights of the animations are largest, 0 where there are none."""
+    seconds, most = 0.0, 0.0
+    for panel in playback.panels:
+        if isinstance(panel.shown, Animation) and panel.shown.frames:
+            # a frame that lacks a weight has no pose
+            sizes = np.nan_to_num(np.abs(panel.shown.morph_weights).sum(axis=1))
+            frame = int(np.argmax(sizes))
+            if sizes[frame] > most:
+                most, seconds = float(sizes[frame]), frame / panel.shown.rate
     return seconds
 
 

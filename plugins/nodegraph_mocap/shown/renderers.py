@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -19,10 +20,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _FOLDED_FROM = 200
+_SHORT = 24
+_MOST_BESIDE = 2
+"""With more such columns, intervals stand below their means also where there is room."""
 _DRAWING = Lock()
 """Held while matplotlib's settings, which all threads share, are others than the user's."""
 
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
+_WIDTH = re.compile(r'<svg[^>]*\swidth="([\d.]+(?:pt|px))"')
 _ID = re.compile(r"""(\sid="|href="#|url\(#)""")
 _LATEX = str.maketrans(
     {
@@ -42,6 +47,8 @@ _LATEX = str.maketrans(
         "[": "{[}",
         "*": "{*}",
         "\N{DAGGER}": r"\textdagger{}",
+        "\N{SUPERSCRIPT TWO}": r"\textsuperscript{2}",
+        "\N{SUPERSCRIPT THREE}": r"\textsuperscript{3}",
     }
 )
 
@@ -80,7 +87,9 @@ def render_stored_figure(figure: StoredFigure, title: str) -> Rendered:
     """Return a figure that was drawn before, the same as if it were drawn now."""
     drawing = _with_own_ids(figure.svg.decode())
     label = f'<svg role="img" aria-label="{escape(title, quote=True)}"'
-    html = f'<figure class="figure">{drawing.replace("<svg", label, 1)}</figure>'
+    wide = _WIDTH.search(drawing)
+    size = f' style="--wide: {wide[1]}"' if wide else ""
+    html = f'<figure class="figure"{size}>{drawing.replace("<svg", label, 1)}</figure>'
     return Rendered(html=html, files={".svg": figure.svg, ".pdf": figure.pdf})
 
 
@@ -108,27 +117,61 @@ def _with_named_rows(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _html(caption: str, columns: Sequence[Column], notes: Iterable[str]) -> str:
-    classes = [' class="number"' if one.numeric else "" for one in columns]
-    head = "".join(
-        f'<th scope="col"{kind}>{escape(one.head)}</th>'
-        for one, kind in zip(columns, classes, strict=True)
+    labels = [one for one in columns if one.label]
+    kinds = [_kinds(one, last=labels[-1:] == [one]) for one in columns]
+    head = "".join(_head(one, kind) for one, kind in zip(columns, kinds, strict=True))
+    rows = _rows(columns)
+    groups = list(zip(*(tuple(map(str, one.cells)) for one in labels[:-1]), strict=True))
+    body = "".join(
+        f"<tr{_first(groups, place)}>{_row(row, columns, kinds)}</tr>"
+        for place, row in enumerate(rows)
     )
-    rows = [
-        "".join(
-            f"<td{kind}{_exact(cell)}>{_marked(cell)}</td>"
-            for cell, kind in zip(row, classes, strict=True)
-        )
-        for row in _rows(columns)
-    ]
-    body = "".join(f"<tr>{row}</tr>" for row in rows)
+    stacked = " stacked" * (sum(len(one.places) > 1 for one in columns) > _MOST_BESIDE)
     table = (
-        f'<figure class="table"><table class="sortable"><caption>{escape(caption)}</caption>'
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></figure>"
+        f'<figure class="table{stacked}"><table class="sortable">'
+        f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></figure>"
     )
     if len(rows) > _FOLDED_FROM:
         table = f"<details><summary>{len(rows)} rows</summary>{table}</details>"
     said = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return table + (f'<ul class="quiet">{said}</ul>' if said else "")
+
+
+def _kinds(column: Column, *, last: bool) -> list[str]:
+    """Return the classes of a column; the last label stays in sight while the others scroll."""
+    return [*(["number"] if column.numeric else []), *(["name"] if last else [])]
+
+
+def _head(column: Column, kinds: Sequence[str]) -> str:
+    """Return a column's head; a copy as CSV takes its names from the attribute."""
+    names = escape(json.dumps(column.places), quote=True)
+    unit = f'<span class="unit"> [{escape(column.unit)}]</span>' if column.unit else ""
+    # a long name may be broken where its words end
+    name = escape(column.name).replace("_", "_<wbr>")
+    return f'<th scope="col"{_classes(kinds)} data-names="{names}">{name}{unit}</th>'
+
+
+def _row(cells: Iterable[Cell], columns: Iterable[Column], kinds: Iterable[list[str]]) -> str:
+    return "".join(
+        f"<{tag}{_classes([*kind, *_short(cell, column)])}{_exact(cell)}>{_marked(cell)}</{end}>"
+        for cell, column, kind in zip(cells, columns, kinds, strict=True)
+        for tag, end in [('th scope="row"', "th") if column.label else ("td", "td")]
+    )
+
+
+def _short(cell: Cell, column: Column) -> list[str]:
+    """Return the class of a text that is not broken into lines."""
+    return ["short"] if not column.numeric and 0 < len(cell.text) <= _SHORT else []
+
+
+def _classes(kinds: Sequence[str]) -> str:
+    return f' class="{" ".join(kinds)}"' if kinds else ""
+
+
+def _first(groups: Sequence[object], place: int) -> str:
+    """Return the class of a row with which another group begins."""
+    begins = place > 0 and groups and groups[place] != groups[place - 1]
+    return ' class="group"' if begins else ""
 
 
 def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
@@ -184,8 +227,9 @@ def _marked(cell: Cell) -> str:
 
 
 def _exact(cell: Cell) -> str:
-    """Return the attribute that keeps all digits of a number shown with fewer."""
-    return f' data-value="{cell.exact}"' if cell.exact else ""
+    """Return the attributes that keep all digits of numbers shown with fewer."""
+    value = f' data-value="{cell.exact}"' if cell.exact else ""
+    return value + (f' data-within="{",".join(cell.within)}"' if cell.within else "")
 
 
 def _bold(cell: Cell) -> str:

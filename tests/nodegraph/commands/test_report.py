@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -42,11 +43,22 @@ def test_several_runs_lie_side_by_side(command: Command, runs: tuple[str, str]) 
     status, _, _ = command("report", *runs, "--out", "both.html", nodes=False)
     assert status == 0
     page = Path("both.html").read_text()
-    assert "<h3>runs/five</h3>" in page
-    assert "<h3>runs/six</h3>" in page
-    assert page.index("<h3>runs/five</h3>") < page.index("<h3>runs/six</h3>")
+    assert "<h3>five</h3>" in page
+    assert "<h3>six</h3>" in page
+    assert page.index("<h3>five</h3>") < page.index("<h3>six</h3>")
     assert 'href="./runs/six/run.json"' in page
-    assert "start (runs/five)" in page
+    assert "start (five)" in page
+
+
+def test_runs_of_one_name_are_told_apart_by_the_way_to_them(
+    command: Command, runs: tuple[str, str]
+) -> None:
+    shutil.copytree(runs[0], Path("other", "five"))
+    status, _, _ = command("report", runs[0], "other/five", "--out", "both.html", nodes=False)
+    assert status == 0
+    page = Path("both.html").read_text()
+    assert "<h3>runs/five</h3>" in page
+    assert "<h3>other/five</h3>" in page
 
 
 def test_several_runs_need_a_place_and_overwrite_nothing(
@@ -60,7 +72,11 @@ def test_several_runs_need_a_place_and_overwrite_nothing(
     assert Path("there.html").read_text() == "mine"
 
 
-@pytest.mark.parametrize("content", [b"", b"no gzip", gzip.compress(b"{}"), gzip.compress(b"[")])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"no gzip", gzip.compress(b"{}"), gzip.compress(b"[")],
+    ids=["empty", "no gzip", "nothing in it", "cut off"],
+)
 def test_a_study_that_is_damaged_is_named(
     command: Command, runs: tuple[str, str], content: bytes
 ) -> None:

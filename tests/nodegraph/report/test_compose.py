@@ -178,7 +178,7 @@ class Judged(float):
 
 @pytest.mark.parametrize(
     ("value", "said"),
-    [("3", ("It is 3.",)), ("$size", ("size=5: It is 5.", "size=15: It is 15."))],
+    [("3", ("It is 3.",)), ("$size", ("size 5: It is 5.", "size 15: It is 15."))],
 )
 def test_the_answer_says_which_combination_it_is_about(value: str, said: tuple[str, ...]) -> None:
     @node("score.judge")

@@ -160,3 +160,13 @@ def test_the_shading_is_called_what_it_is(origins: tuple[Origin, ...], said: lis
     figure = trajectories(across(one=take), markers=("mouth_l",), frames=(0, 39))
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["one", "measured in all", *said]
+
+
+def test_the_default_marker_is_the_one_with_most_repairs_in_the_frames_drawn() -> None:
+    whole, changed = made_face.truth(), np.zeros((made_face.FRAMES, len(made_face.MARKERS)), bool)
+    changed[30:38, 2] = True
+    changed[5:8, 1] = True
+    repaired = whole.with_samples(whole.positions, changed=changed, origin=Origin.REPAIRED)
+    shown = across(one=repaired)
+    assert trajectories(shown).axes[0].get_title() == made_face.MARKERS[2]
+    assert trajectories(shown, frames=(0, 20)).axes[0].get_title() == made_face.MARKERS[1]

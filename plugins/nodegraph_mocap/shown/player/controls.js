@@ -35,7 +35,7 @@ const controlsFor = (player) => {
   const play = buttonFor("", "Play", () => player.toggle());
   const slider = made("input", { type: "range", min: 0, max: study.ticks - 1, step: 1, "aria-label": "Frame" });
   slider.addEventListener("input", () => player.seek(Number(slider.value)));
-  const clock = made("output", { class: "clock" });
+  const clock = made("output", { class: "clock", "aria-live": "off" });
   const row = made("div", { class: "time" },
     play,
     buttonFor("\u2039", "One frame back", () => player.step(-1)),

@@ -118,6 +118,15 @@ def test_it_opens_where_most_samples_were_made() -> None:
     assert Read.of(playback(whole, truth=nowhere)).head["start"] == 30 / 60
 
 
+def test_a_head_alone_starts_where_it_moves_most() -> None:
+    moved = animations()["complete"]
+    sizes = np.abs(moved.morph_weights).sum(axis=1)
+    start = Read.of(playback(moved)).head["start"]
+    assert sizes[round(start * moved.rate)] == sizes.max() > 0
+    still = replace(moved, weights=replace(moved.weights, values=0 * moved.weights.values))
+    assert Read.of(playback(still)).head["start"] == 0.0
+
+
 def test_the_colours_end_above_nearly_all_errors() -> None:
     truth = recordings()["complete"]
     made = np.zeros(truth.origin.shape, bool)

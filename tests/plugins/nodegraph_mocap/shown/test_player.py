@@ -235,6 +235,8 @@ def test_the_nearest_triangle_is_seen_and_lit_from_the_front(tab: Tab, tmp_path:
 
 def test_a_frame_without_weights_says_so(tab: Tab, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(animations()["gaps"]))
+    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is not None
+    tab.value(f"{FIRST}.seek(0)")
     assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is None
     assert tab.value("document.querySelector('.told').textContent") == "weights are missing"
     tab.value(f"{FIRST}.seek(5)")
@@ -443,7 +445,16 @@ def test_nothing_is_wider_than_the_page(tab: Tab, tmp_path: Path, width: int) ->
     figure = "document.querySelector('figure.playback')"
     assert tab.value(f"{figure}.scrollWidth <= {figure}.clientWidth + 1")
     sizes = tab.value("[...document.querySelectorAll('canvas')].map((one) => one.clientWidth)")
-    assert min(sizes) > 150
+    assert min(sizes) > 140
+
+
+def test_the_clock_stays_in_reach_of_every_picture(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    show(tab, tmp_path, *(panel(face, f"method {one}") for one in range(9)), width=390, height=600)
+    tab.middle(".playback .panel:last-child canvas")
+    assert tab.value("scrollY") > 400
+    assert 0 <= tab.value("document.querySelector('.time').getBoundingClientRect().top") < 20
+    assert tab.value("document.querySelector('.clock').ariaLive") == "off"
 
 
 def test_paper_gets_the_colours_of_paper_and_no_controls(tab: Tab, tmp_path: Path) -> None:

@@ -1,0 +1,187 @@
+"""Reports of odd studies in a browser: markup in names, ties, nothing finite, thousands of rows."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, Tab, opened
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+
+MARKUP = "<script>window.ran = 1</script>"
+HANDLER = "<img src=x onerror='window.ran = 1'>"
+NODES = '''
+from nodegraph import Refusal, node
+from nodegraph_mocap import Table, Trajectories
+
+
+@node("odd.score", cite="none")
+def score(recording: Trajectories, *, kind: str = "plain", trial: int = 0, more: int = 0) -> Table:
+    """Score as badly as asked.
+
+    Parameters
+    ----------
+    kind
+        Which way.
+    trial
+        Added to the score.
+    more
+        Added to the score.
+    """
+    import pandas as pd
+
+    if kind == "refused":
+        raise Refusal("<b onclick='window.ran = 1'>cannot</b>")
+    if kind == "fails":
+        raise ValueError("<script>window.ran = 1</script>")
+    odd = {"nothing": float("nan"), "endless": float("inf"), "zero": 0.0}
+    value = odd.get(kind, 1.5 + trial + more)
+    made = pd.DataFrame({"gap": [0, 1], "rmse": [value, 2 * value]})
+    made.attrs["units"] = {"rmse": "mm"}
+    made.attrs["title"] = "<script>window.ran = 1</script>"
+    return made
+'''
+ODD = f"""
+nodegraph: 1
+title: "{MARKUP} & a question"
+notes: |
+  {MARKUP} and {HANDLER}, [a link](javascript:window.ran=1).
+axes:
+  trial: [0]
+  kind:
+    "{MARKUP}": plain
+    tie: plain
+    nothing: nothing
+    endless: endless
+    zero: zero
+    refused: refused
+    fails: fails
+nodes:
+  x:
+    use: points.literal
+    with: {{points: {{"{MARKUP}": [1, 1], "{HANDLER}": [1, 2], c: [3, 2]}}}}
+  y: {{use: noise.add, in: x, with: {{sigma: 0.1, seed: 1}}}}
+  score: {{use: odd.score, in: x, with: {{kind: $kind, trial: $trial}}}}
+  table: {{use: compare.table, in: score, with: {{compare: kind, blocks: [trial, gap]}}}}
+  ranks: {{use: compare.ranks, in: score, with: {{compare: kind, blocks: [trial, gap]}}}}
+  one: {{use: compare.table, in: {{scores: {{from: score, at: {{kind: tie}}}}}}}}
+  faces: {{use: plot.faces, in: {{recordings: {{"{MARKUP}": x, y: y.noisy}}}}}}
+  lines: {{use: plot.trajectories, in: {{recordings: {{"{MARKUP}": x, y: y.noisy}}}}}}
+  playback: {{use: plot.playback, in: {{recordings: {{"{MARKUP}": x, y: y.noisy}}, truth: x}}}}
+report: [table, ranks, one, faces, lines, playback, score]
+"""
+MANY = """
+nodegraph: 1
+title: Thousands of rows
+axes:
+  a: {count: 40}
+  b: {count: 30}
+nodes:
+  x: {use: points.literal, with: {points: {a: [1, 1], b: [1, 2], c: [3, 2]}}}
+  score: {use: odd.score, in: x, with: {trial: $a, more: $b}}
+  table: {use: compare.table, in: score, with: {metric: rmse, within: [a, gap], compare: b}}
+report: [table]
+"""
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    with opened(tmp_path_factory.mktemp("profile")) as made:
+        yield made
+
+
+def run_of(text: str, folder: Path) -> Path:
+    """Run a graph with the odd nodes; some of its steps may fail."""
+    (folder / "graph.yaml").write_text(text)
+    (folder / "odd.py").write_text(NODES)
+    words = ["run", "graph.yaml", "--plugin", "odd.py", "--out", "run", "--no-cache"]
+    done = subprocess.run(
+        [sys.executable, "-m", "nodegraph.cli", *words, "--store", "store"],
+        cwd=folder, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (folder / "run" / "report.html").is_file(), done.stderr
+    return folder / "run"
+
+
+@pytest.fixture(scope="module")
+def odd(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run_of(ODD, tmp_path_factory.mktemp("odd"))
+
+
+def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Tab) -> None:
+    tab.said.clear()
+    tab.show(odd / "report.html")
+    assert tab.value("window.ran") is None
+    assert tab.value("document.querySelector('h1').textContent") == f"{MARKUP} & a question"
+    assert tab.value("document.querySelectorAll('img, a[href^=javascript]').length") == 0
+    for place in (
+        "td, th",
+        ".playback .name",
+        "caption",
+        "svg text",
+        ".prose",
+        ".combinations, .notes",
+    ):
+        texts = tab.value(
+            f"[...document.querySelectorAll({place!r})].map((one) => one.textContent)"
+        )
+        assert any("<script>window.ran" in text for text in texts), place
+    tab.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    tab.click(".playback button")
+    assert tab.value("window.ran") is None
+    assert tab.said == []
+
+
+def test_the_page_beside_the_report_runs_no_markup_either(odd: Path, tab: Tab) -> None:
+    tab.said.clear()
+    tab.show(next(odd.glob("playback*.html")))
+    assert tab.value("window.ran") is None
+    assert tab.said == []
+
+
+def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> None:
+    tab.show(odd / "report.html")
+    answer = tab.value("document.querySelector('.answer').textContent")
+    assert "zero has the lowest mean rmse (0 mm" in answer
+    rows = tab.value(
+        "[...document.querySelector('figure.table table').tBodies[0].rows]"
+        ".map((row) => [...row.cells].map((cell) => cell.textContent))"
+    )
+    by_kind = {row[0]: row[1:] for row in rows}
+    assert by_kind[MARKUP] == by_kind["tie"]
+    for kind in ("nothing", "endless"):
+        assert by_kind[kind][:2] == ["0", ""]
+    assert by_kind["refused"][-2] == by_kind["fails"][-2] == "1"
+    drawn = tab.value("document.querySelectorAll('.result figure.figure > svg').length")
+    assert drawn == len(list(odd.glob("*.svg")))
+    said = tab.value("document.querySelector('#notes').parentElement.textContent")
+    assert "cannot</b>" in said
+    assert "Repeat it alone" in said
+
+
+def test_markers_without_edges_are_drawn_and_played(odd: Path, tab: Tab) -> None:
+    tab.show(odd / "report.html")
+    told = tab.value("document.querySelector('figure.playback').playback.state")
+    assert [one["label"] for one in told["panels"]] == ["truth", MARKUP, "y"]
+    assert all(len(one["dots"]) == 9 for one in told["panels"])
+
+
+def test_thousands_of_rows_are_folded_and_sort(tmp_path: Path, tab: Tab) -> None:
+    folder = run_of(MANY, tmp_path)
+    tab.said.clear()
+    tab.show(folder / "report.html")
+    table = "document.querySelector('.result table')"
+    assert tab.value(f"{table}.tBodies[0].rows.length") == 2 * 40 * 30
+    assert not tab.value(f"{table}.checkVisibility()")
+    assert tab.value("document.documentElement.scrollHeight") < 20_000
+    tab.value(f"{table}.closest('details').open = true")
+    tab.value(f"{table}.querySelectorAll('thead button')[0].click()")
+    tab.value(f"{table}.querySelectorAll('thead button')[0].click()")
+    assert tab.value(f"{table}.tBodies[0].rows[0].cells[0].textContent") == "39"
+    assert (folder / "report.html").stat().st_size < 10e6
+    assert tab.said == []

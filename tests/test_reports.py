@@ -1,0 +1,298 @@
+"""The report of each shipped graph in a browser: what it shows is what the files beside it hold."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import html
+import io
+import math
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, Tab, opened
+from tests.plugins.nodegraph_mocap.shown.unpacked import Read
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+
+ROOT = Path(__file__).parents[1]
+GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
+SMALL = {
+    "alignment": ["--axis", "actor=0,1", "--only", "data=scans"],
+    "fill": ["--axis", "trial=0,1,2", "--only", "fill=guenter,lin_ouhyoung,muscle,cubic,ridge"],
+    "impulses": ["--axis", "trial=0,1,2"],
+    "marker_selection": ["--axis", "k=5,20,35", "--set", "runs=10"],
+    "spline_orders": ["--axis", "trial=0,1,2"],
+    "tracking": ["--axis", "trial=0,1,2", "--axis", "dropout=0.02,0.2"],
+}
+LABELS = {"component", "length", "ghosts", "dropout"}
+CLIPBOARD = """
+Object.defineProperty(navigator, 'clipboard', {
+  configurable: true, value: { writeText: async (text) => { window.copied = text; } } })
+"""
+PLAYER = "document.querySelector('figure.playback').playback"
+PHONE = 390
+
+TABLES = """
+[...document.querySelectorAll(".result figure.table > table")].map((table) => {
+  const beside = table.closest(".rendered")?.nextElementSibling;
+  const link = beside?.querySelector('a[href$=".csv"]');
+  return {
+    file: link ? decodeURIComponent(link.getAttribute("href").slice(2)) : null,
+    heads: [...table.tHead.rows[0].cells].map((one) => JSON.parse(one.dataset.names)[0][1]),
+    rows: [...table.tBodies[0].rows].map((row) =>
+      [...row.cells].map((cell) => cell.dataset.value ?? cell.textContent)),
+  };
+})
+"""
+FIGURES = """
+[...document.querySelectorAll(".result figure.figure > svg")].map((one) => ({
+  file: decodeURIComponent(one.closest(".rendered").nextElementSibling
+    .querySelector('a[href$=".svg"]').getAttribute("href").slice(2)),
+  label: one.getAttribute("aria-label"),
+  marks: one.querySelectorAll("path, text, use").length,
+  texts: [...one.querySelectorAll("text")].map((text) => text.textContent),
+}))
+"""
+SLIDER = "document.querySelector('.playback input[type=range]')"
+# what has the focus in turn, by its place in the page; everything that can be pressed has a name
+FOCUS = """
+[...document.querySelectorAll("a[href], button, input, select, summary, [tabindex]")]
+  .filter((one) => one.tabIndex >= 0).map((one) => one.tabIndex)
+"""
+UNNAMED = """
+["button", "input", "select", "canvas", "svg[role=img]", "[role=group]", "table", "figure.playback"]
+  .flatMap((one) => [...document.querySelectorAll(one)])
+  .filter((one) => !(one.ariaLabel || one.textContent.trim() || one.title || one.labels?.length
+    || one.caption || one.querySelector("title")))
+  .map((one) => one.outerHTML.slice(0, 200))
+"""
+CONTRAST = """
+(() => {
+  const parts = (text) => text.match(/[\\d.]+/g).map(Number);
+  const light = (text) => {
+    const [r, g, b] = parts(text).map((one) => one / 255)
+      .map((one) => (one <= 0.04045 ? one / 12.92 : ((one + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = (one) => {
+    for (let at = one; at; at = at.parentElement) {
+      const found = getComputedStyle(at).backgroundColor;
+      if (parts(found)[3] !== 0) return found;
+    }
+    return "rgb(255, 255, 255)";
+  };
+  const texts = document.querySelectorAll(
+    "p, li, td, th, h1, h2, h3, a, button, dt, dd, code, caption, summary");
+  const found = [...texts].filter((one) => one.offsetParent && !one.closest("svg")).map((one) => {
+    const [a, b] = [light(getComputedStyle(one).color), light(ground(one))];
+    return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  });
+  return Math.min(...found);
+})()
+"""
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    with opened(tmp_path_factory.mktemp("profile")) as made:
+        yield made
+
+
+@pytest.fixture(scope="module", params=GRAPHS, ids=lambda path: path.stem)
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run of one shipped graph, on few trials."""
+    graph: Path = request.param
+    folder = tmp_path_factory.mktemp(graph.stem) / "run"
+    command = [sys.executable, "-m", "nodegraph.cli", "run", str(graph)]
+    words = ["--out", str(folder), "--store", str(folder.parent / "store")]
+    done = subprocess.run(
+        [*command, *SMALL.get(graph.stem, []), *words], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def page(run: Path, tab: Tab) -> Iterator[Tab]:
+    """The report of the run, opened on a desktop; its console must stay empty."""
+    tab.said.clear()
+    tab.prefer()
+    tab.show(run / "report.html")
+    yield tab
+    assert tab.said == []
+
+
+def cells(text: str) -> tuple[list[str], list[list[str]]]:
+    heads, *rows = csv.reader(io.StringIO(text))
+    return heads, rows
+
+
+def alike(shown: str, kept: str) -> bool:
+    """Return whether a cell says what the file says, intervals and daggers after it aside."""
+    if shown == kept or (shown == "" and kept in ("", "nan")):
+        return True
+    try:
+        return math.isclose(float(shown.split(" ")[0]), float(kept), rel_tol=1e-3, abs_tol=5e-4)
+    except ValueError:
+        return False
+
+
+def test_the_page_fits_and_says_its_question_and_answer(run: Path, page: Tab) -> None:
+    title = page.value("document.querySelector('h1').textContent")
+    assert title in (run / "graph.yaml").read_text()
+    for width in (1200, PHONE):
+        page.size(width, 900)
+        assert page.value("document.documentElement.scrollWidth") <= width
+    assert page.value("document.querySelectorAll('main .result').length") > 0
+
+
+def test_tables_hold_what_their_files_hold(run: Path, page: Tab) -> None:
+    tables = [one for one in page.value(TABLES) if one["file"]]
+    kept = sorted(path.name for path in run.glob("*.csv"))
+    assert sorted(one["file"] for one in tables) == kept
+    for table in tables:
+        heads, rows = cells((run / table["file"]).read_text())
+        assert len(table["rows"]) == len(rows)
+        for column, head in enumerate(table["heads"]):
+            place = heads.index(head)
+            for shown, row in zip(table["rows"], rows, strict=True):
+                assert alike(shown[column], row[place]), (table["file"], head, shown[column])
+
+
+def test_a_table_sorts_by_a_click_and_is_copied_with_all_its_numbers(run: Path, page: Tab) -> None:
+    table = page.value(TABLES)[0]
+    heads, rows = cells((run / table["file"]).read_text())
+    column = next(
+        name for name in table["heads"] if name not in LABELS and is_number(rows, heads, name)
+    )
+    place = table["heads"].index(column)
+    page.value(f"document.querySelectorAll('figure.table th button')[{place}].click()")
+    assert (
+        page.value(f"document.querySelectorAll('figure.table th')[{place}].ariaSort") == "ascending"
+    )
+    shown = [float(row[place]) for row in page.value(TABLES)[0]["rows"] if row[place]]
+    assert shown == sorted(shown)
+    page.value(CLIPBOARD)
+    page.value("document.querySelector('.copy [aria-label$=CSV]').click()")
+    names, copied = cells(page.value("window.copied"))
+    assert names == heads
+    assert sorted(map(plainly, copied)) == sorted(map(plainly, rows))
+    found = [row[heads.index(column)] for row in copied if row[heads.index(column)]]
+    assert [float(one) for one in found] == shown
+    for name, start in (("LaTeX", "% needs"), ("Markdown", "| ")):
+        page.value(f"document.querySelector('.copy [aria-label$={name}]').click()")
+        assert page.value("window.copied").startswith(start)
+
+
+def plainly(row: list[str]) -> tuple[str, ...]:
+    """Return a row of a CSV file with its numbers in one form."""
+    return tuple(f"{float(one):.12g}" if is_text_of_number(one) else one for one in row)
+
+
+def is_text_of_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def is_number(rows: list[list[str]], heads: list[str], name: str) -> bool:
+    values = [row[heads.index(name)] for row in rows]
+    return any(values) and all(is_text_of_number(one) for one in values if one)
+
+
+def test_figures_are_those_of_the_files_beside_the_page_and_can_be_heard(
+    run: Path, page: Tab
+) -> None:
+    drawn = page.value(FIGURES)
+    for one in drawn:
+        assert one["label"]
+        assert one["marks"] > 10
+        beside = (run / one["file"]).with_suffix(".svg").read_text()
+        texts = re.findall(r"<text[^>]*>([^<]*)</text>", beside)
+        assert one["texts"] == [html.unescape(text) for text in texts]
+    assert sorted(one["file"] for one in drawn) == sorted(path.name for path in run.glob("*.svg"))
+    for path in run.glob("*.svg"):
+        assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page: Tab) -> None:
+    played = page.value("document.querySelectorAll('figure.playback').length")
+    assert bool(played) == ("use: plot.playback" in (run / "graph.yaml").read_text())
+    if not played:
+        return
+    packed = page.value("document.querySelector('figure.playback template').innerHTML")
+    data = Read(base64.b64decode(packed))
+    last = state(page)["tick"]
+    for tick in dict.fromkeys((last, 0, 7)):
+        page.value(f"{SLIDER}.value = {tick}; {SLIDER}.dispatchEvent(new Event('input'))")
+        told = state(page)
+        assert told["tick"] == tick
+        assert_drawn(told, data, yaw=0.0)
+    page.click(".playback button")
+    page.value(
+        "new Promise((done) => { const look = () => "
+        f"{PLAYER}.state.tick > 9 ? done(true) : requestAnimationFrame(look); look(); }})"
+    )
+    page.click(".playback button")
+    still = state(page)
+    assert_drawn(still, data, yaw=0.0)
+    page.drag("figure.playback canvas", 60, 0)
+    turned = state(page)
+    assert turned["tick"] == still["tick"]
+    width = page.value("document.querySelector('figure.playback canvas').clientWidth")
+    assert_drawn(turned, data, yaw=math.pi * 60 / width)
+
+
+def assert_drawn(told: Any, data: Read, yaw: float) -> None:
+    """Compare the markers' dots with the positions, seen from the front and turned by an angle."""
+    panels = data.head["panels"]
+    assert [one["label"] for one in told["panels"]] == [one["label"] for one in panels]
+    radius = max((one["radius"] for one in panels if one["kind"] == "markers"), default=1.0)
+    for place, (shown, panel) in enumerate(zip(told["panels"], panels, strict=True)):
+        if panel["kind"] != "markers":
+            assert len(shown["dots"]) > 0
+            continue
+        right, up = np.array(panel["right"]), np.array(panel["up"])
+        across = math.cos(yaw) * right + math.sin(yaw) * np.cross(right, up)
+        scale = shown["size"] / (2 * radius)
+        apart = (data.positions(place)[shown["frame"]] - panel["centre"]) * scale
+        expected = np.stack([apart @ across, -(apart @ up)], axis=1) + shown["size"] / 2
+        # a missing marker has no dot: NaN becomes null on the way here
+        dots = np.array(shown["dots"], dtype=float).reshape(-1, 3)[:, :2]
+        assert dots == pytest.approx(expected, abs=0.05, nan_ok=True)
+
+
+def test_the_page_can_be_used_by_keys_and_without_eyes(page: Tab) -> None:
+    assert page.value(UNNAMED) == []
+    page.press("Tab")
+    assert page.value("document.activeElement.className") == "skip"
+    order = page.value(FOCUS)
+    assert order == sorted(order)
+
+
+def test_dark_print_and_a_phone_keep_everything_in_sight(page: Tab) -> None:
+    page.prefer(prefers_color_scheme="dark")
+    assert page.value(CONTRAST) >= 4.5
+    page.prefer()
+    assert page.value(CONTRAST) >= 4.5
+    page.size(PHONE, 844)
+    assert page.value("document.documentElement.scrollWidth") <= PHONE
+    page.send("Emulation.setEmulatedMedia", media="print")
+    page.size(673, 900)  # what is left of A4 between the margins
+    wide = page.value("document.documentElement.scrollWidth")
+    page.send("Emulation.setEmulatedMedia", media="")
+    assert wide <= 673
+
+
+def state(page: Tab) -> Any:
+    return page.value(f"{PLAYER}.state")
