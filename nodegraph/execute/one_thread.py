@@ -29,6 +29,18 @@ def one_thread_each() -> Iterator[None]:
         yield
 
 
+@contextmanager
+def one_thread_here() -> Iterator[None]:
+    """Have OpenMP use one thread for what is called in this thread.
+
+    Its libraries keep the number for each thread, so that the limit of one holds in no other.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="openmp"):
+        yield
+
+
 def _loaded() -> AbstractContextManager[Any]:
     from threadpoolctl import threadpool_limits
 

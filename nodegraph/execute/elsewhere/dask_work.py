@@ -10,6 +10,7 @@ from distributed import get_worker
 from nodegraph.execute.elsewhere.answering import answer
 from nodegraph.execute.elsewhere.frames import Frame
 from nodegraph.execute.elsewhere.letters import Question
+from nodegraph.execute.one_thread import one_thread_here
 
 Sent = tuple[Any, ...]
 """The worker's address, then the frames of the answer; large ones as arrays of bytes."""
@@ -18,7 +19,8 @@ Sent = tuple[Any, ...]
 def work(*frames: Any) -> Sent:
     """Answer a question, given as its frames."""
     question = Question.from_frames([as_frame(one) for one in frames])
-    said, head, *buffers = answer(question).frames()
+    with one_thread_here():
+        said, head, *buffers = answer(question).frames()
     return get_worker().address, said, head, *map(as_bytes_array, buffers)
 
 

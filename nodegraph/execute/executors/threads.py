@@ -8,6 +8,7 @@ from queue import SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.execute.executors.protocol import HowToRun
+from nodegraph.execute.one_thread import one_thread_here
 from nodegraph.execute.schedule import Schedule
 
 _Calls = SimpleQueue[Call | None]
@@ -43,9 +44,10 @@ def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
 
 
 def _work(perform: Callable[[Call], Outcome], calls: _Calls, outcomes: _Outcomes) -> None:
-    while (call := calls.get()) is not None:
-        try:
-            outcomes.put((call.step, perform(call)))
-        except BaseException as error:  # else whoever waits for the outcome waits for ever
-            outcomes.put(error)
-        del call
+    with one_thread_here():
+        while (call := calls.get()) is not None:
+            try:
+                outcomes.put((call.step, perform(call)))
+            except BaseException as error:  # else whoever waits for the outcome waits for ever
+                outcomes.put(error)
+            del call

@@ -55,6 +55,14 @@ def threads_now() -> set[int]:
     return {one["num_threads"] for one in threadpool_info()}
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _openmp() -> None:
+    """A library that keeps the number of its threads for each thread that calls it."""
+    import sklearn.cluster  # noqa: F401
+
+    assert "openmp" in {one["user_api"] for one in threadpool_info()}
+
+
 @pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
 def test_steps_see_one_thread(executor: str, tmp_path: Path) -> None:
     file = tmp_path / "threads.py"
