@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ def parser() -> argparse.ArgumentParser:
         description="Compare methods that process facial motion capture.",
         allow_abbrev=False,
     )
+    text = "tell which version this is, and leave"
+    read.add_argument("--version", action=_Version, nargs=0, default=argparse.SUPPRESS, help=text)
     commands = read.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_run(commands)
     _add_check(commands)
@@ -34,6 +37,14 @@ def parser() -> argparse.ArgumentParser:
     _add_cache(commands)
     _add_schema(commands)
     return read
+
+
+class _Version(argparse.Action):
+    """Print the version: it is looked up only if somebody asks."""
+
+    def __call__(self, read: argparse.ArgumentParser, *rest: Any) -> None:
+        print(f"nodegraph {metadata.version('nodegraph')}")
+        read.exit()
 
 
 def _add_run(commands: Any) -> None:
@@ -81,7 +92,9 @@ def _add_examples(commands: Any) -> None:
 def _add_new(commands: Any) -> None:
     new = _add(commands, "new", "write a plugin package, or a graph, that works")
     new.add_argument("kind", metavar="KIND", help="plugin or graph")
-    new.add_argument("name", metavar="NAME", help="letters, digits and underscores")
+    new.add_argument(
+        "name", metavar="NAME", help="a plugin's is its package's too, a graph's its file's"
+    )
     new.add_argument("--to", type=Path, default=Path(), metavar="DIR", help="where to")
     _add_plugin(new)
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any, get_origin, get_type_hints
 
 import pluggy
@@ -51,6 +52,23 @@ class BrokenPlugin:
     reason: str
 
 
+class HookError(NodegraphError):
+    """The hook that gives a plugin's nodes raised something.
+
+    Attributes
+    ----------
+    said : str
+        What it raised.
+    line : int
+        Of the plugin's own code, the last that was reached; 0 if none was.
+    """
+
+    def __init__(self, error: BaseException, package: str) -> None:
+        self.said = f"nodegraph_nodes raised {said_by(error)}"
+        file, self.line = _place(error, package)
+        super().__init__(f"{self.said} ({file}:{self.line})" if file else self.said)
+
+
 def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
     """Import every installed plugin, each by itself, so that a bad one can be named."""
     good: list[Plugin] = []
@@ -59,7 +77,8 @@ def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
         try:
             good.append(Plugin(entry.name, entry.load(), _distribution(entry)))
         except (Exception, SystemExit) as error:
-            broken.append(BrokenPlugin(entry.name, _reason(error, entry.value)))
+            reason = f"{entry.value}: {_reason(error, _package(entry.module))}"
+            broken.append(BrokenPlugin(entry.name, reason))
     return good, broken
 
 
@@ -93,8 +112,35 @@ def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
         if sys.modules.get(path.stem) is module:
             del sys.modules[path.stem]
             sys.modules.update({path.stem: before} if before else {})
-        raise NodegraphError(f"{path}: the plugin does not import: {_reason(error)}") from error
+        reason = _reason(error, path.stem)
+        raise NodegraphError(f"{path}: the plugin does not import: {reason}") from error
     return Plugin(path.stem, _with_nodes(module, but))
+
+
+def nodes_of(plugin: Plugin) -> tuple[Any, ...]:
+    """Return the functions that a plugin gives as its nodes.
+
+    Raises
+    ------
+    HookError
+        If its hook raises.
+    NodegraphError
+        If its hook returns no list.
+    """
+    hook: Any = getattr(plugin.module, "nodegraph_nodes", tuple)
+    try:
+        found = hook()
+        if isinstance(found, Iterable):
+            return tuple(found)
+    except (Exception, SystemExit) as error:
+        raise HookError(error, _package_of(hook)) from error
+    kind = type(found).__name__
+    raise NodegraphError(f"its hook nodegraph_nodes returned {kind}: return [node, ...]")
+
+
+def has_other_hooks(plugin: Plugin) -> bool:
+    """Return whether a plugin brings anything else than nodes."""
+    return any(hasattr(plugin.module, name) for name in _kinds() if name != "nodegraph_nodes")
 
 
 def manager(plugins: list[Plugin]) -> pluggy.PluginManager:
@@ -125,7 +171,8 @@ def results(made: pluggy.PluginManager, hook: str) -> Iterator[tuple[str, Any]]:
             is_list = kind is Iterable and not isinstance(returned, str | Mapping)
             found = tuple(returned) if is_list and isinstance(returned, Iterable) else returned
         except (Exception, SystemExit) as error:
-            _tell(one.plugin_name, f"its hook {hook} is", _reason(error))
+            reason = _reason(error, _package_of(one.function))
+            _tell(one.plugin_name, f"its hook {hook} is", reason)
             continue
         if isinstance(found, tuple if kind is Iterable else kind):
             yield one.plugin_name, found
@@ -166,6 +213,12 @@ def named(made: pluggy.PluginManager, hook: str) -> dict[str, Any]:
             else:
                 found[key], owner[key] = one, name
     return found
+
+
+def said_by(error: BaseException) -> str:
+    """Return what an error says; its kind too, if it is not written for users."""
+    own = isinstance(error, NodegraphError)
+    return str(error) if own else f"{type(error).__name__}: {error}"
 
 
 def _with_nodes(module: Any, but: Container[Node]) -> Any:
@@ -211,12 +264,23 @@ def _distribution(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
 
 
-def _reason(error: BaseException, where: str = "") -> str:
-    place = ""
-    last = error.__traceback__
-    while last is not None and last.tb_next is not None:
-        last = last.tb_next
-    if last is not None:
-        place = f" ({Path(last.tb_frame.f_code.co_filename).name}:{last.tb_lineno})"
-    module = f"{where}: " if where else ""
-    return f"{module}{type(error).__name__}: {error}{place}"
+def _reason(error: BaseException, package: str) -> str:
+    file, line = _place(error, package)
+    return said_by(error) + (f" ({file}:{line})" if file else "")
+
+
+def _place(error: BaseException, package: str) -> tuple[str, int]:
+    """Return file and line of the last step in the plugin's own code, not in what it calls."""
+    place = ("", 0)
+    for frame, line in walk_tb(error.__traceback__):
+        if _package(frame.f_globals.get("__name__", "")) == package:
+            place = (Path(frame.f_code.co_filename).name, line)
+    return place
+
+
+def _package_of(hook: Any) -> str:
+    return _package(getattr(hook, "__module__", ""))
+
+
+def _package(module: str) -> str:
+    return module.partition(".")[0]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from nodegraph import hooks, plugins
 from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, nearest
 from nodegraph.node import Node, node_of
-from nodegraph.plugins import BrokenPlugin, Plugin
+from nodegraph.plugins import BrokenPlugin, HookError, Plugin
 
 if TYPE_CHECKING:
     import pluggy
@@ -58,7 +58,7 @@ class Registry:
             try:
                 registry._add_plugin(plugin)
             except Exception as error:
-                broken.append(BrokenPlugin(plugin.name, f"{type(error).__name__}: {error}"))
+                broken.append(BrokenPlugin(plugin.name, plugins.said_by(error)))
         for one in broken:
             warnings.warn(f"plugin {one.name!r} is left out: {one.reason}", stacklevel=2)
         for file in {Path(one).resolve(): Path(one) for one in files}.values():
@@ -93,7 +93,8 @@ class Registry:
             raise UnknownNodeError(
                 f"node {bare!r} is claimed by {_full_names(found)}; write one of these"
             )
-        raise UnknownNodeError(f"no node {name!r}; {self._instead(bare)}{self._excuse()}")
+        instead = f"{self._instead(bare)}; those of a plugin file come with --plugin FILE"
+        raise UnknownNodeError(f"no node {name!r}; {instead}{self._excuse()}")
 
     def family(self, family: str) -> Mapping[str, Registered]:
         """Return every method of a family by its label.
@@ -182,8 +183,15 @@ class Registry:
         plugin = plugins.from_file(file, but={one.node for one in self})
         try:
             self._add_plugin(plugin)
+        except HookError as error:
+            place = f"{file}:{error.line}" if error.line else file
+            raise NodegraphError(f"{place}: {error.said}") from error
         except Exception as error:
-            raise NodegraphError(f"{file}: {error}") from error
+            raise NodegraphError(f"{file}: {plugins.said_by(error)}") from error
+        empty = not any(one.plugin == plugin.name for one in self)
+        if empty and not plugins.has_other_hooks(plugin):
+            said = 'brings no node; write @node("family.method") above a function'
+            warnings.warn(f"{file}: {said}", stacklevel=3)
 
     def _add_plugin(self, plugin: Plugin) -> None:
         if any(one.name == plugin.name for one in self.loaded):
@@ -191,17 +199,13 @@ class Registry:
         for one in self.loaded:
             if one.module is plugin.module:
                 raise NodegraphError(f"plugin {one.name!r} is the same module, by another name")
-        hook = getattr(plugin.module, "nodegraph_nodes", None)
-        self._add_nodes(plugin.name, plugin.distribution, hook() if hook else ())
+        self._add_nodes(plugin.name, plugin.distribution, plugins.nodes_of(plugin))
         self.loaded.append(plugin)
 
     def _add_nodes(
         self, plugin: str, distribution: str, functions: Iterable[Callable[..., Any]]
     ) -> None:
         """Add what a plugin brings, all of it or nothing."""
-        if not isinstance(functions, Iterable):
-            kind = type(functions).__name__
-            raise NodegraphError(f"its hook nodegraph_nodes returned {kind}: return [node, ...]")
         brought: dict[str, Node] = {}
         for one in map(_described, functions):
             if brought.setdefault(one.name, one) is not one:
@@ -220,7 +224,7 @@ class Registry:
     def _excuse(self) -> str:
         if not self.broken:
             return ""
-        return "; left out because it does not import: " + ", ".join(
+        return "; left out: " + ", ".join(
             f"plugin {one.name!r} ({one.reason})" for one in self.broken
         )
 

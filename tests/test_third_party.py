@@ -162,18 +162,22 @@ def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(
 
 def test_a_new_plugin_is_installed_and_passes_its_own_tests(place: Path, tmp_path: Path) -> None:
     nodegraph(place, "new", "plugin", "hold_on", cwd=tmp_path)
-    wheel = one_wheel(build(tmp_path / "hold_on", tmp_path / "wheels", "--wheel"), "hold_on")
-    run(*pip(place), "pytest", cwd=place)
-    run(*pip(place), "--no-deps", str(wheel), cwd=place)
+    source = tmp_path / "hold_on"
+    wheel = one_wheel(build(source, tmp_path / "wheels", "--wheel"), "hold_on")
+    assert {"hold_on/references.bib", "hold_on/graphs/hold_on.yaml"} <= set(names(wheel))
+    run(*pip(place), "-e", ".[test]", cwd=source)
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = --of-a-folder-above\n")
     python = str(place / "venv" / BIN / "python")
     try:
         shown = nodegraph(place, "show", "fill.hold_on", cwd=tmp_path).stdout
         assert "Whatever the method is published in" in shown
         nodegraph(place, "examples", "hold_on", cwd=tmp_path)
         nodegraph(place, "run", "hold_on.yaml", "--axis", "trial=0", cwd=tmp_path)
-        tests = str(tmp_path / "hold_on" / "tests")
-        done = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", tests, cwd=tmp_path)
+        done = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=source)
         assert "3 passed" in done.stdout
+        method = source / "hold_on" / "method.py"
+        method.write_text(method.read_text("utf-8").replace("Repeat each", "Say again each"))
+        assert "Say again each" in nodegraph(place, "nodes", "fill", cwd=tmp_path).stdout
     finally:
         run(python, "-m", "pip", "uninstall", "-q", "-y", "hold_on", cwd=place)
 

@@ -14,6 +14,7 @@ from nodegraph.terminal import columns
 def check(arguments: Namespace) -> int:
     """Print what a graph would do, and how much of it is stored already."""
     from nodegraph.execute import Recall
+    from nodegraph.execute.left_out import left_out_lines
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
@@ -23,8 +24,8 @@ def check(arguments: Namespace) -> int:
     stored = {step.index for step in made.steps if step.index in recall}
     print(f"{graph.title}\n\n{columns(_rows(graph, made, stored))}\n")
     print(f"{len(made.steps)} steps, {len(stored)} of them stored")
-    for one in graph.left_out:
-        print(f"left out: {one.node}: {one.reason}")
+    for line in left_out_lines(graph):
+        print(line)
     skipped = sum(len(cells) for cells in made.skipped.values())
     if skipped:
         print(f"{skipped} combinations are skipped")

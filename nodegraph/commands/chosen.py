@@ -20,9 +20,18 @@ from nodegraph.spec.yaml_text import read_yaml
 if TYPE_CHECKING:
     from nodegraph.store import Store
 
+_FORMS = {
+    "set": "INPUT=VALUE",
+    "axis": "AXIS=LABELS",
+    "only": "AXIS=LABELS",
+    "at": "AXIS=LABEL",
+}
+"""How options are written, as their help says."""
+
 
 def graph_of(arguments: Namespace) -> Graph:
     """Return the checked graph that the command names, with what its options choose."""
+    _refuse_lock(arguments.graph)
     registry = Registry.installed(arguments.plugin)
     choices = Choices(
         inputs=set_values(arguments),
@@ -77,6 +86,15 @@ def labels_of(option: str, words: Iterable[str]) -> dict[str, str]:
     return dict(_split(option, single))
 
 
+def _refuse_lock(path: Path) -> None:
+    if path.suffix in (".yaml", ".yml") or not path.is_file():
+        return
+    from nodegraph.paper.frozen.lock import is_lock
+
+    if is_lock(path):
+        raise NodegraphError(f"{path}: this is a lock; use `nodegraph verify {path}`")
+
+
 def _pairs(arguments: Namespace, option: str) -> list[tuple[str, str]]:
     return _split(option, getattr(arguments, option))
 
@@ -86,7 +104,7 @@ def _split(option: str, words: Iterable[str]) -> list[tuple[str, str]]:
     for word in words:
         name, equals, text = word.partition("=")
         if not equals or not name:
-            raise NodegraphError(f"--{option} {word}: write --{option} NAME=VALUE")
+            raise NodegraphError(f"--{option} {word}: write --{option} {_FORMS[option]}")
         if name in dict(pairs):
             raise NodegraphError(f"--{option} {name} is given twice")
         pairs.append((name, text))

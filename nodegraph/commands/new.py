@@ -5,13 +5,17 @@ from __future__ import annotations
 import re
 import sys
 from argparse import Namespace
+from collections.abc import Collection
+from importlib import metadata
+from importlib.util import find_spec
 from keyword import iskeyword
 from pathlib import Path
 
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.registry import Registry
 
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
+_PACKAGE = re.compile(r"[a-z][a-z0-9_]*")
+_FILE = re.compile(r"\w([\w .-]*\w)?")
 _PLACE = "{{name}}"
 _SUFFIX = ".template"
 
@@ -24,8 +28,11 @@ def new(arguments: Namespace) -> int:
         raise NodegraphError(
             f"nothing new of kind {arguments.kind!r}; {nearest(arguments.kind, templates)}"
         )
-    _check_name(arguments.name, registry)
     files = _filled(templates[arguments.kind], arguments.name)
+    if any(path.suffix == ".py" for path in files):
+        _check_package_name(arguments.name, registry)
+    else:
+        _check_file_name(arguments.name, files)
     taken = [arguments.to / path for path in files if (arguments.to / path).exists()]
     if taken:
         raise NodegraphError(f"{taken[0]} is there already; it is left as it is")
@@ -37,17 +44,54 @@ def new(arguments: Namespace) -> int:
     return 0
 
 
-def _check_name(name: str, registry: Registry) -> None:
-    if not _NAME.fullmatch(name) or iskeyword(name):
+def _check_package_name(name: str, registry: Registry) -> None:
+    if not _PACKAGE.fullmatch(name) or iskeyword(name):
         raise NodegraphError(
             f"{name!r} cannot be a name here: write small letters, digits and underscores, a "
             "letter first, and no word of Python"
         )
-    taken = {plugin.name for plugin in registry.loaded} | set(sys.stdlib_module_names)
-    if name in taken:
+    owner = _owner(name, registry)
+    if owner:
         raise NodegraphError(
-            f"{name!r} is the name of a plugin or of a module of Python; choose another"
+            f"{name!r} is the name of {owner}, which a package of that name would overwrite or "
+            "hide; choose another"
         )
+
+
+def _check_file_name(name: str, files: Collection[Path]) -> None:
+    if not _FILE.fullmatch(name):
+        raise NodegraphError(
+            f"{name!r} cannot be a file's name everywhere: write letters, digits, '_', '-', '.' "
+            "and spaces, a letter or digit first and last"
+        )
+    suffix = Path(name).suffix
+    if suffix and any(path.name == name + suffix for path in files):
+        raise NodegraphError(f"{name!r}: {suffix} comes by itself; write {Path(name).stem!r}")
+
+
+def _owner(name: str, registry: Registry) -> str:
+    """Return what has the name of a package already; empty if nothing has."""
+    for plugin in registry.loaded:
+        if plugin.name == name:
+            return "a plugin"
+        if getattr(plugin.module, "__name__", "") == name:
+            return f"the package of the plugin {plugin.name!r}"
+    if name in sys.stdlib_module_names:
+        return "a module of Python"
+    try:
+        return f"the installed package {_with_version(name)}"
+    except metadata.PackageNotFoundError:
+        pass
+    if name not in sys.modules and find_spec(name) is None:
+        return ""
+    packages = dict.fromkeys(metadata.packages_distributions().get(name, ()))
+    of = " and ".join(map(_with_version, packages))
+    return f"a module of the installed package {of}" if of else "a module that Python finds"
+
+
+def _with_version(package: str) -> str:
+    found = metadata.distribution(package)
+    return f"{found.name} {found.version}"
 
 
 def _filled(folder: Path, name: str) -> dict[Path, str]:

@@ -76,6 +76,20 @@ def test_a_plugin_that_does_not_import_is_named_and_the_rest_go_on(
     assert [one.full_name for one in registry] == ["good:fill.mine"]
 
 
+@pytest.mark.parametrize("raised", ["KeyError('lost')", "SystemExit('lost')"])
+def test_a_plugin_whose_nodes_cannot_be_asked_for_is_told_with_hook_kind_and_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, raised: str
+) -> None:
+    written(tmp_path, "toy_bad.py", HOOK.replace("return [mine]", f"raise {raised}"))
+    install(monkeypatch, tmp_path, bad="toy_bad")
+    kind = raised.partition("(")[0]
+    said = rf"nodegraph_nodes raised {kind}: '?lost'? \(toy_bad.py:6\)"
+    with pytest.warns(UserWarning, match=f"plugin 'bad' is left out: {said}$"):
+        registry = Registry.installed()
+    with pytest.raises(NodegraphError, match=rf"; left out: plugin 'bad' \({said}\)$"):
+        registry.find("fill.mine")
+
+
 def test_a_file_needs_no_hook(tmp_path: Path) -> None:
     found = plugins.from_file(written(tmp_path, "toy_file.py", NODE))
     assert [one.__name__ for one in found.module.nodegraph_nodes()] == ["mine"]
@@ -117,7 +131,9 @@ def test_a_file_named_like_a_module_leaves_that_module_alone(tmp_path: Path) -> 
     ("name", "text", "said"),
     [
         ("toy_raises.py", "1 / 0", r"does not import: ZeroDivisionError.*toy_raises.py:1"),
-        ("toy_syntax.py", "def f(:", "does not import: SyntaxError"),
+        ("toy_deep.py", "import json\njson.loads('{')", r"JSONDecodeError: .*\(toy_deep.py:2\)$"),
+        ("toy_name.py", NODE.replace("fill.mine", "Mine"), r"import: 'Mine' .*\(toy_name.py:4\)$"),
+        ("toy_syntax.py", "def f(:", r"import: SyntaxError: [^()]*\(toy_syntax.py, line 1\)$"),
         ("toy_exits.py", "raise SystemExit(0)", "does not import: SystemExit"),
         ("toy_text.txt", "", r"suffix \.py"),
     ],
@@ -151,6 +167,14 @@ def test_a_file_whose_node_cannot_be_read_is_refused(
     text = NODE.replace("-> float", "-> None | float")
     with pytest.raises(NodegraphError, match=r"toy_out.py: .*fill\.mine: output"):
         Registry.installed([written(tmp_path, "toy_out.py", text)])
+
+
+def test_a_file_with_other_hooks_needs_no_node(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    install(monkeypatch, tmp_path)
+    text = HOOK.replace("nodegraph_nodes", "nodegraph_bibtex").replace("[mine]", "'@misc{a}'")
+    assert Registry.installed([written(tmp_path, "toy_cites.py", text)]).bibtex == ("@misc{a}",)
 
 
 def test_a_file_that_is_read_again_takes_the_place_of_the_first(tmp_path: Path) -> None:

@@ -77,7 +77,7 @@ def test_a_plugin_whose_nodes_cannot_be_read_is_left_out_whole(
     def bad(x: Any) -> float:
         return 0.0
 
-    with pytest.warns(UserWarning, match=r"plugin 'two' is left out: NodeError: fill\.bad"):
+    with pytest.warns(UserWarning, match=r"plugin 'two' is left out: fill\.bad"):
         registry = install(plugin("one", hold), plugin("two", other, bad))
     assert [one.full_name for one in registry] == ["one:fill.hold"]
     with pytest.raises(UnknownNodeError, match=r"left out.*plugin 'two'"):
@@ -263,7 +263,7 @@ def test_nodes_that_are_no_list_are_told(install: Callable[..., Registry], nodes
 
 
 def test_a_hook_of_nodes_that_fails_is_told(install: Callable[..., Registry]) -> None:
-    with pytest.warns(UserWarning, match="plugin 'bad' is left out: ZeroDivisionError"):
+    with pytest.warns(UserWarning, match="plugin 'bad' is left out: .*raised ZeroDivisionError"):
         registry = install(plugin("bad", nodegraph_nodes=lambda: [1 / 0]), plugin("good", hold))
     assert [one.full_name for one in registry] == ["good:fill.hold"]
 

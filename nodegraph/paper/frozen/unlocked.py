@@ -40,6 +40,7 @@ def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, Any]) -> Graph
         return build(spec, registry.without(_later(lock)), _choices(lock, inputs))
     except GraphError as error:
         told = [f"the graph in {lock.path} cannot be run here:", str(error)]
+        told += _moved(lock, error, inputs)
         told += [f"{one}, which may explain it" for one in _other_plugins(lock, registry)]
         raise NodegraphError("\n".join(told)) from error
 
@@ -53,6 +54,14 @@ def other_texts(lock: Lock) -> Iterator[str]:
                 yield f"{path} has another text than the lock, whose text is verified"
         except (OSError, ValueError):
             yield f"{path} is gone; the text in the lock is verified"
+
+
+def _moved(lock: Lock, error: GraphError, inputs: Mapping[str, Any]) -> Iterator[str]:
+    """Yield how to name the files that are gone and that an input names."""
+    for name, value in {**lock.data["inputs"], **inputs}.items():
+        gone = f"no such file: {value}"
+        if isinstance(value, str) and any(one.message.endswith(gone) for one in error.problems):
+            yield f"where it lies by now: --set {name}=FILE"
 
 
 def _later(lock: Lock) -> Callable[[Registered], bool]:
@@ -104,7 +113,7 @@ def _brought(lock: Lock, registry: Registry, method: Mapping[str, Any]) -> str:
         versions = f"{there.distribution} here and was {was}" if was else "there"
         return f"plugin {name} is {versions}, and has no such node"
     broken = next((one.reason for one in registry.broken if one.name == name), "")
-    why = f"does not import ({broken})" if broken else "is absent"
+    why = f"is left out ({broken})" if broken else "is absent"
     how = f"install {was}" if was else f"name the file that has it: --plugin {name}.py"
     return f"plugin {name} {why}; {how}"
 

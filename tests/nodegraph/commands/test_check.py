@@ -43,7 +43,7 @@ def test_check_takes_choices(command: Command) -> None:
     )
     assert status == 0
     assert "length (3) x fill (1)" in out
-    assert "left out: one: gaps at length = 5" in out
+    assert "left out: one: made of length=5, which the command has removed\n" in out
     status, out, _ = command("check", "toy.yaml", "--axis", "length={count: 2}")
     assert status == 2
     status, out, _ = command("check", "toy.yaml", "--axis", "length={a: 5, b: 6}")
@@ -75,6 +75,22 @@ def test_a_name_claimed_by_two_plugins_names_both(command: Command) -> None:
     )
     status, out, _ = command("nodes", "fill", "--plugin", "my_hold.py")
     assert (status, out.count("fill.hold")) == (0, 2)
+
+
+def test_a_node_of_a_file_that_is_not_named_is_told_the_option(command: Command) -> None:
+    Path("toy.yaml").write_text(Path("toy.yaml").read_text().replace("toy.sum", "toy.more"))
+    status, _, err = command("check", "toy.yaml")
+    assert status == 2
+    assert "those of a plugin file come with --plugin FILE" in err
+
+
+def test_a_file_without_nodes_is_told(command: Command) -> None:
+    Path("bare.py").write_text("def fill(x):\n    return x\n")
+    status, _, err = command("check", "toy.yaml", "--plugin", "bare.py")
+    assert status == 0
+    assert (
+        err == 'warning: bare.py: brings no node; write @node("family.method") above a function\n'
+    )
 
 
 def test_an_installed_plugin_that_does_not_import_is_told_and_the_rest_go_on(

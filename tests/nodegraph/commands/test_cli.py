@@ -6,12 +6,20 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
 from nodegraph.commands import check
+from nodegraph.paper.frozen.lock import _HEAD
 
+HOOK = """\
+from nodegraph import hookimpl
+@hookimpl
+def nodegraph_nodes():
+    raise KeyError("lost")
+"""
 Command = Callable[..., tuple[int, str, str]]
 
 
@@ -20,14 +28,16 @@ Command = Callable[..., tuple[int, str, str]]
     ("words", "said"),
     [
         (["none.yaml"], "none.yaml: no such graph file"),
-        (["."], "cannot be read"),
+        (["."], "is a folder"),
         (["toys.py"], "toys.py:"),
-        (["toy.yaml", "--set", "start"], "write --set NAME=VALUE"),
-        (["toy.yaml", "--set", "=5"], "write --set NAME=VALUE"),
+        (["toy.yaml", "--set", "start"], "--set start: write --set INPUT=VALUE"),
+        (["toy.yaml", "--set", "=5"], "--set =5: write --set INPUT=VALUE"),
         (["toy.yaml", "--set", "start=1", "--set", "start=2"], "--set start is given twice"),
         (["toy.yaml", "--set", "strat=1"], "did you mean 'start'"),
         (["toy.yaml", "--set", "start=[1"], "should be a valid number, got '[1'"),
         (["toy.yaml", "--set", "start=\udcff"], "surrogate"),
+        (["toy.yaml", "--axis", "length"], "--axis length: write --axis AXIS=LABELS"),
+        (["toy.yaml", "--only", "length"], "--only length: write --only AXIS=LABELS"),
         (["toy.yaml", "--axis", "length=[1,"], "--axis length:2:1: this is not YAML"),
         (["toy.yaml", "--axis", "length="], "has no label"),
         (["toy.yaml", "--axis", "length=\udcff"], "--axis length:1:"),
@@ -37,6 +47,8 @@ Command = Callable[..., tuple[int, str, str]]
         (["toy.yaml", "--plugin", "toy.yaml"], "suffix .py"),
         (["toy.yaml", "--plugin", "raises.py"], "raises.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "exits.py"], "exits.py: the plugin does not import"),
+        (["toy.yaml", "--plugin", "hook.py"], "hook.py:4: nodegraph_nodes raised KeyError: 'lost'"),
+        (["toy.lock"], "toy.lock: this is a lock; use `nodegraph verify toy.lock`"),
         (["toy.yaml", "--sett", "a=1"], "unrecognized arguments"),
         ([], "GRAPH"),
     ],
@@ -46,6 +58,8 @@ def test_what_is_wrong_ends_with_2_before_anything_runs(
 ) -> None:
     Path("raises.py").write_text("1 / 0")
     Path("exits.py").write_text("raise SystemExit(0)")
+    Path("hook.py").write_text(HOOK)
+    Path("toy.lock").write_text(_HEAD)
     status, out, err = command(name, *words)
     assert status == 2
     assert said in err
@@ -65,6 +79,10 @@ def test_help_is_no_mistake(command: Command, words: list[str]) -> None:
     status, out, err = command(*words, nodes=False)
     assert (status, err) == (0, "")
     assert out.startswith("usage: nodegraph")
+
+
+def test_the_version_is_told(command: Command) -> None:
+    assert command("--version", nodes=False) == (0, f"nodegraph {version('nodegraph')}\n", "")
 
 
 def test_an_interruption_ends_with_130(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,7 +80,7 @@ def test_a_combination_that_another_step_stands_for_is_found(ran: Path, command:
         (("fill", "--at", "length=2", "--out", "a.txt"), "'length' has no label '2'; there is: 1"),
         (("total", "--out", "a.xyz"), "of type float can be written as .raw"),
         (("total", "--out", "a.raw"), "a.raw: TypeError: no numbers today"),
-        (("fill", "--at", "fill", "--out", "a.txt"), "--at fill: write --at NAME=VALUE"),
+        (("fill", "--at", "fill", "--out", "a.txt"), "--at fill: write --at AXIS=LABEL"),
         (("a", "--out", "toy.yaml"), "toy.yaml is there already; name another file"),
     ],
 )

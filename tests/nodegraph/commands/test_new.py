@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -14,19 +15,24 @@ Command = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture(autouse=True)
 def _templates(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """An installed plugin with one kind of template, in which a name stands in text and paths."""
+    """An installed plugin with a template of a package and one of a file."""
     folder = tmp_path / "shipped" / "pair"
     (folder / "{{name}}").mkdir(parents=True)
     (folder / "{{name}}" / "{{name}}.py.template").write_text("{{name}} = 1\n")
     (folder / "notes.md").write_text("of {{name}}, {other}\n")
+    leaf = tmp_path / "shipped" / "leaf"
+    leaf.mkdir()
+    (leaf / "{{name}}.yaml.template").write_text("title: {{name}}\n")
 
     class Shipping:
+        __name__ = "its_package"
+
         @staticmethod
         @hookimpl
         def nodegraph_templates() -> dict[str, Path]:
-            return {"pair": folder}
+            return {"pair": folder, "leaf": leaf}
 
-    monkeypatch.setattr(plugins, "installed", lambda: ([plugins.Plugin("ships", Shipping)], []))
+    monkeypatch.setattr(plugins, "installed", lambda: ([plugins.Plugin("ships", Shipping())], []))
 
 
 def test_the_name_stands_in_texts_and_paths(command: Command) -> None:
@@ -53,12 +59,38 @@ def test_nothing_is_overwritten_and_nothing_written_by_halves(command: Command) 
         ("pair", "Mine", "'Mine' cannot be a name here"),
         ("pair", "../up", "'../up' cannot be a name here"),
         ("pair", "class", "'class' cannot be a name here"),
-        ("pair", "json", "'json' is the name of a plugin or of a module of Python"),
-        ("pair", "ships", "'ships' is the name of a plugin or of a module of Python"),
+        ("pair", "json", "'json' is the name of a module of Python, which"),
+        ("pair", "ships", "'ships' is the name of a plugin, which"),
+        ("pair", "numpy", f"the installed package numpy {version('numpy')}, which"),
+        ("pair", "nodegraph", "the installed package nodegraph "),
+        ("pair", "its_package", "'its_package' is the name of the package of the plugin 'ships'"),
+        ("pair", "scikit_learn", "the installed package scikit-learn "),
+        ("pair", "sklearn", "a module of the installed package scikit-learn "),
+        ("pair", "no_package", "'no_package' is the name of a module that Python finds"),
+        ("leaf", "../up", "'../up' cannot be a file's name everywhere"),
+        ("leaf", "up.", "'up.' cannot be a file's name everywhere"),
+        ("leaf", "mine.yaml", "'mine.yaml': .yaml comes by itself; write 'mine'"),
     ],
 )
 def test_a_kind_or_a_name_that_will_not_do_is_told(
-    command: Command, kind: str, name: str, said: str
+    command: Command,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    kind: str,
+    name: str,
+    said: str,
 ) -> None:
+    (tmp_path / "found").mkdir()
+    (tmp_path / "found" / "no_package.py").touch()
+    monkeypatch.syspath_prepend(tmp_path / "found")
+    before = set(tmp_path.rglob("*"))
     status, _, err = command("new", kind, name)
     assert (status, said in err) == (2, True)
+    assert set(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", ["ships", "numpy", "2nd-try v1.2", "Lücken"])
+def test_what_is_only_a_file_has_any_file_s_name(command: Command, name: str) -> None:
+    status, out, _ = command("new", "leaf", name)
+    assert (status, out) == (0, f"wrote {name}.yaml\n")
+    assert Path(f"{name}.yaml").read_text(encoding="utf-8") == f"title: {name}\n"

@@ -18,6 +18,10 @@ def test_nodes_are_listed(command: Command) -> None:
     status, out, err = command("nodes", "fil")
     assert (status, out) == (2, "")
     assert "no family 'fil'; did you mean 'fill'" in err
+    status, _, err = command("nodes", "fill.hold")
+    assert (status, "`nodegraph show fill.hold` shows it" in err) == (2, True)
+    status, _, err = command("nodes", "fill.hodl")
+    assert (status, "no node 'fill.hodl'; did you mean 'fill.hold'" in err) == (2, True)
     assert command("nodes", nodes=False)[0] == 0
 
 

@@ -69,7 +69,7 @@ def test_a_plugin_of_another_version_is_named_where_its_nodes_do_not_fit(
     ("broken", "said"),
     [
         ([], "plugin toys is absent; install toy-nodes 2.0"),
-        ([BrokenPlugin("toys", "no module x")], r"plugin toys does not import \(no module x\)"),
+        ([BrokenPlugin("toys", "no module x")], r"plugin toys is left out \(no module x\)"),
     ],
 )
 def test_a_plugin_that_is_absent_is_named_with_what_installs_it(
