@@ -12,6 +12,7 @@ from nodegraph.signature import Setting
 
 _PARAMETERS = re.compile(r"^Parameters\n-+\n.*?(?=^\w[\w ]*\n-+$|\Z)", re.MULTILINE | re.DOTALL)
 
+_NONE = re.compile(r"\b[Nn]one(?=:)")
 _QUOTED = re.compile(r"(?<!`)`{1,2}([^`]+)`{1,2}(?!`)")
 
 
@@ -41,7 +42,7 @@ def describe_settings(node: Node) -> tuple[SettingText, ...]:
             setting_kind(node, one.name),
             one.unit,
             "required" if one.required else shown(one.default),
-            _with_instead(one, meanings.get(one.name, "")),
+            _with_instead(one, _as_in_a_file(node, one.name, meanings.get(one.name, ""))),
         )
         for one in node.settings.values()
     )
@@ -80,6 +81,13 @@ def shown(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(shown, value))}]"
     return str(value)
+
+
+def _as_in_a_file(node: Node, name: str, meaning: str) -> str:
+    """Return a meaning that says ``null`` for Python's ``None``, unless a choice is called so."""
+    kind = setting_kind(node, name)
+    optional = kind.endswith("null") and not re.search(r"\bnone\b", kind)
+    return _NONE.sub("null", meaning) if optional else meaning
 
 
 def _with_instead(setting: Setting, meaning: str) -> str:

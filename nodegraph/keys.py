@@ -133,7 +133,7 @@ class Keys:
         """Return why a step has no key."""
         if reason := self.fixed(step).reason:
             return f"{step.method.node.name}: {reason}"
-        return "what feeds it has no key"
+        return "they are made of results that are not stored"
 
     def _gathered(self, fed: Gathered, ended: Mapping[int, Ended]) -> list[str]:
         parts = [repr(fed.axes)]

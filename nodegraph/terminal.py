@@ -131,6 +131,7 @@ class _Lines(Shown):
     def __init__(self) -> None:
         super().__init__()
         self._tenths = 0
+        self._computed = 0
 
     def say(self, text: str) -> None:
         print(text, file=sys.stderr, flush=True)
@@ -151,6 +152,10 @@ class _Lines(Shown):
             self._tenths = tenths
             if not detail["run"] and not detail["failed"]:
                 return  # stored results are looked up faster than anybody reads
+            computed = detail["run"] + detail["failed"] + detail["refused"]
+            if computed == self._computed:
+                return  # as where all else is skipped
+            self._computed = computed
             self.say(f"{settled} of {total} steps: {counts_text(detail)}")
 
 

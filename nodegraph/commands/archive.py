@@ -12,18 +12,21 @@ from nodegraph.errors import NodegraphError
 
 def archive(arguments: Namespace) -> int:
     """Put a finished run into one file, with what it takes to run it again elsewhere."""
+    from nodegraph.finished import FinishedRun
     from nodegraph.paper.archived.contents import contents_of
     from nodegraph.paper.archived.crate import crate_metadata
     from nodegraph.paper.archived.file import packed
     from nodegraph.registry import Registry
 
+    FinishedRun(arguments.run)  # which refuses what is no run
     folder = arguments.run.resolve()
     path = arguments.out or arguments.run.parent / f"{folder.name}.zip"
-    _refuse_others(path, folder)
+    _refuse_inside(path, folder)
     contents = contents_of(
         arguments.run, Registry.installed([]), lock=arguments.lock, with_inputs=arguments.inputs
     )
     content = packed(contents.files, crate_metadata(contents))
+    _refuse_others(path, content)
     _write(path, content)
     print(f"{path} ({len(contents.files) + 1} files, {size_text(len(content))})")
     for line in contents.lacking:
@@ -34,13 +37,18 @@ def archive(arguments: Namespace) -> int:
     return 0
 
 
-def _refuse_others(path: Path, run: Path) -> None:
-    from nodegraph.paper.archived.file import is_archive
-
+def _refuse_inside(path: Path, run: Path) -> None:
     if path.resolve().is_relative_to(run):
         raise NodegraphError(f"{path} lies in the run itself; name another place with --out")
-    if path.is_dir() or (path.exists() and not is_archive(path)):
-        raise NodegraphError(f"{path} is there and is no archive; name another file with --out")
+
+
+def _refuse_others(path: Path, content: bytes) -> None:
+    """Refuse to replace anything but the same archive: what was made before may be published."""
+    if path.exists() and not (path.is_file() and path.read_bytes() == content):
+        raise NodegraphError(
+            f"{path} is there already and is another; name another file with --out, or remove it "
+            "first"
+        )
 
 
 def _write(path: Path, content: bytes) -> None:

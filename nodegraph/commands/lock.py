@@ -41,11 +41,12 @@ def completed(arguments: Namespace, graph: Graph, store: Store) -> Run:
     """Run a graph as the command says, and show how far it is."""
     from nodegraph.api import reported
     from nodegraph.execute import HowToRun, execute
+    from nodegraph.execute.left_out import left_out_lines
     from nodegraph.plan import plan
 
     how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
-    for one in graph.left_out:
-        say(f"left out: {one.node}: {one.reason}")
+    for line in left_out_lines(graph):
+        say(line)
     with progress() as shown:
         return execute(
             plan(graph), how=how, store=store, keep=reported(graph), listeners=[shown.hear]

@@ -12,6 +12,7 @@ def run(arguments: Namespace) -> int:
     """Check, plan and run a graph; write the report; print its tables."""
     from nodegraph.api import reported
     from nodegraph.execute import HowToRun, execute, executor_of
+    from nodegraph.execute.left_out import left_out_lines
     from nodegraph.execute.record import record
     from nodegraph.folder import RunFolder
     from nodegraph.graph import until
@@ -23,8 +24,8 @@ def run(arguments: Namespace) -> int:
     how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
     executor_of(how, graph.registry.executors)
     folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)
-    for one in graph.left_out:
-        say(f"left out: {one.node}: {one.reason}")
+    for line in left_out_lines(graph):
+        say(line)
     try:
         with progress() as shown:
             done = execute(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 import traceback
 import warnings
@@ -9,11 +10,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from nodegraph.errors import Refusal
+from nodegraph.errors import NodegraphError, Refusal
 from nodegraph.node import Node
 from nodegraph.values import locked
+
+_WRITES = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
+"""What numpy, numba and frozen dataclasses say when somebody writes to what is locked."""
 
 _heard: ContextVar[list[str] | None] = ContextVar("_heard", default=None)
 
@@ -66,6 +71,8 @@ class Outcome:
         Whether it was found in the store and not computed.
     digests : tuple of str
         One per output port, of its content, when it is in the store.
+    place : str
+        For a failed step, the line of the node's own file: ``mine.py:12``.
     """
 
     state: str
@@ -77,12 +84,19 @@ class Outcome:
     cause: str = ""
     stored: bool = False
     digests: tuple[str, ...] = ()
+    place: str = ""
+
+    @property
+    def told(self) -> str:
+        """The reason with its place, which stays out of all that results are made of."""
+        return f"{self.reason} ({self.place})" if self.place else self.reason
 
 
 def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
     heard: list[str] = []
     token = _heard.set(heard)
+    place = ""
     began = time.perf_counter()
     try:
         values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
@@ -92,13 +106,14 @@ def perform(call: Call) -> Outcome:
         raise
     except BaseException as error:
         state, values, reason, trace = "failed", (), _reason(error), _trace(error)
+        place = _shown(_place(call.node, error))
     else:
         state, reason, trace = "done", "", ""
     finally:
         _heard.reset(token)
     seconds = time.perf_counter() - began
     said = tuple(dict.fromkeys(map(_shown, heard))) if heard else ()
-    return Outcome(state, values, _shown(reason), _shown(trace), said, seconds, state)
+    return Outcome(state, values, _shown(reason), _shown(trace), said, seconds, state, place=place)
 
 
 @contextmanager
@@ -148,12 +163,35 @@ def _split(node: Node, returned: Any) -> tuple[Any, ...]:
     return tuple(getattr(returned, name) for name in names)
 
 
+def writes_to_what_is_locked(error: BaseException) -> bool:
+    """Whether an error says that somebody wrote to what other nodes read as well."""
+    if isinstance(error, (OSError, NodegraphError)):  # a disk may be read-only, too
+        return False
+    return any(sign in _message(error) for sign in _WRITES)
+
+
 def _reason(error: BaseException) -> str:
+    said = _message(error) or "no message"
+    if not isinstance(error, (ValueError, OSError)):
+        said = f"{type(error).__name__}: {said}"
+    if writes_to_what_is_locked(error):
+        return f"it changes its input: copy before you write; {said}"
+    return said
+
+
+def _message(error: BaseException) -> str:
     try:
-        said = str(error) or "no message"
+        return str(error)
     except Exception:
-        said = "its message cannot be shown"
-    return said if isinstance(error, (ValueError, OSError)) else f"{type(error).__name__}: {said}"
+        return "its message cannot be shown"
+
+
+def _place(node: Node, error: BaseException) -> str:
+    """Return the line of the node's own file from which an error came; no path of this machine."""
+    code = getattr(inspect.unwrap(node.function), "__code__", None)
+    frames = traceback.walk_tb(error.__traceback__)
+    own = [line for frame, line in frames if code and frame.f_code.co_filename == code.co_filename]
+    return f"{Path(code.co_filename).name}:{own[-1]}" if code and own else ""
 
 
 def _trace(error: BaseException) -> str:

@@ -111,7 +111,7 @@ class Teller:
         kind = "stored" if outcome.stored and outcome.state == "done" else outcome.state
         detail: dict[str, Any] = {"took": round(outcome.seconds, 6)}
         detail |= {"stored": True} if outcome.stored and kind != "stored" else {}
-        detail |= {"reason": outcome.reason} if outcome.reason else {}
+        detail |= {"reason": outcome.told} if outcome.reason else {}
         detail |= {"warnings": list(outcome.warnings)} if outcome.warnings else {}
         self._tell(kind, step, detail)
         self._counts[kind] += 1

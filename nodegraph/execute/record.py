@@ -11,6 +11,7 @@ from typing import Any
 
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
+from nodegraph.execute.left_out import left_out
 from nodegraph.execute.results import Run
 from nodegraph.graph import Graph, GraphNode
 from nodegraph.plan import Output, Step, StepInput
@@ -32,7 +33,7 @@ def record(run: Run, command: str) -> dict[str, Any]:
         "nodes": {name: _node(node) for name, node in graph.nodes.items()},
         "code": _code(run),
         "known": [str(one) for one in graph.spec.known],
-        "left_out": [{"node": one.node, "reason": one.reason} for one in graph.left_out],
+        "left_out": [{"node": one, "reason": why} for one, why in left_out(graph).items()],
         "counts": run.counts(),
         "seconds": round(run.seconds, 6),
         "not_kept": dict(run.recall.not_kept) if run.recall else {},
@@ -127,6 +128,7 @@ def _step(run: Run, step: Step, outcome: Outcome, command: str) -> dict[str, Any
     said: dict[str, Any] = {
         "stored": outcome.stored,
         "reason": outcome.reason,
+        "place": outcome.place,
         "trace": outcome.trace,
         "warnings": list(outcome.warnings),
         "digests": list(outcome.digests),

@@ -65,7 +65,7 @@ def check_fixed(
             there = nearest(name, node.axes, what=f"axes of {source.node}")
             problems.add(source.place, f"{source.node!r} has no axis {name!r}", there)
         elif label in axes[name].removed:
-            reason = f"{source} at {name} = {label}: the command has removed that label"
+            reason = f"made of {name}={label}, which the command has removed"
         elif label not in axes[name].labels and axes[name].labels:
             there = nearest(label, axes[name].labels, what="labels")
             problems.add(source.place, f"axis {name!r} has no label {label!r}", there)

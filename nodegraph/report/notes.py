@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from nodegraph.execute import Run
+from nodegraph.execute.left_out import left_out_together
 from nodegraph.execute.record import repeating
 from nodegraph.plan import Step
 from nodegraph.ports import Label
@@ -32,7 +33,7 @@ def _settled(run: Run, command: str) -> Iterator[StepNote]:
         yield StepNote(
             _name(step),
             _text(step.labels),
-            outcome.reason,
+            outcome.told,
             _KINDS[outcome.state],
             repeat=repeat,
             trace=outcome.trace,
@@ -47,7 +48,10 @@ def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
 
 
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:
-    return (StepNote(one.node, "", one.reason, "left out") for one in run.plan.graph.left_out)
+    return (
+        StepNote(", ".join(nodes), "", reason, "left out", count=len(nodes))
+        for reason, nodes in left_out_together(run.plan.graph).items()
+    )
 
 
 def _deprecated(run: Run) -> Iterable[StepNote]:

@@ -58,6 +58,12 @@ def text_of(path: Path) -> str:
         If it cannot be read.
     """
     try:
+        if path.is_dir():
+            there = ", ".join(one.name for one in sorted(path.glob("*.y*ml"))) or "there is none"
+            problem = Problem(
+                Place(str(path)), "is a folder", f"name the graph file in it: {there}"
+            )
+            raise GraphError([problem])
         if path.stat().st_size > _MOST_BYTES:
             raise GraphError([Problem(Place(str(path)), "too large to be a graph file")])
         return path.read_text(encoding="utf-8")

@@ -89,8 +89,7 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
-        said = ", ".join(part for part in (error.context, error.problem) if part)
-        noted.add(place, f"this is not YAML: {said}")
+        noted.add(place, f"this is not YAML: {_said(error, text, place)}")
         raise GraphError(noted.all()) from error
     except yaml.YAMLError as error:
         noted.add(Place(file, 1, 1), f"this is not YAML: {error}")
@@ -98,6 +97,13 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     if problems is None:
         noted.raise_any()
     return root
+
+
+def _said(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
+    line = "".join(text.splitlines()[place.line - 1 : place.line])
+    if line[place.column - 1 : place.column] == "\t":
+        return "a tab; indent with spaces"
+    return ", ".join(part for part in (error.context, error.problem) if part)
 
 
 def scalar(text: str) -> Any:

@@ -35,7 +35,8 @@ def check_node(
     global random state, by keyword and by position, made anew each time; and it leaves its inputs
     as they were, and so the process: it prints nothing, writes no file, lets no RuntimeWarning of
     numpy out, changes no environment, folder, filter of warnings or setting of numpy and
-    matplotlib. On each, the contracts of its family hold. It does something on at least one.
+    matplotlib. On each, its tables have no columns but those that it declares, if it does, and the
+    contracts of its family hold. It does something on at least one.
 
     Parameters
     ----------
@@ -132,10 +133,23 @@ def _try(
             declined.append(f"{specimen!r}: {made}")
         elif made is not None:
             done += 1
+            _compare_columns(trial, made)
             for contract in contracts:
                 _hold(contract, trial, made)
     if not done and not faults:
         faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
+
+
+def _compare_columns(trial: Trial, outputs: Mapping[str, Any]) -> None:
+    for port in trial.node.outputs:
+        there = [str(name) for name in getattr(outputs[port.name], "columns", ())]
+        new = [name for name in there if name not in port.columns]
+        if port.columns and new:
+            trial.fault(
+                f"output {port.name!r} has columns that it does not declare: name them in "
+                "Columns(...), or leave that away if they depend on the data",
+                ", ".join(new),
+            )
 
 
 def _contracts(family: str, registry: Registry) -> list[Contract]:

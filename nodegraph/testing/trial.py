@@ -11,15 +11,12 @@ from typing import Any
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.call import values_of
+from nodegraph.execute.call import values_of, writes_to_what_is_locked
 from nodegraph.node import Node
 from nodegraph.testing.errors import fault_of, told
 from nodegraph.testing.faults import Faults
 from nodegraph.testing.parts import infinite, kept_between
 from nodegraph.testing.surroundings import surroundings
-
-_WRITES = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
-"""What numpy, numba and frozen dataclasses say when somebody writes to what is locked."""
 
 _MUTATES = (
     "changes its inputs, which other nodes read as well: copy before you write, "
@@ -90,7 +87,7 @@ class Trial:
 
     def _declined(self, error: BaseException) -> str | None:
         """Return why this specimen was declined, or None where it was no declining."""
-        if any(sign in str(error) for sign in _WRITES):
+        if writes_to_what_is_locked(error):
             self.fault(_MUTATES, told(error))
         elif fault := fault_of(error, self.inputs):
             self.fault(fault, told(error))

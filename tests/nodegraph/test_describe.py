@@ -129,6 +129,37 @@ def test_meanings_are_plain_words() -> None:
     assert describe_settings(described)[0].meaning == "A file, or sample:NAME; see recording."
 
 
+def test_meanings_call_none_what_a_graph_file_calls_it() -> None:
+    @node("toy.optional")
+    def optional(
+        recording: float,
+        *,
+        most: int | None = None,
+        scale: Literal["none", "size"] | None = None,
+        name: str = "",
+    ) -> float:
+        """Read.
+
+        Parameters
+        ----------
+        most
+            At most so many; none: any, of which none is lost.
+        scale
+            none: as it is.
+        name
+            none: not a name.
+        """
+        return recording
+
+    described = node_of(optional)
+    assert described is not None
+    assert [one.meaning for one in describe_settings(described)] == [
+        "At most so many; null: any, of which none is lost.",
+        "none: as it is.",
+        "none: not a name.",
+    ]
+
+
 class Odd:
     """A class that JSON knows nothing of."""
 

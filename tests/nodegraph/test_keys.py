@@ -39,7 +39,7 @@ def test_nothing_is_kept_of_a_file_that_changed_while_it_was_read(
     assert changed.recall is not None
     assert dict(changed.recall.not_kept) == {
         "a file changed while it was read": 1,
-        "what feeds it has no key": 1,
+        "they are made of results that are not stored": 1,
     }
     path.write_text("1")
     assert run_of(TEXT, store=store)["b"].value == 2

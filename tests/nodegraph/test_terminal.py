@@ -95,6 +95,16 @@ def test_stored_results_alone_are_told_at_the_end(capsys: pytest.CaptureFixture[
     ]
 
 
+def test_what_is_skipped_after_a_failure_is_told_at_the_end(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    shown(events(["failed"] + ["skipped"] * 19))
+    assert capsys.readouterr().err.splitlines()[2:] == [
+        "2 of 20 steps: run 0 · failed 1 · skipped 1 · left 18 · 0:12 to go",
+        "finished after 3.0 s: run 0 · failed 1 · skipped 19",
+    ]
+
+
 def test_a_run_of_no_steps_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     shown(events([]))
     lines = capsys.readouterr().err.splitlines()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping
-from pathlib import Path
 
 METADATA = "ro-crate-metadata.json"
 
@@ -24,11 +23,3 @@ def packed(files: Mapping[str, bytes], metadata: bytes) -> bytes:
             entry.external_attr = _READABLE
             file.writestr(entry, content)
     return made.getvalue()
-
-
-def is_archive(path: Path) -> bool:
-    """Return whether a file is a zip with the metadata of an archive."""
-    if not zipfile.is_zipfile(path):
-        return False
-    with zipfile.ZipFile(path) as file:
-        return METADATA in file.namelist()

@@ -123,7 +123,7 @@ class Repeats:
         """
         question = self._asker.question(case.call)
         if question is None:
-            return "the node or its values cannot go there"
+            return "the node or what feeds it cannot be sent there"
         if self._child is None or not self._child.is_alive:
             self._child = Child()
         try:

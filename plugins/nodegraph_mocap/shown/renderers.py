@@ -190,6 +190,8 @@ def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
     ]
     if len(rows) > _FOLDED_FROM:
         told.append(f"... {len(rows) - _FOLDED_FROM} more rows in the CSV file")
+    if any(cell.best for row in rows for cell in row):
+        told.append("* the best of its group")
     return "\n".join([*told, *notes])
 
 

@@ -60,6 +60,7 @@ def ran(command: Command, *words: str) -> int:
 
 
 def archived(command: Command, *words: str) -> tuple[dict[str, bytes], str]:
+    Path("ran.zip").unlink(missing_ok=True)
     status, _, err = command("archive", "ran", *words, nodes=False)
     assert status == 0, err
     with zipfile.ZipFile("ran.zip") as file:
@@ -269,7 +270,19 @@ def test_what_is_no_run_is_refused(command: Command) -> None:
     Path("empty/events.jsonl").write_text("{}\n")  # a run that was interrupted
     assert command("archive", "empty", nodes=False)[0] == 2
     assert command("archive", "missing", nodes=False)[0] == 2
+    assert "there is no finished run" in command("archive", ".", nodes=False)[2]
     assert not list(Path().glob("*.zip"))
+
+
+def test_another_archive_is_never_replaced(command: Command) -> None:
+    assert ran(command) == 0
+    archived(command)
+    first = Path("ran.zip").read_bytes()
+    assert command("archive", "ran", nodes=False)[0] == 0
+    status, out, err = command("archive", "ran", "--no-inputs", nodes=False)
+    assert (status, out) == (2, "")
+    assert "ran.zip is there already and is another; name another file with --out" in err
+    assert Path("ran.zip").read_bytes() == first
 
 
 def test_what_is_no_archive_is_never_replaced(command: Command) -> None:
@@ -277,7 +290,7 @@ def test_what_is_no_archive_is_never_replaced(command: Command) -> None:
     Path("ran.zip").write_text("mine")
     status, _, err = command("archive", "ran", nodes=False)
     assert status == 2
-    assert "ran.zip is there and is no archive" in err
+    assert "ran.zip is there already and is another" in err
     assert Path("ran.zip").read_text() == "mine"
     with zipfile.ZipFile("other.zip", "w") as file:
         file.writestr("a", "b")

@@ -28,16 +28,18 @@ def test_a_graph_is_drawn(command: Command, words: list[str], begins: str) -> No
     ("name", "begins"), [("a.svg", "<svg"), ("a.mmd", "flowchart"), ("a.gv", "digraph")]
 )
 def test_a_drawing_is_written(command: Command, name: str, begins: str) -> None:
-    status, out, _ = command("draw", "toy.yaml", "--out", name)
-    assert (status, out) == (0, "")
-    assert begins in Path(name).read_text(encoding="utf-8")[:200]
+    path = Path("made/here", name)
+    status, out, _ = command("draw", "toy.yaml", "--out", str(path))
+    assert status == 0
+    assert out.startswith(f"{path} (")
+    assert begins in path.read_text(encoding="utf-8")[:200]
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (["--out", "a.bmp"], ".svg"),
-        (["--out", "nowhere/a.svg"], "nowhere/a.svg"),
+        (["--out", "toys.py/a.svg"], "toys.py"),
         (["--format", "bmp"], "invalid choice"),
     ],
 )

@@ -153,6 +153,7 @@ def test_a_file_that_is_gone_may_lie_elsewhere(verified: Verified) -> None:
     assert (status, out) == (2, "")
     assert "the graph in study.lock cannot be run here" in err
     assert "numbers.txt" in err
+    assert "where it lies by now: --set file=FILE" in err
     status, out, _ = verified("--set", "file=there/moved.txt")
     assert (status, out) == (0, "identical: study.lock: 10 of 10 results identical\n")
 

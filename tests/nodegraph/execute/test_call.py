@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from nodegraph import Refusal, Value, node
-from nodegraph.execute.call import Call, Outcome, perform, warnings_heard
+from nodegraph.execute.call import Call, Outcome, perform, warnings_heard, writes_to_what_is_locked
 from nodegraph.node import node_of
+from nodegraph.values import locked
 
 
 class Two(NamedTuple):
@@ -108,6 +109,32 @@ def warns() -> float:
     return 0.0
 
 
+def raised_in(function: Callable[..., Any], line: int = 2) -> str:
+    """Return the place of a line of a function, counted from its decorator."""
+    return f"test_call.py:{function.__code__.co_firstlineno + line}"
+
+
+@node("call.writes")
+def writes(x: np.ndarray) -> np.ndarray:
+    return in_place(x)
+
+
+def in_place(x: np.ndarray) -> np.ndarray:
+    x[0] = 1.0
+    return x
+
+
+@node("call.assigns")
+def assigns(x: Whole) -> Whole:
+    x.first = 2.0  # type: ignore[misc]
+    return x
+
+
+@node("call.inside")
+def inside() -> float:
+    return float(np.linalg.inv(np.zeros((2, 3)))[0, 0])
+
+
 def called(function: Callable[..., Any], **inputs: Any) -> Outcome:
     found = node_of(function)
     assert found is not None
@@ -153,16 +180,49 @@ def test_inputs_and_settings_are_given_by_name() -> None:
             not_parts,
             "TypeError: call.not_parts returned int where its signature promises first, second",
         ),
-        (value_error, "frame 3, marker chin: not finite"),
-        (key_error, "KeyError: 'chin'"),
-        (silent, "RuntimeError: no message"),
-        (exits, "SystemExit: 0"),
+        (value_error, f"frame 3, marker chin: not finite ({raised_in(value_error)})"),
+        (key_error, f"KeyError: 'chin' ({raised_in(key_error)})"),
+        (silent, f"RuntimeError: no message ({raised_in(silent)})"),
+        (exits, f"SystemExit: 0 ({raised_in(exits)})"),
     ],
 )
 def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str) -> None:
     outcome = called(function)
-    assert (outcome.state, outcome.values, outcome.reason) == ("failed", (), reason)
+    assert (outcome.state, outcome.values, outcome.told) == ("failed", (), reason)
     assert outcome.trace.startswith("Traceback")
+
+
+@pytest.mark.parametrize(
+    ("function", "given", "said"),
+    [
+        (
+            writes,
+            locked(np.zeros(3)),
+            f"assignment destination is read-only ({raised_in(in_place, 1)})",
+        ),
+        (
+            assigns,
+            Whole(1.0),
+            f"FrozenInstanceError: cannot assign to field 'first' ({raised_in(assigns)})",
+        ),
+    ],
+)
+def test_a_write_into_an_input_is_told_as_such(
+    function: Callable[..., Any], given: Any, said: str
+) -> None:
+    advice = "it changes its input: copy before you write; "
+    assert called(function, x=given).told == f"{advice}{said}"
+
+
+def test_a_disk_that_cannot_be_written_is_no_input() -> None:
+    assert not writes_to_what_is_locked(OSError("a read-only file system"))
+    assert not writes_to_what_is_locked(Refusal("a read-only take"))
+
+
+def test_what_a_library_raises_has_the_place_of_the_call() -> None:
+    reason = called(inside).told
+    assert reason.startswith("Last 2 dimensions")
+    assert reason.endswith(f"({raised_in(inside)})")
 
 
 def test_a_refusal_is_no_failure() -> None:
@@ -238,16 +298,16 @@ def array(x: float) -> np.ndarray:
 @pytest.mark.parametrize(
     ("function", "said"),
     [
-        (mute, "Mute: its message cannot be shown"),
-        (unprintable, "\\udcff"),
-        (leaves, "GeneratorExit: early"),
+        (mute, f"Mute: its message cannot be shown ({raised_in(mute)})"),
+        (unprintable, f"\\udcff ({raised_in(unprintable)})"),
+        (leaves, f"GeneratorExit: early ({raised_in(leaves)})"),
     ],
 )
 def test_whatever_a_node_raises_becomes_a_reason(function: Any, said: str) -> None:
     described = node_of(function)
     assert described is not None
     outcome = perform(Call(0, described, "toys", {"x": 1.0}, {}))
-    assert (outcome.state, outcome.reason) == ("failed", said)
+    assert (outcome.state, outcome.told) == ("failed", said)
     outcome.trace.encode()
 
 

@@ -47,6 +47,7 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
     assert gaps["inputs"] == {"recording": {"step": steps["a",]["step"], "output": "output"}}
     assert gaps["state"] == "done"
     assert steps["bad",]["reason"] == "-3.0 is negative"
+    assert steps["bad",]["place"].startswith("conftest.py:")
     assert "ValueError" in steps["bad",]["trace"]
     assert len(steps["table",]["inputs"]["scores"]) == 6
     assert {

@@ -81,7 +81,9 @@ def test_a_node_that_was_left_out_says_why(run_of: Callable[..., Run]) -> None:
         "skip: [{k: 2, fill: hold}]", ""
     )
     run = run_of(text, only={"k": (1,)})
-    with pytest.raises(NodegraphError, match=r"'x' is left out: a at k = 2: the command has"):
+    with pytest.raises(
+        NodegraphError, match=r"'x' is left out: made of k=2, which the command has"
+    ):
         _ = run["x"]
 
 

@@ -78,6 +78,17 @@ def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
     assert all("in fails" in note.trace for note in notes if note.kind == "failed")
 
 
+def test_what_the_command_leaves_out_is_noted_once_with_its_reason(
+    run_of: Callable[..., Run],
+) -> None:
+    both = "{recordings: {a: {from: fill, at: {length: 15}}, b: {from: gaps, at: {length: 15}}}}"
+    more = "".join(f"      {name}: {{use: plot.stages, in: {both}}}\n" for name in ("one", "two"))
+    run = run_of(TEXT.replace("    skip:", f"{more}    skip:"), only={"length": (5,)})
+    (note,) = [note for note in _study(run).notes if "," in note.node]
+    assert (note.node, note.count) == ("one, two", 2)
+    assert note.reason == "made of length=15, which the command has removed"
+
+
 def test_settings_show_every_value_and_whether_it_is_the_default(
     run_of: Callable[..., Run],
 ) -> None:

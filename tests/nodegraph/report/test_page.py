@@ -172,6 +172,18 @@ def test_what_happened_to_thousands_is_folded_but_whole() -> None:
     assert folded[0] < listed[0]
 
 
+def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
+    gaps = [StepNote("fill", f"k={k}", f"{k} gaps of m1 open", "warning") for k in range(60)]
+    slow = [StepNote("fill", f"k={k}", "slow", "warning") for k in range(60)]
+    read = Page(page(study(notes=(*gaps, *slow))))
+    assert "2 kinds of warnings in 60 steps" in read.text
+    assert "… gaps of m1 open" in read.text
+    assert "k=59: 59 gaps of m1 open" in read.text
+    assert "1 kind of warning in 60 steps" in Page(page(study(notes=tuple(slow)))).text
+    assert "2 warnings" in Page(page(study(notes=(gaps[3], slow[3])))).text
+    assert "3 gaps of m1 open" in Page(page(study(notes=(gaps[3],)))).text
+
+
 def test_a_failure_says_how_to_repeat_it_and_where_it_happened() -> None:
     note = StepNote("fill", "k=3", "ValueError: no", "failed", repeat="run --only k=3", trace="L 1")
     read = Page(page(study(notes=(note,))))

@@ -182,7 +182,10 @@ def test_a_binary_file_cannot_be_read(tmp_path: Path, content: bytes) -> None:
 
 
 def test_a_folder_cannot_be_read(tmp_path: Path) -> None:
-    with pytest.raises(GraphError, match="cannot be read"):
+    with pytest.raises(GraphError, match=r"is a folder\n.*there is none"):
+        read_graph_file(tmp_path)
+    (tmp_path / "fill.yaml").write_text(GOOD)
+    with pytest.raises(GraphError, match=r"is a folder\n.*name the graph file in it: fill\.yaml"):
         read_graph_file(tmp_path)
 
 

@@ -190,7 +190,7 @@ def test_later_runs_neither_use_nor_keep_results_of_a_node_of_several_answers(
         == "odd.counts: an audit found that it gives another answer in a second call, "
         + (why.split(", ", 1)[1])
     )
-    assert follows == "what feeds it has no key"
+    assert follows == "they are made of results that are not stored"
     said = {step.node: outcome.warnings for step, outcome in later.settled()}
     assert said["after"] == said["make"] == ()
     assert said["made"][0].endswith("this result is one of several, and is not stored")
