@@ -15,7 +15,18 @@ from nodegraph.hooks import (
     hookimpl,
 )
 from nodegraph.node import node
-from nodegraph.ports import Absent, Across, Deprecated, InputFile, Label, Truth, Unit
+from nodegraph.ports import (
+    Absent,
+    Across,
+    ColumnOf,
+    Columns,
+    Deprecated,
+    InputFile,
+    Label,
+    LabelOf,
+    Truth,
+    Unit,
+)
 from nodegraph.values import Files, Value, read_only
 
 if TYPE_CHECKING:
@@ -25,6 +36,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Absent",
     "Across",
+    "ColumnOf",
+    "Columns",
     "Comparison",
     "Conclusion",
     "Contract",
@@ -33,6 +46,7 @@ __all__ = [
     "GraphError",
     "InputFile",
     "Label",
+    "LabelOf",
     "NodeError",
     "NodegraphError",
     "Refusal",

@@ -32,6 +32,41 @@ class Deprecated:
     instead: str
 
 
+class Columns:
+    """Says which columns a table that comes out may have: ``Annotated[Table, Columns("rmse")]``.
+
+    No others come out, whatever goes in and is set, so that a graph that names another is refused
+    before anything runs. Leave it away where the columns depend on the data.
+    """
+
+    def __init__(self, *names: str) -> None:
+        self.names = names
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnOf:
+    """Marks a setting that names a column of the tables at a port, or several.
+
+    ``Annotated[str | None, ColumnOf("scores")]``. With `or_axis`, an axis that the port gathers
+    will do as well. A graph is refused where it names what is known not to be there.
+    """
+
+    port: str
+    or_axis: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LabelOf:
+    """Marks a setting that names a label of an axis that a port gathers.
+
+    ``Annotated[str | None, LabelOf("scores", axis="compare")]``: of the axis that the setting
+    `axis` names, or of any where that names none. A graph is refused where it has no such label.
+    """
+
+    port: str
+    axis: str
+
+
 @dataclass(frozen=True, slots=True)
 class TruthMark:
     """Marks a port that takes or gives the answer."""
@@ -112,6 +147,8 @@ class Port:
         What one value is; for a gathering port, what each gathered value is.
     truth, across, optional : bool
         Whether the port holds the answer, gathers over axes, may be left open.
+    columns : tuple of str
+        Those that a table from this output may have; empty where that is not declared.
     """
 
     name: str
@@ -119,6 +156,7 @@ class Port:
     truth: bool = False
     across: bool = False
     optional: bool = False
+    columns: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         text = self.type.__name__

@@ -8,7 +8,17 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from nodegraph.errors import NodeError
-from nodegraph.ports import Across, Deprecated, FileMark, Port, TruthMark, Unit
+from nodegraph.ports import (
+    Across,
+    ColumnOf,
+    Columns,
+    Deprecated,
+    FileMark,
+    LabelOf,
+    Port,
+    TruthMark,
+    Unit,
+)
 from nodegraph.values import Value
 
 _REQUIRED = inspect.Parameter.empty
@@ -30,6 +40,8 @@ class Setting:
         Whether it names a file to read.
     deprecated : str
         What to use instead; empty unless something replaces it.
+    names : ColumnOf, LabelOf or None
+        Of which port's tables it names columns, or of which port's axes a label.
     """
 
     name: str
@@ -38,6 +50,7 @@ class Setting:
     unit: str
     is_file: bool
     deprecated: str = ""
+    names: ColumnOf | LabelOf | None = None
 
     @property
     def required(self) -> bool:
@@ -80,7 +93,8 @@ def output_ports(node_name: str, hint: Any) -> tuple[Port, ...]:
 
 def _output_port(node_name: str, name: str, hint: Any) -> Port:
     held = _one_type(node_name, f"output {name!r}", plain_type(hint))
-    return Port(name, held, truth=_has_mark(hint, TruthMark))
+    columns = next((one.names for one in _marks(hint) if isinstance(one, Columns)), ())
+    return Port(name, held, truth=_has_mark(hint, TruthMark), columns=columns)
 
 
 def _one_type(node_name: str, what: str, hint: Any) -> type:
@@ -96,8 +110,9 @@ def read_setting(argument: inspect.Parameter, hint: Any) -> Setting:
     is_file = _has_mark(hint, FileMark) or _has_mark(inner, FileMark)
     marks = (*_marks(hint), *_marks(inner))
     instead = next((one.instead for one in marks if isinstance(one, Deprecated)), "")
+    names = next((one for one in marks if isinstance(one, ColumnOf | LabelOf)), None)
     unit = units[0] if units else ""
-    return Setting(argument.name, hint, argument.default, unit, is_file, instead)
+    return Setting(argument.name, hint, argument.default, unit, is_file, instead, names)
 
 
 def is_record(hint: Any) -> bool:

@@ -9,6 +9,7 @@ from nodegraph.graph.choices import Choices
 from nodegraph.graph.flat import Flat
 from nodegraph.graph.leaks import check_leaks
 from nodegraph.graph.model import Graph
+from nodegraph.graph.named import check_named
 from nodegraph.graph.subgraphs import Subgraphs
 from nodegraph.registry import Registry
 from nodegraph.spec.parts import GraphSpec
@@ -21,7 +22,8 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
     Raises
     ------
     GraphError
-        With every mistake: unknown names, wrong settings, misfits, cycles, leaks.
+        With every mistake: unknown names, wrong settings, misfits, cycles; then unknown columns
+        and leaks, which only a graph without those can show.
     """
     written = spec.written or spec
     problems = Problems(written.problems)
@@ -29,6 +31,7 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
     _refuse_ports(flat, problems)
     graph = Builder(flat, registry, choices or Choices(), problems).build()
     problems.raise_any()
+    check_named(graph, problems)
     check_leaks(graph, problems)
     problems.raise_any()
     return graph

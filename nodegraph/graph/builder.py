@@ -140,6 +140,7 @@ class Builder:
             inputs=self._wirer.wire(where, chosen, node),
             settings=self._settings.read(where, chosen, node),
             place=chosen.place,
+            places={name: self._names.place(one) for name, one in chosen.settings.items()},
         )
 
     def _check_gathered(self, node: GraphNode) -> None:

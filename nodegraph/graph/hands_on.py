@@ -74,7 +74,7 @@ def offered(node: Node) -> tuple[str, ...]:
 
 def passing(sibling: Node) -> HandsOn:
     """Return what hands on its first input, typed and named as the sibling's first output."""
-    gives = sibling.outputs[:1]
+    gives = tuple(replace(port, columns=()) for port in sibling.outputs[:1])
     takes = tuple(replace(port, type=gives[0].type) for port in asked(sibling)[:1])
     about = "Hand on the input as it is."
     return HandsOn("pass", _hand_on, (), takes, gives, takes, (gives[0].name,), about)

@@ -89,6 +89,9 @@ class Method:
         Who brought it.
     inputs : mapping of port to Reference or Gather
     settings : Settings
+    place : Place
+    places : mapping of setting to Place
+        Where those that are given were written, or chosen.
     """
 
     label: str
@@ -98,6 +101,7 @@ class Method:
     inputs: Mapping[str, Reference | Gather]
     settings: Settings
     place: Place
+    places: Mapping[str, Place] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from nodegraph.errors import Problems
 from nodegraph.graph.flat import Flat
 from nodegraph.graph.model import Gather, Graph, sources_of
+from nodegraph.graph.named import columns_of
 from nodegraph.ports import Port
 from nodegraph.registry import Registered
 from nodegraph.spec.parts import GraphSpec, Reference
@@ -120,7 +121,7 @@ def _output(
         types = ", ".join(f"{port.type.__name__} ({node.name})" for node, port in found)
         problems.add(source.place, f"output {name!r} has no one type: {types}")
     kind = (widest or ports)[0].type
-    return Port(name, kind, truth=any(one.truth for one in ports))
+    return Port(name, kind, truth=any(one.truth for one in ports), columns=columns_of(ports))
 
 
 def _is_node_itself(name: str, source: Reference, graph: Graph) -> bool:

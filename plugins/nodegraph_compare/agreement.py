@@ -13,6 +13,7 @@ from nodegraph_compare.bootstrap import CONFIDENCE
 from nodegraph_compare.labels import compared_labels, named_label
 from nodegraph_compare.left_out import block_text, group_text, left_out
 from nodegraph_compare.limits import Limits, limits
+from nodegraph_compare.named import Names, OneColumn, OneLabel, OneName
 from nodegraph_compare.question import Question, ask, unit_of
 from nodegraph_mocap import Figure, Table
 
@@ -44,11 +45,11 @@ class Pair(NamedTuple):
 def agreement(
     scores: Across[Table],
     *,
-    metric: str | None = None,
-    compare: str | None = None,
-    within: tuple[str, ...] = (),
-    blocks: tuple[str, ...] = (),
-    baseline: str | None = None,
+    metric: OneColumn = None,
+    compare: OneName = None,
+    within: Names = (),
+    blocks: Names = (),
+    baseline: OneLabel = None,
 ) -> Agreed:
     """How far two methods give the same numbers: bias and limits of agreement.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.bootstrap import CONFIDENCE, FEWEST, RESAMPLES
-from nodegraph_compare.left_out import block_text, end_text, group_text, listed
+from nodegraph_compare.left_out import block_text, end_text, group_text, listed, narrowed
 from nodegraph_compare.statistics import LEVEL, Test
 from nodegraph_mocap.style import unit_text
 
@@ -29,32 +29,43 @@ _TESTS = {
 
 
 def answers(
-    found: Sequence[Summary], question: Question, unit: str, against: Label | None, test: Test
+    found: Sequence[Summary],
+    question: Question,
+    unit: str,
+    against: Label | None,
+    test: Test,
+    blocks: str,
 ) -> list[str]:
-    """Return the sentences on all groups: one on each, or on all of them where there are many."""
+    """Return the sentences on all groups: one on each, or on all of them where there are many.
+
+    Where over a quarter of the blocks are left out, so that one method with a narrow reach decides
+    over what all are compared, that is told; `blocks` is what several of them are called.
+    """
     if len(found) > _MOST_GROUPS and question.compare and question.better != "none":
-        return [_counted(found, question)]
+        return [_counted(found, question), *_narrow_groups(found, blocks)]
     told = []
-    for same in _alike(found[:_MOST_GROUPS]):
-        told.append(_answer(same, question, unit))
+    for same in _alike(found[:_MOST_GROUPS], blocks):
+        over = narrowed(same[0].group, blocks)
+        told.append(f"{_answer(same, question, unit)}{f' ({over})' if over else ''}.")
         if against is not None and test != "none":
             told += [said for one in same for said in _to_baseline(one, question, against)]
     more = len(found) - _MOST_GROUPS
     return told + ([f"{more} more groups are in the table."] if more > 0 else [])
 
 
-def _alike(found: Sequence[Summary]) -> list[list[Summary]]:
-    """Return groups with one best method, and the same methods behind it, together."""
+def _alike(found: Sequence[Summary], blocks: str) -> list[list[Summary]]:
+    """Return groups of which all the same is said but for the numbers together."""
     together: dict[object, list[Summary]] = {}
     for place, one in enumerate(found):
         known = one.best is not None and len(one.values) >= FEWEST
-        said = (_best_names(one), _rest(one)) if known else place
+        over = narrowed(one.group, blocks)
+        said = (_best_names(one), _rest(one), over) if known else place
         together.setdefault(said, []).append(one)
     return list(together.values())
 
 
 def _answer(same: Sequence[Summary], question: Question, unit: str) -> str:
-    """Return one sentence on groups that are alike: which mean is best, which are not behind it.
+    """Return a sentence on groups that are alike: which mean is best, which are not behind it.
 
     A method is apart when its paired difference to the one with the best mean is larger than
     Tukey's range allows, so that of equal methods any is called apart in 5 % of studies.
@@ -62,18 +73,18 @@ def _answer(same: Sequence[Summary], question: Question, unit: str) -> str:
     summary = same[0]
     start = _start(same, question)
     if not summary.blocks.any():
-        return f"{start}no block has a number for every method; nothing can be said."
+        return f"{start}no block has a number for every method; nothing can be said"
     if not question.compare:
-        return f"{start}the mean {question.metric} is known ({_numbers(summary, 0, unit)})."
+        return f"{start}the mean {question.metric} is known ({_numbers(summary, 0, unit)})"
     if np.count_nonzero(summary.blocks) == 1:
         only = int(np.flatnonzero(summary.blocks)[0])
         numbers = _numbers(summary, only, unit)
-        return f"{start}only {_name(summary, only)} has a mean {question.metric} ({numbers})."
+        return f"{start}only {_name(summary, only)} has a mean {question.metric} ({numbers})"
     if summary.best is None:
-        return f"{start}{_span(summary, question, unit)}."
+        return f"{start}{_span(summary, question, unit)}"
     verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
     told = f"{_best_names(summary)} {verb} the {_EXTREME[question.better]} mean {question.metric}"
-    return f"{start}{told} ({_numbers_of(same, unit)}){_rest(summary)}."
+    return f"{start}{told} ({_numbers_of(same, unit)}){_rest(summary)}"
 
 
 def notes(question: Question, seed: int, against: Label | None, test: Test) -> list[str]:
@@ -81,9 +92,9 @@ def notes(question: Question, seed: int, against: Label | None, test: Test) -> l
     told = [
         f"{block_text(question)} {end_text(question)}",
         "All statistics use only blocks in which every method with any number has all its "
-        f"numbers. low, high: {CONFIDENCE:.0%} studentised bootstrap interval of the mean over "
-        f"blocks ({RESAMPLES} resamples, seed {seed}; Student's below five blocks, none below "
-        f"{FEWEST}), not adjusted for the number of intervals. Clearly behind the best: by "
+        f"numbers. [low, high] beside a mean: {CONFIDENCE:.0%} studentised bootstrap interval of "
+        f"it over blocks ({RESAMPLES} resamples, seed {seed}; Student's below five blocks, none "
+        f"below {FEWEST}), not adjusted for the number of intervals. Clearly behind the best: by "
         "Tukey's range of the paired differences, 5 % over all pairs of methods.",
     ]
     if against is not None and test != "none":
@@ -105,6 +116,17 @@ def _counted(found: Sequence[Summary], question: Question) -> str:
         f"Of {len(found)} groups ({', '.join(question.within)}), {first} has the {extreme} mean "
         f"{question.metric} in {most}{rest}."
     )
+
+
+def _narrow_groups(found: Sequence[Summary], blocks: str) -> list[str]:
+    """Return in how many groups over a quarter of the blocks are left out, and one of them."""
+    narrow = [over for one in found if (over := narrowed(one.group, blocks))]
+    if not narrow:
+        return []
+    return [
+        f"In {len(narrow)} of them more than a quarter of the {blocks} are left out, because not "
+        f"every method has them ({narrow[0]})."
+    ]
 
 
 def _to_baseline(summary: Summary, question: Question, against: Label) -> list[str]:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Across, Label, node
+from nodegraph import Across, ColumnOf, Label, node
 from nodegraph_compare.curve_answer import answer, losses, notes
 from nodegraph_compare.curve_axes import axes_of, check_floor
 from nodegraph_compare.curve_marks import Mark, marks
 from nodegraph_compare.curve_points import floors, points
 from nodegraph_compare.curve_scale import scale_of
+from nodegraph_compare.named import Names, OneColumn, OneName
 from nodegraph_mocap import Figure, Table
 
 if TYPE_CHECKING:
@@ -35,10 +36,10 @@ def curve(
     scores: Across[Table],
     floor: Across[Table] | None = None,
     *,
-    x: str,
-    metric: str | None = None,
-    compare: str | None = None,
-    blocks: tuple[str, ...] = (),
+    x: Annotated[str, ColumnOf("scores", or_axis=True)],
+    metric: OneColumn = None,
+    compare: OneName = None,
+    blocks: Names = (),
     lowest: bool | None = None,
     mark: Mark = "none",
     tolerance: Annotated[float, Field(ge=0)] = 2.0,

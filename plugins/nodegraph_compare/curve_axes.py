@@ -6,10 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from nodegraph_compare.curve_points import Axes
+from nodegraph_compare.named import check_known, listed, placed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from nodegraph import Across
     from nodegraph_mocap import Table
 
@@ -41,7 +40,7 @@ def axes_of(
     named = (x, metric, *filter(None, [compare]), *blocks)
     _check_once((*named, *(axis for axis in free if axis not in named)))
     for name in named:
-        _check_known(scores, name, column=name == metric)
+        check_known(scores, name, what="metric" if name == metric else "axis or column")
     _check_x(scores, x)
     _check_numbers(scores, metric, "metric")
     others = tuple(axis for axis in free if axis != compare)
@@ -51,17 +50,17 @@ def axes_of(
 
 def check_floor(floor: Across[Table], axes: Axes) -> None:
     """Raise a ValueError if the floor lacks the metric, or only some of it has the labels."""
-    _check_known(floor, axes.metric, column=True)
+    check_known(floor, axes.metric, what="metric")
     _check_numbers(floor, axes.metric, "metric of the floor")
     if axes.compare and any(axes.compare in table for table in floor.values()):
-        _check_known(floor, axes.compare, column=False)
+        check_known(floor, axes.compare)
 
 
 def _first_number(scores: Across[Table], x: str) -> str:
     first = scores.values()[0]
     floats = [str(name) for name in first if first[name].dtype.kind == "f" and name != x]
     if not floats:
-        raise ValueError(f"the tables have no column of floats; columns: {_list(first.columns)}")
+        raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
     return floats[0]
 
 
@@ -72,16 +71,6 @@ def _check_once(named: tuple[str, ...]) -> None:
     taken = [name for name in named if name in (*_MADE, "marked")]
     if taken:
         raise ValueError(f"the table of the curve has a column {', '.join(taken)} of its own")
-
-
-def _check_known(scores: Across[Table], name: str, *, column: bool) -> None:
-    if name in scores.axes and not column:
-        return
-    for where, table in _placed(scores):
-        if name not in table.columns:
-            axes = "" if column else f"axes: {_list(scores.axes)}; "
-            what = "metric" if column else "axis or column"
-            raise ValueError(f"no {what} {name!r}{where}; {axes}columns: {_list(table.columns)}")
 
 
 def _check_x(scores: Across[Table], x: str) -> None:
@@ -95,23 +84,13 @@ def _check_x(scores: Across[Table], x: str) -> None:
 
 
 def _check_numbers(scores: Across[Table], name: str, what: str) -> None:
-    for where, table in _placed(scores):
+    for where, table in placed(scores):
         if table[name].dtype.kind not in "iuf":
             numbers = [column for column in table if table[column].dtype.kind in "iuf"]
             raise ValueError(
-                f"{what} {name!r} is no column of numbers{where}; there are: {_list(numbers)}"
+                f"{what} {name!r} is no column of numbers{where}; there are: {listed(numbers)}"
             )
-
-
-def _placed(scores: Across[Table]) -> Iterable[tuple[str, Table]]:
-    """Yield each table and the words that say which it is."""
-    for names, table in zip(scores.names(), scores.values(), strict=True):
-        yield f" in the table of {names}" if names else "", table
 
 
 def _is_number(label: Any) -> bool:
     return isinstance(label, int | float) and type(label) is not bool and math.isfinite(label)
-
-
-def _list(names: Iterable[object]) -> str:
-    return ", ".join(str(name) for name in names) or "none"

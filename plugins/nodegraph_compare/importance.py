@@ -14,6 +14,7 @@ from nodegraph_compare.better import Better, sign_of
 from nodegraph_compare.blocks import columns_of, values_of
 from nodegraph_compare.importance_answer import answers
 from nodegraph_compare.left_out import absences, end_text, listed, shortened
+from nodegraph_compare.named import Names, OneColumn, OneName
 from nodegraph_compare.question import Question, ask, unit_of
 from nodegraph_compare.variance import Sources, effects, whole, winner_changes
 from nodegraph_mocap import Figure, Table
@@ -47,9 +48,9 @@ class _Grid:
 def importance(
     scores: Across[Table],
     *,
-    metric: str | None = None,
-    compare: str | None = None,
-    factors: tuple[str, ...] = (),
+    metric: OneColumn = None,
+    compare: OneName = None,
+    factors: Names = (),
     better: Better = "declared",
 ) -> Explained:
     """Variance of a metric that each axis explains, and how often the best method changes with it.

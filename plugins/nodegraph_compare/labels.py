@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
+from nodegraph_compare.named import listed, near_name
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -50,7 +52,8 @@ def named_label(order: Sequence[Label], baseline: str | None) -> Label | None:
     for label in order:
         if str(label) == baseline:
             return label
-    raise ValueError(f"no baseline {baseline!r}; compared are: {', '.join(map(str, order))}")
+    near = near_name(baseline, map(str, order))
+    raise ValueError(f"no baseline {baseline!r}; {near}compared are: {listed(order)}")
 
 
 def _sequences(scores: Across[Any], axis: str) -> Iterable[list[Label]]:

@@ -31,7 +31,9 @@ _SHARES = ("refused", "left missing", "better in")
 def long_table(
     found: Sequence[Summary], question: Question, unit: str, left: Sequence[str]
 ) -> Table:
-    """Return a row per group and method; ``attrs["best"]`` has the rows of the best means.
+    """Return a row per group and method, the best mean of each group first.
+
+    ``attrs["best"]`` has the rows of the best means.
 
     Parameters
     ----------
@@ -49,9 +51,9 @@ def long_table(
         for name, values in _columns(one, question, left).items():
             columns.setdefault(name, []).extend(values)
     made = DataFrame(columns)
-    bests = np.concatenate([one.bests for one in found]) if found else np.zeros(0, dtype=bool)
+    marked = [mark for one in found for mark in one.marked[one.ranked]]
     several = question.compare is not None
-    made.attrs["best"] = {"mean": np.flatnonzero(bests).tolist()} if several else {}
+    made.attrs["best"] = {"mean": np.flatnonzero(marked).tolist()} if several else {}
     made.attrs["units"] = _units(made, unit)
     made.attrs["labels"] = [*question.within, *question.compared]
     made.attrs["cells"] = {name: parts for name, parts in _INTERVALS.items() if name in made}
@@ -73,7 +75,7 @@ def _columns(
         if name not in left:
             paired = summary.paired
             columns[name] = nothing if paired is None else getattr(paired, attribute)
-    return columns
+    return {name: [values[place] for place in summary.ranked] for name, values in columns.items()}
 
 
 def _units(made: Table, unit: str) -> dict[str, str]:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nodegraph_compare.better import Better, End, better_end
+from nodegraph_compare.named import check_known, listed, placed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from nodegraph import Across
     from nodegraph_mocap import Table
 
@@ -79,6 +78,13 @@ def unit_of(scores: Across[Table], question: Question) -> str:
     return str(scores.values()[0].attrs.get("units", {}).get(question.metric, ""))
 
 
+def blocks_name(scores: Across[Table], question: Question) -> str:
+    """Return what several blocks are called: ``gaps`` where a column tells which gap a row is."""
+    units = [name for name in question.blocks if name not in scores.axes]
+    named = units or question.blocks
+    return f"{named[0]}s" if len(named) == 1 else "blocks"
+
+
 def _default_blocks(scores: Across[Table], taken: set[str]) -> tuple[str, ...]:
     first = scores.values()[0]
     unit = [
@@ -94,8 +100,7 @@ def _check_names(scores: Across[Table], named: tuple[str, ...]) -> None:
     if repeated:
         raise ValueError(f"compare, within and blocks share a name: {', '.join(repeated)}")
     for name in named:
-        if name not in scores.axes:
-            _check_column(scores, name, "axis or column")
+        check_known(scores, name)
 
 
 def _metric(scores: Across[Table], metric: str | None) -> str:
@@ -103,25 +108,12 @@ def _metric(scores: Across[Table], metric: str | None) -> str:
     numbers = [str(name) for name in first.columns if first[name].dtype.kind in "iuf"]
     floats = [name for name in numbers if first[name].dtype.kind == "f"]
     if metric is None and not floats:
-        raise ValueError(f"the tables have no column of floats; columns: {_list(first.columns)}")
+        raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
     chosen = floats[0] if metric is None else metric
-    _check_column(scores, chosen, "metric")
-    for names, table in zip(scores.names(), scores.values(), strict=True):
+    check_known(scores, chosen, what="metric")
+    for where, table in placed(scores):
         if table[chosen].dtype.kind not in "iuf":
-            where = f" in the table of {names}" if names else ""
             raise ValueError(
-                f"metric {chosen!r} is no column of numbers{where}; there are: {_list(numbers)}"
+                f"metric {chosen!r} is no column of numbers{where}; there are: {listed(numbers)}"
             )
     return chosen
-
-
-def _check_column(scores: Across[Table], name: str, what: str) -> None:
-    for names, table in zip(scores.names(), scores.values(), strict=True):
-        if name not in table.columns:
-            where = f" in the table of {names}" if names else ""
-            axes = "" if what == "metric" else f"axes: {_list(scores.axes)}; "
-            raise ValueError(f"no {what} {name!r}{where}; {axes}columns: {_list(table.columns)}")
-
-
-def _list(names: Iterable[object]) -> str:
-    return ", ".join(str(name) for name in names) or "none"

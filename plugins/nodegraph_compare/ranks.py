@@ -11,7 +11,8 @@ from nodegraph_compare.better import Better
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.labels import compared_labels
 from nodegraph_compare.left_out import block_text, end_text, left_out
-from nodegraph_compare.question import Question, ask
+from nodegraph_compare.named import Names, OneColumn, OneName
+from nodegraph_compare.question import Question, ask, blocks_name
 from nodegraph_compare.ranking import PairTest, Ranking, rank
 from nodegraph_compare.ranks_answer import answers
 from nodegraph_compare.statistics import LEVEL
@@ -46,10 +47,10 @@ class Ranked(NamedTuple):
 def ranks(
     scores: Across[Table],
     *,
-    metric: str | None = None,
-    compare: str | None = None,
-    within: tuple[str, ...] = (),
-    blocks: tuple[str, ...] = (),
+    metric: OneColumn = None,
+    compare: OneName = None,
+    within: Names = (),
+    blocks: Names = (),
     better: Better = "declared",
     test: PairTest = "nemenyi",
 ) -> Ranked:
@@ -127,7 +128,7 @@ def ranks(
         f"in which every method with any number has all its numbers count. Level {LEVEL:.0%}.",
         *left_out(scores, question, gathered),
     ]
-    made.attrs["answer"] = answers(found, question, test)
+    made.attrs["answer"] = answers(found, question, test, blocks_name(scores, question))
     return Ranked(
         made,
         _draw(question, found, order, test),

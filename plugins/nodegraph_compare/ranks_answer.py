@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.left_out import group_text, listed
+from nodegraph_compare.left_out import group_text, listed, narrowed
 from nodegraph_compare.statistics import LEVEL
 
 if TYPE_CHECKING:
@@ -20,15 +20,22 @@ _MOST_GROUPS = 12
 _TESTS = {"nemenyi": "Nemenyi's test", "wilcoxon_holm": "Wilcoxon's test with Holm's correction"}
 
 
-def answers(found: Sequence[Ranking], question: Question, test: PairTest) -> list[str]:
-    """Return a sentence on each group, or one on all where there are many."""
+def answers(found: Sequence[Ranking], question: Question, test: PairTest, blocks: str) -> list[str]:
+    """Return a sentence on each group, or one on all where there are many.
+
+    `blocks` is what several blocks are called.
+    """
     if len(found) > _MOST_GROUPS:
         return [_counted(found, question)]
-    return [answer(one, question, test) for one in found]
+    return [answer(one, question, test, blocks) for one in found]
 
 
-def answer(ranking: Ranking, question: Question, test: PairTest) -> str:
-    """Return who ranks first, whether chance could do that, and who is not apart from the first."""
+def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> str:
+    """Return who ranks first, whether chance could do that, and who is not apart from the first.
+
+    Where over a quarter of the blocks are left out, that is told too; `name` is what several of
+    them are called.
+    """
     place = group_text(ranking.group, question)
     start = f"{place}: " if place else ""
     count, blocks = len(ranking.methods), len(ranking.values)
@@ -38,6 +45,7 @@ def answer(ranking: Ranking, question: Question, test: PairTest) -> str:
     if count == 1:
         return f"{start}only {ranking.methods[0]} has numbers; there is nothing to rank."
     several = f"{blocks} blocks" if blocks > 1 else "one block"
+    several = narrowed(ranking.group, name) or several
     told = (
         f"{start}{ranking.methods[first]} has the lowest mean rank "
         f"({ranking.ranks[first]:.2f} of {count} methods, {several})"

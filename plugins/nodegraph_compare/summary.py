@@ -85,6 +85,24 @@ class Summary:
         return np.asarray(signed == np.nanmin(signed))
 
     @property
+    def marked(self) -> NDArray[np.bool_]:
+        """(K,), `bests` where there is something that they are better than, or equal to."""
+        return self.bests & (np.count_nonzero(np.isfinite(self.mean)) > 1)
+
+    @property
+    def ranked(self) -> list[int]:
+        """The columns from the best mean to the worst, without any number last.
+
+        Equal means, and all of a metric of which neither end is better, in the order of the graph.
+        """
+        if self.end == "none":
+            return list(range(len(self.mean)))
+        # rounded: means that differ by rounding errors alone stand alike on every machine
+        signed = [float(f"{sign_of(self.end) * mean:.9g}") for mean in self.mean]
+        order: list[int] = np.argsort(signed, kind="stable").tolist()
+        return order
+
+    @property
     def blocks(self) -> NDArray[np.intp]:
         """(K,), the number of blocks used; 0 for a method without any number."""
         return np.where(np.isfinite(self.mean), len(self.values), 0)

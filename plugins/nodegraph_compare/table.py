@@ -15,7 +15,8 @@ from nodegraph_compare.labels import compared_labels, named_label
 from nodegraph_compare.layout import Layout, completed, implied
 from nodegraph_compare.left_out import left_out
 from nodegraph_compare.long import PAIRED, long_table
-from nodegraph_compare.question import Question, ask, unit_of
+from nodegraph_compare.named import Names, OneColumn, OneLabel, OneName
+from nodegraph_compare.question import Question, ask, blocks_name, unit_of
 from nodegraph_compare.statistics import LEVEL, Test
 from nodegraph_compare.summary import Summary, summarise
 from nodegraph_compare.wide import blocks_text, wide_table
@@ -52,15 +53,15 @@ class Compared(NamedTuple):
 def table(
     scores: Across[Table],
     *,
-    metric: str | None = None,
-    compare: str | None = None,
-    within: tuple[str, ...] = (),
-    blocks: tuple[str, ...] = (),
+    metric: OneColumn = None,
+    compare: OneName = None,
+    within: Names = (),
+    blocks: Names = (),
     better: Better = "declared",
-    baseline: str | None = None,
+    baseline: OneLabel = None,
     test: Test = "wilcoxon",
-    rows: tuple[str, ...] = (),
-    columns: tuple[str, ...] = (),
+    rows: Names = (),
+    columns: Names = (),
     seed: Annotated[int, Field(ge=0)] = 0,
 ) -> Compared:
     """Compare methods by one number: means over paired blocks, with intervals.
@@ -111,13 +112,13 @@ def table(
     Returns
     -------
     table
-        A row per combination of `within` and `compare`, in the order of the labels: ``blocks``
-        used, ``mean``, ``rms`` (root mean square: for the metric ``rmse`` and gaps of one length,
-        the rmse over all samples), ``median`` and ``sd`` over blocks, ``low`` and ``high`` (95 %
-        studentised bootstrap interval of the mean, 2000 resamples; for twenty blocks it covers
-        the mean in 93 to 95 % of studies, the more skewed the scores the fewer), ``refused``
-        (share of the combinations that were refused or failed), ``left missing`` (share of the
-        rows without a number).
+        A row per combination of `within` and `compare`, the best mean of a group first (in the
+        order of the labels where neither end is better): ``blocks`` used, ``mean``, ``rms`` (root
+        mean square: for the metric ``rmse`` and gaps of one length, the rmse over all samples),
+        ``median`` and ``sd`` over blocks, ``low`` and ``high`` (95 % studentised bootstrap
+        interval of the mean, 2000 resamples; for twenty blocks it covers the mean in 93 to 95 %
+        of studies, the more skewed the scores the fewer), ``refused`` (share of the combinations
+        that were refused or failed), ``left missing`` (share of the rows without a number).
         With a baseline: ``difference`` (mean of method minus baseline), ``difference low`` and
         ``difference high`` (its paired interval, of the same kind), ``p`` and ``better in``
         (share of blocks in which the method is strictly better). ``sd`` is NaN with fewer than
@@ -126,7 +127,8 @@ def table(
         column in columns of their own, which a reader of the report sees in one cell.
         ``attrs["answer"]`` holds a sentence per group: which mean is best, and which methods are
         not clearly behind it (Tukey's range of the paired differences, so that of equal methods
-        any is called behind in about 5 % of studies of ten blocks or more); ``attrs["notes"]``
+        any is called behind in about 5 % of studies of ten blocks or more), and over how many
+        blocks, and because of whom, where more than a quarter are left out; ``attrs["notes"]``
         what was left out, ``attrs["best"]`` the rows with the best mean of a group, by column.
     figure
         Means and intervals.
@@ -158,7 +160,9 @@ def table(
         *made.attrs["notes"],
         *left_out(scores, question, gathered),
     ]
-    made.attrs["answer"] = answers(found, question, unit, against, test)
+    made.attrs["answer"] = answers(
+        found, question, unit, against, test, blocks_name(scores, question)
+    )
     return Compared(made, _draw(question, found, order, unit))
 
 

@@ -85,7 +85,7 @@ def blocks_text(found: Sequence[Summary]) -> str:
 
 def _cells(summary: Summary, question: Question) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
     at = dict(zip(question.within, summary.group.labels, strict=True))
-    paired, bests, blocks = summary.paired, summary.bests, summary.blocks
+    paired, bests, blocks = summary.paired, summary.marked, summary.blocks
     for place, method in enumerate(summary.group.methods):
         names = dict.fromkeys(question.compared, method)
         p = np.nan if paired is None else float(paired.p[place])

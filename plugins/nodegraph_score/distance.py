@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 
 if TYPE_CHECKING:
@@ -26,7 +26,9 @@ BETTER = {"frame": "none", "markers": "higher"}
 
 
 @node("score.distance")
-def distance(estimate: Trajectories, reference: Truth[Trajectories]) -> Table:
+def distance(
+    estimate: Trajectories, reference: Truth[Trajectories]
+) -> Annotated[Table, Columns(*UNITS, "farthest")]:
     """Distance between two recordings, a row per frame.
 
     With ``d[m]`` the Euclidean distance between marker m of the estimate and marker m of the

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Table, Trajectories
 
 if TYPE_CHECKING:
@@ -30,7 +30,9 @@ BETTER = {"start": "none", "frames": "none", "filled": "higher"}
 
 
 @node("score.gaps")
-def gaps(estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask) -> Table:
+def gaps(
+    estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask
+) -> Annotated[Table, Columns("gap", "marker", *UNITS)]:
     """Errors of an estimate in the gaps that a mask has hidden, a row per gap.
 
     A gap is a run of hidden frames of one marker. With the frames ``a`` to ``b`` of a gap, the

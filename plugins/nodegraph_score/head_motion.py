@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import HeadMotion, Table
 from nodegraph_score.pose import check_proper, degrees_apart
 
@@ -12,7 +14,9 @@ UNITS = {"frame": "frame", "rotation": "degrees", "translation": "mm", "scale": 
 
 
 @node("score.head_motion")
-def head_motion(estimate: HeadMotion, truth: Truth[HeadMotion]) -> Table:
+def head_motion(
+    estimate: HeadMotion, truth: Truth[HeadMotion]
+) -> Annotated[Table, Columns(*UNITS)]:
     """Error of a head motion, a row per frame; a frame is a scan where there are scans.
 
     With ``captured = s R aligned + t``, R, t, s of the estimate and R', t', s' of the truth:

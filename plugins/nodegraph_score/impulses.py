@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def impulses(
     impulses: Truth[Mask],
     *,
     per: Per = "take",
-) -> Table:
+) -> Annotated[Table, Columns("marker", *UNITS)]:
     """Impulses that a method has found, and good samples that it took for some.
 
     A sample is *hit* where the mask says so, else *clean*; it is *repaired* where the estimate

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import node
+from nodegraph import Columns, node
 from nodegraph_mocap import Table, Trajectories
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ BETTER = {"vectors": "none", "roughness": "none"}
 
 
 @node("score.roughness", cite="zhang_scattered")
-def roughness(recording: Trajectories) -> Table:
+def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UNITS)]:
     """Variance of each marker's steps from frame to frame (Table 1 of Zhang et al.).
 
     The "variance of the vectors grouped using two neighbors": with ``D[i] = Q[i+1] - Q[i]``

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.runs import runs_of
 
@@ -25,7 +25,9 @@ FARTHEST = 0.5
 
 
 @node("score.smoothness")
-def smoothness(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
+def smoothness(
+    estimate: Trajectories, truth: Truth[Trajectories]
+) -> Annotated[Table, Columns("marker", *UNITS)]:
     """Error, lag and movement kept of a smoothed recording, a row per marker.
 
     Over the frames in which both have the marker, with e the estimate and x the truth:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from nodegraph import Across, Truth, node
+from nodegraph import Across, Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.misplaced import misplaced
 from nodegraph_score.steps_told import BETTER, WORSE, absences, left_out, listed, sentence, worse
@@ -52,7 +52,9 @@ class _Stage:
 
 
 @node("score.steps")
-def steps(stages: Across[Trajectories], truth: Truth[Trajectories]) -> Table:
+def steps(
+    stages: Across[Trajectories], truth: Truth[Trajectories]
+) -> Annotated[Table, Columns(*COLUMNS)]:
     """Error to the truth before and after each step of a chain, over the samples it changed.
 
     ``stages: {captured: named, fill: fill, despike: despike, smooth: smooth}`` are a recording as

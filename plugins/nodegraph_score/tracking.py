@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 
 if TYPE_CHECKING:
@@ -26,7 +26,9 @@ BETTER = {"samples": "none", "links": "none", "right": "higher", "tracked": "hig
 
 
 @node("score.tracking", cite="bernardin2008")
-def tracking(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
+def tracking(
+    estimate: Trajectories, truth: Truth[Trajectories]
+) -> Annotated[Table, Columns("marker", *UNITS)]:
     """Score of tracks against the markers that they should follow, a row per true marker.
 
     A marker's sample is tracked where a track has the very same position in that frame: a

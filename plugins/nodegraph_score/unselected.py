@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Selection, Table, Trajectories
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ UNITS = {
 @node("score.unselected")
 def unselected(
     estimate: Trajectories, reference: Truth[Trajectories], selection: Selection
-) -> Table:
+) -> Annotated[Table, Columns("marker", *UNITS)]:
     """Errors at the markers that a selection leaves out, a row per marker.
 
     The estimate is what the selected markers make of the whole face: for instance the recording

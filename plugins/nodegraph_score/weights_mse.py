@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Truth, node
+from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_mocap.shape_names import matched
 
@@ -20,12 +20,13 @@ UNITS = {
     "shapes": "shapes",
     "markers": "markers",
 }
+MEASURED = ("mse", "rmse", "max", "worst", "worst_mse")
 
 
 @node("score.weights_mse")
 def weights_mse(
     estimate: Weights, reference: Truth[Weights], selection: Selection | None = None
-) -> Table:
+) -> Annotated[Table, Columns(*MEASURED, *UNITS)]:
     """Mean squared error of blendshape weights, one row for a take.
 
     With ``e[t, k]`` the weight of shape k in frame t minus that of the reference:

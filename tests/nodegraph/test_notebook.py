@@ -83,7 +83,9 @@ def test_a_run_shows_how_its_steps_ended_and_why(run: Run) -> None:
     for text in ("1 failed", "1 refused", "Failed (1)", "Refused (1)", "Left out (1)"):
         assert text in read.texts
     said = " ".join(read.texts)
-    assert "fill (strict.fails) -1.0 is negative k=-1, fill=fails" in said
+    assert re.search(
+        r"fill \(strict.fails\) -1.0 is negative \(conftest.py:\d+\) k=-1, fill=fails", said
+    )
     assert "fill (strict.positive) -1.0 is negative k=-1, fill=positive" in said
 
 
@@ -112,7 +114,7 @@ def test_failures_with_one_reason_are_told_once(run_of: Callable[..., Run]) -> N
         raise ValueError("always")
 
     said = " ".join(Read(run_html(run_of(text, more=[always]))).texts)
-    assert "b (score.always) always trial=0; trial=1; trial=2; and 6 more" in said
+    assert re.search(r"always \(test_notebook.py:\d+\) trial=0; trial=1; trial=2; and 6 more", said)
     assert "Failed (9)" in said
 
 

@@ -84,7 +84,7 @@ def _apart(table: Table) -> Iterator[str]:
         return
     low, high = (table[name].to_numpy(dtype=float) for name in ends)
     for side, where in (("below", high < 0.0), ("above", low > 0.0)):
-        rows = [_row(table, int(place)) for place in np.flatnonzero(where)]
+        rows = sorted(_row(table, int(place)) for place in np.flatnonzero(where))
         yield f"difference {side} 0: {'; '.join(rows) or 'none'}"
 
 

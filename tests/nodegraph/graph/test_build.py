@@ -98,7 +98,7 @@ report: [table]
     assert graph_of(text).left_out == ()
     graph = graph_of(text, only={"length": (5, 15)})
     assert [(one.node, one.reason) for one in graph.left_out] == [
-        ("one", "fill at length = 45: the command has removed that label"),
+        ("one", "made of length=45, which the command has removed"),
         ("two", "it needs one, which is left out"),
     ]
     assert list(graph.nodes) == ["capture", "gaps", "fill", "error", "table", "shown"]

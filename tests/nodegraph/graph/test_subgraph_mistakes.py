@@ -204,7 +204,7 @@ def test_a_file_that_is_no_graph_is_told(
 
 def test_a_folder_is_no_graph(graph_of: Callable[..., object], tmp_path: Path) -> None:
     (tmp_path / "clean.yaml").mkdir()
-    with pytest.raises(GraphError, match=r"toy.yaml:2:18: clean.yaml: cannot be read"):
+    with pytest.raises(GraphError, match=r"toy.yaml:2:18: clean.yaml: is a folder"):
         graph_of("nodes: {a: {use: clean.yaml}}")
     with pytest.raises(GraphError, match=r"toy.yaml:2:18: .*cannot be read"):
         graph_of('nodes: {a: {use: "cl\\0ean.yaml"}}')

@@ -20,7 +20,7 @@ import nodegraph_fill
 import nodegraph_mocap
 import nodegraph_score
 import nodegraph_smooth
-from nodegraph import Refusal, Truth, Unit, hookimpl, node
+from nodegraph import Columns, Refusal, Truth, Unit, hookimpl, node
 from nodegraph.plugins import Plugin
 from nodegraph.registry import Registry
 from nodegraph.testing import check_node
@@ -145,6 +145,28 @@ def returns_another_type() -> tuple[Function, Function]:
         return means(recording)  # type: ignore[return-value]
 
     return broken, sound
+
+
+@told("output 'output' has columns that it does not declare", "Columns(...)", "samples")
+def declares_other_columns() -> tuple[Function, Function]:
+    def counted(recording: Trajectories) -> Table:
+        from pandas import DataFrame
+
+        return DataFrame(
+            {"marker": recording.markers, "samples": recording.present.sum(axis=0).astype(float)}
+        )
+
+    @node("fiddle.broken")
+    def broken(recording: Trajectories) -> Annotated[Table, Columns("marker", "sample")]:
+        """Count samples."""
+        return counted(recording)
+
+    @node("fiddle.mended")
+    def mended(recording: Trajectories) -> Annotated[Table, Columns("marker", "samples", "more")]:
+        """Count samples."""
+        return counted(recording)
+
+    return broken, mended
 
 
 @told("Give positions in millimetres", "0.001 times as far from the origin", "in metres?")

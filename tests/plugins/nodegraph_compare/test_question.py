@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from nodegraph import Across
-from nodegraph_compare.question import Question, ask, unit_of
+from nodegraph_compare.question import Question, ask, blocks_name, unit_of
 
 
 def score(**columns: list[object]) -> pd.DataFrame:
@@ -57,10 +57,16 @@ def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({"metric": "rms"}, "no metric 'rms' in the table of one; columns: gap, frames, rmse"),
+        (
+            {"metric": "rms"},
+            "no metric 'rms' in .* of fill=one; did you mean 'rmse'. columns: gap,",
+        ),
         ({"metric": "name"}, "metric 'name' is no column of numbers .* there are: gap, frames"),
-        ({"compare": "file"}, "no axis or column 'file' .*; axes: fill; columns: gap, frames"),
-        ({"within": ("fil",)}, "no axis or column 'fil' .*; axes: fill"),
+        (
+            {"compare": "file"},
+            "no axis or column 'file' .*; did you mean 'fill'. axes: fill; columns",
+        ),
+        ({"within": ("fil",)}, "no axis or column 'fil' .*; did you mean 'fill'. axes: fill"),
         ({"blocks": ("trial",)}, "no axis or column 'trial'"),
         ({"compare": "fill", "within": ("fill",)}, "share a name: fill"),
     ],
@@ -80,7 +86,7 @@ def test_tables_without_floats_and_no_tables() -> None:
 
 def test_a_table_that_lacks_the_metric_is_named() -> None:
     scores = Across.of({"a": score(), "b": score().drop(columns="rmse")}, axis="fill")
-    with pytest.raises(ValueError, match="no metric 'rmse' in the table of b"):
+    with pytest.raises(ValueError, match="no metric 'rmse' in the table of fill=b"):
         asked(scores)
 
 
@@ -96,3 +102,12 @@ def test_the_unit_is_the_first_tables() -> None:
     assert unit_of(scores, asked(scores)) == ""
     scores.values()[0].attrs["units"] = {"rmse": "mm"}
     assert unit_of(scores, asked(scores)) == "mm"
+
+
+def test_blocks_are_called_by_the_column_that_tells_them_or_the_only_axis() -> None:
+    scores = across("trial", "fill")
+    assert blocks_name(scores, asked(scores)) == "gaps"
+    assert blocks_name(scores, asked(scores, blocks=("trial",))) == "trials"
+    assert blocks_name(scores, asked(scores, blocks=("gap", "frames"))) == "blocks"
+    more = across("take", "trial", "fill")
+    assert blocks_name(more, asked(more, blocks=("take", "trial"))) == "blocks"

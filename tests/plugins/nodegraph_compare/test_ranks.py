@@ -85,6 +85,14 @@ def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
     )
 
 
+def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
+    whole = {name: scored(*(place + at for at in range(8))) for place, name in enumerate("abc")}
+    shy = scored(*[float("nan")] * 3, *range(5))
+    with pytest.warns(UserWarning, match="3 of 8 blocks left out"):
+        (told,) = ranks(Across.of({**whole, "shy": shy}, axis="f")).table.attrs["answer"]
+    assert "of 4 methods, 5 of 8 gaps: shy lacks 3)" in told
+
+
 def test_no_claim_where_friedman_makes_none() -> None:
     same = {
         name: scored(*np.random.default_rng(place).normal(size=8))

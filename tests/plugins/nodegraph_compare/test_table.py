@@ -47,7 +47,7 @@ def test_rows_are_the_statistics_of_the_blocks() -> None:
     scores = trials()
     made = table(scores, within=("length",), blocks=("trial", "gap"), baseline="near").table
     assert list(zip(made["length"], made["fill"], strict=True)) == [
-        (length, fill) for length in (5, 45) for fill in ("far", "near", "twin")
+        (length, fill) for length in (5, 45) for fill in ("near", "twin", "far")
     ]
     for row in made.to_dict("records"):
         values = plainly(scores, row["length"], row["fill"])
@@ -58,7 +58,7 @@ def test_rows_are_the_statistics_of_the_blocks() -> None:
         assert row["sd"] == pytest.approx(values.std(ddof=1))
         assert row["low"] < row["mean"] < row["high"]
         assert row["refused"] == row["left missing"] == 0
-    far, near, twin = made.iloc[:3].to_dict("records")
+    near, twin, far = made.iloc[:3].to_dict("records")
     paired = plainly(scores, 5, "far") - plainly(scores, 5, "near")
     assert far["difference"] == pytest.approx(paired.mean())
     assert 0 < far["difference low"] < paired.mean() < far["difference high"]
@@ -129,8 +129,8 @@ def test_incomplete_blocks_are_dropped_for_all_and_told() -> None:
     with pytest.warns(UserWarning, match=r"2 of 4 blocks left out \(b lacks 1, c lacks 1\)"):
         made = table(scores).table
     assert made["blocks"].tolist() == [2, 2, 2]
-    assert made["mean"].tolist() == [2.0, 3.0, 0.5]
-    assert made["left missing"].tolist() == [0, 0.25, 0]
+    assert dict(zip(made["fill"], made["mean"], strict=True)) == {"c": 0.5, "a": 2.0, "b": 3.0}
+    assert made["left missing"].tolist() == [0, 0, 0.25]
     assert any("2 of 4 blocks" in note for note in made.attrs["notes"])
 
 
@@ -140,10 +140,11 @@ def test_a_method_without_any_number_leaves_the_others_their_blocks() -> None:
     )
     with pytest.warns(UserWarning, match="without any number, not compared: b"):
         made = table(scores, baseline="a").table
-    assert made["blocks"].tolist() == [2, 0, 2]
-    assert made.loc[1, ["mean", "sd", "low", "difference", "p", "better in"]].isna().all()
-    assert made.loc[2, "difference"] == 1.5
-    assert made.loc[2, "p"] == wilcoxon([1, 2]).pvalue
+    assert made["f"].tolist() == ["a", "c", "b"]
+    assert made["blocks"].tolist() == [2, 2, 0]
+    assert made.loc[2, ["mean", "sd", "low", "difference", "p", "better in"]].isna().all()
+    assert made.loc[1, "difference"] == 1.5
+    assert made.loc[1, "p"] == wilcoxon([1, 2]).pvalue
 
 
 def test_a_baseline_without_any_number_gives_no_differences() -> None:
@@ -164,7 +165,7 @@ def test_refused_combinations_are_counted_and_listed_with_their_reasons() -> Non
     told = r"twin: 2 combinations refused \(needs a complete frame\)"
     with pytest.warns(UserWarning, match=told):
         made = table(scores, within=("length",)).table
-    assert made["fill"].tolist() == ["far", "near", "twin"] * 2
+    assert made["fill"].tolist() == ["near", "far", "twin", "near", "twin", "far"]
     assert made["refused"].tolist() == [0, 0, 1, 0, 0, 0]
     assert made["blocks"].tolist() == [10, 10, 0, 10, 10, 10]
     assert any(re.search(told, note) for note in made.attrs["notes"])
@@ -186,6 +187,7 @@ def test_one_method_has_a_mean_and_no_rival() -> None:
     made = table(Across.of({"only": scored([1, 2, 3])}, axis="fill")).table
     assert made["mean"].tolist() == [2.0]
     assert made.attrs["answer"][0].startswith("only only has a mean rmse (2 mm, ")
+    assert made.attrs["best"] == {"mean": []}
 
 
 def test_one_block_has_no_spread() -> None:
@@ -235,7 +237,24 @@ def test_the_best_is_at_the_end_that_the_scores_declare() -> None:
     assert made["better in"].tolist()[0] == 1.0
     assert made.attrs["answer"][0].startswith("a has the highest mean rmse (0.8")
     assert any("Higher is better." in note for note in made.attrs["notes"])
-    assert table(declared("higher"), better="lower").table.attrs["best"] == {"mean": [1]}
+    assert table(declared("higher"), better="lower").table["fill"].tolist() == ["b", "a"]
+
+
+@pytest.mark.parametrize(
+    ("better", "order"),
+    [
+        ("lower", ["c", "b", "b2", "a"]),
+        ("higher", ["a", "b", "b2", "c"]),
+        ("none", ["a", "b", "b2", "c"]),
+    ],
+)
+def test_the_best_mean_stands_first_and_equal_ones_as_in_the_graph(
+    better: Any, order: list[str]
+) -> None:
+    # 0.1 + 0.2 + 0.3 is more than 0.3 + 0.2 + 0.1: such errors do not decide which stands first
+    values = {"a": [4, 4, 4], "b": [0.1, 0.2, 0.3], "b2": [0.3, 0.2, 0.1], "c": [0, 0.1, 0]}
+    scores = Across.of({name: scored(one) for name, one in values.items()}, axis="fill")
+    assert table(scores, better=better).table["fill"].tolist() == order
 
 
 def test_a_metric_without_a_better_end_has_no_best() -> None:
@@ -300,6 +319,70 @@ def test_many_groups_are_told_in_one_sentence() -> None:
     ]
 
 
+def narrow(lacking: int, *, unit: str = "gap") -> Any:
+    """Twenty blocks, some of which `shy` lacks; `timid` lacks one of these."""
+    values = np.linspace(1.0, 2.0, 20)
+    shy, timid = values + 1.0, values + 2.0
+    shy[:lacking] = NAN
+    timid[:1] = NAN
+    tables = {"bold": values, "timid": timid, "shy": shy}
+    return Across.of(
+        {name: scored(one).rename(columns={"gap": unit}) for name, one in tables.items()},
+        axis="fill",
+    )
+
+
+@pytest.mark.filterwarnings("ignore:.*blocks left out")
+def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
+    (told,) = table(narrow(6)).table.attrs["answer"]
+    assert told.endswith("clearly behind (14 of 20 gaps: shy lacks 6, timid lacks 1).")
+    (told,) = table(narrow(20)).table.attrs["answer"]  # it does not take part, and takes nothing
+    assert "of 20" not in told
+    (told,) = table(narrow(5)).table.attrs["answer"]
+    assert "of 20" not in told
+
+
+@pytest.mark.filterwarnings("ignore:.*blocks left out")
+def test_blocks_have_their_name_where_one_column_tells_them() -> None:
+    assert "14 of 20 markers: " in table(narrow(6, unit="marker")).table.attrs["answer"][0]
+    # a block is a take and a gap: neither tells which one it is
+    scores = Across.of(
+        {at["fill"]: one.assign(take=0) for at, one in narrow(6)},
+        axis="fill",
+    )
+    (told,) = table(scores, blocks=("take", "gap")).table.attrs["answer"]
+    assert "14 of 20 blocks: " in told
+
+
+@pytest.mark.filterwarnings("ignore:.*blocks left out")
+def test_groups_of_which_few_blocks_are_left_are_told_apart() -> None:
+    both = [
+        ({**at, "length": length}, one)
+        for length, scores in ((5, narrow(1)), (45, narrow(15)))
+        for at, one in scores
+    ]
+    made = table(Across(("length", "fill"), tuple(both)), within=("length",)).table
+    short, long = made.attrs["answer"]
+    assert short.startswith("length 5: bold ")
+    assert "of 20" not in short
+    assert long.startswith("length 45: bold ")
+    assert "(5 of 20 gaps: shy lacks 15, timid lacks 1)" in long
+
+
+@pytest.mark.filterwarnings("ignore:.*blocks left out")
+def test_of_many_groups_it_is_told_in_how_many_blocks_are_few() -> None:
+    both = [
+        ({**at, "length": length}, one)
+        for length in range(13)
+        for at, one in narrow(15 if length > 10 else 1)
+    ]
+    made = table(Across(("length", "fill"), tuple(both)), within=("length",)).table
+    assert made.attrs["answer"][1] == (
+        "In 2 of them more than a quarter of the gaps are left out, because not every method has "
+        "them (5 of 20 gaps: shy lacks 15, timid lacks 1)."
+    )
+
+
 def test_units_follow_the_metric() -> None:
     units = table(trials(), baseline="far").table.attrs["units"]
     assert units["mean"] == units["high"] == units["difference low"] == "mm"
@@ -322,7 +405,9 @@ def test_gathered_tables_stay_as_they_are() -> None:
 def test_scaling_the_metric_scales_the_table(rows: list[list[float]], factor: float) -> None:
     tables = {f"m{place}": scored(row) for place, row in enumerate(rows)}
     larger = {name: scored(one["rmse"] * factor) for name, one in tables.items()}
-    one, two = (table(Across.of(each, axis="fill")).table for each in (tables, larger))
+    one, two = (
+        table(Across.of(each, axis="fill")).table.sort_values("fill") for each in (tables, larger)
+    )
     for name in ("mean", "median", "sd", "low", "high"):
         assert two[name].to_numpy() == pytest.approx(one[name].to_numpy() * factor, abs=1e-9)
 

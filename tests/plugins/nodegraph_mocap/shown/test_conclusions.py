@@ -52,6 +52,14 @@ def test_drift_leaves_the_conclusions_and_a_turn_does_not() -> None:
     assert list(conclude_table(turned)) != list(conclude_table(table))
 
 
+def test_what_is_apart_does_not_depend_on_the_order_of_the_rows() -> None:
+    table = compared()
+    table["difference low"], table["difference high"] = -2.0, -1.0
+    turned = table.iloc[::-1].reset_index(drop=True)
+    turned.attrs = table.attrs
+    assert list(conclude_table(turned)) == list(conclude_table(table))
+
+
 def test_rows_without_a_number_have_no_place_in_the_order() -> None:
     table = compared(best={"mean": {0}})
     table.loc[1, "mean"] = float("nan")

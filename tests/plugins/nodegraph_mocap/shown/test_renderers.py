@@ -121,6 +121,17 @@ def test_numbers_stand_right_and_have_their_unit() -> None:
     assert r"\begin{tabular}{lrr}" in rendered.files[".tex"].decode()
 
 
+def test_the_star_of_the_best_is_explained_where_there_is_one() -> None:
+    made = table(fill=["a", "b"], mean=[0.5, 1.5])
+    assert "*" not in render_table(made, "t").text
+    made.attrs["best"] = {"mean": [0]}
+    assert render_table(made, "t").text.splitlines()[1:] == [
+        "a     0.500*",
+        "b      1.500",
+        "* the best of its group",
+    ]
+
+
 def test_the_csv_file_has_every_digit() -> None:
     made = table(name=["a,b", "c\nd"], value=[0.1 + 0.2, float("nan")], whole=[1, 2])
     text = render_table(made, "t").files[".csv"].decode()
