@@ -92,7 +92,8 @@ def ended(folder: Path, bad: str, *words: str) -> tuple[int, dict[str, Any], str
 
 BAD = {
     "bad.type": "TypeError: bad.type returned str where its signature promises float (output)",
-    "bad.mutates": "assignment destination is read-only",
+    "bad.mutates": "it changes its input: copy before you write; assignment destination is "
+    "read-only",
     "bad.raises": "KeyError: 'chin'",
     "bad.exits": "SystemExit: enough",
 }

@@ -7,7 +7,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Collection
 from importlib import metadata
-from importlib.util import find_spec
+from importlib.machinery import PathFinder
 from keyword import iskeyword
 from pathlib import Path
 
@@ -82,11 +82,21 @@ def _owner(name: str, registry: Registry) -> str:
         return f"the installed package {_with_version(name)}"
     except metadata.PackageNotFoundError:
         pass
-    if name not in sys.modules and find_spec(name) is None:
+    if not _is_found(name):
         return ""
     packages = dict.fromkeys(metadata.packages_distributions().get(name, ()))
     of = " and ".join(map(_with_version, packages))
     return f"a module of the installed package {of}" if of else "a module that Python finds"
+
+
+def _is_found(name: str) -> bool:
+    """Return whether Python finds a module elsewhere than in the folder where we are."""
+    here = {"", str(Path.cwd())}
+    elsewhere = [one for one in sys.path if one not in here]
+    others = (one for one in sys.meta_path if one is not PathFinder)
+    return PathFinder.find_spec(name, elsewhere) is not None or any(
+        one.find_spec(name, None) is not None for one in others
+    )
 
 
 def _with_version(package: str) -> str:
