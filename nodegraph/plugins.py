@@ -5,24 +5,17 @@ from __future__ import annotations
 import importlib.util
 import sys
 import time
-import warnings
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
-from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from traceback import walk_tb
-from typing import Any, get_origin, get_type_hints
-
-import pluggy
+from typing import Any
 
 from nodegraph import hooks
-from nodegraph.errors import NodegraphError, nearest
+from nodegraph.errors import NodegraphError
 from nodegraph.node import Node, node_of
 from nodegraph.started import LOADED
-
-_WORDS: Mapping[Any, str] = {str: "text", Iterable: "a list", Mapping: "a mapping"}
-"""What the types that hooks return are called."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +70,7 @@ def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
         try:
             good.append(Plugin(entry.name, entry.load(), _distribution(entry)))
         except (Exception, SystemExit) as error:
-            reason = f"{entry.value}: {_reason(error, _package(entry.module))}"
+            reason = f"{entry.value}: {reason_of(error, _package(entry.module))}"
             broken.append(BrokenPlugin(entry.name, reason))
     return good, broken
 
@@ -112,7 +105,7 @@ def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
         if sys.modules.get(path.stem) is module:
             del sys.modules[path.stem]
             sys.modules.update({path.stem: before} if before else {})
-        reason = _reason(error, path.stem)
+        reason = reason_of(error, path.stem)
         raise NodegraphError(f"{path}: the plugin does not import: {reason}") from error
     return Plugin(path.stem, _with_nodes(module, but))
 
@@ -133,86 +126,9 @@ def nodes_of(plugin: Plugin) -> tuple[Any, ...]:
         if isinstance(found, Iterable):
             return tuple(found)
     except (Exception, SystemExit) as error:
-        raise HookError(error, _package_of(hook)) from error
+        raise HookError(error, package_of(hook)) from error
     kind = type(found).__name__
     raise NodegraphError(f"its hook nodegraph_nodes returned {kind}: return [node, ...]")
-
-
-def has_other_hooks(plugin: Plugin) -> bool:
-    """Return whether a plugin brings anything else than nodes."""
-    return any(hasattr(plugin.module, name) for name in _kinds() if name != "nodegraph_nodes")
-
-
-def manager(plugins: list[Plugin]) -> pluggy.PluginManager:
-    """Return a pluggy manager in which the plugins are registered."""
-    made = pluggy.PluginManager(hooks.GROUP)
-    made.add_hookspecs(hooks)
-    for plugin in plugins:
-        try:
-            made.register(plugin.module, plugin.name)
-        except pluggy.PluginValidationError as error:
-            made.unregister(name=plugin.name)
-            _tell(plugin.name, "its hooks are", " ".join(str(error).split()))
-        else:
-            _tell_unknown(made, plugin)
-    return made
-
-
-def results(made: pluggy.PluginManager, hook: str) -> Iterator[tuple[str, Any]]:
-    """Yield each plugin's name and what its hook returns, the last plugin first.
-
-    A hook that raises, or returns something of another kind than its specification says, is told
-    and left out; those of the other plugins go on.
-    """
-    kind = _kinds()[hook]
-    for one in reversed(getattr(made.hook, hook).get_hookimpls()):
-        try:
-            returned = one.function()
-            is_list = kind is Iterable and not isinstance(returned, str | Mapping)
-            found = tuple(returned) if is_list and isinstance(returned, Iterable) else returned
-        except (Exception, SystemExit) as error:
-            reason = _reason(error, _package_of(one.function))
-            _tell(one.plugin_name, f"its hook {hook} is", reason)
-            continue
-        if isinstance(found, tuple if kind is Iterable else kind):
-            yield one.plugin_name, found
-        else:
-            said = f"it returned {type(found).__name__} where {_WORDS[kind]} is due"
-            _tell(one.plugin_name, f"its hook {hook} is", said)
-
-
-def listed(made: pluggy.PluginManager, hook: str, kind: type) -> tuple[Any, ...]:
-    """Return what the plugins' hooks list, the last plugin first; what is of another type is told.
-
-    Parameters
-    ----------
-    made
-    hook
-    kind
-        What each must be.
-    """
-    found = []
-    for name, many in results(made, hook):
-        for one in many:
-            if isinstance(one, kind):
-                found.append(one)
-            else:
-                said = f"{one!r} is not a {kind.__name__}"
-                _tell(name, f"what {hook} lists is", said)
-    return tuple(found)
-
-
-def named(made: pluggy.PluginManager, hook: str) -> dict[str, Any]:
-    """Return what the plugins' hooks give by name; a name that is taken is told and left out."""
-    found: dict[str, Any] = {}
-    owner: dict[str, str] = {}
-    for name, many in reversed(list(results(made, hook))):
-        for key, one in many.items():
-            if key in owner:
-                _tell(name, f"{key!r} of {hook} is", f"plugin {owner[key]!r} has that name")
-            else:
-                found[key], owner[key] = one, name
-    return found
 
 
 def said_by(error: BaseException) -> str:
@@ -236,35 +152,12 @@ def _with_nodes(module: Any, but: Container[Node]) -> Any:
     return module
 
 
-@cache
-def _kinds() -> Mapping[str, Any]:
-    """Return the type that each hook returns, as its specification says."""
-    kinds = {}
-    for name, specification in vars(hooks).items():
-        if name.startswith(f"{hooks.GROUP}_"):
-            returned = get_type_hints(specification)["return"]
-            kinds[name] = get_origin(returned) or returned
-    return kinds
-
-
-def _tell_unknown(made: pluggy.PluginManager, plugin: Plugin) -> None:
-    """Tell of what is marked as a hook, and is none: a name that is written wrongly."""
-    known = _kinds()
-    for name in dir(plugin.module):
-        marked = made.parse_hookimpl_opts(plugin.module, name)
-        if marked is not None and (marked.get("specname") or name) not in known:
-            _tell(plugin.name, f"{name} is", f"there is no such hook; {nearest(name, known)}")
-
-
-def _tell(plugin: str, what: str, why: str) -> None:
-    warnings.warn(f"plugin {plugin!r}: {what} left out: {why}", stacklevel=2)
-
-
 def _distribution(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
 
 
-def _reason(error: BaseException, package: str) -> str:
+def reason_of(error: BaseException, package: str) -> str:
+    """Return what an error of a plugin says, and where in the plugin's own code it arose."""
     file, line = _place(error, package)
     return said_by(error) + (f" ({file}:{line})" if file else "")
 
@@ -278,7 +171,8 @@ def _place(error: BaseException, package: str) -> tuple[str, int]:
     return place
 
 
-def _package_of(hook: Any) -> str:
+def package_of(hook: Any) -> str:
+    """Return the package whose code a hook is."""
     return _package(getattr(hook, "__module__", ""))
 
 

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import hooks, plugins
+from nodegraph import asked, hooks, plugins
 from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, nearest
 from nodegraph.node import Node, node_of
 from nodegraph.plugins import BrokenPlugin, HookError, Plugin
@@ -118,48 +118,48 @@ class Registry:
     @cached_property
     def hooks(self) -> pluggy.PluginManager:
         """The pluggy manager of the loaded plugins."""
-        return plugins.manager(self.loaded)
+        return asked.manager(self.loaded)
 
     @cached_property
     def renderers(self) -> tuple[Renderer, ...]:
         """How values appear in a report; the last plugin comes first."""
-        return plugins.listed(self.hooks, "nodegraph_renderers", hooks.Renderer)
+        return asked.listed(self.hooks, "nodegraph_renderers", hooks.Renderer)
 
     @cached_property
     def comparisons(self) -> tuple[Comparison, ...]:
         """How values are told apart; the last plugin comes first."""
-        return plugins.listed(self.hooks, "nodegraph_comparisons", hooks.Comparison)
+        return asked.listed(self.hooks, "nodegraph_comparisons", hooks.Comparison)
 
     @cached_property
     def conclusions(self) -> tuple[Conclusion, ...]:
         """What a study concludes from values; the last plugin comes first."""
-        return plugins.listed(self.hooks, "nodegraph_conclusions", hooks.Conclusion)
+        return asked.listed(self.hooks, "nodegraph_conclusions", hooks.Conclusion)
 
     @cached_property
     def storages(self) -> tuple[Storage, ...]:
         """How values are kept; the last plugin comes first."""
-        return plugins.listed(self.hooks, "nodegraph_storages", hooks.Storage)
+        return asked.listed(self.hooks, "nodegraph_storages", hooks.Storage)
 
     @cached_property
     def executors(self) -> Mapping[str, Callable[..., Any]]:
         """Ways to compute steps that plugins bring, by name."""
-        return plugins.named(self.hooks, "nodegraph_executors")
+        return asked.named(self.hooks, "nodegraph_executors")
 
     @cached_property
     def bibtex(self) -> tuple[str, ...]:
         """The BibTeX that each plugin ships."""
-        return tuple(text for _, text in plugins.results(self.hooks, "nodegraph_bibtex"))
+        return tuple(text for _, text in asked.results(self.hooks, "nodegraph_bibtex"))
 
     @cached_property
     def graphs(self) -> Mapping[str, Path]:
         """Example graphs by name."""
-        paths = plugins.listed(self.hooks, "nodegraph_graphs", Path)
+        paths = asked.listed(self.hooks, "nodegraph_graphs", Path)
         return {path.stem: path for path in sorted(paths)}
 
     @cached_property
     def templates(self) -> Mapping[str, Path]:
         """What ``nodegraph new`` writes: folders by kind."""
-        return plugins.named(self.hooks, "nodegraph_templates")
+        return asked.named(self.hooks, "nodegraph_templates")
 
     def place(self, path: str) -> Path | None:
         """Return where ``scheme:name`` lies, or None when no plugin has the scheme."""
@@ -169,7 +169,7 @@ class Registry:
 
     @cached_property
     def _places(self) -> Mapping[str, Callable[[str], Path]]:
-        return plugins.named(self.hooks, "nodegraph_places")
+        return asked.named(self.hooks, "nodegraph_places")
 
     def without(self, hidden: Callable[[Registered], bool]) -> Registry:
         """Return the registry as if some of its nodes were not there."""
@@ -189,7 +189,7 @@ class Registry:
         except Exception as error:
             raise NodegraphError(f"{file}: {plugins.said_by(error)}") from error
         empty = not any(one.plugin == plugin.name for one in self)
-        if empty and not plugins.has_other_hooks(plugin):
+        if empty and not asked.has_other_hooks(plugin):
             said = 'brings no node; write @node("family.method") above a function'
             warnings.warn(f"{file}: {said}", stacklevel=3)
 

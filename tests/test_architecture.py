@@ -25,6 +25,7 @@ FLOORS = (  # from the top
     {"graph"},
     {"registry", "spec", "describe", "bibliography"},
     {"store", "code"},
+    {"asked"},
     {"plugins"},
     {"hooks"},
     {"node"},

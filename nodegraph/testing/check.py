@@ -6,9 +6,9 @@ import inspect
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from nodegraph.asked import results
 from nodegraph.hooks import Contract, Tried
 from nodegraph.node import Node, node_of
-from nodegraph.plugins import results
 from nodegraph.registry import Registry, default_registry
 from nodegraph.testing.citations import citation_faults
 from nodegraph.testing.declaration import declaration_faults, unreadable

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from nodegraph.asked import results
 from nodegraph.node import Node
-from nodegraph.plugins import results
 from nodegraph.ports import Absent, Across, Port
 from nodegraph.registry import Registry
 
