@@ -6,6 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from nodegraph.commands.chosen import say
+from nodegraph.commands.written import written
 from nodegraph.display import size_text
 from nodegraph.errors import NodegraphError
 
@@ -27,7 +28,7 @@ def archive(arguments: Namespace) -> int:
     )
     content = packed(contents.files, crate_metadata(contents))
     _refuse_others(path, content)
-    _write(path, content)
+    written(path, content)
     print(f"{path} ({len(contents.files) + 1} files, {size_text(len(content))})")
     for line in contents.lacking:
         say(f"not in it: {line}")
@@ -49,11 +50,3 @@ def _refuse_others(path: Path, content: bytes) -> None:
             f"{path} is there already and is another; name another file with --out, or remove it "
             "first"
         )
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all."""
-    unfinished = path.with_name(f"{path.name}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished.write_bytes(content)
-    unfinished.replace(path)

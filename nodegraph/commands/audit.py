@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from nodegraph.commands.chosen import graph_of, say, store_of
-from nodegraph.commands.lock import completed
+from nodegraph.commands.completed import completed
 from nodegraph.terminal import columns
 
 if TYPE_CHECKING:

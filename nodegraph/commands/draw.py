@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from nodegraph.commands.chosen import graph_of
-from nodegraph.display import size_text
+from nodegraph.commands.written import written_and_told
 from nodegraph.errors import NodegraphError, nearest
 
 
@@ -29,9 +29,7 @@ def draw(arguments: Namespace) -> int:
         )
     text: str = getattr(drawing, form)(picture_of(graph_of(arguments)))
     if arguments.out:
-        arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        arguments.out.write_text(text, encoding="utf-8")
-        print(f"{arguments.out} ({size_text(len(text.encode()))})")
+        written_and_told(arguments.out, text.encode())
     else:
         print(text)
     return 0

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.commands.chosen import labels_of, say
+from nodegraph.commands.written import written
 from nodegraph.display import size_text
 from nodegraph.errors import NodegraphError, Refusal
 
@@ -54,5 +55,4 @@ def _check_free(path: Path) -> None:
 
 def _write(path: Path, content: bytes) -> None:
     _check_free(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(content)
+    written(path, content)

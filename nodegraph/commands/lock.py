@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from nodegraph.commands.chosen import graph_of, say, store_of
-from nodegraph.display import size_text
+from nodegraph.commands.completed import completed
+from nodegraph.commands.written import written_and_told
 from nodegraph.errors import NodegraphError
-from nodegraph.terminal import progress
-
-if TYPE_CHECKING:
-    from nodegraph.execute import Run
-    from nodegraph.graph import Graph
-    from nodegraph.store import Store
 
 
 def lock(arguments: Namespace) -> int:
@@ -28,37 +22,12 @@ def lock(arguments: Namespace) -> int:
     FileNames(graph)  # which refuses what a lock must not hold, before anything has run
     done = completed(arguments, graph, store_of(arguments, graph))
     text = lock_text(done, path)
-    written(path, text)
     counts = ", ".join(f"{count} {state}" for state, count in done.counts().items() if count)
     print(f"{len(done.plan.steps)} steps: {counts}")
-    print(f"{path} ({size_text(len(text.encode()))})")
+    written_and_told(path, text.encode())
     if not done.ok:
         say("some steps failed: the lock holds that they did")
     return 0 if done.ok else 1
-
-
-def completed(arguments: Namespace, graph: Graph, store: Store) -> Run:
-    """Run a graph as the command says, and show how far it is."""
-    from nodegraph.api import reported
-    from nodegraph.execute import HowToRun, execute
-    from nodegraph.execute.left_out import left_out_lines
-    from nodegraph.plan import plan
-
-    how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
-    for line in left_out_lines(graph):
-        say(line)
-    with progress() as shown:
-        return execute(
-            plan(graph), how=how, store=store, keep=reported(graph), listeners=[shown.hear]
-        )
-
-
-def written(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    unfinished = path.with_name(f"{path.name}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished.write_text(text, encoding="utf-8", newline="\n")
-    unfinished.replace(path)
 
 
 def _refuse_others(path: Path) -> None:

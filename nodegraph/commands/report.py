@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.display import size_text
+from nodegraph.commands.written import written_and_told
 from nodegraph.errors import NodegraphError
 
 if TYPE_CHECKING:
@@ -31,10 +31,7 @@ def report(arguments: Namespace) -> int:
         raise NodegraphError(f"{out} is there already; name another file, or remove it first")
     named = dict(_seen_from(out.parent, studies))
     study = merged(named) if len(named) > 1 else next(iter(named.values()))
-    out.parent.mkdir(parents=True, exist_ok=True)
-    content = page(study).encode(errors="backslashreplace")
-    out.write_bytes(content)
-    print(f"{out} ({size_text(len(content))})")
+    written_and_told(out, page(study).encode(errors="backslashreplace"))
     return 0
 
 

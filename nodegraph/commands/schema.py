@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from argparse import Namespace
 
-from nodegraph.display import size_text
+from nodegraph.commands.written import written_and_told
 from nodegraph.registry import Registry
 
 
@@ -16,9 +16,7 @@ def schema(arguments: Namespace) -> int:
     made = graph_schema(Registry.installed(arguments.plugin))
     text = json.dumps(made, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     if arguments.out:
-        arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        arguments.out.write_text(text + "\n", encoding="utf-8")
-        print(f"{arguments.out} ({size_text(len(text.encode()))})")
+        written_and_told(arguments.out, f"{text}\n".encode())
     else:
         print(text)
     return 0

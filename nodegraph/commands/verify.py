@@ -26,7 +26,7 @@ _MOST = 12
 
 def verify(arguments: Namespace) -> int:
     """Run a frozen study, and tell how far its results are those in the lock; 1 if diverged."""
-    from nodegraph.commands.lock import completed
+    from nodegraph.commands.completed import completed
     from nodegraph.execute import open_store
     from nodegraph.paper.frozen.lock import read_lock
     from nodegraph.paper.frozen.unlocked import other_texts, unlocked
