@@ -35,6 +35,8 @@ class Player {
       "With the pictures in focus, Space plays, arrows step, Shift and arrows turn.");
     figure.classList.toggle("compared", this.study.truth !== null);
     figure.append(this.controls.element, this.legend, stage, help);
+    this.controls.clock.dataset.longest = this.toldAt(this.study.ticks - 1).join(" \u00b7 ").replace(/\d/g, "0");
+    this.tell();
     keyed(this, stage);
     this.watch();
   }
@@ -168,16 +170,20 @@ class Player {
 
   tell() {
     const { play, slider, clock } = this.controls;
-    const { every, ticks, rate, seconds } = this.study;
     const label = this.playing ? "Pause" : "Play";
     play.textContent = label;
     play.setAttribute("aria-label", label);
     play.title = label;
-    const place = `frame ${this.tick * every} of ${(ticks - 1) * every}`;
-    const time = `${(this.tick / rate).toFixed(2)} s of ${seconds.toFixed(2)} s`;
+    const [place, time] = this.toldAt(this.tick);
     slider.value = this.tick;
     slider.setAttribute("aria-valuetext", `${place}, ${time}`);
     clock.textContent = `${place} \u00b7 ${time}`;
+  }
+
+  toldAt(tick) {
+    const { every, ticks, rate, seconds } = this.study;
+    const place = `frame ${tick * every} of ${(ticks - 1) * every}`;
+    return [place, `${(tick / rate).toFixed(2)} s of ${seconds.toFixed(2)} s`];
   }
 
   // What is seen now, for whoever wants to know it from outside: `figure.playback.state`.

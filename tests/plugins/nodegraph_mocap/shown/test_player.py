@@ -295,6 +295,21 @@ def test_the_slider_seeks(tab: Tab, tmp_path: Path) -> None:
     assert clock == f"frame {tick} of {FRAMES - 1} \u00b7 {tick / 60:.2f} s of 0.67 s"
 
 
+def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    long = replace(face, positions=face.positions[np.arange(1200) % FRAMES], origin=None)
+    show(tab, tmp_path, panel(long))
+    where = (
+        "JSON.stringify(document.querySelector('figure.playback input').getBoundingClientRect())"
+    )
+    seen = []
+    for tick in (0, 8, 111, 1199):
+        tab.value(f"{FIRST}.seek({tick})")
+        assert tab.value(f"{FIRST}.state.tick") == tick
+        seen.append(tab.value(where))
+    assert len(set(seen)) == 1
+
+
 def test_one_clock_drives_other_rates_and_lengths(tab: Tab, tmp_path: Path) -> None:
     face = recordings()["complete"]
     half = replace(face, positions=face.positions[::2], origin=face.origin[::2], rate=30.0)
