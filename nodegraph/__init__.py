@@ -3,7 +3,15 @@
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import started  # noqa: F401 - first: it notes the time
-from nodegraph.errors import GraphError, NodeError, NodegraphError, Refusal
+from nodegraph.errors import (
+    GraphError,
+    NodeError,
+    NodegraphError,
+    Refusal,
+    closest,
+    listed,
+    nearest,
+)
 from nodegraph.hooks import (
     Comparison,
     Conclusion,
@@ -57,9 +65,12 @@ __all__ = [
     "Truth",
     "Unit",
     "Value",
+    "closest",
     "get_node",
     "hookimpl",
+    "listed",
     "load",
+    "nearest",
     "node",
     "read_only",
     "run",

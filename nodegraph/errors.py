@@ -98,10 +98,38 @@ def nearest(name: object, known: Iterable[object], *, what: str = "there is") ->
     names = [str(one) for one in known]
     if not names:
         return f"{what} none"
-    close = difflib.get_close_matches(str(name), names, n=1, cutoff=0.6)
-    guess = f"did you mean {close[0]!r}? " if close else ""
-    shown = ", ".join(names[:20]) + (f", and {len(names) - 20} more" if len(names) > 20 else "")
-    return f"{guess}{what}: {shown}"
+    close = closest(name, names)
+    guess = f"did you mean {close!r}? " if close else ""
+    return f"{guess}{what}: {listed(names)}"
+
+
+def closest(name: object, known: Iterable[object]) -> str:
+    """Return the known name that is most like a name, upper or lower case; empty if none is."""
+    lower = {str(one).lower(): str(one) for one in known}
+    close = difflib.get_close_matches(str(name).lower(), lower, n=1, cutoff=0.6)
+    return lower[close[0]] if close else ""
+
+
+def listed(names: Iterable[object], most: int = 20) -> str:
+    """Return names for a sentence: the first of them, and how many more there are.
+
+    Parameters
+    ----------
+    names
+        Anything that says its name as text.
+    most
+        How many are named.
+
+    Examples
+    --------
+    >>> listed(["chin", "brow", "nose"], most=2)
+    'chin, brow, and 1 more'
+    >>> listed([])
+    'none'
+    """
+    every = [str(one) for one in names]
+    more = f", and {len(every) - most} more" if len(every) > most else ""
+    return (", ".join(every[:most]) or "none") + more
 
 
 def _reading_order(problem: Problem) -> tuple[str, int, int]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from nodegraph import Refusal
+from nodegraph import Refusal, listed
+from nodegraph_mocap import check_markers
 
 if TYPE_CHECKING:
     from nodegraph_mocap import Trajectories
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 FEWEST = 3
 EVERY = ("*",)
 """What a user gives for all markers that recording and reference have."""
-
-_LISTED = 10
 
 
 def landmarks_of(
@@ -43,8 +41,10 @@ def landmarks_of(
     if names is not None and tuple(names) == EVERY:
         return tuple(name for name in recording.markers if name in set(both[-1].markers)), []
     if names is not None:
-        _check(names, recording, "recording")
-        _check(names, both[-1], "reference")
+        if len(names) < FEWEST:
+            raise ValueError(f"landmarks: must be {FEWEST} or more, got {listed(names)}")
+        check_markers(recording, names, what="landmarks: the recording")
+        check_markers(both[-1], names, what="landmarks: the reference")
         return tuple(names), []
     stable = _stable(both)
     shared = [name for name in stable if all(name in one.markers for one in both)]
@@ -61,13 +61,6 @@ def landmarks_of(
     )
 
 
-def listed(names: Iterable[str]) -> str:
-    """Return the first ten names, and how many more there are."""
-    every = list(names)
-    more = f", and {len(every) - _LISTED} more" if len(every) > _LISTED else ""
-    return (", ".join(every[:_LISTED]) or "none") + more
-
-
 def _stable(recordings: Iterable[Trajectories]) -> tuple[str, ...]:
     for one in recordings:
         if one.marker_set and one.marker_set.stable:
@@ -76,23 +69,3 @@ def _stable(recordings: Iterable[Trajectories]) -> tuple[str, ...]:
         "no marker set says which markers are stable: give `landmarks`, markers that speech and "
         "expression hardly move, such as the bridge of the nose, the temples, the forehead"
     )
-
-
-def _check(names: Sequence[str], recording: Trajectories, what: str) -> None:
-    repeated = sorted({name for name in names if list(names).count(name) > 1})
-    if repeated:
-        raise ValueError(f"landmarks: listed twice: {listed(repeated)}")
-    if len(names) < FEWEST:
-        raise ValueError(f"landmarks: must be {FEWEST} or more, got {listed(names)}")
-    unknown = [name for name in names if name not in recording.markers]
-    if unknown:
-        told = "; ".join(_told(name, recording.markers) for name in unknown)
-        raise ValueError(
-            f"landmarks: the {what} has no marker {told}; it has {listed(recording.markers)}"
-        )
-
-
-def _told(name: str, markers: Sequence[str]) -> str:
-    lower = {marker.lower(): marker for marker in markers}
-    close = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.6)
-    return f"{name!r} (did you mean {lower[close[0]]!r}?)" if close else repr(name)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from nodegraph import Refusal
-from nodegraph_align.landmarks import FEWEST, listed
+from nodegraph import Refusal, listed
+from nodegraph_align.landmarks import FEWEST
 from nodegraph_mocap import HeadMotion, Trajectories
 
 if TYPE_CHECKING:

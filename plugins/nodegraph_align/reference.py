@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph import Refusal
-from nodegraph_align.landmarks import FEWEST, landmarks_of, listed
+from nodegraph import Refusal, listed
+from nodegraph_align.landmarks import FEWEST, landmarks_of
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_blendshapes.listed import listed
+from nodegraph import listed
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories
 
 if TYPE_CHECKING:

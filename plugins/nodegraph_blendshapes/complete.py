@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Refusal
-from nodegraph_blendshapes.listed import listed
-from nodegraph_mocap import Trajectories
+from nodegraph import Refusal, listed
+from nodegraph_mocap import Trajectories, check_markers
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,11 +57,7 @@ def pose_at_rest(neutral: Trajectories, frame: int, recording: Trajectories) -> 
     ValueError
         If `neutral` lacks a marker of the recording, or has no such frame.
     """
-    absent = [name for name in recording.markers if name not in neutral.markers]
-    if absent:
-        raise ValueError(
-            f"the neutral has no marker {listed(absent)}; it has {listed(neutral.markers)}"
-        )
+    check_markers(neutral, recording.markers, what="the neutral")
     spare = [name for name in neutral.markers if name not in recording.markers]
     if spare:
         warnings.warn(

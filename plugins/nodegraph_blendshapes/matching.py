@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 
-from nodegraph_blendshapes.listed import listed
+from nodegraph import listed
 from nodegraph_mocap import Weights
 from nodegraph_mocap.shape_names import matched
 

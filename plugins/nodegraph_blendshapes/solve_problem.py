@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Refusal
-from nodegraph_blendshapes.listed import listed
+from nodegraph import Refusal, listed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

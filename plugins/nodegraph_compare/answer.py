@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import listed
 from nodegraph_compare.bootstrap import CONFIDENCE, FEWEST, RESAMPLES
-from nodegraph_compare.left_out import block_text, end_text, group_text, listed, narrowed
+from nodegraph_compare.left_out import block_text, end_text, group_text, narrowed
 from nodegraph_compare.statistics import LEVEL, Test
 from nodegraph_mocap.style import unit_text
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from nodegraph import listed
 from nodegraph_compare.curve_points import Axes
-from nodegraph_compare.named import check_known, listed, placed
+from nodegraph_compare.named import check_known, placed
 
 if TYPE_CHECKING:
     from nodegraph import Across

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph import Across, Label, node
+from nodegraph import Across, Label, listed, node
 from nodegraph_compare.better import Better, sign_of
 from nodegraph_compare.blocks import columns_of, values_of
 from nodegraph_compare.importance_answer import answers
-from nodegraph_compare.left_out import absences, end_text, listed, shortened
+from nodegraph_compare.left_out import absences, end_text, shortened
 from nodegraph_compare.named import Names, OneColumn, OneName
 from nodegraph_compare.question import Question, ask, unit_of
 from nodegraph_compare.variance import Sources, effects, whole, winner_changes

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.left_out import listed
+from nodegraph import listed
 
 if TYPE_CHECKING:
     from nodegraph_compare.question import Question

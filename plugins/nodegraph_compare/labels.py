@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
-from nodegraph_compare.named import listed, near_name
+from nodegraph import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -52,8 +52,7 @@ def named_label(order: Sequence[Label], baseline: str | None) -> Label | None:
     for label in order:
         if str(label) == baseline:
             return label
-    near = near_name(baseline, map(str, order))
-    raise ValueError(f"no baseline {baseline!r}; {near}compared are: {listed(order)}")
+    raise ValueError(f"no baseline {baseline!r}; {nearest(baseline, order, what='compared are')}")
 
 
 def _sequences(scores: Across[Any], axis: str) -> Iterable[list[Label]]:

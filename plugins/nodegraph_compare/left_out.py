@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import listed
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
 
 _TOLD = 8
 _NOTED = 40
-_NAMED = 20
 _MOST_LACKING = 3
 _NARROW = 0.25
 """Share of the blocks that may be left out before the answer itself says so."""
@@ -92,13 +93,6 @@ def shortened(told: list[str]) -> str:
     """Return sentences as one text, and how many more there are where there are many."""
     more = f"; and {len(told) - _TOLD} more, see the table's notes" if len(told) > _TOLD else ""
     return "; ".join(told[:_TOLD]) + more
-
-
-def listed(names: Sequence[object]) -> str:
-    """Return names as text, and how many more there are where there are many."""
-    more = len(names) - _NAMED
-    rest = f" and {more} more" if more > 0 else ""
-    return ", ".join(str(one) for one in names[:_NAMED]) + rest
 
 
 def group_text(group: Group, question: Question) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING, Annotated
 
-from nodegraph import Across, ColumnOf, LabelOf
+from nodegraph import Across, ColumnOf, LabelOf, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from nodegraph_mocap import Table
 
@@ -33,11 +32,9 @@ def check_known(scores: Across[Table], name: str, *, what: str = "axis or column
         return
     for where, table in placed(scores):
         if name not in table.columns:
-            there = f"axes: {listed(axes)}; " if what != "metric" else ""
-            near = near_name(name, (*axes, *map(str, table.columns)))
-            raise ValueError(
-                f"no {what} {name!r}{where}; {near}{there}columns: {listed(table.columns)}"
-            )
+            there = "axes and columns" if axes else "columns"
+            near = nearest(name, (*axes, *table.columns), what=there)
+            raise ValueError(f"no {what} {name!r}{where}; {near}")
 
 
 def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
@@ -45,14 +42,3 @@ def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
     for labels, table in scores:
         told = ", ".join(f"{axis}={label}" for axis, label in labels.items() if label != "")
         yield f" in the table of {told}" if told else "", table
-
-
-def listed(names: Iterable[object]) -> str:
-    """Return names as text."""
-    return ", ".join(str(name) for name in names) or "none"
-
-
-def near_name(name: str, known: Iterable[str]) -> str:
-    """Return a question for the nearest name that there is; empty where none is near."""
-    close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
-    return f"did you mean {close[0]!r}? " if close else ""

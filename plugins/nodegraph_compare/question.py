@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from nodegraph import listed
 from nodegraph_compare.better import Better, End, better_end
-from nodegraph_compare.named import check_known, listed, placed
+from nodegraph_compare.named import check_known, placed
 
 if TYPE_CHECKING:
     from nodegraph import Across

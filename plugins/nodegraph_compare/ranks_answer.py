@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.left_out import group_text, listed, narrowed
+from nodegraph import listed
+from nodegraph_compare.left_out import group_text, narrowed
 from nodegraph_compare.statistics import LEVEL
 
 if TYPE_CHECKING:

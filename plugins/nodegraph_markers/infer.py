@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Refusal, Unit, node
+from nodegraph import Refusal, Unit, listed, node
 from nodegraph_markers.edges import edges_of
-from nodegraph_markers.known import listed
 from nodegraph_markers.landmarks import still_landmarks
 from nodegraph_markers.mirror import ALONE, Mirror, find_mirror, partners
 from nodegraph_markers.rigid import spacing

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import node
-from nodegraph_markers.known import listed
+from nodegraph import listed, node
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:

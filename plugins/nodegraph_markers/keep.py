@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from nodegraph import node
-from nodegraph_markers.known import check_known, check_once
 from nodegraph_mocap import Selection, Trajectories
 
 
@@ -46,6 +45,4 @@ def keep(
     chosen = list(selection.chosen if selection else names or ())
     if not chosen:
         raise ValueError("no marker is chosen; a recording of none is of no use")
-    check_once(chosen)
-    check_known(chosen, recording.markers)
     return recording.keep(chosen)

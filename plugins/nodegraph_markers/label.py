@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Refusal, Unit, node
-from nodegraph_markers.known import listed
+from nodegraph import Refusal, Unit, listed, node
 from nodegraph_markers.naming import ENOUGH, names, track_distances
 from nodegraph_markers.rigid import on_a_line, spacing
 from nodegraph_markers.switches import cut, kept

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from nodegraph import node
-from nodegraph_markers.known import check_known
-from nodegraph_mocap import MarkerSet, Trajectories
+from nodegraph_mocap import MarkerSet, Trajectories, check_markers
 
 
 @node("markers.rename")
@@ -35,7 +34,7 @@ def rename(recording: Trajectories, *, names: dict[str, str]) -> Trajectories:
         If the recording lacks an old name (the message says which is nearest), a new name is
         empty, or two markers would have one name (the message says which two).
     """
-    check_known(names, recording.markers)
+    check_markers(recording, names)
     empty = [old for old, new in names.items() if not new.strip()]
     if empty:
         raise ValueError(f"the new name of {', '.join(empty)} is empty")

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Value
+from nodegraph import Value, listed
 from nodegraph_mocap.face_model import HeadMotion, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.shape_names import matched
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-_LISTED = 10
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,8 +52,8 @@ class Animation(Value):
         without = [name for name in self.weights.names if name not in found]
         if without:
             raise ValueError(
-                f"the head has no morph target for the weights {_listed(without)}; it has "
-                f"{_listed(self.head.names)}"
+                f"the head has no morph target for the weights {listed(without)}; it has "
+                f"{listed(self.head.names)}"
             )
 
     @property
@@ -76,8 +74,3 @@ class Animation(Value):
         ordered = np.zeros((self.frames, len(self.head.names)))
         ordered[:, columns] = self.weights.values
         return ordered
-
-
-def _listed(names: list[str] | tuple[str, ...]) -> str:
-    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    return (", ".join(names[:_LISTED]) or "none") + more

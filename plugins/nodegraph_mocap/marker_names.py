@@ -6,6 +6,8 @@ import warnings
 from collections import Counter
 from collections.abc import Sequence
 
+from nodegraph import listed
+
 _LISTED = 10
 
 
@@ -55,5 +57,4 @@ def _without_subject(labels: list[str]) -> list[str]:
 
 
 def _warn(what: str, which: Sequence[str]) -> None:
-    more = f", and {len(which) - _LISTED} more" if len(which) > _LISTED else ""
-    warnings.warn(f"{what}: {', '.join(which[:_LISTED])}{more}", stacklevel=4)
+    warnings.warn(f"{what}: {listed(which, _LISTED)}", stacklevel=4)

@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Value
 from nodegraph_mocap.checks import distinct, positive_rate, set_fields
+from nodegraph_mocap.known_markers import check_markers
 from nodegraph_mocap.pieces import pieces
 
 if TYPE_CHECKING:
@@ -137,12 +138,10 @@ class Trajectories(Value):
         Raises
         ------
         ValueError
-            If the recording lacks one of them.
+            If the recording lacks one of them, or one is asked for twice.
         """
         chosen = tuple(names)
-        absent = [name for name in chosen if name not in self.markers]
-        if absent:
-            raise ValueError(f"no marker {', '.join(absent)}; there are {', '.join(self.markers)}")
+        check_markers(self, chosen)
         columns = [self.markers.index(name) for name in chosen]
         return replace(
             self,

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 
-from nodegraph import NodegraphError
+from nodegraph import NodegraphError, nearest
 
 _FOLDER = Path(__file__).parent / "samples"
 
@@ -27,6 +26,4 @@ def sample_folder(name: str) -> Path:
     known = sorted(folder.name for folder in _FOLDER.glob("*/"))
     if name in known:
         return _FOLDER / name
-    close = difflib.get_close_matches(name, known, n=1)
-    guess = f"did you mean {close[0]!r}? " if close else ""
-    raise NodegraphError(f"no sample {name!r}; {guess}there is: {', '.join(known) or 'none'}")
+    raise NodegraphError(f"no sample {name!r}; {nearest(name, known)}")

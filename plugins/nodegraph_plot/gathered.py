@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Across
-from nodegraph_mocap import Origin
+from nodegraph_mocap import Origin, check_markers
 from nodegraph_mocap.runs import runs_of
 from nodegraph_mocap.style import Look, looks
 
@@ -54,16 +54,11 @@ def check_frames(recordings: dict[str, Trajectories], frames: Iterable[int]) -> 
             )
 
 
-def check_markers(recordings: dict[str, Trajectories], markers: Iterable[str]) -> None:
+def check_all_markers(recordings: dict[str, Trajectories], markers: Iterable[str]) -> None:
     """Raise a ValueError if a recording lacks one of the markers."""
     asked = tuple(markers)
     for name, recording in recordings.items():
-        lacking = [marker for marker in asked if marker not in recording.markers]
-        if lacking:
-            raise ValueError(
-                f"no marker {', '.join(lacking)}{_of(name)}; there are "
-                f"{', '.join(recording.markers)}"
-            )
+        check_markers(recording, asked, what=name or "the recording")
 
 
 def check_truth(recordings: dict[str, Trajectories], truth: Trajectories | None) -> None:

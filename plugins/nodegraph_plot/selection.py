@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from nodegraph import Across, Label, Refusal, node
+from nodegraph import Across, Label, Refusal, listed, node
 from nodegraph_mocap import Figure, Selection, Table, Trajectories
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
     from nodegraph_plot.selection_figure import Panel
 
@@ -103,8 +103,8 @@ def _named(
     axes = [axis for axis in selections.axes if axis in best.columns]
     if not axes:
         raise ValueError(
-            f"best has no column of an axis of the selections; axes: {_list(selections.axes)}; "
-            f"columns: {_list(best.columns)}"
+            f"best has no column of an axis of the selections; axes: {listed(selections.axes)}; "
+            f"columns: {listed(best.columns)}"
         )
     rows = dict.fromkeys(zip(*(best[axis].tolist() for axis in axes), strict=True))
     return [one for row in rows for one in _matching(selections, dict(zip(axes, row, strict=True)))]
@@ -133,7 +133,3 @@ def _text(labels: Mapping[str, Any]) -> str:
         for axis, label in labels.items()
         if label != ""
     )
-
-
-def _list(names: Iterable[object]) -> str:
-    return ", ".join(str(name) for name in names) or "none"

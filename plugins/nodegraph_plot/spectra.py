@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import Across, Truth, Unit, node
 from nodegraph_mocap import Figure, Trajectories
 from nodegraph_mocap.runs import runs_of
-from nodegraph_plot.gathered import check_markers, named, named_looks
+from nodegraph_plot.gathered import check_all_markers, named, named_looks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -63,7 +63,7 @@ def spectra(
     from nodegraph_plot.spectra_figure import draw
 
     by_name = named(recordings)
-    check_markers(by_name, markers)
+    check_all_markers(by_name, markers)
     chosen = {name: one.keep(markers) if markers else one for name, one in by_name.items()}
     frames = segment or _common_segment(list(chosen.values()))
     lines = {name: _spectrum(name, one, frames) for name, one in chosen.items()}

@@ -9,8 +9,8 @@ import numpy as np
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
 from nodegraph_plot.gathered import (
+    check_all_markers,
     check_frames,
-    check_markers,
     check_truth,
     named,
     named_looks,
@@ -75,7 +75,7 @@ def trajectories(
     if frames is not None:
         check_frames(by_name, frames)
     chosen = markers or (_most_made(by_name, truth, frames),)
-    check_markers(by_name, chosen)
+    check_all_markers(by_name, chosen)
     window = _around_gap(by_name, chosen, truth) if frames is None else frames
     if window[0] >= window[1]:
         raise ValueError(f"frames are first and last, the first before the last; got {window}")

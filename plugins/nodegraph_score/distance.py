@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Columns, Truth, node
+from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 
 if TYPE_CHECKING:
@@ -79,8 +79,8 @@ def distance(
     shared = tuple(name for name in estimate.markers if name in set(reference.markers))
     if not shared:
         raise ValueError(
-            f"no marker is in both: estimate has {_list(estimate.markers)}, reference "
-            f"{_list(reference.markers)}"
+            f"no marker is in both: estimate has {listed(estimate.markers)}, reference "
+            f"{listed(reference.markers)}"
         )
     apart = np.linalg.norm(
         estimate.keep(shared).positions - reference.keep(shared).positions, axis=2
@@ -133,7 +133,7 @@ def _left_out(estimate: Trajectories, reference: Trajectories) -> list[str]:
     ):
         alone = [name for name in one.markers if name not in set(other.markers)]
         if alone:
-            told.append(f"{len(alone)} markers only the {what} has are left out: {_list(alone)}")
+            told.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
     return told
 
 
@@ -144,7 +144,3 @@ def _lacking(table: Table) -> list[str]:
     empty = int((table["markers"] == 0).sum())
     frames = f"; {empty} of {len(table)} frames have none at all" if empty else ""
     return [f"{missing} of {missing + compared} samples are missing and not compared{frames}"]
-
-
-def _list(names: tuple[str, ...] | list[str]) -> str:
-    return ", ".join(names) or "none"

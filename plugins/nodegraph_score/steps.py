@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from nodegraph import Across, Columns, Truth, node
+from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.misplaced import misplaced
-from nodegraph_score.steps_told import BETTER, WORSE, absences, left_out, listed, sentence, worse
+from nodegraph_score.steps_told import BETTER, WORSE, absences, left_out, sentence, worse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nodegraph import listed
+
 if TYPE_CHECKING:
     from nodegraph import Across
     from nodegraph_mocap import Trajectories
 
 BETTER, WORSE = "better", "worse"
-_NAMED = 10
 
 
 def sentence(row: Mapping[str, Any]) -> str:
@@ -75,12 +76,6 @@ def absences(stages: Across[Trajectories]) -> str:
         for one in stages.absent
     ]
     return f"; {'; '.join(told)}" if told else ""
-
-
-def listed(names: tuple[str, ...]) -> str:
-    """Return names, the first ten of them."""
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return (", ".join(names[:_NAMED]) or "none") + more
 
 
 def _moved(row: Mapping[str, Any]) -> str:

@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Columns, Truth, node
+from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Trajectories
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 UNITS = {
@@ -99,13 +97,13 @@ def _check(estimate: Trajectories, reference: Trajectories, selection: Selection
     unknown = [name for name in selection.chosen if name not in reference.markers]
     if unknown:
         raise ValueError(
-            f"selected, but not in the reference: {_list(unknown)}; it has "
-            f"{_list(reference.markers)}"
+            f"selected, but not in the reference: {listed(unknown)}; it has "
+            f"{listed(reference.markers)}"
         )
     if not set(estimate.markers) & set(reference.markers):
         raise ValueError(
-            f"no marker is in both: estimate has {_list(estimate.markers)}, reference "
-            f"{_list(reference.markers)}"
+            f"no marker is in both: estimate has {listed(estimate.markers)}, reference "
+            f"{listed(reference.markers)}"
         )
 
 
@@ -143,7 +141,7 @@ def _left_out(estimate: Trajectories, reference: Trajectories, selection: Select
         absent = {*other.markers, *selection.chosen}
         alone = [name for name in one.markers if name not in absent]
         if alone:
-            told.append(f"{len(alone)} markers only the {what} has are left out: {_list(alone)}")
+            told.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
     if not set(reference.markers) - set(selection.chosen):
         told.append(f"all {len(reference.markers)} markers are selected, none is left to score")
     return told
@@ -156,7 +154,3 @@ def _lacking(table: Table) -> list[str]:
     empty = int((table["frames"] == 0).sum())
     markers = f"; {empty} of {len(table)} markers have none at all" if empty else ""
     return [f"{missing} of {missing + compared} samples are missing and not compared{markers}"]
-
-
-def _list(names: Sequence[str]) -> str:
-    return ", ".join(names) or "none"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Columns, Truth, node
+from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_mocap.shape_names import matched
 
@@ -96,8 +96,8 @@ def _errors(
     found = matched(estimate.names, reference.names)
     if not found:
         raise ValueError(
-            f"no shape is in both: estimate has {_list(estimate.names)}, reference "
-            f"{_list(reference.names)}"
+            f"no shape is in both: estimate has {listed(estimate.names)}, reference "
+            f"{listed(reference.names)}"
         )
     spare = tuple(name for name in estimate.names if name not in found)
     names = (*reference.names, *spare)
@@ -109,7 +109,7 @@ def _errors(
     lacking = tuple(name for name in reference.names if name not in driven)
     notes = [
         f"{len(absent)} of {len(names)} shapes only the {what} has; they are 0 in the other: "
-        f"{_list(absent)}"
+        f"{listed(absent)}"
         for what, absent in (("estimate", spare), ("reference", lacking))
         if absent
     ]
@@ -141,7 +141,3 @@ def _table(
     if selection is not None:
         row["markers"] = len(selection.chosen)
     return DataFrame([row])
-
-
-def _list(names: tuple[str, ...]) -> str:
-    return ", ".join(names) or "none"

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import listed
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -77,9 +79,8 @@ def _tell(recording: Trajectories, alone: list[str], stacklevel: int) -> None:
         why = "the recording has no marker set, which would say what is a pair"
     else:
         why = "the marker set has them in no pair with another marker, nor on the midline"
-    more = f" and {len(alone) - _LISTED} more" if len(alone) > _LISTED else ""
     warnings.warn(
         f"{len(alone)} of {len(recording.markers)} markers are chosen or left each by itself: "
-        f"{why}: {', '.join(alone[:_LISTED])}{more}",
+        f"{why}: {listed(alone, _LISTED)}",
         stacklevel=stacklevel,
     )

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
+from nodegraph.errors import GraphError, Place, Problem, Problems, closest, listed, nearest
 
 
 def test_a_problem_says_place_mistake_and_way_out() -> None:
@@ -44,3 +44,15 @@ def test_nearest_guesses_only_what_is_close(name: object, known: list[object], h
 
 def test_nearest_cuts_a_long_list() -> None:
     assert nearest("x", range(30)).endswith("18, 19, and 10 more")
+
+
+def test_long_lists_of_names_are_cut_and_counted() -> None:
+    assert listed(f"m{i}" for i in range(23)).endswith("m19, and 3 more")
+    assert listed(range(3), most=3) == "0, 1, 2"
+    assert listed(()) == "none"
+
+
+def test_the_closest_name_is_found_whatever_its_case() -> None:
+    assert closest("NOSE1", ["nose1", "chin"]) == "nose1"
+    assert closest("nose1", ["Nose_1", "chin"]) == "Nose_1"
+    assert closest("q", ["nose1", "chin"]) == ""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph import Comparison
+from nodegraph import Comparison, listed
 from nodegraph_mocap.face_model import Weights
 from nodegraph_mocap.recording import Mask, Trajectories
 from nodegraph_mocap.shown.stored_figure import StoredFigure
@@ -118,9 +118,7 @@ def _differs(was: NDArray[Any], now: NDArray[Any]) -> NDArray[np.bool_]:
 
 def _rows(differs: NDArray[np.bool_]) -> str:
     places = np.flatnonzero(differs)
-    shown = ", ".join(map(str, places[:_NAMED].tolist()))
-    more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
-    return f"row{'s' if len(places) > 1 else ''} {shown}{more}"
+    return f"row{'s' if len(places) > 1 else ''} {listed(places.tolist(), _NAMED)}"
 
 
 def _change(was: NDArray[Any], now: NDArray[Any], differs: NDArray[np.bool_]) -> str:
@@ -139,11 +137,10 @@ def _samples(where: NDArray[np.bool_], markers: Sequence[str]) -> str:
     """Return how many samples there are, in which frames and of which markers."""
     frames, columns = np.flatnonzero(where.any(axis=1)), np.flatnonzero(where.any(axis=0))
     count = int(np.count_nonzero(where))
-    names = ", ".join(markers[column] for column in columns[:_NAMED])
-    more = f" and {len(columns) - _NAMED} more" if len(columns) > _NAMED else ""
+    names = listed((markers[column] for column in columns.tolist()), _NAMED)
     first, last = int(frames[0]), int(frames[-1])
     span = f"frame {first}" if first == last else f"frames {first} to {last}"
-    return f"{count} sample{'s' if count > 1 else ''} ({span}; {names}{more})"
+    return f"{count} sample{'s' if count > 1 else ''} ({span}; {names})"
 
 
 def _most(apart: NDArray[np.float64], markers: Sequence[str]) -> str:
@@ -157,7 +154,6 @@ def _names_apart(what: str, one: Sequence[str], other: Sequence[str]) -> Iterato
         ("only now", [name for name in other if name not in set(one)]),
     ):
         if names:
-            more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-            yield f"{what} {said}: {', '.join(names[:_NAMED])}{more}"
+            yield f"{what} {said}: {listed(names, _NAMED)}"
     if set(one) == set(other):
         yield f"{what} in another order"

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from nodegraph import listed
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.text.frame_times import tell_irregular
 from nodegraph_mocap.text.rows import read_rows
@@ -143,10 +144,10 @@ def check_axes(columns: Columns) -> None:
 def tell_left_out(columns: Columns) -> None:
     """Warn of columns that are neither coordinates nor frame numbers nor times."""
     if columns.left_out:
-        shown = [columns.names[one] or f"column {one + 1}" for one in columns.left_out[:_LISTED]]
+        shown = [columns.names[one] or f"column {one + 1}" for one in columns.left_out]
         warnings.warn(
             f"{len(columns.left_out)} columns are no coordinates and were left out: "
-            f"{', '.join(shown)}",
+            f"{listed(shown, _LISTED)}",
             stacklevel=4,
         )
 

@@ -55,7 +55,7 @@ def test_markers_that_only_the_neutral_has_are_left_out_and_named() -> None:
 
 
 def test_a_neutral_that_lacks_a_marker_is_an_error() -> None:
-    with pytest.raises(ValueError, match=r"the neutral has no marker nose; it has brow_left, "):
+    with pytest.raises(ValueError, match=r"the neutral has no marker 'nose'; it has brow_left, "):
         from_frames(FACE, FACE.keep(FACE.markers[:6] + FACE.markers[7:]), frames=CHOSEN)
 
 

@@ -265,7 +265,10 @@ def test_labels_with_markup_stay_as_they_are() -> None:
     [
         ({"x": "actor"}, "x 'actor' is no axis of finite numbers: it has ME"),
         ({"x": "name"}, "x 'name' is no column of numbers in the table of actor=ME, k=5; there"),
-        ({"x": "size"}, r"no axis or column 'size'.*axes: actor, k; columns: markers, mse, name"),
+        (
+            {"x": "size"},
+            r"no axis or column 'size'.*axes and columns: actor, k, markers, mse, name",
+        ),
         ({"metric": "mae"}, r"no metric 'mae' in the table of actor=ME, k=5;.* columns: markers"),
         ({"metric": "name"}, "metric 'name' is no column of numbers"),
         ({"compare": "markers"}, "x, metric, compare and blocks share a name: markers"),

@@ -6,7 +6,7 @@ import pytest
 
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import Group
-from nodegraph_compare.left_out import dropped, end_text, left_out, listed
+from nodegraph_compare.left_out import dropped, end_text, left_out
 from nodegraph_compare.question import Question
 
 QUESTION = Question("rmse", "fill", ("length",), ("gap",), ())
@@ -36,11 +36,6 @@ def test_skipped_combinations_are_noted_without_a_warning() -> None:
     scores = Across(("fill",), (({"fill": "a"}, pd.DataFrame()),), absent)
     whole = Group((5,), ("a",), np.ones((3, 1)), np.zeros(1), np.zeros(1))
     assert left_out(scores, QUESTION, [whole]) == ["b: 1 combination skipped"]
-
-
-def test_a_long_list_is_shortened() -> None:
-    assert listed([1, "a"]) == "1, a"
-    assert listed(range(25)).endswith("18, 19 and 5 more")
 
 
 def test_the_better_end_is_told() -> None:

@@ -64,9 +64,12 @@ def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:
         ({"metric": "name"}, "metric 'name' is no column of numbers .* there are: gap, frames"),
         (
             {"compare": "file"},
-            "no axis or column 'file' .*; did you mean 'fill'. axes: fill; columns",
+            "no axis or column 'file' .*; did you mean 'fill'. axes and columns: fill",
         ),
-        ({"within": ("fil",)}, "no axis or column 'fil' .*; did you mean 'fill'. axes: fill"),
+        (
+            {"within": ("fil",)},
+            "no axis or column 'fil' .*; did you mean 'fill'. axes and columns: fill",
+        ),
         ({"blocks": ("trial",)}, "no axis or column 'trial'"),
         ({"compare": "fill", "within": ("fill",)}, "share a name: fill"),
     ],

@@ -39,9 +39,9 @@ def test_a_selection_keeps_what_it_has_chosen_in_its_order() -> None:
         (Selection(chosen=("nose",)), ["nose"], "got both"),
         (None, [], "no marker is chosen"),
         (Selection(chosen=()), None, "no marker is chosen"),
-        (None, ["nose", "nose"], "listed twice: nose"),
-        (None, ["Nose_"], r"'Nose_' \(did you mean 'nose'\?\); there are brow_left"),
-        (None, ["nose", "xyz"], "no marker 'xyz'; there are brow_left, brow_right"),
+        (None, ["nose", "nose"], "asked twice for nose"),
+        (None, ["Nose_"], r"'Nose_' \(did you mean 'nose'\?\); it has brow_left"),
+        (None, ["nose", "xyz"], "no marker 'xyz'; it has brow_left, brow_right"),
     ],
 )
 def test_what_cannot_be_kept_is_said(

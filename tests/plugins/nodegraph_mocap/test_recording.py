@@ -129,7 +129,7 @@ def test_kept_markers_come_with_all_that_is_theirs() -> None:
 
 
 def test_keeping_what_is_not_there_is_refused_with_what_is() -> None:
-    with pytest.raises(ValueError, match="no marker x, y; there are a, b"):
+    with pytest.raises(ValueError, match="the recording has no marker 'x'; 'y'; it has a, b"):
         made().keep(["x", "a", "y"])
 
 

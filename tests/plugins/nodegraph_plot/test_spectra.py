@@ -85,6 +85,6 @@ def test_what_has_no_run_is_an_error() -> None:
         spectra(across(raw=holed))
     with pytest.raises(ValueError, match="no marker of raw has 64 frames without a gap"):
         spectra(across(raw=holed), segment=64)
-    with pytest.raises(ValueError, match="no marker nose"):
+    with pytest.raises(ValueError, match="raw has no marker 'nose'"):
         spectra(across(raw=noise(6)), markers=("nose",))
     assert set(lines(spectra(across(raw=noise(6)), noise(7)))) == {"raw", "truth"}

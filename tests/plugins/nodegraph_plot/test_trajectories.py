@@ -120,7 +120,7 @@ def test_a_line_that_strays_does_not_flatten_the_rest() -> None:
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
-        ({"markers": ("ear", "nose")}, "no marker ear of lin; there are nose, forehead"),
+        ({"markers": ("ear", "nose")}, "lin has no marker 'ear'; it has nose, forehead"),
         ({"frames": (10, 99)}, "no frame 99 of lin: it has 40 frames, 0 to 39"),
         ({"frames": (10, 10)}, "the first before the last"),
     ],

@@ -297,7 +297,8 @@ def test_the_slider_seeks(tab: Tab, tmp_path: Path) -> None:
 
 def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Tab, tmp_path: Path) -> None:
     face = recordings()["complete"]
-    long = replace(face, positions=face.positions[np.arange(1200) % FRAMES], origin=None)
+    again = np.arange(1200) % FRAMES
+    long = replace(face, positions=face.positions[again], origin=face.origin[again])
     show(tab, tmp_path, panel(long))
     where = (
         "JSON.stringify(document.querySelector('figure.playback input').getBoundingClientRect())"
