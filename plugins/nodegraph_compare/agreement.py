@@ -11,7 +11,7 @@ from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.bootstrap import CONFIDENCE
 from nodegraph_compare.labels import compared_labels, named_label
-from nodegraph_compare.left_out import block_text, group_text, left_out
+from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
 from nodegraph_compare.limits import Limits, limits
 from nodegraph_compare.named import Names, OneColumn, OneLabel, OneName
 from nodegraph_compare.question import Question, ask, unit_of
@@ -61,6 +61,9 @@ def agreement(
     does, the limits hold for no value in particular. A pair's blocks do not depend on other
     labels; blocks that a label lacks are counted and told in a warning.
 
+    What differs by rounding alone is equal: of values in a block that are at most 1e-9 of their
+    size apart all stand as the first, and of differences, as measured by the values.
+
     Parameters
     ----------
     scores
@@ -99,13 +102,13 @@ def agreement(
     order = compared_labels(scores, question, gathered)
     against = named_label(order, baseline)
     found = [pair for group in gathered for pair in _pairs(group, against)]
-    unit = unit_of(scores, question)
+    unit = unit_of(scores, question.metric)
     made = _table(found, question, unit)
     made.attrs["notes"] = [
         block_text(question),
         f"Differences are first minus second. lower, upper: limits of agreement, bias -+ 1.96 sd. "
         f"low, high: {CONFIDENCE:.0%} intervals, exact for normal differences.",
-        *left_out(scores, question, gathered),
+        *left_out(scores, question, gathered, pairwise=True),
     ]
     made.attrs["answer"] = _answers(found, question, unit)
     return Agreed(made, _draw(question, found, unit))
@@ -161,8 +164,7 @@ def _answers(found: Sequence[Pair], question: Question, unit: str) -> list[str]:
 
 
 def _answer(pair: Pair, question: Question, unit: str) -> str:
-    told, place = pair.limits, group_text(pair.group, question)
-    start = f"{place}: " if place else ""
+    told, start = pair.limits, start_text(group_text(pair.group, question))
     names, count = f"{pair.first} and {pair.second}", len(told.difference)
     if count < 2:
         return (

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_compare.left_out import group_text
-from nodegraph_compare.pictures import plain, without_drawing
+from nodegraph_compare.pictures import without_drawing
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLACK, BLUE, GREY, LIGHT, VERMILLION
 
 if TYPE_CHECKING:
@@ -26,7 +27,15 @@ _PER_ROW = 3
 
 
 def draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
-    """Return a panel per pair that shares a block, at most 12 of them."""
+    """Return a panel per pair that shares a block, at most 12 of them.
+
+    Parameters
+    ----------
+    question, found
+        Of the comparison.
+    unit
+        Of the metric.
+    """
     known = [one for one in found if len(one.limits.difference)]
     drawn = known[:_MOST]
     if not drawn:
@@ -41,11 +50,11 @@ def draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
     for axis, one in zip(axes, drawn, strict=False):
         _panel(axis, one)
         place = group_text(one.group, question)
-        name = f"{plain(one.first)} \N{MINUS SIGN} {plain(one.second)}"
-        axis.set_title(f"{plain(place)}\n{name}" if place else name, fontsize=9)
+        name = f"{figure_text(one.first)} \N{MINUS SIGN} {figure_text(one.second)}"
+        axis.set_title(f"{figure_text(place)}\n{name}" if place else name, fontsize=9)
     in_unit = f" ({unit})" if unit else ""
-    figure.supxlabel(plain(f"mean {question.metric} of the two{in_unit}"), fontsize=10)
-    figure.supylabel(plain(f"difference{in_unit}"), fontsize=10)
+    figure.supxlabel(figure_text(f"mean {question.metric} of the two{in_unit}"), fontsize=10)
+    figure.supylabel(figure_text(f"difference{in_unit}"), fontsize=10)
     if len(known) > len(drawn):
         figure.suptitle(f"{len(known) - len(drawn)} more pairs are not drawn", fontsize=8)
     return figure

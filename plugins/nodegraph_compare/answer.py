@@ -9,8 +9,16 @@ import numpy as np
 
 from nodegraph import listed
 from nodegraph_compare.bootstrap import CONFIDENCE, FEWEST, RESAMPLES
-from nodegraph_compare.left_out import block_text, end_text, group_text, narrowed
-from nodegraph_compare.statistics import LEVEL, Test
+from nodegraph_compare.left_out import (
+    MOST_GROUPS,
+    block_text,
+    end_text,
+    group_text,
+    narrowed,
+    numberless,
+    start_text,
+)
+from nodegraph_compare.statistics import LEVEL, TEST_NAMES, Test
 from nodegraph_mocap.style import unit_text
 
 if TYPE_CHECKING:
@@ -20,13 +28,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.question import Question
     from nodegraph_compare.summary import Summary
 
-_MOST_GROUPS = 12
 _EXTREME = {"lower": "lowest", "higher": "highest"}
-_TESTS = {
-    "wilcoxon": "Wilcoxon's signed-rank test",
-    "t": "the paired t-test",
-    "sign": "the sign test",
-}
 
 
 def answers(
@@ -40,18 +42,32 @@ def answers(
     """Return the sentences on all groups: one on each, or on all of them where there are many.
 
     Where over a quarter of the blocks are left out, so that one method with a narrow reach decides
-    over what all are compared, that is told; `blocks` is what several of them are called.
+    over what all are compared, that is told.
+
+    Parameters
+    ----------
+    found, question
+        Of the comparison.
+    unit
+        Of the metric.
+    against
+        The baseline's label, if there is one.
+    test
+        Of the differences to it.
+    blocks
+        What several blocks are called.
     """
-    if len(found) > _MOST_GROUPS and question.compare and question.better != "none":
+    if len(found) > MOST_GROUPS and question.compare and question.better != "none":
         return [_counted(found, question), *_narrow_groups(found, blocks)]
     told = []
-    for same in _alike(found[:_MOST_GROUPS], blocks):
-        over = narrowed(same[0].group, blocks)
-        told.append(f"{_answer(same, question, unit)}{f' ({over})' if over else ''}.")
+    for same in _alike(found[:MOST_GROUPS], blocks):
+        over, absent = narrowed(same[0].group, blocks), numberless(same[0].group)
+        more = f"{f' ({over})' if over else ''}{f'; {absent}' if absent else ''}"
+        told.append(f"{_answer(same, question, unit)}{more}.")
         if against is not None and test != "none":
             told += [said for one in same for said in _to_baseline(one, question, against)]
-    more = len(found) - _MOST_GROUPS
-    return told + ([f"{more} more groups are in the table."] if more > 0 else [])
+    rest = len(found) - MOST_GROUPS
+    return told + ([f"{rest} more groups are in the table."] if rest > 0 else [])
 
 
 def _alike(found: Sequence[Summary], blocks: str) -> list[list[Summary]]:
@@ -59,8 +75,8 @@ def _alike(found: Sequence[Summary], blocks: str) -> list[list[Summary]]:
     together: dict[object, list[Summary]] = {}
     for place, one in enumerate(found):
         known = one.best is not None and len(one.values) >= FEWEST
-        over = narrowed(one.group, blocks)
-        said = (_best_names(one), _rest(one), over) if known else place
+        over, absent = narrowed(one.group, blocks), numberless(one.group)
+        said = (_best_names(one), _rest(one), over, absent) if known else place
         together.setdefault(said, []).append(one)
     return list(together.values())
 
@@ -89,7 +105,19 @@ def _answer(same: Sequence[Summary], question: Question, unit: str) -> str:
 
 
 def notes(question: Question, seed: int, against: Label | None, test: Test) -> list[str]:
-    """Return what the numbers of the table mean."""
+    """Return what the numbers of the table mean.
+
+    Parameters
+    ----------
+    question
+        Of the comparison.
+    seed
+        Of the bootstrap.
+    against
+        The baseline's label, if there is one.
+    test
+        Of the differences to it.
+    """
     told = [
         f"{block_text(question)} {end_text(question)}",
         "All statistics use only blocks in which every method with any number has all its "
@@ -100,16 +128,14 @@ def notes(question: Question, seed: int, against: Label | None, test: Test) -> l
     ]
     if against is not None and test != "none":
         told.append(
-            f"p: {_TESTS[test]} of the paired differences to {against}, two-sided, after Holm's "
-            "correction over the methods of a group."
+            f"p: {TEST_NAMES[test]} of the paired differences to {against}, two-sided, after "
+            "Holm's correction over the methods of a group."
         )
     return told
 
 
 def _counted(found: Sequence[Summary], question: Question) -> str:
-    wins = Counter(
-        "none" if one.best is None else _name(one, one.best) for one in found
-    ).most_common()
+    wins = Counter(name for one in found for name in _bests(one) or ["none"]).most_common()
     extreme = _EXTREME[question.better]
     (first, most), *others = wins
     rest = f", {listed([f'{name} in {count}' for name, count in others])}" if others else ""
@@ -153,7 +179,7 @@ def _start(same: Sequence[Summary], question: Question) -> str:
         places = f"{question.within[0]} {listed([one.group.labels[0] for one in same])}"
     else:
         places = "; ".join(group_text(one.group, question) for one in same)
-    return f"{places}: " if places else ""
+    return start_text(places)
 
 
 def _numbers_of(same: Sequence[Summary], unit: str) -> str:
@@ -210,7 +236,11 @@ def _rest(summary: Summary) -> str:
 
 
 def _best_names(summary: Summary) -> str:
-    return listed([_name(summary, place) for place in np.flatnonzero(summary.bests).tolist()])
+    return listed(_bests(summary))
+
+
+def _bests(summary: Summary) -> list[str]:
+    return [_name(summary, place) for place in np.flatnonzero(summary.bests).tolist()]
 
 
 def _name(summary: Summary, place: int) -> str:

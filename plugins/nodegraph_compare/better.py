@@ -18,6 +18,15 @@ def better_end(scores: Across[Table], metric: str, better: Better) -> End:
     A table declares it in ``attrs["better"]``, a mapping of column to ``lower``, ``higher`` or
     ``none``, the last for a column that is best at some value between.
 
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    metric
+        The column of numbers.
+    better
+        What was asked for; ``declared``: as the tables say.
+
     Raises
     ------
     ValueError

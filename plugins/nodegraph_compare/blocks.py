@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.labels import label_order
+from nodegraph_compare.ties import tied
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -32,7 +33,8 @@ class Group:
         Of the compared column, in their order; one empty label where nothing is compared.
     values : (B, K) array of float64
         The metric averaged over the rows of each block; NaN where a row of the block has no
-        finite number, or the method has no such block.
+        finite number, or the method has no such block. Numbers of a block that differ by rounding
+        alone are equal (see `tied`).
     missing : (K,) array of float64
         Share of the method's rows without a finite number; NaN for a method without rows.
     refused : (K,) array of float64
@@ -106,7 +108,8 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
         place = np.searchsorted(kinds, methods[rows])
         values, missing = _block_means(block[rows], place, value[rows], len(kinds))
         refused = np.array([shares.of(labels + name) for name in names])
-        made.append(Group(labels, tuple((*n, "")[0] for n in names), values, missing, refused))
+        called = tuple((*name, "")[0] for name in names)
+        made.append(Group(labels, called, tied(values), missing, refused))
     return tuple(made)
 
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_compare.ties import ROUNDING, differ
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -18,7 +20,6 @@ FEWEST = 3
 
 _FEW = 5
 _DRAWN_AT_ONCE = 4_000_000
-_ROUNDING = 1e-12
 _FARTHEST = 10.0
 _TAILS = (50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE))
 
@@ -85,7 +86,7 @@ class Bootstrap:
         for counts in self._draws(blocks):
             mean = counts @ apart / blocks
             variance = counts @ squared / blocks - np.square(mean)
-            none = variance <= _ROUNDING * blocks
+            none = variance <= ROUNDING * blocks
             spread = np.sqrt(np.where(none, 1.0, variance) / (blocks - 1))
             parts.append(np.where(none, np.copysign(np.inf, mean), mean / spread))
         low, high = np.percentile(np.concatenate(parts), _TAILS, axis=0, method="nearest")
@@ -98,11 +99,6 @@ class Bootstrap:
         if blocks not in self._kept:
             self._kept = {blocks: list(_drawn(np.random.default_rng(self._seed), blocks))}
         return self._kept[blocks]
-
-
-def differ(values: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return, for the columns of (B, K) values, whether they differ by more than rounding."""
-    return np.asarray(np.ptp(values, axis=0) > _ROUNDING * np.abs(values).max(axis=0))
 
 
 def _student(blocks: int) -> Ends:

@@ -15,6 +15,8 @@ from nodegraph_compare.curve_marks import Mark, marks
 from nodegraph_compare.curve_points import floors, points
 from nodegraph_compare.curve_scale import scale_of
 from nodegraph_compare.named import Names, OneColumn, OneName
+from nodegraph_compare.question import unit_of
+from nodegraph_compare.ties import at_most
 from nodegraph_mocap import Figure, Table
 
 if TYPE_CHECKING:
@@ -57,6 +59,10 @@ def curve(
     with y the error as the figure shows it: its logarithm where the scale is logarithmic; an error
     below the noise floor counts as the floor. A curve that is nowhere below that line, or has
     fewer than three points, has none.
+
+    What differs by rounding alone is equal: of a label's values that are at most 1e-9 of their
+    size apart (of a thousandth of the largest at least) all stand as the first; one as far above
+    the noise floor is level with it.
 
     Parameters
     ----------
@@ -129,7 +135,7 @@ def curve(
     marked = marks(found, mark, tolerance, level, scale)
     made = _frame(axes, found, marked, level)
     told = losses(scores, axes, found, level, skipped=False)
-    unit = str(scores.values()[0].attrs.get("units", {}).get(axes.metric, ""))
+    unit = unit_of(scores, axes.metric)
     made.attrs["title"] = f"{axes.metric} over {axes.x}" + (
         f" by {axes.compare}" if axes.compare else ""
     )
@@ -175,7 +181,7 @@ def _columns(
     columns["local minimum"] = np.isin(place, marked.minima[one.label])
     if level is not None:
         columns["floor"] = level[one.label]
-        columns["below floor"] = one.value <= level[one.label]
+        columns["below floor"] = at_most(one.value, level[one.label])
     kind = marked.kinds.get(one.label, "")
     columns["marked"] = [kind if here == marked.places.get(one.label) else "" for here in place]
     return columns

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph_compare.bootstrap import CONFIDENCE, RESAMPLES
+from nodegraph_compare.left_out import absences, start_text
+from nodegraph_compare.ties import at_most
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from nodegraph import Absent, Across, Label
+    from nodegraph import Across, Label
     from nodegraph_compare.curve_marks import Mark, Marks
     from nodegraph_compare.curve_points import Axes, Points
     from nodegraph_mocap import Table
-
-_TOLD = 2
 
 
 def answer(
@@ -30,7 +29,19 @@ def answer(
     tolerance: float,
     unit: str,
 ) -> list[str]:
-    """Return sentences: what is marked, or the lowest points, then what the noise floor reaches."""
+    """Return sentences: what is marked, or the lowest points, then what the noise floor reaches.
+
+    Parameters
+    ----------
+    axes, found, marked
+        The names, the points of each label, and the places with a mark.
+    level
+        The noise floor of each label, NaN for one without; None where there is no floor.
+    mark, tolerance
+        What was asked for.
+    unit
+        Of the metric.
+    """
     drawn = [one for one in found if len(one.curve)]
     if not drawn:
         return [f"No point has a number for {axes.metric}; nothing can be said."]
@@ -42,7 +53,17 @@ def answer(
 
 
 def verdict(marked: Marks, axes: Axes, mark: Mark, tolerance: float) -> str:
-    """Return what a figure says above its curves; nothing where nothing was asked."""
+    """Return what a figure says above its curves; nothing where nothing was asked.
+
+    Parameters
+    ----------
+    marked
+        The places with a mark.
+    axes
+        The names.
+    mark, tolerance
+        What was asked for.
+    """
     if mark != "shared":
         return ""
     if marked.shared is None:
@@ -51,7 +72,17 @@ def verdict(marked: Marks, axes: Axes, mark: Mark, tolerance: float) -> str:
 
 
 def notes(axes: Axes, marked: Marks, level: Mapping[Label, float] | None, seed: int) -> list[str]:
-    """Return what the columns of the table mean."""
+    """Return what the columns of the table mean.
+
+    Parameters
+    ----------
+    axes, marked
+        The names, and the places with a mark.
+    level
+        The noise floor of each label; None where there is no floor.
+    seed
+        Of the bootstrap.
+    """
     if axes.blocks:
         text = (
             f"{axes.metric}: mean over blocks, a block being one combination of "
@@ -82,10 +113,22 @@ def losses(
     *,
     skipped: bool,
 ) -> list[str]:
-    """Return what is left out, in counts; with `skipped`, also what the graph leaves out."""
+    """Return what is left out, in counts.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    axes, found
+        The names, and the points of each label.
+    level
+        The noise floor of each label, NaN for one without; None where there is no floor.
+    skipped
+        Whether what the graph leaves out on purpose is told too.
+    """
     rows = "blocks" if axes.blocks else "rows"
     told = [
-        f"{_start(one.label)}{count} {what}"
+        f"{start_text(one.label)}{count} {what}"
         for one in found
         for count, what in (
             (one.without_x, f"rows left out, whose {axes.x} is no finite number"),
@@ -98,7 +141,7 @@ def losses(
     bare = [str(one.label) for one in found if level is not None and not _known(level, one)]
     told += [f"without a noise floor: {', '.join(bare)}"] if bare else []
     absent = (one for one in scores.absent if skipped or one.kind != "skipped")
-    return told + _absences(absent, axes)
+    return told + absences(absent, axes.compare)
 
 
 class _Said:
@@ -142,8 +185,8 @@ class _Said:
     def floor(self, one: Points) -> str:
         level = (self._level or {})[one.label]
         curve = one.curve
-        reached = one.x[curve][one.value[curve] <= level]
-        start = f"{_start(one.label)}noise alone gives {self._number(level)}; "
+        reached = one.x[curve][at_most(one.value[curve], level)]
+        start = f"{start_text(one.label)}noise alone gives {self._number(level)}; "
         if not len(reached):
             return f"{start}no point of the curve is as low."
         return (
@@ -168,7 +211,7 @@ class _Said:
         )
 
     def _reach(self, one: Points, place: int) -> str:
-        below = _known(self._level, one) and one.value[place] <= (self._level or {})[one.label]
+        below = at_most(one.value[place], (self._level or {}).get(one.label, math.nan))
         return ", not above the noise floor" if below else ""
 
     def _number(self, value: float) -> str:
@@ -183,26 +226,5 @@ def _name(one: Points) -> str:
     return str(one.label) or "the curve"
 
 
-def _start(label: Label) -> str:
-    return f"{label}: " if str(label) else ""
-
-
 def _list(numbers: Iterable[float]) -> str:
     return ", ".join(f"{number:g}" for number in numbers)
-
-
-def _absences(absent: Iterable[Absent], axes: Axes) -> list[str]:
-    reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for one in absent:
-        label = str(one.labels.get(axes.compare or "", ""))
-        reasons[label, one.kind].append(one.reason)
-    return [
-        f"{_start(label)}{len(told)} {'combination' if len(told) == 1 else 'combinations'} {kind}"
-        + _because(list(dict.fromkeys(filter(None, told))))
-        for (label, kind), told in reasons.items()
-    ]
-
-
-def _because(reasons: list[str]) -> str:
-    more = f"; and {len(reasons) - _TOLD} more reasons" if len(reasons) > _TOLD else ""
-    return f" ({'; '.join(reasons[:_TOLD])}{more})" if reasons else ""

@@ -27,6 +27,22 @@ def axes_of(
 ) -> Axes:
     """Return what is drawn.
 
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    x
+        Axis or column of numbers.
+    metric
+        Default: the first column of floats that is not `x`.
+    compare
+        Default: the last gathered axis that is not `x` or in `blocks`.
+    blocks
+        Axes, or columns, whose combinations are repeats.
+    lowest
+        Whether the curve takes the lowest of several points at one x. Default: where `x` is a
+        column.
+
     Raises
     ------
     ValueError
@@ -46,11 +62,18 @@ def axes_of(
     _check_numbers(scores, metric, "metric")
     others = tuple(axis for axis in free if axis != compare)
     apart = x not in scores.axes if lowest is None else lowest
-    return Axes(x, metric, compare, blocks, others, apart)
+    every = scores.labels(compare) if compare in scores.axes else ()
+    return Axes(x, metric, compare, blocks, others, apart, every)
 
 
 def check_floor(floor: Across[Table], axes: Axes) -> None:
-    """Raise a ValueError if the floor lacks the metric, or only some of it has the labels."""
+    """Check that the floor can be drawn beside the curves.
+
+    Raises
+    ------
+    ValueError
+        If a table of it lacks the metric, or only some of them have the compared labels.
+    """
     check_known(floor, axes.metric, what="metric")
     _check_numbers(floor, axes.metric, "metric of the floor")
     if axes.compare and any(axes.compare in table for table in floor.values()):

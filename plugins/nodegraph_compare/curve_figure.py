@@ -11,12 +11,14 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from nodegraph_compare.curve_answer import verdict
 from nodegraph_compare.pictures import reach
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLACK, looks
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes as Panel
+    from numpy.typing import NDArray
 
     from nodegraph import Label
     from nodegraph_compare.curve_marks import Mark, Marks
@@ -40,11 +42,25 @@ def draw(
     tolerance: float,
     unit: str,
 ) -> Figure:
-    """Return the figure: points pale, curves through those they take, floors dashed."""
+    """Return the figure: points pale, curves through those they take, floors dashed.
+
+    Parameters
+    ----------
+    axes, found, marked
+        What is drawn: the names, the points of each label, and the places with a mark.
+    level
+        The noise floor of each label, NaN for one without; None where there is no floor.
+    scale
+        Along y.
+    mark, tolerance
+        What was asked for, as the title says it.
+    unit
+        Of the metric.
+    """
     figure = Figure(figsize=(7.6, 4.4), layout="constrained")
     panel = figure.subplots()
     _set_scale(panel, scale, found)
-    look = looks(one.label for one in found)
+    look = looks((*(one.label for one in found), *axes.labels))
     for one in found:
         _draw_curve(panel, one, scale, look[str(one.label)])
     for floor, colour, _ in _floors(found, level, look):
@@ -52,9 +68,11 @@ def draw(
     for one in found:
         if one.label in marked.places:
             _draw_mark(panel, one, marked.places[one.label], marked.kinds[one.label], scale)
-    panel.set_title(_plain(verdict(marked, axes, mark, tolerance)), fontsize="medium")
-    panel.set_xlabel(_plain(axes.x))
-    panel.set_ylabel(_plain(axes.metric + (f" ({unit})" if unit else "")))
+    panel.set_title(
+        figure_text(verdict(marked, axes, mark, tolerance), across=90, lines=3), fontsize="medium"
+    )
+    panel.set_xlabel(figure_text(axes.x))
+    panel.set_ylabel(figure_text(axes.metric) + (f" ({unit})" if unit else ""))
     panel.grid(axis="y", color="0.85", linewidth=0.6)
     panel.set_axisbelow(True)
     panel.spines[["top", "right"]].set_visible(False)
@@ -64,24 +82,12 @@ def draw(
 
 def _draw_curve(panel: Panel, one: Points, scale: Scale, look: Look) -> None:
     value = scale.shown(one.value)
-    off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), one.curve)
-    panel.scatter(
-        one.x[off],
-        value[off],
-        s=14,
-        marker=look.marker,
-        facecolors="none",
-        edgecolors=look.colour,
-        alpha=0.55,
-        linewidths=0.8,
-        clip_on=False,
-    )
+    _draw_others(panel, one, value, look)
     curve = one.curve
-    ends = reach(one.value, one.low, one.high)
     panel.errorbar(
         one.x[curve],
         value[curve],
-        yerr=ends[:, curve],
+        yerr=reach(one.value, one.low, one.high)[:, curve],
         color=look.colour,
         linestyle="none",
         elinewidth=1.0,
@@ -95,6 +101,22 @@ def _draw_curve(panel: Panel, one: Points, scale: Scale, look: Look) -> None:
         linestyle=look.line,
         markersize=5,
         linewidth=1.3,
+        clip_on=False,
+    )
+
+
+def _draw_others(panel: Panel, one: Points, value: NDArray[np.float64], look: Look) -> None:
+    """Draw the points that the curve does not take."""
+    off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), one.curve)
+    panel.scatter(
+        one.x[off],
+        value[off],
+        s=14,
+        marker=look.marker,
+        facecolors="none",
+        edgecolors=look.colour,
+        alpha=0.55,
+        linewidths=0.8,
         clip_on=False,
     )
 
@@ -171,11 +193,5 @@ def _legend(
         names.append(_MEANINGS[kind])
     if handles:
         figure.legend(
-            handles, [_plain(name) for name in names], loc="outside right upper", frameon=False
+            handles, [figure_text(name) for name in names], loc="outside right upper", frameon=False
         )
-
-
-def _plain(text: str) -> str:
-    """Return text in which matplotlib sees no formula, and that its legends do not hide."""
-    escaped = text.replace("$", r"\$")
-    return f"\u200b{escaped}" if escaped.startswith("_") else escaped

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from nodegraph_compare.ties import ROUNDING, apart
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -17,9 +19,6 @@ if TYPE_CHECKING:
     from nodegraph_compare.curve_scale import Scale
 
 Mark = Literal["none", "minimum", "shared"]
-
-_ROUNDING = 1 + 1e-9
-"""Differences of places such as 0.8 - 0.6 do not come out exactly."""
 
 
 def local_minima(value: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -47,7 +46,8 @@ def shared_minimum(minima: Sequence[NDArray[np.float64]], tolerance: float) -> f
         In units of x.
     """
     for x in np.unique(np.concatenate(minima)) if minima else ():
-        near = [np.abs(one - x) <= tolerance * _ROUNDING for one in minima]
+        # differences of places such as 0.8 - 0.6 do not come out exactly
+        near = [np.abs(one - x) <= tolerance + ROUNDING * np.abs(x) for one in minima]
         if all(one.any() for one in near):
             return float(x)
     return None
@@ -63,7 +63,7 @@ def knee(x: NDArray[np.float64], value: NDArray[np.float64]) -> int | None:
     if len(x) < 3:
         return None
     chord = value[0] + (value[-1] - value[0]) * (x - x[0]) / (x[-1] - x[0])
-    below = chord - value
+    below = apart(chord, value)
     place = int(np.argmax(below[1:-1])) + 1
     return place if below[place] > 0 else None
 
@@ -98,7 +98,21 @@ def marks(
     level: Mapping[Label, float] | None,
     scale: Scale,
 ) -> Marks:
-    """Return what is to be marked on the curves of all labels that have one."""
+    """Return what is to be marked on the curves of all labels that have one.
+
+    Parameters
+    ----------
+    found
+        The points of each label.
+    mark
+        ``shared``, ``minimum``, or ``none``, for which the minima alone are found.
+    tolerance
+        How far apart minima may lie and still be shared, in units of x.
+    level
+        The noise floor of each label, NaN for one without; None where there is no floor.
+    scale
+        On which knees are looked for.
+    """
     minima = {one.label: one.curve[local_minima(one.value[one.curve])] for one in found}
     drawn = [one for one in found if len(one.curve)]
     shared = None
@@ -118,7 +132,7 @@ def _minimum(
     one: Points, minima: NDArray[np.intp], shared: float | None, mark: Mark
 ) -> tuple[int | None, str]:
     if shared is not None and len(minima):
-        return int(minima[np.argmin(np.abs(one.x[minima] - shared))]), "shared"
+        return int(minima[np.argmin(np.abs(apart(one.x[minima], np.asarray(shared))))]), "shared"
     if mark == "minimum" and len(minima):
         return int(minima[np.argmin(one.value[minima])]), "minimum"
     return None, ""

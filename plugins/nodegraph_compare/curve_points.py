@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph_compare.bootstrap import Bootstrap
 from nodegraph_compare.labels import label_order
+from nodegraph_compare.ties import tied
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Mapping, Sequence
@@ -39,6 +40,8 @@ class Axes:
         Gathered axes that are none of these.
     lowest : bool
         Whether the points of the `others` at one x stay apart, and the curve takes the lowest.
+    labels : tuple of labels
+        Every label that the graph has on the compared axis.
     """
 
     x: str
@@ -47,6 +50,7 @@ class Axes:
     blocks: tuple[str, ...]
     others: tuple[str, ...]
     lowest: bool
+    labels: tuple[Label, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,8 @@ class Points:
         Of the axes that tell apart points with one x.
     x, value, low, high : (P,) arrays of float64
         Value: mean over the counted blocks, or rows where no blocks are named; NaN where there
-        is none. Ends of its interval: NaN with too few blocks, or where none are named.
+        is none; those that differ by rounding alone are equal. Ends of its interval: NaN with too
+        few blocks, or where none are named.
     count : (P,) array of int
         Blocks, or rows, with a number.
     without_x, without_value : int
@@ -98,7 +103,17 @@ class _Rows:
 
 
 def points(scores: Across[Table], axes: Axes, *, seed: int) -> tuple[Points, ...]:
-    """Return the points of every compared label, in the order of the labels."""
+    """Return the points of every compared label, in the order of the labels.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    axes
+        Which axis or column is what.
+    seed
+        Of the bootstrap.
+    """
     rows = _rows(scores, axes)
     labels = tuple(dict.fromkeys(rows.labels))
     if axes.compare is not None and axes.compare in scores.axes:
@@ -186,6 +201,7 @@ def _points(
     made = [_statistics(values, axes, bootstrap) for values in blocks]
     numbers = np.array([(x, *one) for (x, _, _), one in zip(cells, made, strict=True)])
     numbers = numbers.reshape(-1, 5)
+    numbers[:, 1] = tied(numbers[:, 1])
     order = np.lexsort((numbers[:, 1], numbers[:, 0]))
     keys = list(cells)
     x, value, low, high, count = numbers[order].T

@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from nodegraph_compare.pictures import plain, reach, turned
-from nodegraph_mocap.style import PALE, looks, unit_text
+from nodegraph_compare.pictures import reach, turned
+from nodegraph_mocap import figure_text
+from nodegraph_mocap.style import PALE, unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
@@ -34,48 +35,57 @@ _MOST_NAMES = 40
 
 
 def draw(
-    question: Question, found: Sequence[Summary], order: tuple[Label, ...], unit: str
+    question: Question, found: Sequence[Summary], look: Mapping[Label, Look], unit: str
 ) -> Figure:
     """Return the figure: the last of `within` along x, a panel per combination of the others.
 
     Without `within`, the methods stand along x. A method looks the same in every panel. The
     scale is logarithmic where the means span more than a factor of 30. At most 24 panels.
+
+    Parameters
+    ----------
+    question, found
+        Of the comparison.
+    look
+        Of each compared label, in the order in which they are drawn.
+    unit
+        Of the metric.
     """
     if not question.within:
-        return _one_group(question, found, order, unit)
+        return _one_group(question, found, look, unit)
     panels: dict[tuple[Label, ...], list[Summary]] = defaultdict(list)
     for one in found:
         panels[one.group.labels[:-1]].append(one)
     places = list(dict.fromkeys(one.group.labels[-1] for one in found))
     drawn = list(panels.items())[:_MOST_PANELS]
-    figure, axes = _grid(len(drawn), len(places) * max(len(order), 2))
+    figure, axes = _grid(len(drawn), len(places) * max(len(look), 2))
     for axis, (labels, summaries) in zip(axes, drawn, strict=True):
-        _panel(axis, summaries, places, order)
+        _panel(axis, summaries, places, look)
         pairs = zip(question.within[:-1], labels, strict=True)
-        axis.set_title(plain(", ".join(f"{name} {label}" for name, label in pairs)))
-        axis.set_xlabel(plain(question.within[-1]))
+        axis.set_title(figure_text(", ".join(f"{name} {label}" for name, label in pairs)))
+        axis.set_xlabel(figure_text(question.within[-1]))
     if len(drawn) < len(panels):
         figure.supxlabel(f"{len(panels) - len(drawn)} more panels are not drawn", fontsize=8)
     _scale(axes, found)
     for axis in axes[::_PANELS_PER_ROW]:
         axis.set_ylabel(_quantity(question, unit))
-    _legend(figure, found, order)
+    _legend(figure, found, look)
     return figure
 
 
 def _one_group(
-    question: Question, found: Sequence[Summary], order: tuple[Label, ...], unit: str
+    question: Question, found: Sequence[Summary], look: Mapping[Label, Look], unit: str
 ) -> Figure:
+    order = tuple(look)
     figure, (axis,) = _grid(1, len(order) * 2)
-    look = looks(order)
     for one in found:
         for place, label in enumerate(order):
             if label in one.group.methods:
-                _point(axis, np.array([place]), [one], label, look[str(label)])
+                _point(axis, np.array([place]), [one], label, look[label])
     _ticks(axis, order, turn=len(order) > 4 or any(len(str(one)) > 12 for one in order))
     axis.set_xlim(-0.6, len(order) - 0.4)
     _scale([axis], found)
-    axis.set_xlabel(plain(question.compare or ""))
+    axis.set_xlabel(figure_text(question.compare or ""))
     axis.set_ylabel(_quantity(question, unit))
     return figure
 
@@ -92,14 +102,13 @@ def _grid(panels: int, points: int) -> tuple[Figure, list[Axes]]:
 
 
 def _panel(
-    axis: Axes, summaries: Sequence[Summary], places: list[Label], order: tuple[Label, ...]
+    axis: Axes, summaries: Sequence[Summary], places: list[Label], look: Mapping[Label, Look]
 ) -> None:
-    look = looks(order)
-    offsets = (np.arange(len(order)) - (len(order) - 1) / 2) * _SPREAD / max(len(order), 1)
-    for offset, label in zip(offsets, order, strict=True):
+    offsets = (np.arange(len(look)) - (len(look) - 1) / 2) * _SPREAD / max(len(look), 1)
+    for offset, label in zip(offsets, look, strict=True):
         having = [one for one in summaries if label in one.group.methods]
         x = np.array([places.index(one.group.labels[-1]) + offset for one in having])
-        _point(axis, x, having, label, look[str(label)])
+        _point(axis, x, having, label, look[label])
     for place in range(1, len(places), 2):
         axis.axvspan(place - 0.5, place + 0.5, color=PALE, alpha=0.6, linewidth=0, zorder=0)
     letters = sum(len(str(place)) + 1 for place in places)
@@ -111,7 +120,7 @@ def _ticks(axis: Axes, labels: Sequence[Label], *, turn: bool) -> None:
     """Name the places along x; of many, some."""
     step = math.ceil(len(labels) / _MOST_TICKS) or 1
     named = range(0, len(labels), step)
-    axis.set_xticks(named, [plain(labels[place]) for place in named])
+    axis.set_xticks(named, [figure_text(labels[place]) for place in named])
     if turn:
         turned(axis)
 
@@ -155,16 +164,16 @@ def _scale(axes: Sequence[Axes], found: Sequence[Summary]) -> None:
         axis.spines[["top", "right"]].set_visible(False)
 
 
-def _legend(figure: Figure, found: Sequence[Summary], order: tuple[Label, ...]) -> None:
+def _legend(figure: Figure, found: Sequence[Summary], look: Mapping[Label, Look]) -> None:
+    order = tuple(look)
     known = {
         label
         for one in found
         for label, blocks in zip(one.group.methods, one.blocks, strict=True)
         if blocks
     }
-    look = looks(order)
-    handles = [_handle(look[str(label)]) for label in order[:_MOST_NAMES]]
-    names = [plain(label) + ("" if label in known else " (no value)") for label in order]
+    handles = [_handle(look[label]) for label in order[:_MOST_NAMES]]
+    names = [figure_text(label) + ("" if label in known else " (no value)") for label in order]
     if len(order) > _MOST_NAMES:
         names[_MOST_NAMES - 1] += f", and {len(order) - _MOST_NAMES} more"
     if len(order) > 1:
@@ -176,4 +185,4 @@ def _handle(look: Look) -> Line2D:
 
 
 def _quantity(question: Question, unit: str) -> str:
-    return plain(f"mean {question.metric}" + (f" ({unit_text(unit)})" if unit else ""))
+    return figure_text(f"mean {question.metric}" + (f" ({unit_text(unit)})" if unit else ""))

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from nodegraph import Across, Label, listed, node
 from nodegraph_compare.better import Better, sign_of
-from nodegraph_compare.blocks import columns_of, values_of
+from nodegraph_compare.blocks import Columns, columns_of, values_of
 from nodegraph_compare.importance_answer import answers
 from nodegraph_compare.left_out import absences, end_text, shortened
 from nodegraph_compare.named import Names, OneColumn, OneName
 from nodegraph_compare.question import Question, ask, unit_of
+from nodegraph_compare.ties import tied
 from nodegraph_compare.variance import Sources, effects, whole, winner_changes
 from nodegraph_mocap import Figure, Table
 
@@ -61,7 +62,9 @@ def importance(
     ``V_ab`` what the means along two axes add to those along each, the rest what needs three axes
     or more to be told. ``eta squared`` is the share of V, ``partial eta squared`` of an effect is
     ``V_a / (V_a + V_rest)``; of two factors, the rest is their interaction. These are shares of
-    the cells at hand: an axis explains more the further its labels lie apart.
+    the cells at hand: an axis explains more the further its labels lie apart. Cells that compete,
+    at most 1e-9 of their size apart, are equal: each stands as the first of them. A variance that
+    rounding alone would make, at most the square of 1e-9 times the cells' root mean square, is 0.
 
     The split holds for a full table only. Where cells are missing (refused, failed, skipped, or
     with a row without a number), labels are left out until none is: each time the label with the
@@ -101,8 +104,8 @@ def importance(
     """
     question = _ask(scores, metric, compare, factors, better)
     grid = _grid(scores, question)
-    table = _table(grid, question, unit_of(scores, question))
-    absent = absences((one for one in scores.absent if one.kind != "skipped"), question)
+    table = _table(grid, question, unit_of(scores, question.metric))
+    absent = absences((one for one in scores.absent if one.kind != "skipped"), question.compare)
     if grid.dropped or absent:
         warnings.warn(shortened([*grid.dropped, *absent]), stacklevel=2)
     table.attrs["notes"] = [
@@ -111,7 +114,7 @@ def importance(
         "eta squared: share of the cells' variance. winner changes: share of pairs of labels of "
         "the factor, all others equal, between which the best changes.",
         *grid.dropped,
-        *absences(scores.absent, question),
+        *absences(scores.absent, question.compare),
     ]
     table.attrs["answer"] = answers(table, question)
     return Explained(table, _draw(table, question))
@@ -147,19 +150,8 @@ def _factors(question: Question) -> tuple[str, ...]:
 
 
 def _grid(scores: Across[Table], question: Question) -> _Grid:
-    names = _factors(question)
-    columns = columns_of(scores, names)
-    sizes = [len(labels) for labels in columns.labels]
-    if math.prod(sizes) > _MOST_CELLS:
-        told = ", ".join(f"{name} {size}" for name, size in zip(names, sizes, strict=True))
-        raise ValueError(
-            f"{math.prod(sizes)} cells are more than {_MOST_CELLS}; labels: {told}; name fewer "
-            "factors"
-        )
-    cell, size = columns.combined(), math.prod(sizes)
-    count = np.bincount(cell, minlength=size)
-    total = np.bincount(cell, weights=values_of(scores, question.metric), minlength=size)
-    values = np.where(count > 0, total / np.maximum(count, 1), np.nan).reshape(sizes)
+    columns = columns_of(scores, _factors(question))
+    values = _cell_means(columns, values_of(scores, question.metric), _factors(question))
     kept = whole(values)
     labels = tuple(
         tuple(all_of[place] for place in places)
@@ -167,38 +159,38 @@ def _grid(scores: Across[Table], question: Question) -> _Grid:
     )
     gone = [
         f"{name}: left out {listed([one for one in all_of if one not in left])}"
-        for name, all_of, left in zip(names, columns.labels, labels, strict=True)
+        for name, all_of, left in zip(_factors(question), columns.labels, labels, strict=True)
         if len(left) < len(all_of)
     ]
     missing = int(np.isnan(values).sum())
-    dropped = (f"{missing} of {size} cells have no number", *gone) if gone else ()
-    return _Grid(labels, values[np.ix_(*kept)], dropped)
+    dropped = (f"{missing} of {values.size} cells have no number", *gone) if gone else ()
+    return _Grid(labels, tied(values[np.ix_(*kept)]), dropped)
+
+
+def _cell_means(
+    columns: Columns, value: NDArray[np.float64], names: tuple[str, ...]
+) -> NDArray[np.float64]:
+    """Return the mean of the rows of each cell, an axis per factor; NaN without one."""
+    sizes = [len(labels) for labels in columns.labels]
+    cells = math.prod(sizes)
+    if cells > _MOST_CELLS:
+        told = ", ".join(f"{name} {size}" for name, size in zip(names, sizes, strict=True))
+        raise ValueError(
+            f"{cells} cells are more than {_MOST_CELLS}; labels: {told}; name fewer factors"
+        )
+    cell = columns.combined()
+    count = np.bincount(cell, minlength=cells)
+    total = np.bincount(cell, weights=value, minlength=cells)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan).reshape(sizes)
 
 
 def _table(grid: _Grid, question: Question, unit: str) -> Table:
     from pandas import DataFrame
 
-    names = _factors(question)
-    found = effects(grid.values) if grid.values.size else _unknown(len(names))
-    total = sum(found.values())
-    rest = found[()] if len(names) != 2 else found[0, 1]
-    rows = []
-    for sources, variance in found.items():
-        if not sources and len(names) < 3:
-            continue
-        residual = not sources or (len(names) < 3 and len(sources) == 2)
-        alone = len(sources) == 1
-        rows.append(
-            {
-                "source": " x ".join(names[one] for one in sources) or REST,
-                "labels": len(grid.labels[sources[0]]) if alone else np.nan,
-                "variance": variance,
-                "eta squared": _share(variance, total),
-                "partial eta squared": np.nan if residual else _share(variance, variance + rest),
-                "winner changes": _changes(grid, question, sources[0]) if alone else np.nan,
-            }
-        )
-    made = DataFrame(rows)
+    count = len(_factors(question))
+    found = effects(grid.values) if grid.values.size else _unknown(count)
+    told = [sources for sources in found if sources or count > 2]
+    made = DataFrame([_row(sources, found, grid, question) for sources in told])
     made["labels"] = made["labels"].astype("Int64")
     made.attrs["title"] = f"What explains the variance of {question.metric}"
     shares = ("eta squared", "partial eta squared", "winner changes")
@@ -206,6 +198,24 @@ def _table(grid: _Grid, question: Question, unit: str) -> Table:
         {"variance": f"({unit})^2"} if unit else {}
     )
     return made
+
+
+def _row(
+    sources: Sources, found: Mapping[Sources, float], grid: _Grid, question: Question
+) -> dict[str, Any]:
+    names = _factors(question)
+    # of two factors, what is left is their interaction
+    rest: Sources = (0, 1) if len(names) == 2 else ()
+    variance, beside = found[sources], found[sources] + found[rest]
+    alone = len(sources) == 1
+    return {
+        "source": " x ".join(names[one] for one in sources) or REST,
+        "labels": len(grid.labels[sources[0]]) if alone else np.nan,
+        "variance": variance,
+        "eta squared": _share(variance, sum(found.values())),
+        "partial eta squared": np.nan if sources == rest else _share(variance, beside),
+        "winner changes": _changes(grid, question, sources[0]) if alone else np.nan,
+    }
 
 
 def _unknown(count: int) -> Mapping[Sources, float]:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from nodegraph_compare.pictures import plain, without_drawing
+from nodegraph_compare.pictures import without_drawing
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLUE, GREY, LIGHT
 
 if TYPE_CHECKING:
@@ -36,10 +37,10 @@ def draw(table: Table, question: Question) -> Figure:
             f"{share:.1%}", (share, place), xytext=(3, 0), textcoords="offset points",
             va="center", fontsize=9,
         )  # fmt: skip
-    axis.set_yticks(places, [plain(one) for one in ordered["source"]])
+    axis.set_yticks(places, [figure_text(one) for one in ordered["source"]])
     axis.invert_yaxis()
     axis.set_xlim(0, min(1.0, 1.15 * ordered["eta squared"].max()) + 0.05)
     axis.xaxis.set_major_formatter(lambda share, _: f"{share:.0%}")
-    axis.set_xlabel(plain(f"share of the variance of {question.metric}"))
+    axis.set_xlabel(figure_text(f"share of the variance of {question.metric}"))
     axis.spines[["top", "right"]].set_visible(False)
     return figure

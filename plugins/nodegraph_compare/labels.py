@@ -6,6 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import nearest
+from nodegraph_mocap.style import looks
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from nodegraph import Across, Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Question
+    from nodegraph_mocap.style import Look
 
 
 def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
@@ -33,10 +35,43 @@ def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
 def compared_labels(
     scores: Across[Any], question: Question, found: Sequence[Group]
 ) -> tuple[Label, ...]:
-    """Return all compared labels in their order: an axis's, else as the groups have them."""
+    """Return all compared labels in their order: an axis's, else as the groups have them.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    question
+        Of which the compared labels are asked for.
+    found
+        The groups of the tables.
+    """
     if question.compare in scores.axes:
         return label_order(scores, question.compare)
     return tuple(dict.fromkeys(label for one in found for label in one.methods))
+
+
+def compared_looks(
+    scores: Across[Any], question: Question, found: Sequence[Group]
+) -> dict[Label, Look]:
+    """Return how each compared label appears, in the order of `compared_labels`.
+
+    Looks are dealt to all labels that the graph has on that axis: a method that is compared here
+    looks as it does in every other figure, whichever others stand beside it.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    question
+        Of which the compared labels are asked for.
+    found
+        The groups of the tables.
+    """
+    order = compared_labels(scores, question, found)
+    every = scores.labels(question.compare) if question.compare in scores.axes else ()
+    dealt = looks((*order, *every))
+    return {label: dealt[str(label)] for label in order}
 
 
 def named_label(order: Sequence[Label], baseline: str | None) -> Label | None:

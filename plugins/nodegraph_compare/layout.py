@@ -29,6 +29,15 @@ def implied(
     Every name laid out is compared or in `within`; compared is, if nothing else is said, the
     last gathered axis among them.
 
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    compare, within, blocks
+        As the user gave them.
+    layout
+        Which names stand down the side, and along the top.
+
     Raises
     ------
     ValueError

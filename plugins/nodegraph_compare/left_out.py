@@ -18,40 +18,58 @@ if TYPE_CHECKING:
     from nodegraph_compare.question import Question
     from nodegraph_mocap import Table
 
+MOST_GROUPS = 12
+"""Groups that are told one by one; of more, a sentence tells in how many."""
+
 _TOLD = 8
+_REASONS = 2
 _NOTED = 40
 _MOST_LACKING = 3
 _NARROW = 0.25
 """Share of the blocks that may be left out before the answer itself says so."""
 
 
-def left_out(scores: Across[Table], question: Question, found: Sequence[Group]) -> list[str]:
+def left_out(
+    scores: Across[Table], question: Question, found: Sequence[Group], *, pairwise: bool = False
+) -> list[str]:
     """Return what is left out as notes, and warn of all of it that was not skipped on purpose.
 
     Called by a node itself, so that the warning is the node's.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    question, found
+        Of the comparison.
+    pairwise
+        Whether two methods are compared over the blocks that both of them have, whatever the
+        others lack.
     """
-    told = [text for text in (dropped(one, question) for one in found) if text]
-    missing = absences((one for one in scores.absent if one.kind != "skipped"), question)
+    told = [text for text in (dropped(one, question, pairwise) for one in found) if text]
+    missing = absences((one for one in scores.absent if one.kind != "skipped"), question.compare)
     empty = [] if found else ["the tables have no rows"]
     if told or missing or empty:
         warnings.warn(shortened([*told, *missing, *empty]), stacklevel=3)
     more = len(told) - _NOTED
     noted = told if more <= 0 else [*told[:_NOTED], f"and so in {more} more groups"]
-    return noted + absences(scores.absent, question)
+    return noted + absences(scores.absent, question.compare)
 
 
-def dropped(group: Group, question: Question) -> str | None:
+def dropped(group: Group, question: Question, pairwise: bool = False) -> str | None:
     """Return how many blocks were left out of a group, and whose numbers they lack."""
     some = [f"{name} lacks {count}" for name, count in _lacking(group)]
-    without = [
-        str(name) for name, usable in zip(group.methods, group.usable, strict=True) if not usable
-    ]
     total, count = len(group.values), np.count_nonzero(~group.complete)
-    told = [f"{count} of {total} blocks left out ({listed(some)})"] if some else []
-    told += [f"without any number, not compared: {listed(without)}"] if without else []
-    place = group_text(group, question)
-    start = f"{place}: " if place else ""
-    return start + "; ".join(told) if told else None
+    what = "are not in every pair" if pairwise else "left out"
+    told = [f"{count} of {total} blocks {what} ({listed(some)})"] if some else []
+    told += filter(None, [numberless(group)])
+    return start_text(group_text(group, question)) + "; ".join(told) if told else None
+
+
+def numberless(group: Group) -> str:
+    """Return which methods have no number in any block; empty if there is none."""
+    names = [name for name, usable in zip(group.methods, group.usable, strict=True) if not usable]
+    return f"without any number, not compared: {listed(names)}" if names else ""
 
 
 def narrowed(group: Group, blocks: str) -> str:
@@ -76,17 +94,21 @@ def _lacking(group: Group) -> list[tuple[Label, int]]:
     return [(name, count) for name, count, usable in both if usable and count]
 
 
-def absences(absent: Iterable[Absent], question: Question) -> list[str]:
-    """Return how many combinations are absent, by method and kind, with the reasons."""
-    reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
+def absences(absent: Iterable[Absent], compare: str | None) -> list[str]:
+    """Return how many combinations are absent, by compared label and kind, with the reasons."""
+    reasons: dict[tuple[Label, str], list[str]] = defaultdict(list)
     for one in absent:
-        method = str(one.labels.get(question.compare or "", "")) or "all"
-        reasons[method, one.kind].append(one.reason)
+        reasons[one.labels.get(compare or "", ""), one.kind].append(one.reason)
     return [
-        f"{method}: {len(told)} {'combination' if len(told) == 1 else 'combinations'} {kind}"
-        + _because(told)
-        for (method, kind), told in reasons.items()
+        f"{start_text(label)}{len(told)} {'combination' if len(told) == 1 else 'combinations'} "
+        f"{kind}{_because(told)}"
+        for (label, kind), told in reasons.items()
     ]
+
+
+def start_text(label: Label) -> str:
+    """Return how a sentence on one label starts; where nothing is compared, with nothing."""
+    return f"{label}: " if str(label) else ""
 
 
 def shortened(told: list[str]) -> str:
@@ -120,5 +142,6 @@ def end_text(question: Question) -> str:
 
 def _because(told: list[str]) -> str:
     reasons = [reason for reason in dict.fromkeys(told) if reason]
-    more = f"; and {len(reasons) - 2} more reasons" if len(reasons) > 2 else ""
-    return f" ({'; '.join(reasons[:2])}{more})" if reasons else ""
+    more = len(reasons) - _REASONS
+    rest = f"; and {more} more reasons" if more > 0 else ""
+    return f" ({'; '.join(reasons[:_REASONS])}{rest})" if reasons else ""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.bootstrap import CONFIDENCE
+from nodegraph_compare.ties import apart, differ
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def limits(first: NDArray[np.float64], second: NDArray[np.float64]) -> Limits:
     degrees of freedom and noncentrality ``-+ 1.96 sqrt(N)``. The slope is that of the least-squares
     line of the difference on the mean of the pair (Bland & Altman 1999), its interval Student's.
     """
-    difference, middle = first - second, (first + second) / 2
+    difference, middle = apart(first, second), (first + second) / 2
     count = len(difference)
     bias = float(difference.mean()) if count else np.nan
     sd = float(difference.std(ddof=1)) if count > 1 else np.nan
@@ -88,16 +89,16 @@ def _bound(bias: float, sd: float, count: int, reach: float) -> Interval:
 
 def _slope(middle: NDArray[np.float64], difference: NDArray[np.float64]) -> tuple[float, Interval]:
     count = len(middle)
-    if count < 2 or np.ptp(middle) == 0.0:
+    if count < 2 or not differ(middle):
         return np.nan, _UNKNOWN
-    apart = middle - middle.mean()
-    spread = float(apart @ apart)
-    slope = float(apart @ difference) / spread
+    along = middle - middle.mean()
+    spread = float(along @ along)
+    slope = float(along @ difference) / spread if np.ptp(difference) > 0.0 else 0.0
     if count < 3:
         return slope, _UNKNOWN
     from scipy.stats import t
 
-    left = difference - difference.mean() - slope * apart
+    left = difference - difference.mean() - slope * along
     error = np.sqrt(float(left @ left) / (count - 2) / spread)
     reach = float(t.ppf((1 + CONFIDENCE) / 2, count - 2)) * error
     return slope, (slope - reach, slope + reach)

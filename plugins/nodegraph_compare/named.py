@@ -18,14 +18,21 @@ Names = Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True)]
 
 
 def check_known(scores: Across[Table], name: str, *, what: str = "axis or column") -> None:
-    """Raise a ValueError if a name is no gathered axis, and no column of one of the tables.
+    """Check that a name is a gathered axis, or a column of every table.
 
     Parameters
     ----------
     scores
+        The gathered tables.
     name
+        Of what is looked for.
     what
-        ``metric`` for what must be a column.
+        What the name is called in the message; ``metric`` for what must be a column.
+
+    Raises
+    ------
+    ValueError
+        If a table has no such column; the message says which, and what there is instead.
     """
     axes = () if what == "metric" else scores.axes
     if name in axes:

@@ -11,15 +11,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-_LONGEST = 40
-
-
-def plain(label: object) -> str:
-    """Return a label as text that matplotlib draws as it stands, shortened if it is long."""
-    text = " ".join(str(label).split())
-    text = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
-    return text.replace("$", r"\$")
-
 
 def turned(axis: Axes) -> None:
     """Turn the names along x, so that long ones do not meet."""
@@ -31,7 +22,17 @@ def turned(axis: Axes) -> None:
 def reach(
     mean: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return how far the bars go; an end that is not finite has none, or it would set the scale."""
+    """Return how far the bars go; an end that is not finite has none, or it would set the scale.
+
+    Parameters
+    ----------
+    mean, low, high : (N,) arrays of float64
+
+    Returns
+    -------
+    (2, N) array of float64
+        Below and above the mean.
+    """
     reach = np.stack([mean - low, high - mean])
     return np.where(np.isfinite(reach), np.clip(reach, 0.0, None), 0.0)
 

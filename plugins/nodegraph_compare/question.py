@@ -54,11 +54,26 @@ def ask(
 ) -> Question:
     """Return the question with its defaults filled in and every name checked.
 
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    metric
+        The column of numbers. Default: the first column of floats.
+    compare
+        Default: the last gathered axis that is in neither `within` nor `blocks`.
+    within
+        Each combination of their labels is a group.
+    blocks
+        Default: the other gathered axes, and the first column where it says which unit a row is.
+    better
+        Which end of the metric is the better one; ``declared``: see `better_end`.
+
     Raises
     ------
     ValueError
-        If there is no table, a name is unknown or is used twice, the metric is no number, or the
-        tables do not agree on its better end.
+        If there is no table, a name is unknown or is used twice, a block is a frame, the metric
+        is no number, or the tables do not agree on its better end.
     """
     if not len(scores):
         raise ValueError("there is no table to compare")
@@ -68,15 +83,16 @@ def ask(
     chosen = blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
     named = (*within, *filter(None, [compared]), *chosen)
     _check_names(scores, named)
+    _check_blocks(chosen)
     averaged = tuple(axis for axis in scores.axes if axis not in named)
     value = _metric(scores, metric)
     end = better_end(scores, value, better)
     return Question(value, compared, tuple(within), chosen, averaged, end)
 
 
-def unit_of(scores: Across[Table], question: Question) -> str:
+def unit_of(scores: Across[Table], metric: str) -> str:
     """Return the unit of the metric, as the first table has it; empty if it says none."""
-    return str(scores.values()[0].attrs.get("units", {}).get(question.metric, ""))
+    return str(scores.values()[0].attrs.get("units", {}).get(metric, ""))
 
 
 def blocks_name(scores: Across[Table], question: Question) -> str:
@@ -102,6 +118,14 @@ def _check_names(scores: Across[Table], named: tuple[str, ...]) -> None:
         raise ValueError(f"compare, within and blocks share a name: {', '.join(repeated)}")
     for name in named:
         check_known(scores, name)
+
+
+def _check_blocks(blocks: tuple[str, ...]) -> None:
+    if "frame" in blocks:
+        raise ValueError(
+            "blocks: the frames of a take follow each other and are no independent blocks, so that "
+            "their number would make any difference look certain; name axes such as trial or take"
+        )
 
 
 def _metric(scores: Across[Table], metric: str | None) -> str:

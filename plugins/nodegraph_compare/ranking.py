@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph_compare.better import End, sign_of
 from nodegraph_compare.statistics import LEVEL, holm, range_quantile, rank_biserial, signed_rank
+from nodegraph_compare.ties import apart
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -86,7 +87,17 @@ class Pairs:
 
 
 def rank(group: Group, end: End, test: PairTest) -> Ranking:
-    """Return the ranking of a group's usable methods."""
+    """Return the ranking of a group's usable methods.
+
+    Parameters
+    ----------
+    group
+        The values of its methods in its blocks.
+    end
+        Which end of the metric is better; of ``none``, rank 1 is the lowest value.
+    test
+        Of the pairs.
+    """
     from scipy.stats import rankdata
 
     usable = group.usable
@@ -95,7 +106,7 @@ def rank(group: Group, end: End, test: PairTest) -> Ranking:
     within = rankdata(sign_of(end) * values, axis=1)
     ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
     pairs = _pairs(sign_of(end) * values, ranks, test)
-    return Ranking(group, methods, values, ranks, _overall(within, ranks), pairs)
+    return Ranking(group, methods, values, ranks, _overall(within), pairs)
 
 
 def critical_difference(blocks: int, methods: int) -> float:
@@ -127,7 +138,7 @@ def runs(ranking: Ranking) -> list[tuple[int, int]]:
     return found
 
 
-def _overall(within: NDArray[np.float64], ranks: NDArray[np.float64]) -> Overall:
+def _overall(within: NDArray[np.float64]) -> Overall:
     """Return Friedman's test, corrected for ties, and what is made of it.
 
     With ``S`` the sum of squared deviations of all ranks from their mean ``(k + 1) / 2``, which
@@ -144,8 +155,9 @@ def _overall(within: NDArray[np.float64], ranks: NDArray[np.float64]) -> Overall
         return Overall(*[np.nan] * 6)
     middle = (methods + 1) / 2
     total = float(np.square(within - middle).sum())
-    w = blocks * float(np.square(ranks - middle).sum()) / total if total else 0.0
-    w = min(w, 1.0)
+    # sums of ranks are exact, means are not: blocks that all rank alike must come out as 1
+    between = float(np.square((within - middle).sum(axis=0)).sum())
+    w = between / (blocks * total) if total else 0.0
     most = blocks * (methods - 1)
     chi2 = most * w
     f = (blocks - 1) * w / (1 - w) if w < 1.0 else np.inf
@@ -165,7 +177,7 @@ def _pairs(signed: NDArray[np.float64], ranks: NDArray[np.float64], test: PairTe
     if not blocks or not len(first):
         nothing = np.full(len(first), np.nan)
         return Pairs(first, second, nothing, nothing)
-    differences = signed[:, second] - signed[:, first]
+    differences = apart(signed[:, second], signed[:, first])
     if test == "nemenyi" and methods > 2:
         p = _nemenyi(np.abs(ranks[first] - ranks[second]), blocks, methods)
     else:

@@ -9,7 +9,7 @@ import numpy as np
 from nodegraph import Across, Label, node
 from nodegraph_compare.better import Better
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import compared_labels
+from nodegraph_compare.labels import compared_looks
 from nodegraph_compare.left_out import block_text, end_text, left_out
 from nodegraph_compare.named import Names, OneColumn, OneName
 from nodegraph_compare.question import Question, ask, blocks_name
@@ -19,7 +19,9 @@ from nodegraph_compare.statistics import LEVEL
 from nodegraph_mocap import Figure, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+
+    from nodegraph_mocap.style import Look
 
 
 class Ranked(NamedTuple):
@@ -57,9 +59,10 @@ def ranks(
     """Rank methods within each block, and test whether their mean ranks differ.
 
     In every block the methods are ranked, 1 for the best, equal ones sharing the mean of their
-    ranks. Friedman's test asks whether all methods rank alike; its chi2, corrected for ties, is
-    given beside Iman and Davenport's F, which is less conservative and decides here
-    (Demsar 2006). Then every pair is tested:
+    ranks; values that differ by rounding alone, by at most 1e-9 of their size, are equal, as in
+    `compare.table`, and so are differences of a pair. Friedman's test asks whether all methods
+    rank alike; its chi2, corrected for ties, is given beside Iman and Davenport's F, which is less
+    conservative and decides here (Demsar 2006). Then every pair is tested:
 
     - ``nemenyi``: two methods are apart where their mean ranks differ by the critical difference
       ``q sqrt(k (k + 1) / (12 N))`` or more, q the 95 % quantile of the studentised range of the
@@ -119,7 +122,7 @@ def ranks(
     )
     gathered = groups(scores, question)
     found = [rank(group, question.better, test) for group in gathered]
-    order = compared_labels(scores, question, gathered)
+    look = compared_looks(scores, question, gathered)
     made = _table(found, question)
     first = "the lowest value" if question.better == "none" else "the best"
     made.attrs["notes"] = [
@@ -131,7 +134,7 @@ def ranks(
     made.attrs["answer"] = answers(found, question, test, blocks_name(scores, question))
     return Ranked(
         made,
-        _draw(question, found, order, test),
+        _draw(question, found, look, test),
         _pairs(found, question),
         _overall(found, question),
     )
@@ -211,8 +214,8 @@ def _title(what: str, question: Question) -> str:
 
 
 def _draw(
-    question: Question, found: Sequence[Ranking], order: tuple[Label, ...], test: PairTest
+    question: Question, found: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
 ) -> Figure:
     from nodegraph_compare.ranks_figure import draw
 
-    return draw(question, found, order, test)
+    return draw(question, found, look, test)

@@ -9,18 +9,20 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_compare.left_out import group_text
-from nodegraph_compare.pictures import plain, without_drawing
+from nodegraph_compare.pictures import without_drawing
 from nodegraph_compare.ranking import runs
-from nodegraph_mocap.style import BLACK, looks
+from nodegraph_mocap import figure_text
+from nodegraph_mocap.style import BLACK
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
 
     from nodegraph import Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.ranking import PairTest, Ranking
+    from nodegraph_mocap.style import Look
 
 _WIDTH = 7.6
 _ROW = 0.23
@@ -34,9 +36,19 @@ _MOST_METHODS = 60
 
 
 def draw(
-    question: Question, found: Sequence[Ranking], order: tuple[Label, ...], test: PairTest
+    question: Question, found: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
 ) -> Figure:
-    """Return a diagram per group, below each other; a method looks the same in all of them."""
+    """Return a diagram per group, below each other; a method looks the same in all of them.
+
+    Parameters
+    ----------
+    question, found
+        Of the comparison.
+    look
+        Of each compared label.
+    test
+        Of the pairs.
+    """
     panels = [one for one in found if len(one.values) and len(one.methods) > 1][:_MOST_PANELS]
     if not panels:
         return without_drawing("nothing to rank")
@@ -44,17 +56,16 @@ def draw(
     heights = [_rows(one, levels) for one, levels in zip(panels, packed, strict=True)]
     figure = Figure(figsize=(_WIDTH, _ROW * sum(heights)), layout="constrained")
     axes = figure.subplots(len(panels), 1, height_ratios=heights, squeeze=False).ravel()
-    look = looks(order)
     for axis, one, levels, height in zip(axes, panels, packed, heights, strict=True):
         axis.set_ylim(height - 2.8, -2.8)
         axis.axis("off")
         _scale(axis, one, test)
         _bars(axis, one, levels)
-        _methods(axis, one, levels, {name: shape.colour for name, shape in look.items()})
+        _methods(axis, one, levels, {str(name): shape.colour for name, shape in look.items()})
         for name, rank in zip(one.methods, one.ranks, strict=True):
-            shape = look[str(name)]
+            shape = look[name]
             axis.plot(rank, 0, shape.marker, color=shape.colour, markersize=5, clip_on=False)
-        axis.set_title(plain(group_text(one.group, question)), fontsize=10, loc="left")
+        axis.set_title(figure_text(group_text(one.group, question)), fontsize=10, loc="left")
     more = len(found) - len(panels)
     if more:
         figure.supxlabel(f"{more} more groups are not drawn", fontsize=8)
@@ -139,7 +150,7 @@ def _methods(
         rank, name = float(ranking.ranks[method]), str(ranking.methods[method])
         end = 1 - reach if left else count + reach
         axis.plot([rank, rank, end], [0, height, height], color=colours[name], linewidth=1.1)
-        text = f"{plain(name)}  {rank:.2f}" if left else f"{rank:.2f}  {plain(name)}"
+        text = f"{figure_text(name)}  {rank:.2f}" if left else f"{rank:.2f}  {figure_text(name)}"
         axis.text(
             end - reach / 2 if left else end + reach / 2, height, text,
             ha="right" if left else "left", va="center", fontsize=9,

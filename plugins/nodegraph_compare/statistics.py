@@ -14,6 +14,13 @@ if TYPE_CHECKING:
 
 Test = Literal["wilcoxon", "t", "sign", "none"]
 LEVEL = 0.05
+TEST_NAMES = {
+    "wilcoxon": "Wilcoxon's signed-rank test",
+    "t": "the paired t-test",
+    "sign": "the sign test",
+    "nemenyi": "Nemenyi's test",
+    "wilcoxon_holm": "Wilcoxon's test with Holm's correction",
+}
 _MOST_SIGNS = 13
 
 

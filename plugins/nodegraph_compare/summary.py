@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.better import End, sign_of
-from nodegraph_compare.bootstrap import FEWEST, differ
+from nodegraph_compare.bootstrap import FEWEST
 from nodegraph_compare.statistics import Test, holm, p_values, range_quantile
+from nodegraph_compare.ties import apart, differ, settled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,7 +50,8 @@ class Summary:
     end : str
         Which end of the metric is better.
     mean, rms, median, sd, low, high : (K,) arrays of float64
-        NaN for a method without any number, or with too few blocks.
+        NaN for a method without any number, or with too few blocks. Means that differ by
+        rounding alone are equal.
     behind : (K,) array of bool
         Clearly worse than the best mean: the paired difference is larger than Tukey's range
         allows, 5 % over all pairs of methods.
@@ -97,9 +99,7 @@ class Summary:
         """
         if self.end == "none":
             return list(range(len(self.mean)))
-        # rounded: means that differ by rounding errors alone stand alike on every machine
-        signed = [float(f"{sign_of(self.end) * mean:.9g}") for mean in self.mean]
-        order: list[int] = np.argsort(signed, kind="stable").tolist()
+        order: list[int] = np.argsort(sign_of(self.end) * self.mean, kind="stable").tolist()
         return order
 
     @property
@@ -111,11 +111,25 @@ class Summary:
 def summarise(
     group: Group, end: End, bootstrap: Bootstrap, *, against: Label | None, test: Test
 ) -> Summary:
-    """Return the statistics of a group, with paired differences where there is a baseline."""
+    """Return the statistics of a group, with paired differences where there is a baseline.
+
+    Parameters
+    ----------
+    group
+        The values of its methods in its blocks.
+    end
+        Which end of the metric is better.
+    bootstrap
+        Of the intervals.
+    against
+        The baseline's label, if there is one.
+    test
+        Of the differences to it.
+    """
     values = group.values[group.complete]
     blocks, methods = values.shape
     nothing = np.full(methods, np.nan)
-    mean = values.mean(axis=0) if blocks else nothing
+    mean = settled(values.mean(axis=0), np.abs(values).mean(axis=0)) if blocks else nothing
     low, high = bootstrap.interval(values)
     paired = None
     if against in group.methods:
@@ -144,22 +158,36 @@ def _sd(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def differences(
     values: NDArray[np.float64], baseline: int, end: End, bootstrap: Bootstrap, test: Test
 ) -> Differences:
-    """Return the paired differences of the columns of complete blocks to the one at `baseline`."""
-    apart = values - values[:, [baseline]]
-    apart[:, baseline] = np.nan
-    known = np.asarray(np.isfinite(apart).any(axis=0))
-    low, high = bootstrap.interval(apart)
+    """Return the paired differences of the columns of complete blocks to one of them.
+
+    Parameters
+    ----------
+    values
+        (B, K), a row per block; a column of NaN for a method without any number.
+    baseline
+        The column that all others are compared to.
+    end
+        Which end of the metric is better.
+    bootstrap
+        Of the intervals.
+    test
+        Of the differences.
+    """
+    found = apart(values, values[:, [baseline]])
+    found[:, baseline] = np.nan
+    known = np.asarray(np.isfinite(found).any(axis=0))
+    low, high = bootstrap.interval(found)
     nothing = np.full(known.shape, np.nan)
     p = nothing.copy()
-    p[known] = p_values(apart[:, known], test)
-    lower = sign_of(end) * apart < 0.0
+    p[known] = p_values(found[:, known], test)
+    lower = sign_of(end) * found < 0.0
     counted = known & (end != "none")
     return Differences(
-        mean=apart.mean(axis=0) if len(apart) else nothing,
+        mean=found.mean(axis=0) if len(found) else nothing,
         low=low,
         high=high,
         p=holm(p),
-        better=np.where(counted, lower.mean(axis=0), np.nan) if len(apart) else nothing,
+        better=np.where(counted, lower.mean(axis=0), np.nan) if len(found) else nothing,
     )
 
 
@@ -169,12 +197,21 @@ def behind_best(
     """Return which methods are apart from the best by Tukey's range of paired differences.
 
     Whichever happens to be the best is compared with all: as if all pairs were tested.
+
+    Parameters
+    ----------
+    values
+        (B, K), the complete blocks.
+    mean
+        (K,), of the columns.
+    end
+        Which end of the metric is better; of ``none``, nobody is behind.
     """
     blocks = len(values)
     usable = int(np.isfinite(mean).sum())
     if end == "none" or usable < 2 or blocks < FEWEST:
         return np.zeros(mean.shape, dtype=bool)
     signed = sign_of(end) * values
-    apart = signed - signed[:, [int(np.nanargmin(sign_of(end) * mean))]]
-    error = apart.std(axis=0, ddof=1) / np.sqrt(blocks)
-    return np.asarray(apart.mean(axis=0) > range_quantile(usable, blocks - 1) * error)
+    found = apart(signed, signed[:, [int(np.nanargmin(sign_of(end) * mean))]])
+    error = found.std(axis=0, ddof=1) / np.sqrt(blocks)
+    return np.asarray(found.mean(axis=0) > range_quantile(usable, blocks - 1) * error)

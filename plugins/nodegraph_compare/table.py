@@ -11,7 +11,7 @@ from nodegraph_compare.answer import answers, notes
 from nodegraph_compare.better import Better
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.bootstrap import Bootstrap
-from nodegraph_compare.labels import compared_labels, named_label
+from nodegraph_compare.labels import compared_looks, named_label
 from nodegraph_compare.layout import Layout, completed, implied
 from nodegraph_compare.left_out import left_out
 from nodegraph_compare.long import PAIRED, long_table
@@ -24,7 +24,9 @@ from nodegraph_mocap import Figure, Table
 from nodegraph_mocap.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+
+    from nodegraph_mocap.style import Look
 
 
 _SHARES = (
@@ -73,6 +75,13 @@ def table(
     paired: within a group, only blocks that every method has are used; the others are dropped,
     counted and told in a warning. A method without any number in a group does not take part in
     it. An axis hides a column of the same name.
+
+    What differs by rounding alone is equal. Of values in a block that are at most 1e-9 of their
+    size apart all stand, here and in the table, as that of the first method; the size of a small
+    one is a thousandth of what is usual (the median over blocks of the largest value), so that
+    1e-31 equals 0 beside 30. Means are equal as far apart, and so are the differences that are
+    tested, as measured by the values that they are differences of. All other values count and
+    are shown as they are.
 
     Parameters
     ----------
@@ -145,16 +154,16 @@ def table(
         scores, metric=metric, compare=compare, within=within, blocks=blocks, better=better
     )
     gathered = groups(scores, question)
-    order = compared_labels(scores, question, gathered)
-    against = named_label(order, baseline)
+    look = compared_looks(scores, question, gathered)
+    against = named_label(tuple(look), baseline)
     bootstrap = Bootstrap(seed)
     found = [
         summarise(group, question.better, bootstrap, against=against, test=test)
         for group in gathered
     ]
-    unit = unit_of(scores, question)
+    unit = unit_of(scores, question.metric)
     layout = completed(layout, question)
-    made = _laid_out(found, question, layout, order, unit, _unwanted(question, against, test))
+    made = _laid_out(found, question, layout, tuple(look), unit, _unwanted(question, against, test))
     made.attrs["notes"] = [
         *notes(question, seed, against, test),
         *made.attrs["notes"],
@@ -163,7 +172,7 @@ def table(
     made.attrs["answer"] = answers(
         found, question, unit, against, test, blocks_name(scores, question)
     )
-    return Compared(made, _draw(question, found, order, unit))
+    return Compared(made, _draw(question, found, look, unit))
 
 
 def _laid_out(
@@ -203,8 +212,8 @@ def _unwanted(question: Question, against: Label | None, test: Test) -> tuple[st
 
 
 def _draw(
-    question: Question, found: Sequence[Summary], order: tuple[Label, ...], unit: str
+    question: Question, found: Sequence[Summary], look: Mapping[Label, Look], unit: str
 ) -> Figure:
     from nodegraph_compare.figure import draw
 
-    return draw(question, found, order, unit)
+    return draw(question, found, look, unit)

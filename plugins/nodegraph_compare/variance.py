@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_compare.ties import ROUNDING
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -45,19 +47,22 @@ def effects(values: NDArray[np.float64]) -> Mapping[Sources, float]:
     settings of algorithms), population variances: with m the mean over all cells, ``m_a`` the
     means along axis a and ``m_ab`` those along two, ``V_a = mean((m_a - m)^2)`` and
     ``V_ab = mean((m_ab - m_a - m_b + m)^2)``. The key ``()`` has what is left of
-    ``V = mean((y - m)^2)``; of one or two axes, nothing is.
+    ``V = mean((y - m)^2)``; of one or two axes, nothing is. A variance that rounding alone would
+    make, at most ``mean(y^2)`` times the square of 1e-9, is 0.
     """
-    apart = values - values.mean()
+    left = values - values.mean()
+    least = ROUNDING**2 * float(np.square(values).mean())
     axes = range(values.ndim)
-    main = {axis: _mean(apart, (axis,)) for axis in axes}
-    found: dict[Sources, float] = {
-        (axis,): float(np.square(one).mean()) for axis, one in main.items()
-    }
+    main = {axis: _mean(left, (axis,)) for axis in axes}
+    parts: dict[Sources, NDArray[np.float64]] = {(axis,): one for axis, one in main.items()}
     for one, other in combinations(axes, 2):
-        both = _mean(apart, (one, other)) - main[one][:, np.newaxis] - main[other]
-        found[one, other] = float(np.square(both).mean())
-    rest = float(np.square(apart).mean()) - sum(found.values())
-    return found | {(): max(rest, 0.0) if values.ndim > 2 else 0.0}
+        both = _mean(left, (one, other)) - main[one][:, np.newaxis] - main[other]
+        parts[one, other] = both
+    for sources, part in parts.items():
+        left -= np.expand_dims(part, tuple(axis for axis in axes if axis not in sources))
+    found = {sources: float(np.square(part).mean()) for sources, part in parts.items()}
+    found[()] = float(np.square(left).mean()) if values.ndim > 2 else 0.0
+    return {sources: one if one > least else 0.0 for sources, one in found.items()}
 
 
 def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> float:
@@ -65,6 +70,15 @@ def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> flo
 
     The share of all pairs of places along `axis`, over all places along the others, for which
     the first of the lowest values along `compared` stands elsewhere; NaN for a single place.
+
+    Parameters
+    ----------
+    values
+        A full table, an array with an axis per factor.
+    compared
+        The axis along which the lowest wins.
+    axis
+        The axis whose places are taken in pairs.
     """
     if values.shape[axis] < 2:
         return np.nan

@@ -41,9 +41,21 @@ def wide_table(
 ) -> Table:
     """Return the means in rows and columns.
 
-    What is wanted beside the mean (`parts`: low, high and p, that of its difference to the
-    baseline) stands in columns of its own. ``attrs["cells"]`` says which columns a
-    reader sees in one, ``attrs["best"]`` in which rows of a column a group's best mean stands.
+    What is wanted beside the mean stands in columns of its own. ``attrs["cells"]`` says which
+    columns a reader sees in one, ``attrs["best"]`` in which rows of a column a group's best mean
+    stands.
+
+    Parameters
+    ----------
+    found, question
+        Of the comparison.
+    layout
+        What stands down the side, and along the top.
+    order
+        The compared labels as the graph lists them.
+    parts
+        What is wanted beside the mean: ``low``, ``high`` and ``p``, that of its difference to the
+        baseline.
     """
     from pandas import DataFrame
 
@@ -55,24 +67,38 @@ def wide_table(
     place = _order(found, question, order)
     rows = sorted({row for row, _ in cells}, key=place(layout.rows))
     tops = sorted({top for _, top in cells}, key=place(layout.columns))
-    columns: dict[str, Any] = {
-        name: [row[at] for row in rows] for at, name in enumerate(layout.rows)
-    }
+    stacked = [[cells.get((row, top), _NOTHING) for row in rows] for top in tops]
+    columns = _side(rows, layout)
     if set(question.within).issubset(layout.rows):
-        both = [[cells.get((row, top), _NOTHING).blocks for top in tops] for row in rows]
-        columns["blocks"] = [max(one) for one in both]
-    shown: dict[str, dict[str, str]] = {}
-    best: dict[str, list[int]] = {}
-    for top, head in zip(tops, _heads(tops, layout.columns, taken=columns), strict=True):
-        column = [cells.get((row, top), _NOTHING) for row in rows]
-        shown[head] = {part: f"{head} {part}" for part in parts}
-        best[head] = [at for at, cell in enumerate(column) if cell.best]
-        columns[head] = [cell.mean for cell in column]
-        for part, name in shown[head].items():
-            columns[name] = [getattr(cell, part) for cell in column]
+        columns["blocks"] = [max(cell.blocks for cell in row) for row in zip(*stacked, strict=True)]
+    under = dict(zip(_heads(tops, layout.columns, taken=columns), stacked, strict=True))
+    for head, column in under.items():
+        columns |= _beneath(head, column, parts)
     made = DataFrame(columns)
-    made.attrs.update(cells=shown, best=best, units={}, labels=list(layout.rows))
+    made.attrs.update(_attributes(under, parts), labels=list(layout.rows))
     return made
+
+
+def _side(rows: Sequence[Labels], layout: Layout) -> dict[str, Sequence[Any]]:
+    """Return the columns of labels down the side."""
+    return {name: [row[at] for row in rows] for at, name in enumerate(layout.rows)}
+
+
+def _attributes(under: Mapping[str, Sequence[_Cell]], parts: Sequence[str]) -> dict[str, Any]:
+    """Return which columns a reader sees in one, and where the best means stand."""
+    return {
+        "cells": {head: {part: f"{head} {part}" for part in parts} for head in under},
+        "best": {
+            head: [at for at, cell in enumerate(one) if cell.best] for head, one in under.items()
+        },
+        "units": {},
+    }
+
+
+def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[str, list[float]]:
+    """Return the columns of numbers under one head: the means, then what is wanted beside them."""
+    beside = {f"{head} {part}": [getattr(cell, part) for cell in column] for part in parts}
+    return {head: [cell.mean for cell in column]} | beside
 
 
 def blocks_text(found: Sequence[Summary]) -> str:

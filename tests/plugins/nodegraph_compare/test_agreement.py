@@ -80,6 +80,10 @@ def test_a_pair_has_its_own_blocks() -> None:
     assert made.table["blocks"].tolist() == [2, 0, 0]
     assert made.table["bias"].tolist()[0] == -1
     assert "a and c share no blocks; nothing can be said." in made.table.attrs["answer"]
+    assert any(
+        "1 of 3 blocks are not in every pair (b lacks 1)" in one
+        for one in made.table.attrs["notes"]
+    )
 
 
 def test_one_method_has_nothing_to_agree_with() -> None:

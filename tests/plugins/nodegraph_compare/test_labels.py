@@ -1,7 +1,20 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
+import pandas as pd
+
 from nodegraph import Absent, Across
-from nodegraph_compare.labels import label_order
+from nodegraph_compare.blocks import groups
+from nodegraph_compare.labels import compared_looks, label_order
+from nodegraph_compare.question import Question, ask
+
+TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
+
+
+def asked(scores: Across[Any]) -> Question:
+    return ask(scores, metric="rmse", compare=None, within=(), blocks=())
 
 
 def across(present: list[tuple[int, str]], absent: list[tuple[int, str, str]]) -> Across[None]:
@@ -25,3 +38,14 @@ def test_the_order_does_not_depend_on_which_axis_runs_fastest() -> None:
     scores = across([(1, "b"), (0, "b"), (1, "a"), (0, "a")], [])
     assert label_order(scores, "fill") == ("b", "a")
     assert label_order(scores, "trial") == (1, 0)
+
+
+def test_a_method_looks_the_same_whichever_others_are_compared() -> None:
+    fills = ("cubic", "linear", "muscle", "ridge")
+    every = Across.of(dict.fromkeys(fills, TABLE), axis="fill")
+    some = Across.of({"muscle": TABLE, "ridge": TABLE}, axis="scores")
+    known = replace(some, known={"scores": fills})
+    looks = [compared_looks(one, asked(one), groups(one, asked(one))) for one in (every, known)]
+    assert list(looks[1]) == ["muscle", "ridge"]
+    assert {name: looks[0][name] for name in looks[1]} == looks[1]
+    assert compared_looks(some, asked(some), groups(some, asked(some))) != looks[1]

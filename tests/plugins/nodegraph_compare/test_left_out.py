@@ -6,7 +6,7 @@ import pytest
 
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import Group
-from nodegraph_compare.left_out import dropped, end_text, left_out
+from nodegraph_compare.left_out import absences, dropped, end_text, left_out
 from nodegraph_compare.question import Question
 
 QUESTION = Question("rmse", "fill", ("length",), ("gap",), ())
@@ -36,6 +36,12 @@ def test_skipped_combinations_are_noted_without_a_warning() -> None:
     scores = Across(("fill",), (({"fill": "a"}, pd.DataFrame()),), absent)
     whole = Group((5,), ("a",), np.ones((3, 1)), np.zeros(1), np.zeros(1))
     assert left_out(scores, QUESTION, [whole]) == ["b: 1 combination skipped"]
+
+
+def test_absent_combinations_are_counted_by_label_with_two_of_their_reasons() -> None:
+    absent = [Absent({"fill": "b"}, "refused", why) for why in ("x", "y", "x", "z", "w")]
+    assert absences(absent, "fill") == ["b: 5 combinations refused (x; y; and 2 more reasons)"]
+    assert absences(absent[:1], None) == ["1 combination refused (x)"]
 
 
 def test_the_better_end_is_told() -> None:

@@ -102,9 +102,9 @@ def test_the_better_end_is_declared_or_given() -> None:
 
 def test_the_unit_is_the_first_tables() -> None:
     scores = across("fill")
-    assert unit_of(scores, asked(scores)) == ""
+    assert unit_of(scores, asked(scores).metric) == ""
     scores.values()[0].attrs["units"] = {"rmse": "mm"}
-    assert unit_of(scores, asked(scores)) == "mm"
+    assert unit_of(scores, asked(scores).metric) == "mm"
 
 
 def test_blocks_are_called_by_the_column_that_tells_them_or_the_only_axis() -> None:
@@ -114,3 +114,10 @@ def test_blocks_are_called_by_the_column_that_tells_them_or_the_only_axis() -> N
     assert blocks_name(scores, asked(scores, blocks=("gap", "frames"))) == "blocks"
     more = across("take", "trial", "fill")
     assert blocks_name(more, asked(more, blocks=("take", "trial"))) == "blocks"
+
+
+def test_frames_are_no_blocks() -> None:
+    scores = across("trial", frame=[0, 1])
+    for blocks in (("frame",), ("trial", "frame")):
+        with pytest.raises(ValueError, match=r"frames of a take .* name axes such as trial"):
+            asked(scores, blocks=blocks)

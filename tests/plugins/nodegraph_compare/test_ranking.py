@@ -144,8 +144,10 @@ def test_ties_everywhere_are_no_difference(test: PairTest) -> None:
     assert runs(found) == [(0, 3)]
 
 
-def test_blocks_that_all_rank_alike() -> None:
-    found = rank(group(np.tile(np.arange(4.0), (10, 1))), "lower", "nemenyi")
+@pytest.mark.parametrize("blocks", range(2, 40))
+@pytest.mark.parametrize("row", [[1.0, 2.0, 3.0, 4.0], [1.0, 1.0, 3.0], [1.0, 2.0, 2.0, 2.0, 3.0]])
+def test_blocks_that_all_rank_alike(blocks: int, row: list[float]) -> None:
+    found = rank(group([row] * blocks), "lower", "nemenyi")
     assert found.overall.w == 1.0
     assert found.overall.p_f == 0.0
     assert found.overall.f == np.inf

@@ -14,6 +14,7 @@ import nodegraph_compare
 from nodegraph import Absent, Across
 from nodegraph.node import node_of
 from nodegraph_compare.ranks import Ranked, ranks
+from nodegraph_compare.table import table
 from nodegraph_mocap.style import looks
 
 NAN = np.nan
@@ -103,6 +104,31 @@ def test_no_claim_where_friedman_makes_none() -> None:
     assert "not apart from it" not in told
 
 
+def test_methods_of_one_mean_rank_share_it() -> None:
+    worse = {name: scored(*range(place, place + 8)) for place, name in enumerate("cdef", start=3)}
+    tied = {"a": scored(*range(8)), "b": scored(*range(8)), **worse}
+    (told,) = ranks(Across.of(tied, axis="fill")).table.attrs["answer"]
+    assert told.startswith("a, b share the lowest mean rank (1.50 of 6 methods, 8 blocks); ")
+    assert told.endswith("by Nemenyi's test not apart from them: c, d.")
+    two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
+    assert ranks(two).table.attrs["answer"] == [
+        "a, b share the lowest mean rank (1.50 of 2 methods, 8 blocks); the two are not clearly "
+        "apart by Wilcoxon's signed-rank test (p = 1.000)."
+    ]
+
+
+def test_of_many_groups_each_of_equal_methods_counts() -> None:
+    tables = {
+        name: pd.DataFrame({"take": range(20), "rmse": np.full(20, value)})
+        for name, value in {"a": 0.3, "b": 0.1 + 0.2, "c": 0.5}.items()
+    }
+    scores = Across.of(tables, axis="fill")
+    (told,) = ranks(scores, within=("take",)).table.attrs["answer"]
+    assert told.startswith("Of 20 groups (take), the lowest mean rank has a in 20, b in 20; ")
+    (told,) = table(scores, within=("take",)).table.attrs["answer"]
+    assert told == "Of 20 groups (take), a has the lowest mean rmse in 20, b in 20."
+
+
 def test_two_methods_one_method_one_block() -> None:
     two = Across.of({"a": scored(1, 2, 3, 4, 5, 6, 7), "b": scored(2, 3, 4, 5, 6, 7, 9)}, axis="f")
     (told,) = ranks(two).table.attrs["answer"]
@@ -113,6 +139,18 @@ def test_two_methods_one_method_one_block() -> None:
     assert len(one.pairs) == 0
     single = Across.of({name: scored(place) for place, name in enumerate("abc")}, axis="f")
     assert "one block says nothing of chance" in ranks(single).table.attrs["answer"][0]
+
+
+def test_a_method_without_any_number_is_in_the_answer() -> None:
+    nothing = float("nan")
+    scores = Across.of(
+        {"a": scored(1, 2, 4), "b": scored(2, 3, 5), "c": scored(nothing, nothing, nothing)},
+        axis="f",
+    )
+    with pytest.warns(UserWarning, match="without any number"):
+        made = ranks(scores)
+    (told,) = made.table.attrs["answer"]
+    assert told.endswith("; without any number, not compared: c.")
 
 
 def test_higher_is_better_where_the_score_declares_it() -> None:

@@ -141,6 +141,7 @@ def test_a_method_without_any_number_leaves_the_others_their_blocks() -> None:
     with pytest.warns(UserWarning, match="without any number, not compared: b"):
         made = table(scores, baseline="a").table
     assert made["f"].tolist() == ["a", "c", "b"]
+    assert made.attrs["answer"][0].endswith("; without any number, not compared: b.")
     assert made["blocks"].tolist() == [2, 2, 0]
     assert made.loc[2, ["mean", "sd", "low", "difference", "p", "better in"]].isna().all()
     assert made.loc[1, "difference"] == 1.5

@@ -1,0 +1,231 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from pandas.testing import assert_frame_equal
+
+from nodegraph import Across
+from nodegraph_compare.agreement import agreement
+from nodegraph_compare.curve import curve
+from nodegraph_compare.importance import importance
+from nodegraph_compare.ranks import ranks
+from nodegraph_compare.table import table
+from nodegraph_compare.ties import ROUNDING, apart, at_most, differ, settled, tied
+
+NAN = np.nan
+NOISE = (1e-15, -1e-15, 1e-12, -1e-12)
+MAGNITUDES = st.floats(1e-3, 1e3)
+
+
+def study(noise: float, *, names: str = "abcd") -> Any:
+    """Twelve trials: b is a but for rounding, c and d are behind both, in the order of `names`."""
+    a = np.random.default_rng(0).gamma(2, size=(12, 3)) + 0.1
+    values = {"a": a, "b": a * (1 + noise), "c": a + 0.5, "d": a + 0.7}
+    entries: list[Any] = [
+        ({"trial": trial, "fill": name}, pd.DataFrame({"gap": range(3), "rmse": row}))
+        for trial in range(12)
+        for name in names
+        for row in [values[name][trial]]
+    ]
+    return Across(("trial", "fill"), tuple(entries))
+
+
+@pytest.mark.parametrize("noise", NOISE)
+@pytest.mark.parametrize("test", ["wilcoxon", "t", "sign"])
+@pytest.mark.parametrize("baseline", ["a", "b", "d"])
+def test_a_table_of_methods_that_rounding_tells_apart_is_that_of_equal_ones(
+    noise: float, test: Any, baseline: str
+) -> None:
+    for better in ("lower", "higher"):
+        made, peer = (
+            table(study(one), baseline=baseline, test=test, better=better).table
+            for one in (noise, 0.0)
+        )
+        assert_frame_equal(made, peer, check_exact=True)
+        assert made.attrs == peer.attrs
+
+
+@pytest.mark.parametrize("noise", [0.0, *NOISE])
+@pytest.mark.parametrize("names", ["abcd", "cbad"])
+def test_methods_that_rounding_tells_apart_share_what_is_best(noise: float, names: str) -> None:
+    made = table(study(noise, names=names), baseline="c").table
+    first = ", ".join(one for one in names if one in "ab")
+    assert made.attrs["answer"][0].startswith(f"{first} share the lowest mean rmse (")
+    assert made.attrs["answer"][0].endswith("every other method is clearly behind.")
+    assert made.attrs["best"] == {"mean": [0, 1]}
+    first_two = made.set_index("fill").loc[["a", "b"]].to_numpy()
+    assert np.array_equal(first_two[0], first_two[1])
+    against = table(study(noise, names=names), baseline="a").table.set_index("fill")
+    columns = ["difference", "difference low", "difference high", "p", "better in"]
+    assert against.loc[["b"], columns].to_numpy().tolist() == [[0, 0, 0, 1, 0]]
+
+
+@pytest.mark.parametrize("noise", NOISE)
+@pytest.mark.parametrize("test", ["nemenyi", "wilcoxon_holm"])
+@pytest.mark.parametrize("names", ["abcd", "cbad"])
+def test_methods_that_rounding_tells_apart_rank_alike(noise: float, test: Any, names: str) -> None:
+    made, peer = (ranks(study(one, names=names), test=test) for one in (noise, 0.0))
+    assert made.table["mean rank"].tolist() == [1.5, 1.5, 3.0, 4.0]
+    assert made.table["fill"].tolist() == peer.table["fill"].tolist()
+    assert_frame_equal(made.pairs, peer.pairs, check_exact=True)
+    assert_frame_equal(made.overall, peer.overall, check_exact=True)
+    assert made.table.attrs["answer"] == peer.table.attrs["answer"]
+
+
+@pytest.mark.parametrize("noise", NOISE)
+def test_rounding_wins_nothing_and_explains_nothing(noise: float) -> None:
+    by_trial = np.random.default_rng(1).choice([noise, -noise], size=12)
+    entries = study(0.0).entries
+    uneven = [
+        (at, frame.assign(rmse=frame["rmse"] * (1 + by_trial[int(at["trial"])])))
+        if at["fill"] == "b"
+        else (at, frame)
+        for at, frame in entries
+    ]
+    made, peer = (
+        importance(Across(("trial", "fill"), tuple(one)), factors=("trial", "fill")).table
+        for one in (uneven, entries)
+    )
+    assert_frame_equal(made, peer, check_exact=True)
+    assert made.set_index("source").loc["trial", "winner changes"] == 0.0
+    assert made["variance"].tolist()[2] == 0.0
+
+
+def test_no_share_of_nothing() -> None:
+    tables = {
+        name: pd.DataFrame({"gap": range(3), "rmse": one})
+        for name, one in {"a": [0.3, 0.3, 0.1 + 0.2], "b": [0.1 + 0.2, 0.3, 0.3]}.items()
+    }
+    told = importance(Across.of(tables, axis="fill")).table.attrs["answer"]
+    assert told == ["rmse is the same in all combinations; nothing is to be explained."]
+
+
+def test_methods_that_rounding_tells_apart_agree() -> None:
+    made = agreement(study(1e-15)).table
+    assert made[["first", "second"]].to_numpy()[0].tolist() == ["a", "b"]
+    assert made[["bias", "sd", "lower", "upper", "slope"]].to_numpy()[0].tolist() == [0] * 5
+    told = agreement(study(0.0)).table.attrs["answer"]
+    assert not any("changes with the value" in one for one in told)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_is_a_millionth_apart_counts(sign: int) -> None:
+    made = ranks(study(sign * 1e-6))
+    assert made.table["mean rank"].tolist() == [1.0, 2.0, 3.0, 4.0]
+    first = "b" if sign < 0 else "a"
+    (told,) = table(study(sign * 1e-6)).table.attrs["answer"]
+    assert told.startswith(f"{first} has the lowest mean rmse")
+
+
+def sweep(*values: float) -> Any:
+    frame = pd.DataFrame({"markers": np.arange(len(values)), "mse": np.array(values)})
+    return Across.of({"ME": frame}, axis="actor")
+
+
+@pytest.mark.parametrize("noise", [0.0, *NOISE])
+def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -> None:
+    level = Across.of({"ME": pd.DataFrame({"mse": [0.3 * (1 - noise)]})}, axis="actor")
+    values = (0.9, 0.5 * (1 + noise), 0.5, 0.5, 0.3 * (1 + noise), 0.4)
+    made = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
+    assert made["local minimum"].tolist() == [False] * 4 + [True, False]
+    assert made["below floor"].tolist() == [False] * 4 + [True, False]
+    assert "at or below it, first at markers 4." in made.attrs["answer"][-1]
+    flat = curve(
+        sweep(0.3, 0.2 * (1 + noise), 0.1), x="markers", metric="mse", mark="minimum"
+    ).table
+    assert flat["marked"].tolist() == [""] * 3
+
+
+def test_errors_of_rounding_alone_are_one_beside_others() -> None:
+    made = curve(sweep(30.0, 1.0, 2e-31, 0.0, 5e-31, 1e-30), x="markers", metric="mse").table
+    assert not made["local minimum"].any()
+
+
+def test_equal_numbers_become_the_first_and_others_stay_as_they_are() -> None:
+    values = np.array([[0.1 + 0.2, 0.3, 7.0], [1 / 3, NAN, 1 / 3 + 1e-16], [2.0, 2.0 + 1e-8, 2.0]])
+    assert tied(values)[0].tolist() == [0.1 + 0.2, 0.1 + 0.2, 7.0]
+    assert tied(values)[1] == pytest.approx([1 / 3, NAN, 1 / 3], abs=0, nan_ok=True)
+    assert tied(values)[2].tolist() == [2.0, 2.0 + 1e-8, 2.0]
+
+
+def test_a_failure_in_one_block_makes_no_others_equal() -> None:
+    values = np.array([[1.0, 1.001, 1e15], [1.0, 1.1, 3.0], [2.0, 2.5, 3.0]])
+    assert np.array_equal(tied(values), values)
+
+
+def test_numbers_of_rounding_alone_equal_nothing_beside_usual_ones() -> None:
+    values = np.array([[0.0, 1e-31, 30.0], [1e-13, 0.0, 20.0], [0.0, 1e-3, 25.0]])
+    assert tied(values).tolist() == [[0.0, 0.0, 30.0], [1e-13, 1e-13, 20.0], [0.0, 1e-3, 25.0]]
+
+
+@pytest.mark.parametrize("values", [np.empty((0, 3)), np.empty((2, 0)), np.full((2, 3), NAN)])
+def test_nothing_to_compare_stays_nothing(values: Any) -> None:
+    assert np.array_equal(tied(values), values, equal_nan=True)
+    assert np.array_equal(apart(values, values), values, equal_nan=True)
+
+
+@given(
+    arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(1, 6)), elements=MAGNITUDES),
+    st.data(),
+)
+@settings(max_examples=60, deadline=None)
+def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.DataObject) -> None:
+    """Also on numbers on which a grid would have its borders."""
+    eps = data.draw(arrays(np.float64, values.shape, elements=st.sampled_from([-1e-12, 0, 1e-12])))
+    twice = np.concatenate([values, values * (1 + eps)], axis=1)
+    made = tied(twice)
+    count = values.shape[1]
+    assert np.array_equal(made[:, :count], made[:, count:])
+    assert np.abs(made - twice).max() <= ROUNDING * 1e3
+
+
+@given(
+    arrays(
+        np.float64, st.integers(1, 200), elements=st.integers(0, 300).map(lambda at: 1 + at / 3e10)
+    )
+)
+@settings(deadline=None)
+def test_many_close_values_do_not_run_into_one(values: Any) -> None:
+    made = settled(values, values)
+    assert np.abs(made - values).max() <= 1.01 * ROUNDING
+    order = np.argsort(values, kind="stable")
+    assert (np.diff(made[order])[np.diff(values[order]) == 0] == 0).all()
+
+
+def test_a_set_of_values_is_settled_alike_whole_and_in_parts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    values = np.random.default_rng(0).integers(1, 5, size=(50, 4)) / 3.0
+    whole = tied(values * (1 + 1e-15))
+    monkeypatch.setattr("nodegraph_compare.ties._AT_ONCE", 7)
+    assert np.array_equal(tied(values * (1 + 1e-15)), whole)
+
+
+def test_equal_differences_have_one_size() -> None:
+    first, second = np.array([0.3, 0.2, 0.6, 1.0, 2.0]), np.array([0.2, 0.1, 0.7, 1 + 1e-13, 2.1])
+    found = apart(first, second)
+    assert len(set(np.abs(found))) == 2
+    assert np.sign(found).tolist() == [1, 1, -1, 0, -1]
+    assert found == pytest.approx(first - second, abs=1e-12)
+
+
+def test_differences_are_measured_by_what_they_are_differences_of() -> None:
+    # 1e-5 beside a thousand is no rounding; beside it, the differences of small values count too
+    first = np.array([1000.0, 1e-3, 5.0])
+    found = apart(first, first - np.array([1e-5, 1e-9, 1e-7]))
+    assert (found > 0).all()
+    assert len(set(found)) == 3
+
+
+def test_constants_do_not_differ_and_a_level_is_reached_up_to_rounding() -> None:
+    columns = np.array([[0.3, 1.0], [0.1 + 0.2, 1.0 + 1e-8]])
+    assert differ(columns).tolist() == [False, True]
+    values = np.array([0.1 + 0.2, 0.3, 0.3 + 1e-8, NAN])
+    assert at_most(values, 0.3).tolist() == [True, True, False, False]
+    assert not at_most(values, NAN).any()
