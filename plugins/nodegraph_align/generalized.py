@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph import Refusal, node
 from nodegraph_align.fitting import Fitting
-from nodegraph_align.landmarks import landmarks_of
+from nodegraph_align.landmarks import Landmarks, landmarks_of
 from nodegraph_align.poses import Aligned, Scale, fit, tell
 from nodegraph_align.reference import Reference, check_shape
 from nodegraph_mocap import Trajectories
@@ -30,7 +30,7 @@ _SETTLED = 1e-11
 def generalized(
     recording: Trajectories,
     *,
-    landmarks: tuple[str, ...] | None = None,
+    landmarks: Landmarks | None = None,
     scale: Scale = "none",
 ) -> Aligned:
     """Align frames to their own mean shape: for scans, or a take without a reference (Gower).
@@ -51,7 +51,8 @@ def generalized(
     recording
         A take, or a set of scans with a frame per scan, with or without gaps.
     landmarks
-        Names of markers that the fit goes by. None: the stable markers of the marker set.
+        Names of markers that the fit goes by. None: the stable markers of the marker set. ``*``
+        alone: all markers.
     scale
         none: all frames keep their size. rms: they become as large as the fullest frame, by the
         root mean square distance of the landmarks from their mean. least_squares: as fits best.

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_align.fitting import Fitting
+from nodegraph_align.landmarks import Landmarks
 from nodegraph_align.poses import Aligned, Poses, Scale, tell
 from nodegraph_align.reference import reference_of
 from nodegraph_mocap import Trajectories
@@ -23,7 +24,7 @@ def huber(
     recording: Trajectories,
     reference: Trajectories | None = None,
     *,
-    landmarks: tuple[str, ...] | None = None,
+    landmarks: Landmarks | None = None,
     scale: Scale = "none",
     width: Annotated[float, Field(gt=0), Unit("mm")] = 1.0,
 ) -> Aligned:

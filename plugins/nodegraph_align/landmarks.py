@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import AfterValidator
+from pydantic_core import PydanticCustomError
 
 from nodegraph import Refusal, listed
 from nodegraph_mocap import check_markers
@@ -14,6 +17,21 @@ if TYPE_CHECKING:
 FEWEST = 3
 EVERY = ("*",)
 """What a user gives for all markers that recording and reference have."""
+
+_RULE = f"{FEWEST} or more, or {EVERY[0]} alone"
+
+
+def _are_enough(names: Sequence[str]) -> bool:
+    return len(names) >= FEWEST or tuple(names) == EVERY
+
+
+def _as_pydantic_says_it(names: tuple[str, ...]) -> tuple[str, ...]:
+    if not _are_enough(names):
+        raise PydanticCustomError("landmarks", f"Input must be {_RULE}")
+    return names
+
+
+Landmarks = Annotated[tuple[str, ...], AfterValidator(_as_pydantic_says_it)]
 
 
 def landmarks_of(
@@ -38,11 +56,11 @@ def landmarks_of(
         If recording and reference share fewer than three stable markers.
     """
     both = (recording,) if reference is None else (recording, reference)
+    if names is not None and not _are_enough(names):
+        raise ValueError(f"landmarks: must be {_RULE}, got {listed(names)}")
     if names is not None and tuple(names) == EVERY:
         return tuple(name for name in recording.markers if name in set(both[-1].markers)), []
     if names is not None:
-        if len(names) < FEWEST:
-            raise ValueError(f"landmarks: must be {FEWEST} or more, got {listed(names)}")
         check_markers(recording, names, what="landmarks: the recording")
         check_markers(both[-1], names, what="landmarks: the reference")
         return tuple(names), []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from nodegraph import Refusal, listed
+from nodegraph import Refusal, listed, nearest
 from nodegraph_align.landmarks import FEWEST
 from nodegraph_mocap import HeadMotion, Trajectories
 
@@ -137,9 +137,16 @@ def fit(
         square of the landmarks' distances from their mean, or as fits best.
     reflection
         Whether a mirror image may be chosen.
+
+    Raises
+    ------
+    ValueError
+        If there is no such scale.
     """
     from nodegraph_align import rigid_kernel
 
+    if scale not in _CODES:
+        raise ValueError(f"no scale {scale!r}; {nearest(scale, _CODES)}")
     given = (for_kernel(one) for one in (positions, columns, shape, weights))
     return Poses(*rigid_kernel.fit(*given, _CODES[scale], reflection))
 

@@ -10,6 +10,7 @@ from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
 from nodegraph import node
+from nodegraph_align.landmarks import Landmarks
 from nodegraph_align.poses import Aligned, Poses, Scale, fitted, tell
 from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import Trajectories
@@ -35,7 +36,7 @@ def procrustes(
     recording: Trajectories,
     reference: Trajectories | None = None,
     *,
-    landmarks: tuple[str, ...] | None = None,
+    landmarks: Landmarks | None = None,
     steps: Steps = STEPS,
     scale: Scale = "none",
     restore: bool = True,

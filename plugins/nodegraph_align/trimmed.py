@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_align.fitting import Fitting
-from nodegraph_align.landmarks import FEWEST
+from nodegraph_align.landmarks import FEWEST, Landmarks
 from nodegraph_align.poses import Aligned, Poses, Scale, tell
 from nodegraph_align.reference import reference_of
 from nodegraph_mocap import Trajectories
@@ -30,7 +30,7 @@ def trimmed(
     recording: Trajectories,
     reference: Trajectories | None = None,
     *,
-    landmarks: tuple[str, ...] | None = None,
+    landmarks: Landmarks | None = None,
     scale: Scale = "none",
     share: Annotated[float, Field(gt=0, le=1)] = 0.75,
 ) -> Aligned:

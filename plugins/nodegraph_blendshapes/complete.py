@@ -31,7 +31,7 @@ def whole_frame(recording: Trajectories, frame: int, what: str) -> NDArray[np.fl
     ValueError
         If the recording has no such frame.
     """
-    if frame >= recording.frames:
+    if not 0 <= frame < recording.frames:
         last = f"0 to {recording.frames - 1}" if recording.frames else "none"
         raise ValueError(f"{what}: there is no frame {frame}; there are {last}")
     lacking = [

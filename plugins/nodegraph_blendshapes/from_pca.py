@@ -149,6 +149,10 @@ def _signs(weights: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _count(variances: NDArray[np.float64], components: int | None, variance: float) -> int:
     there = len(variances)
+    if components is not None and components < 1:
+        raise ValueError(f"components must be 1 or more, got {components}")
+    if not 0.0 < variance <= 1.0:
+        raise ValueError(f"variance must be above 0 and at most 1, got {variance}")
     if not there:
         raise Refusal("the frames do not differ: there is no component")
     if components is None:

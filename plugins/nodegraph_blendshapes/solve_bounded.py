@@ -143,13 +143,16 @@ def _searched(columns: Matrix, targets: Matrix, low: float, high: float) -> Answ
     from nodegraph_blendshapes import solve_search_kernel
 
     projector, sizes, coordinates = _told_apart(columns)
+    given = solve_search_kernel.Given(
+        *(np.ascontiguousarray(one) for one in (columns, targets, coordinates))
+    )
     columns = np.ascontiguousarray(projector * sizes)
     targets = np.ascontiguousarray(targets @ coordinates.T)
     lengths = np.linalg.norm(columns, axis=1)
     squares = solve_search_kernel.Squares(columns, lengths, low, high)
     made = np.empty((len(targets), len(columns)))
     free = np.empty(made.shape, dtype=np.bool_)
-    solve_search_kernel.search(squares, targets, _FREED * len(columns), made, free)
+    solve_search_kernel.search(squares, targets, given, _FREED * len(columns), made, free)
     unsolved = ~are_least(columns, targets, made, low, high)
     lows, highs = _between(columns, targets, made, low, high)
     several = np.any((lows < highs) & ~free, axis=1) & ~unsolved

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
-Bounds = tuple[float, float] | Literal["nonnegative", "none"]
+from pydantic import AfterValidator
+from pydantic_core import PydanticCustomError
+
+_Written = tuple[float, float] | Literal["nonnegative", "none"]
+_RULE = (
+    "two numbers, the lower first and 0, the face at rest, not outside of them, or nonnegative or "
+    "none"
+)
+_WORDS = {"nonnegative": (0.0, math.inf), "none": (-math.inf, math.inf)}
 
 
 def limits(bounds: Bounds) -> tuple[float, float]:
@@ -16,15 +24,26 @@ def limits(bounds: Bounds) -> tuple[float, float]:
     ValueError
         If they are none of the words and no two numbers with 0 between them.
     """
+    found = _limits(bounds)
+    if found is None:
+        raise ValueError(f"bounds must be {_RULE}; got {bounds}")
+    return found
+
+
+def _limits(bounds: _Written) -> tuple[float, float] | None:
     if isinstance(bounds, str):
-        words = {"nonnegative": (0.0, math.inf), "none": (-math.inf, math.inf)}
-        if bounds in words:
-            return words[bounds]
-    elif len(bounds) == 2:
-        low, high = bounds
-        if math.isfinite(low) and math.isfinite(high) and low <= 0.0 <= high and low < high:
-            return float(low), float(high)
-    raise ValueError(
-        f"bounds must be two numbers, the lower first and 0, the face at rest, not outside of "
-        f"them, or nonnegative or none; got {bounds}"
-    )
+        return _WORDS.get(bounds)
+    if len(bounds) != 2:
+        return None
+    low, high = bounds
+    finite = math.isfinite(low) and math.isfinite(high)
+    return (float(low), float(high)) if finite and low <= 0.0 <= high and low < high else None
+
+
+def _as_pydantic_says_it(bounds: _Written) -> _Written:
+    if _limits(bounds) is None:
+        raise PydanticCustomError("bounds", f"Input must be {_RULE}")
+    return bounds
+
+
+Bounds = Annotated[_Written, AfterValidator(_as_pydantic_says_it)]

@@ -7,7 +7,9 @@ leads out of the bounds, the way there is gone as far as it leads within them, a
 stops it is bound. Where it does not, the weight that the gradient pulls the most is freed. The sum
 of squares falls with each weight that is freed, so that no set of free weights comes twice; one
 with which it does not fall, by rounding, is not freed again until it has. All begin at rest, at 0.
-Import this module only when one runs.
+In the end, where large weights cancel, the free ones are refined by what they leave of the target
+with the columns as they were given, of which the turned ones are but the nearest doubles. Import
+this module only when one runs.
 """
 
 from __future__ import annotations
@@ -29,6 +31,9 @@ PULL = 1e-14
 DEPENDENT = 1e-13
 """A column of which no larger share is at right angles to the free ones is not freed."""
 
+CANCEL = 100.0
+"""Weights cancel where ``sum(|weight| |column|)`` is so many times the target's length."""
+
 AT_LOW, AT_HIGH, AT_REST, FREE = 0, 1, 2, 3
 
 
@@ -48,6 +53,22 @@ class Squares(NamedTuple):
     lengths: Any
     low: float
     high: float
+
+
+class Given(NamedTuple):
+    """The columns and targets before they were turned by ``coordinates``.
+
+    Attributes
+    ----------
+    columns : (K, S) array of float64
+        The turned ones are ``columns coordinates'``.
+    targets : (N, S) array of float64
+    coordinates : (R, S) array of float64
+    """
+
+    columns: Any
+    targets: Any
+    coordinates: Any
 
 
 class Work(NamedTuple):
@@ -85,13 +106,14 @@ class Work(NamedTuple):
 
 
 @compiled
-def search(squares: Any, targets: Any, most: int, made: Any, free: Any) -> None:
+def search(squares: Any, targets: Any, given: Any, most: int, made: Any, free: Any) -> None:
     """Write weights of least squares of each target, of which there may be several.
 
     Parameters
     ----------
     squares : Squares
     targets : (N, R) array of float64
+    given : Given
     most
         How many weights may be freed for a target. Where that is not enough, the weights are
         within the bounds, and their squares not the least.
@@ -104,6 +126,8 @@ def search(squares: Any, targets: Any, most: int, made: Any, free: Any) -> None:
     for frame in range(len(targets)):
         _begin(squares, work)
         _search(squares, targets[frame], work, most)
+        if _cancel(squares, targets[frame], work):
+            _refine(squares, given, given.targets[frame], work)
         made[frame] = work.weights
         free[frame] = work.place == FREE
 
@@ -228,8 +252,14 @@ def _look_ahead(squares: Any, target: Any, work: Any, begin: int) -> None:
     for j in range(len(work.weights)):
         if work.place[j] != FREE and work.weights[j] != 0.0:
             _add(rest, squares.columns[j], -work.weights[j], height)
-    _reflect(work, rest, size)
-    for k in range(size - 1, -1, -1):
+    _solve(work, rest)
+
+
+@compiled
+def _solve(work: Any, rest: Any) -> None:
+    """Write what the free columns give `rest` with, as nearly as they can."""
+    _reflect(work, rest, work.size[0])
+    for k in range(work.size[0] - 1, -1, -1):
         work.ahead[k] = rest[k] / work.diagonal[k]
         _add(rest, work.table[k], -work.ahead[k], k)
 
@@ -270,3 +300,27 @@ def _go(squares: Any, work: Any) -> int:
         for k in range(stop, work.size[0]):
             work.order[k] = work.order[k + 1]
     return stop
+
+
+@compiled
+def _cancel(squares: Any, target: Any, work: Any) -> bool:
+    total = 0.0
+    for j in range(len(work.weights)):
+        total += abs(work.weights[j]) * squares.lengths[j]
+    return bool(total > CANCEL * math.sqrt(_dot(target, target, len(target))))
+
+
+@compiled
+def _refine(squares: Any, given: Any, target: Any, work: Any) -> None:
+    """Take from the free weights what turning the columns has cost in accuracy."""
+    left = target.copy()
+    for j in range(len(work.weights)):
+        if work.weights[j] != 0.0:
+            _add(left, given.columns[j], -work.weights[j], len(left))
+    rest = work.table[work.size[0]]
+    for k in range(len(rest)):
+        rest[k] = _dot(given.coordinates[k], left, len(left))
+    _solve(work, rest)
+    for k in range(work.size[0]):
+        i = work.order[k]
+        work.weights[i] = min(max(work.weights[i] + work.ahead[k], squares.low), squares.high)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +14,12 @@ if TYPE_CHECKING:
 
     from nodegraph_mocap import Trajectories
 
-STILL = 1e-9
+_STILL = 1e-9
 """Of the largest spread: a coordinate that spreads less moves by no more than rounding."""
+
+_SEEN = 1e-6
+"""Millimetres. Alignment leaves a rigid head 1e-11 at a metre from the origin, 1e-8 at a kilometre;
+the best cameras see 1e-3. What spreads less is the rounding of double numbers, not a face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,26 +43,41 @@ class Features:
         return np.asarray(np.sqrt(np.mean(self.values**2, axis=0)))
 
     @property
+    def rounding(self) -> float:
+        """Millimetres: what spreads no more than this does not move."""
+        return max(_STILL * float(self.spread.max(initial=0.0)), _SEEN)
+
+    @property
+    def still(self) -> NDArray[np.bool_]:
+        """(3 M,), whether a feature does not move."""
+        return np.asarray(self.spread <= self.rounding)
+
+    @property
     def variances(self) -> NDArray[np.float64]:
         """(M,), square millimetres: of each marker, summed over its three coordinates."""
         return np.asarray((self.spread**2).reshape(-1, 3).sum(axis=1))
 
 
 def features_of(recording: Trajectories) -> Features:
-    """Return the features of a recording that has every sample.
+    """Return the features of a recording that has every sample; 0 where one does not move.
 
     Raises
     ------
     Refusal
-        If samples are missing, there are fewer than two frames or no marker, or nothing moves.
+        If samples are missing, there are fewer than two frames or no marker, or nothing moves by
+        more than rounding.
     """
     _check(recording)
     markers = tuple(sorted(recording.markers))
     positions = recording.positions[:, [recording.markers.index(name) for name in markers]]
     values = (positions - positions[0]).reshape(recording.frames, -1)
-    if not values.any():
-        raise Refusal(f"no marker moves in {recording.frames} frames")
-    return Features(markers, values - values.mean(axis=0))
+    made = Features(markers, values - values.mean(axis=0))
+    if made.still.all():
+        raise Refusal(
+            f"no marker moves in {recording.frames} frames: the largest standard deviation of a "
+            f"coordinate is {made.spread.max():.1g} mm; up to {_SEEN:g} mm is rounding"
+        )
+    return replace(made, values=np.where(made.still, 0.0, made.values))
 
 
 def _check(recording: Trajectories) -> None:

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
-from nodegraph_select.features import features_of
+from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
 from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
 
@@ -55,43 +55,44 @@ def greedy(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Select
     ------
     Refusal
         If the recording has fewer than k markers, samples are missing, there are fewer than two
-        frames, or nothing moves.
+        frames, or nothing moves by more than rounding.
     ValueError
-        If the marker set puts a marker into two pairs.
+        If the marker set puts a marker into two pairs, or a setting is out of range.
     """
     check_count(recording, k)
     features, pairs = features_of(recording), pairs_of(recording)
     pair = membership(pairs, features.markers)
-    found, left = _ranked(features.values.T @ features.values, pair)
+    found, left = _ranked(features, pair)
     order = np.concatenate([found, pair[by_variance(features.variances)]])
     left = np.concatenate([left, np.zeros(len(pair))])
     made = first_pairs(recording, pairs, order, k, left, "unexplained")
-    assert made.history is not None
-    tell_spanned(len(found), len(made.history))
+    tell_spanned(len(found), made)
     return made
 
 
 def _ranked(
-    products: NDArray[np.float64], pair: NDArray[np.intp]
+    features: Features, pair: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Return pairs in the order of choice, and what each leaves, until nothing is left.
 
     Parameters
     ----------
-    products : (3 M, 3 M) array of float64
-        Of every two features.
+    features
+        Of M markers.
     pair : (M,) array of int
         Which pair each marker is in.
     """
-    whole, rest = np.trace(products), products
+    rest = features.values.T @ features.values
+    whole = np.trace(rest)
+    nothing = max(_NOTHING * whole, len(features.values) * features.rounding**2)
     found, left = [], []
-    while np.trace(rest) > _NOTHING * whole:
-        gain = _gains(rest, _NOTHING * whole)
+    while np.trace(rest) > nothing:
+        gain = _gains(rest, nothing)
         best = int(np.flatnonzero(gain >= gain.max() * (1.0 - _TIE))[0])
         if gain[best] <= 0.0:
             break
         chosen = np.flatnonzero(np.repeat(pair == pair[best], 3))
-        rest = _without(rest, chosen, _NOTHING * whole)
+        rest = _without(rest, chosen, nothing)
         found.append(pair[best])
         left.append(max(float(np.trace(rest) / whole), 0.0))
     return np.array(found, dtype=np.intp), np.array(left)

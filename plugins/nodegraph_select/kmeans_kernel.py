@@ -52,8 +52,19 @@ def restarts(rows: Any, draws: Any) -> Any:
         Sum of squared distances of the rows from their clusters' means.
     (R,) array of int
         Rounds until no row changed its cluster; `CAP` where that did not happen before.
+
+    Raises
+    ------
+    ValueError
+        If there are no clusters or more than rows, a row has no number, or a draw is not from 0
+        up to but not 1: what is compiled would read and write beyond its arrays.
     """
     (runs, k), (p, q) = draws.shape, rows.shape
+    if k < 1 or k > p or q < 1:
+        raise ValueError("needs rows of one number or more, and from one cluster up to one a row")
+    for draw in draws.flat:
+        if not 0.0 <= draw < 1.0:
+            raise ValueError("draws must be from 0 up to but not 1")
     nearest = np.empty((runs, k), np.int64)
     inertia, rounds = np.empty(runs), np.empty(runs, np.int64)
     order, cluster = np.empty(p, np.int64), np.empty(p, np.int64)

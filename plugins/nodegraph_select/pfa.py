@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, NamedTuple, get_args
 
 import numpy as np
 from pydantic import Field
 
 from nodegraph import Refusal, node
 from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.checks import check_share, check_whole
 from nodegraph_select.features import features_of
 from nodegraph_select.pairs import Pairs, in_order, membership, pairs_of, sizes
 from nodegraph_select.principal import leading_vectors
@@ -22,6 +23,25 @@ COLUMNS = (
     "k", "run", "selection", "markers", "pairs", "clusters", "inertia", "rounds", "sum", "mean",
     "medoid",
 )  # fmt: skip
+
+
+class _Clusters(NamedTuple):
+    """What R runs found.
+
+    Attributes
+    ----------
+    nearest : (R, k) array of int
+        The feature nearest to each cluster's mean; -1 for a cluster that was dropped.
+    inertia : (R,) array of float64
+    rounds : (R,) array of int
+    unsettled : (R,) array of bool
+        Whether a run was stopped before it had settled.
+    """
+
+    nearest: NDArray[np.int64]
+    inertia: NDArray[np.float64]
+    rounds: NDArray[np.int64]
+    unsettled: NDArray[np.bool_]
 
 
 @node("select.pfa", cite=("wellein2007", "cohen2002", "lu2007", "lloyd1982"))
@@ -60,9 +80,10 @@ def pfa(
     markers of the three faces that are shipped, 20 at k = 10, 47 to 50 at k = 35.
 
     Head motion must have been removed, as by `align.procrustes`: it moves all markers alike, and
-    more than any expression. The same seed gives the same answer on any number of threads, and
-    does not depend on the order of the markers, nor on where the origin lies or on the unit; but
-    it depends on the axes, because features are coordinates.
+    more than any expression. The same seed gives the same answer on any number of threads, but
+    for the last digit of `inertia` where BLAS, outside of a run, has several; it does not depend
+    on the order of the markers, nor on where the origin lies or on the unit; but it depends on
+    the axes, because features are coordinates.
 
     Parameters
     ----------
@@ -81,7 +102,8 @@ def pfa(
         both have, by pairs that either has).
     standardize
         Whether each feature is divided by its standard deviation first, so that those that move
-        little count as much as others; one that does not move stays 0.
+        little count as much as others; one that does not move by more than rounding (a standard
+        deviation of 1e-6 mm, or 1e-9 of the largest) stays 0, which a warning tells.
     absolute
         Whether the rows' absolute values are clustered, so that features that move oppositely
         are alike, too.
@@ -112,15 +134,12 @@ def pfa(
     Raises
     ------
     Refusal
-        If samples are missing, there are fewer than two frames, nothing moves, or k is larger
-        than the number of features.
+        If samples are missing, there are fewer than two frames, nothing moves by more than
+        rounding, or k is larger than the number of features.
     ValueError
-        If the marker set puts a marker into two pairs.
+        If the marker set puts a marker into two pairs, or a setting is out of range.
     """
-    from nodegraph_select import kmeans_kernel
-
-    if stability not in get_args(Stability):
-        raise ValueError(f"stability must be sum, mean or medoid, got {stability!r}")
+    _check_settings(k, variance, runs, stability, seed)
     features, pairs = features_of(recording), pairs_of(recording)
     rows = leading_vectors(features, variance=variance, standardize=standardize)
     if k > len(rows):
@@ -128,25 +147,37 @@ def pfa(
             f"k = {k} clusters need as many features: {len(features.markers)} markers have "
             f"{len(rows)}"
         )
-    # row `run` of the draws is the same however many runs follow
-    draws = np.random.default_rng([seed, k]).random((runs, k))
-    nearest, inertia, rounds = kmeans_kernel.restarts(np.abs(rows) if absolute else rows, draws)
-    chosen = _chosen_pairs(nearest, membership(pairs, features.markers))
+    found = _clustered(np.abs(rows) if absolute else rows, k, runs, seed)
+    chosen = _chosen_pairs(found.nearest, membership(pairs, features.markers))
     markers, stable = chosen @ sizes(pairs), stabilities(chosen)
     best = stable.best(stability, markers)
-    _tell(stable, best, nearest, rounds >= kmeans_kernel.CAP)
-    clusters, found = np.count_nonzero(nearest >= 0, axis=1), np.count_nonzero(chosen, axis=1)
-    history = (
-        np.full(runs, k), np.arange(runs), stable.same, markers, found, clusters, inertia, rounds,
-        stable.sum, stable.mean, stable.medoid,
-    )  # fmt: skip
+    _tell(stable, best, found)
     return Selection(
         chosen=in_order(recording, _named(pairs, chosen[best])),
         pairs=pairs,
         frequencies=stable.frequencies,
         columns=COLUMNS,
-        history=np.stack(history, axis=1).astype(np.float64),
+        history=_history(k, found, chosen, markers, stable),
     )
+
+
+def _check_settings(k: int, variance: float, runs: int, stability: str, seed: int) -> None:
+    check_whole("k", k, 1)
+    check_share("variance", variance)
+    check_whole("runs", runs, 1)
+    check_whole("seed", seed, 0)
+    if stability not in get_args(Stability):
+        raise ValueError(f"stability must be sum, mean or medoid, got {stability!r}")
+
+
+def _clustered(rows: NDArray[np.float64], k: int, runs: int, seed: int) -> _Clusters:
+    """Return clusters of rows from random starts."""
+    from nodegraph_select import kmeans_kernel
+
+    # row `run` of the draws is the same however many runs follow
+    draws = np.random.default_rng([seed, k]).random((runs, k))
+    nearest, inertia, rounds = kmeans_kernel.restarts(rows, draws)
+    return _Clusters(nearest, inertia, rounds, rounds >= kmeans_kernel.CAP)
 
 
 def _chosen_pairs(nearest: NDArray[np.int64], pair: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -161,18 +192,34 @@ def _named(pairs: Pairs, chosen: NDArray[np.bool_]) -> Pairs:
     return tuple(pairs[number] for number in np.flatnonzero(chosen))
 
 
-def _tell(
-    stable: Stabilities, best: int, nearest: NDArray[np.int64], unsettled: NDArray[np.bool_]
-) -> None:
-    runs = len(nearest)
+def _history(
+    k: int,
+    found: _Clusters,
+    chosen: NDArray[np.bool_],
+    markers: NDArray[np.intp],
+    stable: Stabilities,
+) -> NDArray[np.float64]:
+    """Return a row per run, its columns `COLUMNS`."""
+    runs = len(chosen)
+    pairs, clusters = np.count_nonzero(chosen, axis=1), np.count_nonzero(found.nearest >= 0, axis=1)
+    columns = (
+        np.full(runs, k), np.arange(runs), stable.same, markers, pairs, clusters, found.inertia,
+        found.rounds, stable.sum, stable.mean, stable.medoid,
+    )  # fmt: skip
+    return np.stack(columns, axis=1).astype(np.float64)
+
+
+def _tell(stable: Stabilities, best: int, found: _Clusters) -> None:
+    runs = len(found.nearest)
     same = np.count_nonzero(stable.same == stable.same[best])
     notes = [
         f"{stable.distinct} of {runs} runs' selections are distinct; the most stable one is that "
         f"of {same} {'run' if same == 1 else 'runs'}"
     ]
-    dropped = np.count_nonzero((nearest < 0).any(axis=1))
+    dropped = np.count_nonzero((found.nearest < 0).any(axis=1))
     if dropped:
         notes.append(f"{dropped} runs dropped clusters that had lost all their rows")
-    if unsettled.any():
-        notes.append(f"{np.count_nonzero(unsettled)} runs had not settled when they were stopped")
+    if found.unsettled.any():
+        unsettled = np.count_nonzero(found.unsettled)
+        notes.append(f"{unsettled} runs had not settled when they were stopped")
     warnings.warn("; ".join(notes), stacklevel=3)

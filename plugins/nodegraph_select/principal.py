@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_select.features import STILL, Features
+from nodegraph_select.features import Features
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,8 +42,7 @@ def leading_vectors(
 
 
 def _standardized(features: Features) -> NDArray[np.float64]:
-    spread = features.spread
-    still = spread <= STILL * spread.max()
+    spread, still = features.spread, features.still
     if still.any():
         markers = sorted({features.markers[feature // 3] for feature in np.flatnonzero(still)})
         warnings.warn(

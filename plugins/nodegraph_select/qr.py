@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
-from nodegraph_select.features import STILL, features_of
+from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
 from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
 
@@ -50,29 +50,26 @@ def qr(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
     ------
     Refusal
         If the recording has fewer than k markers, samples are missing, there are fewer than two
-        frames, or nothing moves.
+        frames, or nothing moves by more than rounding.
     ValueError
-        If the marker set puts a marker into two pairs.
+        If the marker set puts a marker into two pairs, or a setting is out of range.
     """
     check_count(recording, k)
     features, pairs = features_of(recording), pairs_of(recording)
-    pivots, residual = _pivots(features.values)
+    pivots, residual = _pivots(features)
     order = np.concatenate([pivots // 3, by_variance(features.variances)])
     numbers = membership(pairs, features.markers)[order]
     residual = np.concatenate([residual, np.zeros(len(features.markers))])
     made = first_pairs(recording, pairs, numbers, k, residual, "residual")
-    assert made.history is not None
-    tell_spanned(len(np.unique(numbers[: len(pivots)])), len(made.history))
+    tell_spanned(len(np.unique(numbers[: len(pivots)])), made)
     return made
 
 
-def _pivots(
-    values: NDArray[np.float64],
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+def _pivots(features: Features) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Return features in the order of pivoting and their distances, without those of none."""
     from scipy.linalg import qr as decompose
 
-    upper, order = decompose(values, mode="r", pivoting=True)
-    distance = np.abs(np.diag(upper)) / np.sqrt(len(values))
-    rank = int(np.count_nonzero(distance > STILL * distance[0]))
+    upper, order = decompose(features.values, mode="r", pivoting=True)
+    distance = np.abs(np.diag(upper)) / np.sqrt(len(features.values))
+    rank = int(np.count_nonzero(distance > features.rounding))
     return np.asarray(order[:rank], dtype=np.intp), distance[:rank]

@@ -9,6 +9,7 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_mocap.streams import random_for
+from nodegraph_select.checks import check_whole
 from nodegraph_select.pairs import pairs_of
 from nodegraph_select.ranking import check_count, first_pairs
 
@@ -47,9 +48,10 @@ def random(
     Refusal
         If the recording has fewer than k markers.
     ValueError
-        If the marker set puts a marker into two pairs.
+        If the marker set puts a marker into two pairs, or a setting is out of range.
     """
     check_count(recording, k)
+    check_whole("seed", seed, 0)
     pairs = pairs_of(recording)
     # by name, so that nothing hangs on the order in a file
     drawn = random_for("select.random", seed).permutation(

@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Refusal
 from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.checks import check_whole
 from nodegraph_select.pairs import Pairs, in_order, sizes
 
 if TYPE_CHECKING:
@@ -16,7 +17,16 @@ if TYPE_CHECKING:
 
 
 def check_count(recording: Trajectories, k: int) -> None:
-    """Refuse to choose more markers than there are."""
+    """Refuse to choose more markers than there are.
+
+    Raises
+    ------
+    Refusal
+        If k is more.
+    ValueError
+        If it is no number of markers.
+    """
+    check_whole("k", k, 1)
     if k > len(recording.markers):
         raise Refusal(f"k = {k} markers cannot be chosen of {len(recording.markers)}")
 
@@ -65,8 +75,15 @@ def by_variance(variances: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.argsort(-variances, kind="stable")
 
 
-def tell_spanned(spanning: int, chosen: int) -> None:
+def pairs_chosen(made: Selection) -> int:
+    """Return how many of a selection's pairs are chosen."""
+    chosen = set(made.chosen)
+    return sum(pair[0] in chosen for pair in made.pairs)
+
+
+def tell_spanned(spanning: int, made: Selection) -> None:
     """Warn when fewer pairs than were chosen tell all that there is."""
+    chosen = pairs_chosen(made)
     if chosen > spanning:
         warnings.warn(
             f"{spanning} of the {chosen} pairs chosen determine all markers' motion; the others "

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.features import features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, check_count, first_pairs
+from nodegraph_select.ranking import by_variance, check_count, first_pairs, pairs_chosen
 
 
 @node("select.variance")
@@ -20,6 +22,7 @@ def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Sele
     A marker's variance is the mean squared distance from its mean position. From the largest
     down, each marker is chosen, and the other one of its pair with it, until there are k. What
     moves alike is chosen again and again: this is what methods that avoid it are compared with.
+    Once all that move are chosen, the rest follow by name, which a warning tells.
 
     Head motion must have been removed. Does not depend on the axes.
 
@@ -42,12 +45,22 @@ def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Sele
     ------
     Refusal
         If the recording has fewer than k markers, samples are missing, there are fewer than two
-        frames, or nothing moves.
+        frames, or nothing moves by more than rounding.
     ValueError
-        If the marker set puts a marker into two pairs.
+        If the marker set puts a marker into two pairs, or a setting is out of range.
     """
     check_count(recording, k)
     features, pairs = features_of(recording), pairs_of(recording)
     order = by_variance(features.variances)
     numbers = membership(pairs, features.markers)[order]
-    return first_pairs(recording, pairs, numbers, k, features.variances[order], "variance")
+    made = first_pairs(recording, pairs, numbers, k, features.variances[order], "variance")
+    _tell_still(len(np.unique(numbers[features.variances[order] > 0.0])), pairs_chosen(made))
+    return made
+
+
+def _tell_still(moving: int, chosen: int) -> None:
+    if chosen > moving:
+        warnings.warn(
+            f"only {moving} of the {chosen} pairs chosen move; the others are the first by name",
+            stacklevel=3,
+        )

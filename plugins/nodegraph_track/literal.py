@@ -36,9 +36,7 @@ def literal(
 ) -> Trajectories:
     """Give points that are typed into the graph, for examples and tests.
 
-    ``points: {a: [1, 1], b: [1, 2], c: [3, 2]}`` is one frame of three markers; points in the
-    plane get z = 0. For several frames each marker has a list of points, one per frame:
-    ``points: {a: [[1, 1], [1, 2]], b: [[3, 2], [3, 4]]}``.
+    Points in the plane get z = 0.
 
     Parameters
     ----------
@@ -58,6 +56,13 @@ def literal(
     ValueError
         If a marker has something else than finite numbers in such lists, the markers differ in
         their number of frames, or there is no marker; the message names the markers.
+
+    Examples
+    --------
+    One frame of three markers, and two frames of two:
+
+        first: {use: points.literal, with: {points: {a: [1, 1], b: [1, 2], c: [3, 2]}}}
+        other: {use: points.literal, with: {points: {a: [[1, 1], [1, 2]], b: [[3, 2], [3, 4]]}}}
     """
     mistakes = list(_mistakes(points))
     if mistakes:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import nodegraph as ng
 from nodegraph import Refusal
 from nodegraph_align.landmarks import landmarks_of
 from nodegraph_mocap import MarkerSet, Trajectories
@@ -60,8 +62,9 @@ def test_too_few_stable_ones(face: Trajectories) -> None:
 @pytest.mark.parametrize(
     ("names", "text"),
     [
-        (["m0", "m1"], "landmarks: must be 3 or more, got m0, m1"),
-        ([], "landmarks: must be 3 or more, got none"),
+        (["m0", "m1"], "landmarks: must be 3 or more, or [*] alone, got m0, m1"),
+        ([], "landmarks: must be 3 or more, or [*] alone, got none"),
+        (["*", "m1"], "landmarks: must be 3 or more, or [*] alone, got [*], m1"),
         (["m0", "m1", "m0", "m2"], "landmarks: the recording: asked twice for m0"),
         (
             ["m0", "M1", "nose"],
@@ -83,3 +86,35 @@ def test_a_star_is_every_marker_that_both_have(face: Trajectories) -> None:
     assert landmarks_of(face, None, ["*"]) == (face.markers, [])
     part = face.keep(["m7", "m3", "m5"])
     assert landmarks_of(face, part, ("*",)) == (("m3", "m5", "m7"), [])
+
+
+ALIGNMENTS = ("procrustes", "trimmed", "huber", "generalized")
+
+
+def graph_of(folder: Path, align: str, landmarks: str) -> Path:
+    graph = folder / "graph.yaml"
+    graph.write_text(
+        f"""\
+nodegraph: 1
+inputs: {{path: "sample:actor_a"}}
+nodes:
+  capture: {{use: read.recording, with: {{path: $path}}}}
+  face: {{use: align.{align}, in: capture, with: {{landmarks: {landmarks}}}}}
+"""
+    )
+    return graph
+
+
+@pytest.mark.parametrize("landmarks", ["[a, b]", "[a]", "[]", '["*", a]'])
+@pytest.mark.parametrize("align", ALIGNMENTS)
+def test_a_graph_with_too_few_is_not_loaded(align: str, landmarks: str, tmp_path: Path) -> None:
+    with pytest.raises(ng.GraphError) as told:
+        ng.load(graph_of(tmp_path, align, landmarks))
+    text = f"face: setting 'landmarks' of align.{align} must be 3 or more, or * alone, got ["
+    assert text in str(told.value)
+
+
+@pytest.mark.parametrize("landmarks", ["[a, b, c]", '["*"]', "null"])
+@pytest.mark.parametrize("align", ALIGNMENTS)
+def test_a_graph_with_enough_is_loaded(align: str, landmarks: str, tmp_path: Path) -> None:
+    ng.load(graph_of(tmp_path, align, landmarks))

@@ -115,3 +115,11 @@ def test_no_frame_fitted_is_refused(head: Head, moved: Moved) -> None:
     poses.states[:] = FEW
     with pytest.raises(Refusal, match="no frame has 3 of the landmarks m0, m1, m2, m3, m4, m5"):
         tell(poses, take, reference, [])
+
+
+def test_a_scale_that_there_is_not_is_told_with_what_there_is() -> None:
+    shape = np.eye(3)
+    with pytest.raises(
+        ValueError, match=r"no scale 'rsm'; did you mean 'rms'. there is: none, rms"
+    ):
+        module.fit(shape[None], np.arange(3), shape, np.ones((1, 3)), "rsm")  # type: ignore[arg-type]

@@ -80,6 +80,8 @@ def test_a_missing_sample_in_another_frame_does_no_harm() -> None:
     ("chosen", "at_rest", "message"),
     [
         ({"smile": 40}, 0, "shape 'smile': there is no frame 40; there are 0 to 39"),
+        ({"smile": -1}, 0, "shape 'smile': there is no frame -1; there are 0 to 39"),
+        ({"smile": 3}, -41, "the neutral: there is no frame -41; there are 0 to 39"),
         ({"smile": 3}, 99, "the neutral: there is no frame 99; there are 0 to 39"),
         ({"jawOpen": 3, "jaw_open": 4}, 0, "shapes 'jawOpen' and 'jaw_open' have the same name"),
         ({"blink_L": 3, "BlinkLeft": 4}, 0, "shapes 'blink_L' and 'BlinkLeft' have the same name"),

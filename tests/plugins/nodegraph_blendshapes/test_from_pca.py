@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -172,3 +173,10 @@ def test_a_recorded_face_has_few_directions(take: str) -> None:
     model, _, table = from_pca(recording)
     assert 7 <= len(model.names) <= 12
     assert table["cumulative"][len(model.names) - 1] >= 0.98
+
+
+@pytest.mark.parametrize("setting", [{"components": 0}, {"variance": 0.0}, {"variance": 1.5}])
+def test_settings_are_checked_in_plain_calls(setting: dict[str, Any]) -> None:
+    (name,) = setting
+    with pytest.raises(ValueError, match=f"{name} must be"):
+        from_pca(FACE, **setting)

@@ -40,6 +40,11 @@ def near(columns: Matrix, apart: float, seed: int = 0) -> Matrix:
     return np.vstack([columns, columns[:2] + apart * random.normal(size=columns[:2].shape)])
 
 
+def as_given(columns: Matrix, targets: Matrix) -> solve_search_kernel.Given:
+    """What was not turned."""
+    return solve_search_kernel.Given(columns, targets, np.eye(columns.shape[1]))
+
+
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
 @given(seed=st.integers(0, 10**6), shapes=st.integers(1, 12), more=st.integers(0, 20))
 @settings(max_examples=25, deadline=None)
@@ -73,6 +78,19 @@ def test_columns_that_hardly_differ(low: float, high: float, apart: float) -> No
         assert (
             squares(columns, target, ours) <= squares(columns, target, other) * (1 + 1e-10) + 1e-20
         )
+
+
+def test_large_weights_that_cancel_leave_no_more_than_rounding() -> None:
+    """Rounding of the weights themselves leaves about 1e-16 of the sum of ``|weight| |column|``."""
+    worst, largest = 0.0, 0.0
+    for seed in range(40):
+        columns, targets = problem(seed, 8, 24, targets=1)
+        columns = near(columns, 1e-6, seed + 1000)
+        made = least_squares(columns, targets, -1e12, 1e12).weights
+        worst = max(worst, left(columns, targets, made, -1e12, 1e12))
+        largest = max(largest, float(np.abs(made).max()))
+    assert largest > 2e5
+    assert worst <= 1e-10
 
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
@@ -207,9 +225,8 @@ def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
     solve_kernel.bounded(one, targets, targets @ columns.T, 200, made)
     np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
     free = np.empty(made.shape, dtype=bool)
-    solve_search_kernel.search(
-        solve_search_kernel.Squares(columns, lengths, 0.0, high), targets, 100, made, free
-    )
+    searched = solve_search_kernel.Squares(columns, lengths, 0.0, high)
+    solve_search_kernel.search(searched, targets, as_given(columns, targets), 100, made, free)
     np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
     np.testing.assert_array_equal(free, (made > 0.0) & (made < high))
 
@@ -234,7 +251,7 @@ def test_searches_that_are_cut_short_stay_within_the_bounds() -> None:
     made, free = np.empty((4, 8)), np.empty((4, 8), dtype=bool)
     for most in range(4):
         few = solve_search_kernel.Squares(columns, lengths, 0.0, 1.0)
-        solve_search_kernel.search(few, targets, most, made, free)
+        solve_search_kernel.search(few, targets, as_given(columns, targets), most, made, free)
         assert made.min() >= 0.0
         assert made.max() <= 1.0
         assert np.count_nonzero(made, axis=1).max() <= most

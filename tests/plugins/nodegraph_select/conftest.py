@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,13 @@ def make_face(
     return Trajectories(positions=positions, markers=MARKERS, rate=60.0, marker_set=make_set())
 
 
+def make_rigid(face: Trajectories, seed: int = 0) -> Trajectories:
+    """The face's first frame in all, as an alignment leaves it: but for rounding, it is still."""
+    random = np.random.default_rng(seed)
+    rounding = random.normal(0, 1e-12, face.positions.shape)
+    return replace(face, positions=face.positions[0] + rounding)
+
+
 def run_quietly(select: Callable[..., Selection], *given: Any, **settings: Any) -> Selection:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -61,6 +69,12 @@ def face() -> Trajectories:
 @pytest.fixture
 def faces() -> Callable[..., Trajectories]:
     return make_face
+
+
+@pytest.fixture
+def rigid() -> Callable[..., Trajectories]:
+    """A face that moves by no more than rounding."""
+    return make_rigid
 
 
 @pytest.fixture

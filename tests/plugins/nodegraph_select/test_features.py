@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from nodegraph import Refusal
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_select.features import features_of
+
+Rigid = Callable[..., Trajectories]
 
 
 def test_three_per_marker_in_the_order_of_names(face: Trajectories) -> None:
@@ -35,6 +38,50 @@ def test_what_stands_still_far_from_the_origin_has_no_spread_at_all(face: Trajec
     features = features_of(replace(face, positions=positions))
     number = features.markers.index(face.markers[2])
     assert not features.values[:, 3 * number : 3 * number + 3].any()
+
+
+@pytest.mark.parametrize("far", [0.0, 1e3, 1e5])
+def test_what_alignment_leaves_of_a_rigid_head_is_refused(far: float) -> None:
+    random = np.random.default_rng(1)
+    at_rest, turns = random.normal(0, 60, (7, 3)), np.linalg.qr(random.normal(size=(40, 3, 3)))[0]
+    shifts = random.normal(0, 100, (40, 1, 3)) + far
+    captured = at_rest @ turns + shifts
+    back = (captured - shifts) @ turns.transpose(0, 2, 1)
+    assert np.ptp(back, axis=0).any()
+    face = Trajectories(positions=back + far, markers=tuple("abcdefg"), rate=60.0)
+    text = r"no marker moves in 40 frames: .* coordinate is \de-\d\d mm; up to 1e-06 mm is rounding"
+    with pytest.raises(Refusal, match=text):
+        features_of(face)
+
+
+@pytest.mark.parametrize(("spread", "moves"), [(0.9e-6, False), (1.1e-6, True)])
+def test_what_is_rounding_is_decided_in_millimetres(
+    face: Trajectories, rigid: Rigid, spread: float, moves: bool
+) -> None:
+    positions = rigid(face).positions.copy()
+    positions[:, 4, 1] += spread * np.where(np.arange(90) % 2, 1.0, -1.0)
+    if moves:
+        features = features_of(replace(face, positions=positions))
+        place = 3 * features.markers.index(face.markers[4]) + 1
+        assert np.flatnonzero(features.values.any(axis=0)).tolist() == [place]
+        assert features.spread[place] == pytest.approx(spread, rel=1e-4)
+    else:
+        with pytest.raises(Refusal, match="no marker moves"):
+            features_of(replace(face, positions=positions))
+
+
+def test_what_moves_by_rounding_beside_others_does_not_move_at_all(
+    face: Trajectories, rigid: Rigid
+) -> None:
+    positions = face.positions.copy()
+    positions[:, [2, 5]] = rigid(face).positions[:, [2, 5]]
+    positions[:, 7, 2] = rigid(face).positions[:, 7, 2]
+    features = features_of(replace(face, positions=positions))
+    names = [*np.repeat(features.markers, 3)]
+    still = [names[place] for place in np.flatnonzero(features.still)]
+    assert sorted(still) == sorted(3 * [face.markers[2], face.markers[5]] + [face.markers[7]])
+    assert not features.values[:, features.still].any()
+    assert features.variances[features.markers.index(face.markers[2])] == 0.0
 
 
 def test_missing_samples_are_refused_with_their_counts(face: Trajectories) -> None:

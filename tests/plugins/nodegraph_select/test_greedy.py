@@ -67,6 +67,20 @@ def test_a_marker_that_stands_still_does_no_harm(faces: Faces) -> None:
     assert "nose" not in greedy(still, k=4).chosen
 
 
-def test_bad_input(face: Trajectories) -> None:
+def test_bad_input(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
     with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
         greedy(face, k=12)
+    with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
+        greedy(face, k=0)
+    with pytest.raises(Refusal, match="no marker moves in 90 frames"):
+        greedy(rigid(face), k=2)
+
+
+def test_rounding_chooses_no_marker(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
+    """Of what does not move, none is ahead of the others but by its name."""
+    positions = rigid(face).positions.copy()
+    positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
+    positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
+    with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
+        made = greedy(replace(face, positions=positions), k=5)
+    assert made.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")

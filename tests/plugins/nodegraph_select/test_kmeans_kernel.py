@@ -82,6 +82,25 @@ def test_on_a_grid_where_most_rows_are_equal_and_most_distances_too(data: Any) -
     same_as_plain(rows, draws)
 
 
+@pytest.mark.parametrize(
+    ("count", "dimensions", "k"), [(5, 2, 0), (5, 2, 6), (5, 0, 2), (0, 2, 1), (0, 0, 0)]
+)
+def test_what_would_lead_out_of_the_arrays_is_refused(count: int, dimensions: int, k: int) -> None:
+    with pytest.raises(ValueError, match="from one cluster up to one a row"):
+        kmeans_kernel.restarts(np.ones((count, dimensions)), np.zeros((3, k)))
+
+
+@pytest.mark.parametrize("draw", [1.0, -0.1, np.nan, np.inf])
+def test_draws_that_are_none_are_refused(draw: float) -> None:
+    with pytest.raises(ValueError, match="draws must be from 0 up to but not 1"):
+        kmeans_kernel.restarts(np.ones((5, 2)), np.array([[0.5, draw]]))
+
+
+def test_no_runs_find_nothing() -> None:
+    made = kmeans_kernel.restarts(np.ones((5, 2)), np.zeros((0, 3)))
+    assert [one.shape for one in made] == [(0, 3), (0,), (0,)]
+
+
 def test_equal_rows_drop_all_clusters_but_the_first() -> None:
     rows = np.full((6, 3), 0.3)
     nearest, inertia, rounds = kmeans_kernel.restarts(rows, np.zeros((1, 4)))

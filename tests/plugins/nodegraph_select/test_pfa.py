@@ -187,9 +187,45 @@ def test_missing_samples_are_refused(face: Trajectories) -> None:
         pfa(gappy, k=3)
 
 
-def test_choices_are_checked_in_plain_calls(face: Trajectories) -> None:
-    with pytest.raises(ValueError, match="must be sum, mean or medoid, got 'median'"):
-        pfa(face, k=3, stability="median")  # type: ignore[arg-type]
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        ({"stability": "median"}, "stability must be sum, mean or medoid, got 'median'"),
+        ({"k": 0}, "k must be a whole number from 1 on, got 0"),
+        ({"k": -1}, "k must be a whole number from 1 on, got -1"),
+        ({"k": 2.5}, "k must be a whole number from 1 on, got 2.5"),
+        ({"runs": 0}, "runs must be a whole number from 1 on, got 0"),
+        ({"variance": 0.0}, "variance must be above 0 and at most 1, got 0.0"),
+        ({"variance": 2.0}, "variance must be above 0 and at most 1, got 2.0"),
+        ({"variance": np.nan}, "variance must be above 0 and at most 1, got nan"),
+        ({"seed": -1}, "seed must be a whole number from 0 on, got -1"),
+    ],
+)
+def test_choices_are_checked_in_plain_calls(
+    face: Trajectories, settings: dict[str, Any], text: str
+) -> None:
+    with pytest.raises(ValueError, match=text):
+        pfa(face, **{"k": 3, "runs": 5, **settings})
+
+
+@pytest.mark.parametrize("standardize", [False, True])
+def test_a_rigid_face_is_refused(
+    face: Trajectories, rigid: Callable[..., Trajectories], standardize: bool
+) -> None:
+    with pytest.raises(Refusal, match="no marker moves in 90 frames: the largest standard"):
+        pfa(rigid(face), k=3, runs=5, standardize=standardize)
+
+
+def test_standardizing_does_not_blow_up_rounding(
+    face: Trajectories, rigid: Callable[..., Trajectories], quietly: Quietly
+) -> None:
+    made = []
+    for seed in range(2):
+        positions = 1e-5 * face.positions
+        positions[:, :6] = rigid(face, seed).positions[:, :6]
+        still = replace(face, positions=positions)
+        made.append(quietly(pfa, still, k=5, runs=50, standardize=True))
+    assert not difference(*made)
 
 
 def test_the_same_seed_gives_the_same_answer_and_another_one_another(
@@ -208,19 +244,46 @@ def test_a_run_does_not_depend_on_how_many_follow(
         assert np.array_equal(few[column], many[column][:20])
 
 
-def test_the_answer_is_the_same_on_any_number_of_threads(face: Trajectories) -> None:
-    import numba
+@pytest.mark.parametrize("k", [10, 30, 50])
+def test_the_answer_is_the_same_on_any_number_of_threads(
+    k: int, quietly: Quietly, history: History
+) -> None:
+    """BLAS shares large matrices among threads, and so adds in another order."""
+    from threadpoolctl import threadpool_limits
 
-    threads = numba.get_num_threads()
+    face = large_face()
+    with threadpool_limits(1):
+        alone = quietly(pfa, face, k=k, runs=200)
+    with threadpool_limits(2):
+        shared = quietly(pfa, face, k=k, runs=200)
+    assert not difference(without_inertia(alone), without_inertia(shared))
+    assert history(alone)["inertia"] == pytest.approx(history(shared)["inertia"], rel=1e-14)
+
+
+def large_face() -> Trajectories:
+    """As many frames and markers as an optical take of half a minute has."""
+    random = np.random.default_rng(0)
+    time = np.cumsum(random.normal(0, 0.1, (1590, 12)), axis=0)
+    reach = random.gamma(0.4, 1.0, (12, 41, 1)) * random.normal(0, 1, (12, 41, 3))
+    positions = random.normal(0, 40, (41, 3)) + np.einsum("tk,kmc->tmc", time, reach)
+    positions += random.normal(0, 0.05, positions.shape)
+    names = tuple(f"m{index}" for index in range(41))
+    return Trajectories(positions=positions, markers=names, rate=60.0)
+
+
+def without_inertia(made: Selection) -> Selection:
+    assert made.history is not None
+    place = COLUMNS.index("inertia")
+    columns = tuple(name for name in made.columns if name != "inertia")
+    return replace(made, columns=columns, history=np.delete(made.history, place, axis=1))
+
+
+def test_calls_at_the_same_time_do_not_disturb_each_other(face: Trajectories) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         alone = [pfa(face, k=k, runs=100) for k in range(2, 10)]
-        numba.set_num_threads(1)
-        try:
-            with ThreadPoolExecutor(4) as pool:
-                together = list(pool.map(lambda k: pfa(face, k=k, runs=100), range(2, 10)))
-        finally:
-            numba.set_num_threads(threads)
+        with ThreadPoolExecutor(4) as pool:
+            together = list(pool.map(lambda k: pfa(face, k=k, runs=100), range(2, 10)))
     assert not difference(alone, together)
 
 

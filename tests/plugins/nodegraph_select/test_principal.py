@@ -66,3 +66,15 @@ def test_what_stands_still_cannot_be_standardized_and_stays_zero(face: Trajector
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         leading_vectors(features, variance=0.98, standardize=False)
+
+
+@pytest.mark.parametrize("largest", [1.0, 1e-4])
+def test_rounding_is_not_blown_up_to_a_standard_deviation_of_one(largest: float) -> None:
+    random = np.random.default_rng(2)
+    values = random.normal(0, largest, (60, 9)) * np.array([1, 1, 1, 1, 1, 1, 1, 1, 0])
+    values[:, 8] = random.normal(0, 1e-12, 60)
+    features = Features(("a", "b", "c"), values - values.mean(axis=0))
+    with pytest.warns(UserWarning, match="1 of 9 features do not move.*coordinates of c$"):
+        made = leading_vectors(features, variance=1.0, standardize=True)
+    assert made.shape == (9, 8)
+    assert made[8] == pytest.approx(0.0, abs=1e-12)

@@ -62,6 +62,20 @@ def test_fewer_frames_than_features(face: Trajectories, quietly: Callable[..., S
     assert quietly(qr, short, k=11).chosen == face.markers
 
 
-def test_bad_input(face: Trajectories) -> None:
+def test_bad_input(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
     with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
         qr(face, k=12)
+    with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
+        qr(face, k=0)
+    with pytest.raises(Refusal, match="no marker moves in 90 frames"):
+        qr(rigid(face), k=2)
+
+
+def test_rounding_chooses_no_marker(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
+    """Of what does not move, none is ahead of the others but by its name."""
+    positions = rigid(face).positions.copy()
+    positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
+    positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
+    with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
+        made = qr(replace(face, positions=positions), k=5)
+    assert made.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")

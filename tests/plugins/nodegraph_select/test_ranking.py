@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +11,13 @@ from hypothesis import strategies as st
 
 from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
-from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
+from nodegraph_select.ranking import (
+    by_variance,
+    check_count,
+    first_pairs,
+    pairs_chosen,
+    tell_spanned,
+)
 
 PAIRS = (("a", "b"), ("c",), ("d", "e"), ("f",))
 SIX = Trajectories(positions=np.zeros((1, 6, 3)), markers=tuple("fedcba"), rate=60.0)
@@ -47,7 +55,19 @@ def test_no_more_than_there_are() -> None:
         check_count(SIX, 7)
 
 
+@pytest.mark.parametrize("k", [0, -1, 2.0, "3"])
+def test_no_number_of_markers(k: Any) -> None:
+    with pytest.raises(ValueError, match=f"k must be a whole number from 1 on, got {k!r}"):
+        check_count(SIX, k)
+
+
+def test_how_many_pairs_are_chosen() -> None:
+    assert [pairs_chosen(first_pairs(SIX, PAIRS, np.arange(4), k)) for k in (1, 3, 4, 6)] == [
+        1, 2, 3, 4
+    ]  # fmt: skip
+
+
 def test_it_tells_what_is_determined_only_if_more_was_chosen() -> None:
-    tell_spanned(3, 3)
-    with pytest.warns(UserWarning, match="^3 of the 5 pairs chosen determine"):
-        tell_spanned(3, 5)
+    tell_spanned(3, first_pairs(SIX, PAIRS, np.arange(4), 5))
+    with pytest.warns(UserWarning, match="^2 of the 3 pairs chosen determine"):
+        tell_spanned(2, first_pairs(SIX, PAIRS, np.arange(4), 5))

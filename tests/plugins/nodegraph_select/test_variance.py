@@ -61,7 +61,27 @@ def test_markers_that_move_equally_come_in_the_order_of_names(face: Trajectories
     )  # fmt: skip
 
 
-def test_bad_input(face: Trajectories, quietly: Callable[..., Selection]) -> None:
+def test_what_does_not_move_comes_by_name_and_is_told(
+    face: Trajectories, rigid: Callable[..., Trajectories]
+) -> None:
+    for seed in range(3):
+        positions = rigid(face, seed).positions.copy()
+        positions[:, face.markers.index("nose")] += face.positions[:, 3]
+        still = replace(face, positions=positions)
+        with pytest.warns(UserWarning, match="only 1 of the 2 pairs chosen move; the others are"):
+            made = variance(still, k=2)
+        assert made.chosen == ("brow_left", "brow_right", "nose")
+        assert made.history is not None
+        assert made.history[1, 1] == 0.0
+
+
+def test_bad_input(
+    face: Trajectories, rigid: Callable[..., Trajectories], quietly: Callable[..., Selection]
+) -> None:
+    with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
+        variance(face, k=0)
+    with pytest.raises(Refusal, match="no marker moves in 90 frames"):
+        variance(rigid(face), k=2)
     with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
         variance(face, k=12)
     with pytest.raises(Refusal, match="two frames"):
