@@ -15,6 +15,7 @@ pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installe
 
 MARKUP = "<script>window.ran = 1</script>"
 HANDLER = "<img src=x onerror='window.ran = 1'>"
+NO_FORMULA = r"$\frac$"
 NODES = '''
 from nodegraph import Refusal, node
 from nodegraph_mocap import Table, Trajectories
@@ -55,6 +56,7 @@ axes:
   trial: [0]
   kind:
     "{MARKUP}": plain
+    '{NO_FORMULA}': plain
     tie: plain
     nothing: nothing
     endless: endless
@@ -70,8 +72,8 @@ nodes:
   table: {{use: compare.table, in: score, with: {{compare: kind, blocks: [trial, gap]}}}}
   ranks: {{use: compare.ranks, in: score, with: {{compare: kind, blocks: [trial, gap]}}}}
   one: {{use: compare.table, in: {{scores: {{from: score, at: {{kind: tie}}}}}}}}
-  faces: {{use: plot.faces, in: {{recordings: {{"{MARKUP}": x, y: y.noisy}}}}}}
-  lines: {{use: plot.trajectories, in: {{recordings: {{"{MARKUP}": x, y: y.noisy}}}}}}
+  faces: {{use: plot.faces, in: {{recordings: {{"{MARKUP}": x, '{NO_FORMULA}': y.noisy}}}}}}
+  lines: {{use: plot.trajectories, in: {{recordings: {{"{MARKUP}": x, '{NO_FORMULA}': y.noisy}}}}}}
   playback: {{use: plot.playback, in: {{recordings: {{"{MARKUP}": x, y: y.noisy}}, truth: x}}}}
 report: [table, ranks, one, faces, lines, playback, score]
 """
@@ -131,6 +133,12 @@ def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Tab) -> None:
             f"[...document.querySelectorAll({place!r})].map((one) => one.textContent)"
         )
         assert any("<script>window.ran" in text for text in texts), place
+    figures = tab.value(
+        "[...document.querySelectorAll('figure.figure > svg')].map((one) => one.textContent)"
+    )
+    assert len(figures) > 3
+    assert all(NO_FORMULA in text for text in figures if "<script>" in text)
+    assert sum(NO_FORMULA in text for text in figures) >= 3
     tab.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
     tab.click(".playback button")
     assert tab.value("window.ran") is None

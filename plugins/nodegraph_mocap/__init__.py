@@ -14,6 +14,7 @@ from nodegraph_mocap.files.model import model_bytes, read_model_npz
 from nodegraph_mocap.files.npz import npz_bytes, read_npz, write_npz
 from nodegraph_mocap.glb.writing import animation_bytes, head_bytes
 from nodegraph_mocap.head import Head
+from nodegraph_mocap.in_figures import figure_text
 from nodegraph_mocap.known_markers import check_markers
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.playback import Panel, Playback
@@ -48,6 +49,7 @@ __all__ = [
     "c3d_bytes",
     "check_markers",
     "csv_bytes",
+    "figure_text",
     "head_bytes",
     "marker_set_text",
     "model_bytes",

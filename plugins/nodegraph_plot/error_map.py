@@ -49,8 +49,8 @@ def error_map(
     Raises
     ------
     ValueError
-        If the truth has another number of frames than a recording, `view` is not of that form, or
-        no recording has a sample whose truth is known.
+        If a recording has no frames or no markers, the truth has another number of frames than a
+        recording, `view` is not of that form, or no recording has a sample whose truth is known.
     """
     from nodegraph_plot.error_map_figure import draw
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import GREY
 from nodegraph_plot.view import frontal
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Trajectories
 
 _ACROSS = 4
+_LETTERS = 30
+"""In a line above a picture."""
+
 _COLOURS = "cividis_r"
 _LONGEST = 3.0
 """How many times the median edge a triangle's edge may be long; longer ones bridge the outside."""
@@ -42,7 +46,8 @@ def draw(
     for axis, (name, recording) in zip(axes.flat, recordings.items(), strict=False):
         known = np.array([places.get(one, (np.nan, np.nan)) for one in recording.markers])
         drawn = _picture(axis, known, errors[name], largest) or drawn
-        axis.set_title(f"{name}\n{_overall(errors[name])}".strip(), fontsize="medium")
+        told = f"{figure_text(name, across=_LETTERS, lines=2)}\n{_overall(errors[name])}"
+        axis.set_title(told.lstrip("\n"), fontsize="medium")
     for axis in axes.flat[len(recordings) :]:
         axis.set_visible(False)
     if drawn is not None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from nodegraph_mocap import Origin
+from nodegraph_mocap import Origin, figure_text
 from nodegraph_mocap.style import BLACK, BLUE, GREY, ORANGE
 from nodegraph_plot.gathered import true_positions
 from nodegraph_plot.view import frontal
@@ -30,6 +30,9 @@ _ROOM = 0.25
 _MARGIN = 0.07
 _WIDEST = 11.0
 _LEGEND_ENTRY = 1.6
+_ACROSS = 24
+"""Characters beside a row."""
+
 _ORIGINS = (
     (Origin.MEASURED, "captured", BLUE, "o"),
     (Origin.FILLED, "recovered", RED, "o"),
@@ -85,7 +88,7 @@ def draw(
             _panel(axes[row, column], faces[row][column], low, high)
             if row == 0:
                 axes[row, column].set_title(f"frame {frame}", fontsize="medium")
-        axes[row, 0].set_ylabel(name)
+        axes[row, 0].set_ylabel(figure_text(name, across=_ACROSS, lines=2))
     _scale_bar(axes[-1, 0], low, high)
     handles = _handles([face for row in faces for face in row])
     across = min(len(handles), int(figure.get_figwidth() / _LEGEND_ENTRY))

@@ -58,8 +58,8 @@ def faces(
     Raises
     ------
     ValueError
-        If a recording lacks a frame, the truth has another number of frames than a recording, or
-        `view` is not of that form.
+        If a recording has no frames, no markers or lacks a frame that is asked for, the truth has
+        another number of frames than a recording, or `view` is not of that form.
     """
     from nodegraph_plot.face_figure import draw
 

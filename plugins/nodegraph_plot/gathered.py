@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +26,7 @@ def named(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
     Raises
     ------
     ValueError
-        If there is none, or two have the same labels.
+        If there is none, two have the same labels, or one has no frames or no markers.
     """
     names = recordings.names()
     if not names:
@@ -33,13 +34,28 @@ def named(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
         raise ValueError(f"several recordings are labelled {', '.join(repeated)}")
+    for name, recording in zip(names, recordings.values(), strict=True):
+        check_something(name, recording)
     return dict(zip(names, recordings.values(), strict=True))
 
 
+def check_something(name: str, recording: Trajectories) -> None:
+    """Raise a ValueError if a recording has no frames or no markers."""
+    lacking = "frames" if not recording.frames else "markers" if not recording.markers else ""
+    if lacking:
+        raise ValueError(f"{name or 'the recording'} has no {lacking}: there is nothing to draw")
+
+
 def named_looks(recordings: Across[Trajectories]) -> dict[str, Look]:
-    """Return a look per recording; what is absent takes its own, so that the others keep theirs."""
-    absent = tuple((one.labels, None) for one in recordings.absent)
-    return looks((*recordings.names(), *Across(recordings.axes, absent).names()))
+    """Return a look per recording: that which it has in every figure of the graph.
+
+    Looks are dealt to all combinations of the labels that the graph has, gathered here or not.
+    """
+    axes = [recordings.labels(axis) for axis in recordings.axes]
+    every = tuple(
+        (dict(zip(recordings.axes, labels, strict=True)), None) for labels in product(*axes)
+    )
+    return looks((*recordings.names(), *Across(recordings.axes, every).names()))
 
 
 def check_frames(recordings: dict[str, Trajectories], frames: Iterable[int]) -> None:
@@ -48,9 +64,10 @@ def check_frames(recordings: dict[str, Trajectories], frames: Iterable[int]) -> 
     for name, recording in recordings.items():
         beyond = [frame for frame in asked if not 0 <= frame < recording.frames]
         if beyond:
+            there = f"{recording.frames} frames, 0 to {recording.frames - 1}"
             raise ValueError(
-                f"no frame {', '.join(map(str, beyond))}{_of(name)}: it has {recording.frames} "
-                f"frames, 0 to {recording.frames - 1}"
+                f"no frame {', '.join(map(str, beyond))}{_of(name)}: "
+                f"it has {there if recording.frames else 'none'}"
             )
 
 

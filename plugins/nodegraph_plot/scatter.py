@@ -63,8 +63,8 @@ def scatter(
     _tell(points)
     units = {x: "", upwards: "", **across.attrs.get("units", {})}
     found = {name: one[np.isfinite(one).all(axis=1)] for name, one in points.items()}
-    absent = (str(one.labels.get(by, "")) for one in scores.absent)
-    return draw(found, looks([*found, *absent]), _named(x, units), _named(upwards, units))
+    known = scores.labels(by) if by else ()
+    return draw(found, looks([*found, *known]), _named(x, units), _named(upwards, units))
 
 
 def _labels(scores: Across[Table], by: str) -> list[str]:

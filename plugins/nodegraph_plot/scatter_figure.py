@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from nodegraph_mocap import figure_text
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
 _MANY = 5000
 """Points from which on they are drawn as one picture, so that the file stays small."""
 _WIDE = 100.0
+_LETTERS = 24
+"""In a line of the legend."""
 
 
 def draw(
@@ -33,11 +37,12 @@ def draw(
             color=look[name].colour,
             marker=look[name].marker,
             linewidths=0,
-            label=name or up,
+            label=figure_text(name or up, across=_LETTERS, lines=2),
             rasterized=many,
         )
     together = np.concatenate(list(points.values()))
-    axis.set(xlabel=right, ylabel=up, xscale=_scale(together[:, 0]), yscale=_scale(together[:, 1]))
+    axis.set(xlabel=figure_text(right), ylabel=figure_text(up))
+    axis.set(xscale=_scale(together[:, 0]), yscale=_scale(together[:, 1]))
     axis.spines[["top", "right"]].set_visible(False)
     if len(points) > 1:
         figure.legend(loc="outside right upper", frameon=False)

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from nodegraph import Across, Label, Refusal, listed, node
 from nodegraph_mocap import Figure, Selection, Table, Trajectories
+from nodegraph_plot.gathered import check_something
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,7 +57,7 @@ def selection(
     ValueError
         If there is no selection, `best` names one that is not there or has no column of the
         selections' axes, no recording (or more than one) belongs to a selection, or the
-        recording lacks a selected marker.
+        recording has no frames, no markers, or lacks a selected one.
     """
     from nodegraph_plot.selection_figure import draw
 
@@ -83,6 +84,7 @@ def _panel(
             f"{len(found) or 'no'} recordings belong to the selection {name or 'without labels'}, "
             f"one is needed; there are {len(recordings)}: {there}"
         )
+    check_something(f"the recording of {name}" if name else "", found[0])
     lacking = [marker for marker in chosen.chosen if marker not in found[0].markers]
     if lacking:
         raise ValueError(

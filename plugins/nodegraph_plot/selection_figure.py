@@ -15,6 +15,7 @@ from matplotlib.colors import Normalize, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLACK, GREY, LIGHT
 from nodegraph_plot.view import frontal
 
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Selection, Trajectories
 
 _COLUMNS = 4
+_LETTERS = 30
+"""In a line above a face."""
+
 _SHARE = "share of the runs that chose the pair"
 _MAP = colormaps["viridis_r"]
 _SCALE = Normalize(0.0, 1.0)
@@ -47,7 +51,8 @@ class Panel:
         """The name, and how many of the recording's markers are chosen."""
         chosen, markers = len(self.selection.chosen), len(self.recording.markers)
         share = f"{chosen} of {markers} markers ({chosen / markers:.0%})"
-        return f"{self.name}\n{share}" if self.name else share
+        name = figure_text(self.name, across=_LETTERS, lines=2)
+        return f"{name}\n{share}" if name else share
 
     def shares(self) -> NDArray[np.float64]:
         """Return the frequency of each of the recording's markers, NaN where it is not known."""
@@ -100,7 +105,7 @@ def _draw_face(axis: Axes, panel: Panel, points: NDArray[np.float64]) -> None:
     _draw_markers(axis, points[chosen], colours[chosen], "chosen")
     _draw_markers(axis, points[~chosen], colours[~chosen], "not chosen")
     axis.set(xticks=[], yticks=[])
-    axis.set_title(panel.title.replace("$", r"\$"), fontsize="medium")
+    axis.set_title(panel.title, fontsize="medium")
     axis.set_aspect("equal")
     axis.spines[:].set_visible(False)
 

@@ -9,6 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLUE, GREY, LIGHT, ORANGE
 from nodegraph_plot.view import frontal
 
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 _ACROSS = 4
 _SIDE = 2.7
 _MARGIN = 0.1
+_LETTERS = 30
+"""In a line above a panel."""
+
 _FEW = 12
 """Points, above which dots and lines are finer."""
 
@@ -62,7 +66,9 @@ def _panel(
         axis.plot(*points.T, "o", color=colour, markersize=size, markeredgewidth=0, label=what)
     apart, squared = _apart(name, shape, reference, frame)
     axis.add_collection(LineCollection(list(apart @ flat), colors=GREY, linewidths=0.6, zorder=1))
-    axis.set_title(f"{name}\nD = {round(squared, _DECIMALS):.4g}".strip(), fontsize="medium")
+    told = f"D = {round(squared, _DECIMALS):.4g}" if len(apart) else "no point is in both"
+    called = figure_text(name, across=_LETTERS, lines=2)
+    axis.set_title(f"{called}\n{told}".lstrip("\n"), fontsize="medium")
     _frame(axis, np.concatenate(drawn))
 
 

@@ -52,8 +52,8 @@ def shapes(
     Raises
     ------
     ValueError
-        If a shape or reference lacks the frame, a shape has no reference, several, or one without
-        a marker in common, or `view` is not of that form.
+        If a shape has no markers, it or its reference lacks the frame, it has no reference,
+        several, or one without a marker in common, or `view` is not of that form.
     """
     from nodegraph_plot.shape_figure import draw
 

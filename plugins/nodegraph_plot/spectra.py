@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SEGMENT = 256
+_SHORTEST = 8
 
 
 @node("plot.spectra", cite="welch1967")
@@ -25,7 +26,7 @@ def spectra(
     truth: Truth[Trajectories] | None = None,
     *,
     markers: tuple[str, ...] = (),
-    segment: Annotated[int, Field(ge=8), Unit("frames")] | None = None,
+    segment: Annotated[int, Field(ge=_SHORTEST), Unit("frames")] | None = None,
 ) -> Figure:
     """Draw the power spectral density of the markers' positions, a line per recording.
 
@@ -53,7 +54,8 @@ def spectra(
     Raises
     ------
     ValueError
-        If a recording lacks a marker, or no marker of it has so long a run without a gap.
+        If a recording has no frames or no markers, lacks one that is asked for, or no marker of
+        it has so long a run without a gap.
 
     References
     ----------
@@ -65,19 +67,24 @@ def spectra(
     by_name = named(recordings)
     check_all_markers(by_name, markers)
     chosen = {name: one.keep(markers) if markers else one for name, one in by_name.items()}
-    frames = segment or _common_segment(list(chosen.values()))
+    frames = segment or _common_segment(chosen)
     lines = {name: _spectrum(name, one, frames) for name, one in chosen.items()}
     known = None if truth is None else _spectrum("the truth", truth, frames)
     return draw(lines, known, named_looks(recordings))
 
 
-def _common_segment(recordings: list[Trajectories]) -> int:
-    longest = min(float(np.median(_longest_runs(one))) for one in recordings)
-    if longest < 8:
+def _common_segment(recordings: dict[str, Trajectories]) -> int:
+    longest = {name: float(np.median(_longest_runs(one))) for name, one in recordings.items()}
+    name, shortest = min(longest.items(), key=lambda one: one[1])
+    frames, called = recordings[name].frames, name or "the recording"
+    if frames < _SHORTEST:
+        raise ValueError(f"{called} is too short: {frames} of at least {_SHORTEST} frames")
+    if shortest < _SHORTEST:
         raise ValueError(
-            "half of the markers of a recording have no 8 frames without a gap: fill it first"
+            f"half of the markers of {called} have no {_SHORTEST} frames without a gap: "
+            "fill it first"
         )
-    return min(_SEGMENT, 1 << int(np.log2(longest)))
+    return min(_SEGMENT, 1 << int(np.log2(shortest)))
 
 
 def _longest_runs(recording: Trajectories) -> NDArray[np.intp]:

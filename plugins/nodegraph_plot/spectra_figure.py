@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLACK
 
 if TYPE_CHECKING:
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
     from nodegraph_mocap.style import Look
 
     Line = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+_LETTERS = 24
+"""In a line of the legend."""
 
 
 def draw(lines: dict[str, Line], truth: Line | None, look: dict[str, Look]) -> Figure:
@@ -32,11 +36,11 @@ def draw(lines: dict[str, Line], truth: Line | None, look: dict[str, Look]) -> F
             markevery=0.12,
             markersize=4,
             linewidth=1.2,
-            label=name or "recording",
+            label=figure_text(name, across=_LETTERS, lines=2) or "recording",
         )
     if truth is not None:
         axis.plot(truth[0][1:], truth[1][1:], color=BLACK, linewidth=0.8, label="truth", zorder=5)
-    axis.set(xlabel="frequency (Hz)", ylabel="power (mm$^2$/Hz)", yscale="log")
+    axis.set(xlabel="frequency (Hz)", ylabel="power (mm\N{SUPERSCRIPT TWO}/Hz)", yscale="log")
     axis.spines[["top", "right"]].set_visible(False)
     figure.legend(loc="outside right upper", frameon=False)
     return figure

@@ -40,7 +40,8 @@ def trajectories(
     Where all recordings have the same measured samples, these are drawn once, in grey. Elsewhere
     each has its own line, with a symbol on every filled or repaired sample. Frames in which any
     recording has no measured sample are shaded. A line that strays from the measured samples and
-    the truth by more than one and a half times their range leaves the picture.
+    the truth by more than one and a half times their range leaves the picture. A sample between
+    two missing ones is a dot, and so is a frame alone.
 
     Parameters
     ----------
@@ -65,8 +66,8 @@ def trajectories(
     Raises
     ------
     ValueError
-        If a recording lacks a marker or a frame, the first frame is not before the last, or the
-        truth has another number of frames than a recording.
+        If a recording has no frames or no markers, lacks one that is asked for, the first frame is
+        after the last, or the truth has another number of frames than a recording.
     """
     from nodegraph_plot.trajectory_figure import draw
 
@@ -77,8 +78,8 @@ def trajectories(
     chosen = markers or (_most_made(by_name, truth, frames),)
     check_all_markers(by_name, chosen)
     window = _around_gap(by_name, chosen, truth) if frames is None else frames
-    if window[0] >= window[1]:
-        raise ValueError(f"frames are first and last, the first before the last; got {window}")
+    if window[0] > window[1]:
+        raise ValueError(f"frames are first and last, the first not after the last; got {window}")
     return draw(by_name, truth, named_looks(recordings), chosen, window, coordinates)
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLACK, LIGHT, PALE
 from nodegraph_plot.gathered import made, runs, true_positions
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 _STRAY = 1.5
 _BROAD = 3.0
 _LEGEND_COLUMNS = 4
+_LETTERS = 24
+"""In a line of the legend."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,7 @@ def draw(
         shading |= curves.shading
         for row, coordinate in enumerate(coordinates):
             _panel(axes[row, column], curves, "xyz".index(coordinate), look, list(recordings))
-        axes[0, column].set_title(marker)
+        axes[0, column].set_title(figure_text(marker))
         axes[-1, column].set_xlabel(f"frame (at {rate:g} Hz)")
     for row, coordinate in enumerate(coordinates):
         axes[row, 0].set_ylabel(f"{coordinate} (mm)")
@@ -135,12 +138,14 @@ def _panel(
         ends = curves.frames[[first, last]]
         axis.axvspan(ends[0] - 0.5, ends[1] + 0.5, color=PALE, linewidth=0, zorder=0)
     common = np.where(curves.common, values[0], np.nan)
-    axis.plot(curves.frames, common, color=LIGHT, linewidth=_BROAD, label="measured", zorder=2)
+    (grey,) = axis.plot(curves.frames, common, color=LIGHT, linewidth=_BROAD, label="measured")
     for place, name in enumerate(names):
         _line(axis, curves, place, values[place], look[name], name)
-    axis.plot(curves.frames, true, color=BLACK, linewidth=0.8, label="truth", zorder=5)
+    (black,) = axis.plot(curves.frames, true, color=BLACK, linewidth=0.8, label="truth")
+    grey.set(zorder=2, **_dots(common))
+    black.set(zorder=5, **_dots(true))
     _limit(axis, np.concatenate([values[curves.measured], true]), values)
-    axis.margins(x=0.01)
+    _along(axis, curves.frames)
     axis.spines[["top", "right"]].set_visible(False)
 
 
@@ -153,7 +158,8 @@ def _line(
     name: str,
 ) -> None:
     own = np.where(curves.own, values, np.nan)
-    axis.plot(curves.frames, own, look.line, color=look.colour, linewidth=1.1, label=name, zorder=3)
+    (line,) = axis.plot(curves.frames, own, look.line, color=look.colour, linewidth=1.1, label=name)
+    line.set(zorder=3, **_dots(own))
     filled = curves.made[place]
     axis.plot(
         curves.frames[filled],
@@ -165,6 +171,22 @@ def _line(
         label=f"{name}, filled",
         zorder=4,
     )
+
+
+def _dots(values: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the dots of a line, on samples without a neighbour: a line does not show them."""
+    known = np.pad(np.isfinite(values), 1)
+    alone = known[1:-1] & ~known[:-2] & ~known[2:]
+    return {"marker": "." if alone.any() else "", "markevery": np.flatnonzero(alone).tolist()}
+
+
+def _along(axis: Axes, frames: NDArray[np.intp]) -> None:
+    """Show the frames and no parts of any; one alone has some room on both sides."""
+    axis.margins(x=0.01)
+    if len(frames) == 1:
+        axis.set(xlim=(frames[0] - 1, frames[0] + 1), xticks=frames)
+    else:
+        axis.locator_params(axis="x", integer=True)
 
 
 def _limit(axis: Axes, steady: NDArray[np.float64], values: NDArray[np.float64]) -> None:
@@ -191,7 +213,7 @@ def _handles(
             linestyle=look[name].line,
             marker=look[name].marker,
             markersize=4,
-            label=name or "recording",
+            label=figure_text(name, across=_LETTERS, lines=2) or "recording",
         )
         for name in names
     ]

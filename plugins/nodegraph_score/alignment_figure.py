@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from nodegraph_mocap import figure_text
 from nodegraph_mocap.style import BLUE, PALE, VERMILLION
 from nodegraph_score.alignment_told import named
 
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Table
 
 _ACROSS = 5
+_LETTERS = 24
+"""In a line above a panel."""
+
 _WIDTH, _HEIGHT = 2.1, 2.3
 
 
@@ -34,7 +38,7 @@ def draw(table: Table, axes: tuple[str, ...]) -> Figure:
         axis.set_axis_off()
     for axis, part in zip(grid.ravel(), panels, strict=False):
         _panel(axis, part)
-        axis.set_title(named(part, axes), fontsize="medium")
+        axis.set_title(figure_text(named(part, axes), across=_LETTERS, lines=2), fontsize="medium")
     for axis in grid[:, 0]:
         axis.set_ylabel("share of variance")
     for axis in grid[-1]:

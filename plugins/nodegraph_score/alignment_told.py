@@ -16,22 +16,22 @@ _FEWEST = 2
 
 
 def answer(parts: Sequence[Table], axes: tuple[str, ...]) -> list[str]:
-    """Return what the components are, and how much head motion makes of the first."""
-    found: dict[str, list[str]] = {}
+    """Return what the components are and what head motion makes of them, like with like."""
+    alike: dict[str, list[Table]] = {}
     for part in parts:
-        found.setdefault(", ".join(part["finds"]), []).append(named(part, axes))
-    told = [
-        f"{what} in {', '.join(names)}" if any(names) else what for what, names in found.items()
-    ]
-    shares = [
-        f"{named(part, axes)} {_percent(first['head motion'])}, {_percent(first['in all'])}".strip()
-        for part in parts
-        for first in (part.iloc[0],)
-    ]
-    return [
-        f"PCA finds, in this order: {'; '.join(told)}.",
-        f"Of the first component, and of all variance, head motion makes: {'; '.join(shares)}.",
-    ]
+        alike.setdefault(", ".join(part["finds"]), []).append(part)
+    return [_sentence(finds, found, axes) for finds, found in alike.items()]
+
+
+def _sentence(finds: str, parts: Sequence[Table], axes: tuple[str, ...]) -> str:
+    names = ", ".join(filter(None, (named(part, axes) for part in parts)))
+    first, every = (
+        _percents([part[column].iloc[0] for part in parts]) for column in ("head motion", "in all")
+    )
+    return (
+        f"{names}{': ' if names else ''}PCA finds {finds}, in this order; head motion makes "
+        f"{first} of the first component and {every} of all variance."
+    )
 
 
 def named(part: Table, axes: tuple[str, ...]) -> str:
@@ -40,9 +40,10 @@ def named(part: Table, axes: tuple[str, ...]) -> str:
     return ", ".join(str(first[axis]) for axis in axes if first[axis] != "")
 
 
-def _percent(share: float) -> str:
+def _percents(shares: Sequence[float]) -> str:
     # Adding 0 takes the sign from a zero.
-    return f"{round(100 * share) + 0}%"
+    least, most = (round(100 * one) + 0 for one in (min(shares), max(shares)))
+    return f"{least}%" if least == most else f"{least} to {most}%"
 
 
 def left_out(recording: Trajectories, found: Components, moved: Movement) -> Iterator[str]:

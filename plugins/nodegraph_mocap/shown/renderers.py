@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph import Rendered, Renderer
 from nodegraph_mocap.shown.cells import Cell, Column, columns_of
+from nodegraph_mocap.shown.formulas import keep_what_is_no_formula
 from nodegraph_mocap.shown.stored_figure import StoredFigure
 from nodegraph_mocap.tables import Figure, Table
 
@@ -101,6 +102,7 @@ def saved(figure: Figure, form: str) -> bytes:
     undated = {"Date": None} if form == "svg" else {"CreationDate": None}
     # without a salt of its own, a drawing would have other ids each time
     with _DRAWING, mpl.rc_context({"svg.hashsalt": "nodegraph", "svg.fonttype": "none"}):
+        keep_what_is_no_formula(figure)
         figure.savefig(target, format=form, metadata=undated, bbox_inches="tight")
     return target.getvalue()
 

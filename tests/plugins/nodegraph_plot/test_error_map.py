@@ -90,6 +90,8 @@ def test_what_cannot_be_compared_is_an_error() -> None:
     truth = made_face.truth()
     with pytest.raises(ValueError, match="no recording has a sample"):
         error_map(across(one=made_face.gappy()), truth)
+    with pytest.raises(ValueError, match="b has no markers: there is nothing to draw"):
+        error_map(across(a=made_face.filled(1.0), b=truth.keep(())), truth)
     shorter = replace(truth, positions=truth.positions[:5], origin=truth.origin[:5])
     with pytest.raises(ValueError, match="the truth has 5 frames"):
         error_map(across(one=made_face.filled(1.0)), shorter)

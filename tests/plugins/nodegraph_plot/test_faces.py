@@ -134,6 +134,15 @@ def test_a_truth_of_another_length_is_refused() -> None:
         faces(across(a=made_face.truth()), short)
 
 
+def test_a_recording_without_frames_or_markers_is_refused() -> None:
+    whole = made_face.truth()
+    none = Trajectories(positions=whole.positions[:0], markers=whole.markers, rate=60.0)
+    with pytest.raises(ValueError, match="a has no frames: there is nothing to draw"):
+        faces(across(a=none))
+    with pytest.raises(ValueError, match="the recording has no markers: there is nothing"):
+        faces(Across((), (({}, whole.keep(())),)))
+
+
 def test_no_recording_is_refused() -> None:
     with pytest.raises(ValueError, match="no recording to draw"):
         faces(Across(("fill",), ()))

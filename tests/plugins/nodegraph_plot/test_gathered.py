@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, Trajectories
-from nodegraph_plot.gathered import telling
+from nodegraph_plot.gathered import named_looks, telling
 from nodegraph_plot.trajectories import trajectories
 
 FRAMES = 40
@@ -45,3 +47,14 @@ def test_the_marker_that_can_be_compared_is_drawn_by_default() -> None:
     recording, truth = half_known()
     figure = trajectories(Across.of({"a": recording}, axis="fill"), truth)
     assert "short" in figure.axes[0].get_title()
+
+
+def test_a_method_looks_the_same_whichever_others_are_drawn() -> None:
+    recording, _ = half_known()
+    fills = ("cubic", "linear", "muscle", "ridge")
+    every = named_looks(Across.of(dict.fromkeys(fills, recording), axis="fill"))
+    some = Across.of({"ridge": recording, "muscle": recording}, axis="recordings")
+    told = named_looks(replace(some, known={"recordings": fills}))
+    assert told["muscle"] == every["muscle"]
+    assert told["ridge"] == every["ridge"]
+    assert named_looks(some)["muscle"] != every["muscle"]

@@ -10,6 +10,7 @@ from pandas import DataFrame
 
 from nodegraph import Across
 from nodegraph_mocap import Table
+from nodegraph_mocap.shown.renderers import saved
 from nodegraph_plot.scatter import scatter
 
 
@@ -76,4 +77,22 @@ def test_names_that_are_not_there_are_told_with_what_is() -> None:
 def test_names_with_markup_are_drawn_as_text() -> None:
     table = DataFrame({"n": [1.0, 2.0]})
     figure = scatter(Across.of({"<b>$x$": table, "y": table}, axis="fill"), x="n")
-    assert figure.legends[0].get_texts()[0].get_text() == "<b>$x$"
+    assert figure.legends[0].get_texts()[0].get_text() == r"<b>\$x\$"
+
+
+def test_names_of_columns_and_units_are_drawn_as_text() -> None:
+    table = DataFrame({r"$\frac$": [1.0, 2.0], "_n": [1.0, 2.0]})
+    table.attrs["units"] = {"_n": "$"}
+    figure = scatter(Across.of({"a": table}, axis="fill"), x="_n", metric=r"$\frac$")
+    drawn = saved(figure, "svg").decode()
+    assert r">$\frac$<" in drawn
+    assert "_n ($)<" in drawn
+
+
+def test_no_row_and_no_number_are_an_empty_figure() -> None:
+    empty = DataFrame({"n": np.zeros(0), "rmse": np.zeros(0)})
+    assert len(points(scatter(Across.of({"a": empty}, axis="fill"), x="n"))["a"]) == 0
+    nowhere = DataFrame({"n": [1.0], "rmse": [np.nan]})
+    with pytest.warns(UserWarning, match="left out: a 1 of 1"):
+        figure = scatter(Across.of({"a": nowhere}, axis="fill"), x="n", metric="rmse")
+    assert saved(figure, "pdf")

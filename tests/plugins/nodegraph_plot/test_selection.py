@@ -144,6 +144,8 @@ def test_a_selection_needs_one_recording_that_has_its_markers() -> None:
         selection(swept(), twice)
     with pytest.raises(ValueError, match=r"lacks what is selected: mouth_l, mouth_r"):
         alone(chosen("nose", "mouth_l", "mouth_r"), made_face.truth().keep(["nose", "chin"]))
+    with pytest.raises(ValueError, match="the recording has no markers: there is nothing to draw"):
+        alone(chosen(), made_face.truth().keep(()))
     with pytest.raises(ValueError, match="no selection to draw"):
         selection(Across(("k",), ()), recordings("ME"))
 

@@ -134,7 +134,7 @@ def test_what_cannot_be_drawn_is_told() -> None:
 def test_nothing_but_missing_points_is_an_empty_panel() -> None:
     nothing = Trajectories(positions=np.full((1, 3, 3), np.nan), markers=tuple(X), rate=1.0)
     (axis,) = shapes(of(a=nothing), of(a=nothing)).axes
-    assert axis.get_title() == "a\nD = 0"
+    assert axis.get_title() == "a\nno point is in both"
 
 
 def test_it_keeps_the_promises_of_a_node() -> None:

@@ -88,3 +88,11 @@ def test_what_has_no_run_is_an_error() -> None:
     with pytest.raises(ValueError, match="raw has no marker 'nose'"):
         spectra(across(raw=noise(6)), markers=("nose",))
     assert set(lines(spectra(across(raw=noise(6)), noise(7)))) == {"raw", "truth"}
+
+
+def test_what_is_too_short_or_empty_is_told_by_name() -> None:
+    short = Trajectories(positions=np.ones((7, 1, 3)), markers=("m0",), rate=RATE)
+    with pytest.raises(ValueError, match="other is too short: 7 of at least 8 frames"):
+        spectra(across(raw=noise(0), other=short))
+    with pytest.raises(ValueError, match="raw has no markers: there is nothing to draw"):
+        spectra(across(raw=noise(0, markers=0)))

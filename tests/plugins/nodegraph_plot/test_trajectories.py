@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.colors import to_hex
 
 from nodegraph import Absent, Across
 from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap.shown.renderers import saved
 from nodegraph_mocap.style import looks
 from nodegraph_plot.trajectories import trajectories
 from tests.plugins.nodegraph_plot import made_face
@@ -122,12 +124,59 @@ def test_a_line_that_strays_does_not_flatten_the_rest() -> None:
     [
         ({"markers": ("ear", "nose")}, "lin has no marker 'ear'; it has nose, forehead"),
         ({"frames": (10, 99)}, "no frame 99 of lin: it has 40 frames, 0 to 39"),
-        ({"frames": (10, 10)}, "the first before the last"),
+        ({"frames": (10, 9)}, "the first not after the last"),
     ],
 )
 def test_what_there_is_not_is_named(settings: dict[str, Any], told: str) -> None:
     with pytest.raises(ValueError, match=told):
         trajectories(two(), **settings)
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_the_only_frame_is_a_dot(frames: int) -> None:
+    whole = made_face.truth()
+    short = replace(whole, positions=whole.positions[:frames], origin=whole.origin[:frames])
+    other = replace(short, positions=short.positions + 1.0)
+    for given in (across(a=short), across(a=short, b=other)):
+        figure = trajectories(given, short)
+        assert saved(figure, "svg")
+        label = "measured" if len(given) == 1 else "b"
+        for name in (label, "truth"):
+            line = curve(figure.axes[0], name)
+            assert line.get_markevery() == ([0] if frames == 1 else [])
+            assert line.get_marker() == ("." if frames == 1 else "")
+    low, high = figure.axes[0].get_xlim()
+    assert (low < 0, high > frames - 1) == (True, True)
+
+
+def test_one_frame_of_a_take_may_be_drawn() -> None:
+    axis = trajectories(two(), frames=(17, 17)).axes[0]
+    assert np.asarray(curve(axis, "lin").get_xdata()).tolist() == [17]
+
+
+def test_a_sample_between_two_missing_ones_is_a_dot() -> None:
+    positions = made_face.truth().positions.copy()
+    positions[[9, 11, 12, 20]] = np.nan
+    holed = Trajectories(positions=positions, markers=made_face.MARKERS, rate=60.0)
+    line = curve(trajectories(across(a=holed), frames=(5, 39)).axes[0], "measured")
+    assert (line.get_marker(), line.get_markevery()) == (".", [10 - 5])
+
+
+def test_what_has_nothing_to_draw_is_told() -> None:
+    whole = made_face.truth()
+    none = replace(whole, positions=whole.positions[:0], origin=whole.origin[:0])
+    with pytest.raises(ValueError, match="b has no frames: there is nothing to draw"):
+        trajectories(across(a=whole, b=none))
+    with pytest.raises(ValueError, match="a has no markers: there is nothing to draw"):
+        trajectories(across(a=whole.keep(())))
+
+
+def test_names_of_markers_are_drawn_as_text() -> None:
+    markers = (r"$\frac$", "_hidden", "pay $1 or $2")
+    take = replace(made_face.truth().keep(made_face.MARKERS[:3]), markers=markers, marker_set=None)
+    drawn = saved(trajectories(across(a=take), markers=markers), "svg").decode()
+    for name in markers:
+        assert f"{name}<" in drawn
 
 
 def test_recordings_without_a_common_marker_are_refused() -> None:

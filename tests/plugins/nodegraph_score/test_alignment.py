@@ -94,8 +94,8 @@ def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
     assert set(table["finds"]) == {"head motion"}
     assert (table["R"] > 0.99).all()
     assert table.attrs["answer"] == [
-        "PCA finds, in this order: head motion, head motion.",
-        "Of the first component, and of all variance, head motion makes: 100%, 100%.",
+        "PCA finds head motion, head motion, in this order; head motion makes 100% of the first "
+        "component and 100% of all variance.",
     ]
 
 
@@ -144,12 +144,23 @@ def test_each_recording_has_its_rows_and_is_in_the_answer() -> None:
     assert found.table["align"].tolist() == ["no"] * 3 + ["yes"] * 3
     assert found.table["component"].tolist() == [1, 2, 3] * 2
     assert found.table["in all"][3] == 0.0
-    first, shares = found.table.attrs["answer"]
-    assert first == (
-        "PCA finds, in this order: head motion, head motion, head motion in no; "
-        "face, face, face in yes."
+    moving, steady = found.table.attrs["answer"]
+    assert moving.startswith("no: PCA finds head motion, head motion, head motion, in this order;")
+    assert steady == (
+        "yes: PCA finds face, face, face, in this order; head motion makes 0% of the first "
+        "component and 0% of all variance."
     )
-    assert shares.endswith("; yes 0%, 0%.")
+
+
+def test_recordings_of_which_the_same_is_said_are_told_together() -> None:
+    where, take = motion(), captured(speech(), motion())
+    takes = of(one=take, other=captured(2.0 * speech(), motion()), still=recording(FACE + speech()))
+    table = alignment(takes, where, of(one=still(), other=still(), still=where)).table
+    told = table.attrs["answer"]
+    assert [one.partition(":")[0] for one in told] == ["one, other", "still"]
+    shares = table[(table["component"] == 1) & (table["align"] != "still")]["head motion"]
+    least, most = sorted(round(100 * share) for share in shares)
+    assert f"head motion makes {least} to {most}% of the first component" in told[0]
 
 
 def test_the_order_of_what_was_removed_does_not_matter() -> None:
