@@ -136,7 +136,7 @@ class Keys:
         return "they are made of results that are not stored"
 
     def _gathered(self, fed: Gathered, ended: Mapping[int, Ended]) -> list[str]:
-        parts = [repr(fed.axes)]
+        parts = [repr((fed.axes, fed.known))]
         for labels, output in fed.entries:
             there = ended.get(output.step)
             if there is None or there.state == "done":

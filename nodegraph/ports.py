@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
@@ -105,11 +105,14 @@ class Across(Generic[T_co]):
         In the order in which the graph lists the labels.
     absent : tuple of Absent
         Combinations that were refused, failed or skipped.
+    known : mapping of axis to labels
+        Every label that the graph has there, those that were not asked for included; see `labels`.
     """
 
     axes: tuple[str, ...]
     entries: tuple[tuple[Mapping[str, Label], T_co], ...]
     absent: tuple[Absent, ...] = ()
+    known: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
 
     @staticmethod
     def of(values: Mapping[Any, T], *, axis: str) -> Across[T]:
@@ -125,6 +128,16 @@ class Across(Generic[T_co]):
     def values(self) -> tuple[T_co, ...]:
         """Return the values alone, in order."""
         return tuple(value for _, value in self.entries)
+
+    def labels(self, axis: str) -> tuple[Label, ...]:
+        """Return every label that a gathered axis has in the graph, whichever are gathered here.
+
+        What is dealt in this order, such as colours, is the same for a method in every figure.
+        """
+        if axis in self.known:
+            return self.known[axis]
+        gathered = (*(labels for labels, _ in self), *(one.labels for one in self.absent))
+        return tuple(dict.fromkeys(labels.get(axis, "") for labels in gathered))
 
     def names(self) -> tuple[str, ...]:
         """Return one text per value: its labels that are not empty, joined by commas."""

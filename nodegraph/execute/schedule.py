@@ -257,7 +257,8 @@ class Schedule:
                 entries.append((labels, value))
             else:
                 absent.append(Absent(labels, outcome.cause, outcome.reason))
-        return Across(fed.axes, tuple(entries), tuple(absent))
+        known = dict(zip(fed.axes, fed.known, strict=True))
+        return Across(fed.axes, tuple(entries), tuple(absent), known)
 
 
 def _unread(plan: Plan) -> Iterator[int]:

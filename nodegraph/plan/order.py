@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from nodegraph.plan.steps import Gathered, Output, Step, StepInput
+from nodegraph.plan.steps import Output, Step, StepInput
 
 
 def lean_order(steps: list[Step]) -> list[int]:
@@ -57,4 +58,4 @@ def _moved_input(fed: StepInput, moved: Mapping[int, int]) -> StepInput:
     if isinstance(fed, Output):
         return Output(moved[fed.step], fed.position)
     entries = tuple((at, Output(moved[one.step], one.position)) for at, one in fed.entries)
-    return Gathered(fed.axes, entries, fed.absent)
+    return replace(fed, entries=entries)

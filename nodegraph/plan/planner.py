@@ -111,7 +111,22 @@ class _Planner:
         if not entries:
             return "everything that it gathers is left out"
         # a node of a graph that is used as a node knows its axes by the names they have there
-        return Gathered(tuple(map(node.inside, axes)), tuple(entries), tuple(absent))
+        inside = tuple(map(node.inside, axes))
+        return Gathered(inside, tuple(entries), tuple(absent), self._known(axes, fed))
+
+    def _known(self, axes: tuple[str, ...], fed: Gather) -> tuple[tuple[Label, ...], ...]:
+        """Return every label of each gathered axis.
+
+        Labels that a port gives of its own are, where they are those of an axis, that axis's.
+        """
+        own = {axis: self._labels(axis) for axis in axes if axis != fed.axis}
+        if fed.axis:
+            texts = set(fed.sources)
+            like = (one.labels for one in self._graph.axes.values())
+            own[fed.axis] = next(
+                (labels for labels in like if texts <= set(map(str, labels))), tuple(fed.sources)
+            )
+        return tuple(own[axis] for axis in axes)
 
     def _gathered_axes(self, node: GraphNode, fed: Gather) -> tuple[str, ...]:
         found = {axis for one in fed.sources.values() for axis in self._free(node, one)}

@@ -22,11 +22,21 @@ class Output:
 
 @dataclass(frozen=True, slots=True)
 class Gathered:
-    """What a gathering port takes: outputs with their labels, and combinations left out."""
+    """What a gathering port takes: outputs with their labels, and combinations left out.
+
+    Attributes
+    ----------
+    axes : tuple of str
+    entries : tuple of (labels, Output)
+    absent : tuple of (labels, reason)
+    known : tuple of labels per axis
+        Every label that the graph has there, whether or not it is among the entries.
+    """
 
     axes: tuple[str, ...]
     entries: tuple[tuple[Combination, Output], ...]
     absent: tuple[tuple[Combination, str], ...]
+    known: tuple[tuple[Label, ...], ...]
 
 
 StepInput = Output | Gathered

@@ -147,3 +147,24 @@ def test_a_result_is_kept_for_what_was_gathered_and_not_for_what_was_expected(
     text = text.replace("mm", "cm")
     assert run_of(text, **more)["d"].value == "1cm"
     assert run_of(text, **more)["d"].value == "3cm"
+
+
+@node("labels.told")
+def labels_told(parts: Across[float]) -> str:
+    return ", ".join(str(label) for label in parts.labels("parts"))
+
+
+def test_a_node_knows_labels_that_it_does_not_gather_and_its_key_knows_them_too(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    text = """
+        axes: {start: [10, 20]}
+        nodes:
+          a: {use: read.shaky, with: {start: $start}}
+          b: {use: labels.told, in: {parts: {"20": {from: a, at: {start: 20}}}}}
+        """
+    more = {"more": [shaky, labels_told], "store": tmp_path}
+    TIMES.clear()
+    assert run_of(text, **more)["b"].value == "10, 20"
+    assert run_of(text.replace("20]", "20, 30]"), **more)["b"].value == "10, 20, 30"
+    assert TIMES[20] == 1

@@ -100,6 +100,36 @@ def test_a_gathering_port_is_fed_in_the_order_of_the_labels(
     assert [at for at, _ in fed.entries] == list(made.cells["error"])
 
 
+def test_what_gathers_knows_every_label_of_its_axes(graph_of: Callable[..., Graph]) -> None:
+    made = plan(
+        graph_of(
+            f"""{TEXT.rstrip()}
+  some: {{use: compare.table, in: {{from: error, at: {{trial: 1}}}}}}
+  two:
+    use: compare.table
+    in:
+      scores:
+        pass: {{from: error, at: {{fill: pass, length: 5, trial: 1}}}}
+        hold: {{from: error, at: {{fill: hold, length: 5, trial: 1}}}}
+  own:
+    use: compare.table
+    in:
+      scores:
+        mine: {{from: error, at: {{fill: pass, length: 5, trial: 1}}}}
+        hold: {{from: error, at: {{fill: hold, length: 5, trial: 1}}}}
+"""
+        )
+    )
+    known = {}
+    for name in ("some", "two", "own"):
+        fed = made.steps[next(iter(made.cells[name].values()))].inputs["scores"]
+        assert isinstance(fed, Gathered)
+        known[name] = dict(zip(fed.axes, fed.known, strict=True))
+    assert known["some"] == {"length": (5, 15), "fill": ("hold", "scale", "pass")}
+    assert known["two"] == {"scores": ("hold", "scale", "pass")}
+    assert known["own"] == {"scores": ("mine", "hold")}
+
+
 def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> None:
     made = plan(
         graph_of(f"{TEXT}skip: [{{trial: 0, fill: [hold, pass]}}, {{trial: 2, length: 15}}]")

@@ -1,0 +1,56 @@
+"""A method has one colour in all figures of a graph, whichever others stand beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.colors import to_hex
+
+import nodegraph as ng
+
+GRAPH = """
+nodegraph: 1
+title: Do figures agree?
+axes: {trial: [0, 1, 2]}
+nodes:
+  face: {use: synthesize.face, with: {seconds: 2, markers: 20, missing: 0, impulses: 0}}
+  gaps: {use: gaps.cut, in: face.captured, with: {length: 5, count: 4, seed: $trial}}
+  fill: {in: gaps.gappy, alternatives: [fill.cubic, fill.guenter, fill.linear, fill.muscle]}
+  error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
+  table: {use: compare.table, in: error, with: {metric: rmse, compare: fill}}
+  two:
+    use: plot.spectra
+    in:
+      recordings:
+        muscle: {from: fill, at: {fill: muscle, trial: 0}}
+        guenter: {from: fill, at: {fill: guenter, trial: 0}}
+  scores:
+    use: compare.table
+    in:
+      scores:
+        muscle: {from: error, at: {fill: muscle}}
+        linear: {from: error, at: {fill: linear}}
+    with: {metric: rmse, compare: scores, within: [], blocks: [trial, gap]}
+report: [table, two, scores]
+"""
+
+
+def colours(figure: Any) -> dict[str, str]:
+    """Return the colour of every label that a figure draws."""
+    (axis,) = figure.axes
+    handles, labels = axis.get_legend_handles_labels()
+    drawn = [getattr(one, "lines", [one])[0] for one in handles]
+    return {name: to_hex(one.get_color()) for name, one in zip(labels, drawn, strict=True)}
+
+
+def test_what_is_drawn_of_some_looks_as_it_does_among_all(tmp_path: Path) -> None:
+    path = tmp_path / "graph.yaml"
+    path.write_text(GRAPH)
+    run = ng.run(path, store=None)
+    every = colours(run["table.figure"].value)
+    assert len(set(every.values())) == len(every) == 4
+    for figure in (run["two"].value, run["scores.figure"].value):
+        some = colours(figure)
+        assert len(some) == 2
+        assert some == {name: every[name] for name in some}
