@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
 import pluggy
 
 from nodegraph import hooks
 from nodegraph.errors import nearest
+from nodegraph.guarded import guarded
+from nodegraph.hook_objects import brief
 from nodegraph.plugins import Plugin, package_of, reason_of
+from nodegraph.source import Source
 
-_WORDS: Mapping[Any, str] = {str: "text", Iterable: "a list", Mapping: "a mapping"}
-"""What the types that hooks return are called."""
+_WORDS: Mapping[Any, str] = {
+    str: "a text",
+    type: "a type",
+    Path: "a path",
+    Iterable: "a list",
+    Mapping: "a mapping",
+    Callable: "a function",
+}
+"""What the types of what hooks return are called."""
 
 
 def manager(plugins: list[Plugin]) -> pluggy.PluginManager:
-    """Return a pluggy manager in which the plugins are registered."""
+    """Return a pluggy manager in which the plugins are registered.
+
+    Parameters
+    ----------
+    plugins
+        One whose hooks take arguments is told and left out.
+    """
     made = pluggy.PluginManager(hooks.GROUP)
     made.add_hookspecs(hooks)
     for plugin in plugins:
@@ -32,65 +49,138 @@ def manager(plugins: list[Plugin]) -> pluggy.PluginManager:
     return made
 
 
-def results(made: pluggy.PluginManager, hook: str) -> Iterator[tuple[str, Any]]:
-    """Yield each plugin's name and what its hook returns, the last plugin first.
+def results(made: pluggy.PluginManager, hook: str) -> Iterator[tuple[Source, Any]]:
+    """Yield who brings something by a hook, and what it returns, the last plugin first.
 
     A hook that raises, or returns something of another kind than its specification says, is told
     and left out; those of the other plugins go on.
+
+    Parameters
+    ----------
+    made
+        Of `manager`.
+    hook
+        Its name.
     """
     kind = _kinds()[hook]
     for one in reversed(getattr(made.hook, hook).get_hookimpls()):
+        source = Source(one.plugin_name, hook, package_of(one.function))
         try:
             returned = one.function()
             is_list = kind is Iterable and not isinstance(returned, str | Mapping)
             found = tuple(returned) if is_list and isinstance(returned, Iterable) else returned
         except (Exception, SystemExit) as error:
-            reason = reason_of(error, package_of(one.function))
+            reason = reason_of(error, source.package)
             _tell(one.plugin_name, f"its hook {hook} is", reason)
             continue
         if isinstance(found, tuple if kind is Iterable else kind):
-            yield one.plugin_name, found
+            yield source, found
         else:
             said = f"it returned {type(found).__name__} where {_WORDS[kind]} is due"
             _tell(one.plugin_name, f"its hook {hook} is", said)
 
 
 def listed(made: pluggy.PluginManager, hook: str, kind: type) -> tuple[Any, ...]:
-    """Return what the plugins' hooks list, the last plugin first; what is of another type is told.
+    """Return what the plugins' hooks list, guarded, the last plugin first.
 
     Parameters
     ----------
     made
+        Of `manager`.
     hook
+        Its name.
     kind
-        What each must be.
+        What each must be; what is of another type is told and left out.
     """
-    found = []
-    for name, many in results(made, hook):
-        for one in many:
-            if isinstance(one, kind):
-                found.append(one)
-            else:
-                said = f"{one!r} is not a {kind.__name__}"
-                _tell(name, f"what {hook} lists is", said)
-    return tuple(found)
+    brought = results(made, hook)
+    return tuple(
+        guarded(one, source) for source, many in brought for one in only(many, kind, source)
+    )
 
 
-def named(made: pluggy.PluginManager, hook: str) -> dict[str, Any]:
-    """Return what the plugins' hooks give by name; a name that is taken is told and left out."""
+def named(
+    made: pluggy.PluginManager,
+    hook: str,
+    kind: Any,
+    guard: Callable[[str, Any, Source], Any] = lambda name, one, source: one,
+) -> dict[str, Any]:
+    """Return what the plugins' hooks give by name; the first plugin's stays.
+
+    Parameters
+    ----------
+    made
+        Of `manager`.
+    hook
+        Its name.
+    kind
+        What each must be: a path, a function; what is none, or has no text for a name, or one
+        that is taken, is told and left out.
+    guard
+        Returns each guarded, ``guard(name, one, source)``.
+    """
     found: dict[str, Any] = {}
     owner: dict[str, str] = {}
-    for name, many in reversed(list(results(made, hook))):
-        for key, one in many.items():
-            if key in owner:
-                _tell(name, f"{key!r} of {hook} is", f"plugin {owner[key]!r} has that name")
+    for source, many in reversed(list(results(made, hook))):
+        for name, one in fitting(many, str, kind, source):
+            if name in owner:
+                why = f"plugin {owner[name]!r} has that name"
+                _tell(source.plugin, f"{name!r} of {hook} is", why)
             else:
-                found[key], owner[key] = one, name
+                found[name], owner[name] = guard(name, one, source), source.plugin
     return found
 
 
+def only(many: Iterable[Any], kind: Any, source: Source) -> Iterator[Any]:
+    """Yield those of many that are of the type that is due; the others are told and left out.
+
+    Parameters
+    ----------
+    many
+        What a hook listed.
+    kind
+        What each must be.
+    source
+        Whose hook it was.
+    """
+    due = _WORDS.get(kind) or f"a {kind.__name__}"
+    for one in many:
+        if isinstance(one, kind):
+            yield one
+        else:
+            why = f"{brief(one)} is not {due}"
+            _tell(source.plugin, f"what {source.hook} lists is", why)
+
+
+def fitting(many: Mapping[Any, Any], key: type, kind: Any, source: Source) -> Iterator[Any]:
+    """Yield those items that are of the types that are due; the others are told and left out.
+
+    Parameters
+    ----------
+    many
+        What a hook returned.
+    key, kind
+        What each key and each value must be.
+    source
+        Whose hook it was.
+    """
+    for one, value in many.items():
+        due = _WORDS[kind] if isinstance(one, key) else _WORDS[key]
+        if isinstance(one, key) and isinstance(value, kind):
+            yield one, value
+        else:
+            wrong = value if isinstance(one, key) else one
+            what = f"{brief(one)} of {source.hook} is"
+            _tell(source.plugin, what, f"{brief(wrong)} is not {due}")
+
+
 def has_other_hooks(plugin: Plugin) -> bool:
-    """Return whether a plugin brings anything else than nodes."""
+    """Return whether a plugin brings anything else than nodes.
+
+    Parameters
+    ----------
+    plugin
+        One that was imported.
+    """
     return any(hasattr(plugin.module, name) for name in _kinds() if name != "nodegraph_nodes")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import sys
 import time
@@ -30,11 +31,14 @@ class Plugin:
         What implements the hooks.
     distribution : str
         Name and version of the package that installed it; empty for a file.
+    digest : str
+        SHA-256 of the file, as it was when it was imported; empty for a package.
     """
 
     name: str
     module: Any
     distribution: str = ""
+    digest: str = ""
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,7 @@ def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
     if before is None or LOADED in vars(before):
         sys.modules[path.stem] = module  # classes of its values are found there by name
     try:
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         if sys.modules.get(path.stem) is module:
@@ -107,11 +112,16 @@ def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
             sys.modules.update({path.stem: before} if before else {})
         reason = reason_of(error, path.stem)
         raise NodegraphError(f"{path}: the plugin does not import: {reason}") from error
-    return Plugin(path.stem, _with_nodes(module, but))
+    return Plugin(path.stem, _with_nodes(module, but), digest=digest)
 
 
 def nodes_of(plugin: Plugin) -> tuple[Any, ...]:
     """Return the functions that a plugin gives as its nodes.
+
+    Parameters
+    ----------
+    plugin
+        One that was imported.
 
     Raises
     ------
@@ -132,7 +142,13 @@ def nodes_of(plugin: Plugin) -> tuple[Any, ...]:
 
 
 def said_by(error: BaseException) -> str:
-    """Return what an error says; its kind too, if it is not written for users."""
+    """Return what an error says; its kind too, if it is not written for users.
+
+    Parameters
+    ----------
+    error
+        Anything that was raised.
+    """
     own = isinstance(error, NodegraphError)
     return str(error) if own else f"{type(error).__name__}: {error}"
 
@@ -157,7 +173,15 @@ def _distribution(entry: EntryPoint) -> str:
 
 
 def reason_of(error: BaseException, package: str) -> str:
-    """Return what an error of a plugin says, and where in the plugin's own code it arose."""
+    """Return what an error of a plugin says, and where in the plugin's own code it arose.
+
+    Parameters
+    ----------
+    error
+        What was raised.
+    package
+        Whose code is the plugin's own.
+    """
     file, line = _place(error, package)
     return said_by(error) + (f" ({file}:{line})" if file else "")
 
@@ -172,7 +196,13 @@ def _place(error: BaseException, package: str) -> tuple[str, int]:
 
 
 def package_of(hook: Any) -> str:
-    """Return the package whose code a hook is."""
+    """Return the package whose code a hook is.
+
+    Parameters
+    ----------
+    hook
+        A function.
+    """
     return _package(getattr(hook, "__module__", ""))
 
 

@@ -6,19 +6,15 @@ import warnings
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from nodegraph import asked, hooks, plugins
+from nodegraph import asked, plugins
+from nodegraph.brought import Brought
 from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, nearest
 from nodegraph.node import Node, node_of
 from nodegraph.plugins import BrokenPlugin, HookError, Plugin
-
-if TYPE_CHECKING:
-    import pluggy
-
-    from nodegraph.hooks import Comparison, Conclusion, Renderer, Storage
 
 
 @dataclass(frozen=True)
@@ -36,16 +32,28 @@ class Registered:
 
 
 @dataclass
-class Registry:
-    """Everything that the plugins bring."""
+class Registry(Brought):
+    """Everything that the plugins bring: nodes by their names, and all else.
 
-    loaded: list[Plugin] = field(default_factory=list)
+    Attributes
+    ----------
+    loaded : list of Plugin
+        Those whose hooks are asked.
+    broken : list of BrokenPlugin
+        Those that are left out.
+    """
+
     broken: list[BrokenPlugin] = field(default_factory=list)
     _by_name: dict[str, list[Registered]] = field(default_factory=lambda: defaultdict(list))
 
     @classmethod
     def installed(cls, files: Iterable[Path] = ()) -> Registry:
         """Return the registry of all installed plugins and of the named files.
+
+        Parameters
+        ----------
+        files
+            Python files that are plugins as well.
 
         Raises
         ------
@@ -67,7 +75,15 @@ class Registry:
 
     @classmethod
     def of(cls, functions: Iterable[Callable[..., Any]], *, plugin: str = "given") -> Registry:
-        """Return a registry of these nodes alone, for tests."""
+        """Return a registry of these nodes alone, for tests.
+
+        Parameters
+        ----------
+        functions
+            Decorated with `nodegraph.node`.
+        plugin
+            Who is said to have brought them.
+        """
         registry = cls()
         registry._add_nodes(plugin, "", functions)
         return registry
@@ -78,6 +94,11 @@ class Registry:
 
     def find(self, name: str) -> Registered:
         """Return the node of that name.
+
+        Parameters
+        ----------
+        name
+            ``family.method``, or ``plugin:family.method``.
 
         Raises
         ------
@@ -100,6 +121,11 @@ class Registry:
         """Return every method of a family by its label.
 
         Two methods of one name are labelled ``plugin:method``.
+
+        Parameters
+        ----------
+        family
+            The first word of its nodes' names.
         """
         methods: dict[str, Registered] = {}
         for name in sorted(self._by_name):
@@ -115,64 +141,14 @@ class Registry:
         """The families that there are."""
         return tuple(sorted({name.partition(".")[0] for name in self._by_name}))
 
-    @cached_property
-    def hooks(self) -> pluggy.PluginManager:
-        """The pluggy manager of the loaded plugins."""
-        return asked.manager(self.loaded)
-
-    @cached_property
-    def renderers(self) -> tuple[Renderer, ...]:
-        """How values appear in a report; the last plugin comes first."""
-        return asked.listed(self.hooks, "nodegraph_renderers", hooks.Renderer)
-
-    @cached_property
-    def comparisons(self) -> tuple[Comparison, ...]:
-        """How values are told apart; the last plugin comes first."""
-        return asked.listed(self.hooks, "nodegraph_comparisons", hooks.Comparison)
-
-    @cached_property
-    def conclusions(self) -> tuple[Conclusion, ...]:
-        """What a study concludes from values; the last plugin comes first."""
-        return asked.listed(self.hooks, "nodegraph_conclusions", hooks.Conclusion)
-
-    @cached_property
-    def storages(self) -> tuple[Storage, ...]:
-        """How values are kept; the last plugin comes first."""
-        return asked.listed(self.hooks, "nodegraph_storages", hooks.Storage)
-
-    @cached_property
-    def executors(self) -> Mapping[str, Callable[..., Any]]:
-        """Ways to compute steps that plugins bring, by name."""
-        return asked.named(self.hooks, "nodegraph_executors")
-
-    @cached_property
-    def bibtex(self) -> tuple[str, ...]:
-        """The BibTeX that each plugin ships."""
-        return tuple(text for _, text in asked.results(self.hooks, "nodegraph_bibtex"))
-
-    @cached_property
-    def graphs(self) -> Mapping[str, Path]:
-        """Example graphs by name."""
-        paths = asked.listed(self.hooks, "nodegraph_graphs", Path)
-        return {path.stem: path for path in sorted(paths)}
-
-    @cached_property
-    def templates(self) -> Mapping[str, Path]:
-        """What ``nodegraph new`` writes: folders by kind."""
-        return asked.named(self.hooks, "nodegraph_templates")
-
-    def place(self, path: str) -> Path | None:
-        """Return where ``scheme:name`` lies, or None when no plugin has the scheme."""
-        scheme, _, name = path.partition(":")
-        finder = self._places.get(scheme) if name else None
-        return finder(name) if finder else None
-
-    @cached_property
-    def _places(self) -> Mapping[str, Callable[[str], Path]]:
-        return asked.named(self.hooks, "nodegraph_places")
-
     def without(self, hidden: Callable[[Registered], bool]) -> Registry:
-        """Return the registry as if some of its nodes were not there."""
+        """Return the registry as if some of its nodes were not there.
+
+        Parameters
+        ----------
+        hidden
+            Tells of each node whether it is left out.
+        """
         kept = {
             name: [one for one in claimed if not hidden(one)]
             for name, claimed in self._by_name.items()
@@ -237,6 +213,11 @@ def default_registry() -> Registry:
 
 def get_node(name: str) -> Callable[..., Any]:
     """Return an installed node's function, to be called as it is.
+
+    Parameters
+    ----------
+    name
+        ``family.method``, or ``plugin:family.method``.
 
     Raises
     ------

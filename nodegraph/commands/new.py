@@ -29,6 +29,9 @@ def new(arguments: Namespace) -> int:
             f"nothing new of kind {arguments.kind!r}; {nearest(arguments.kind, templates)}"
         )
     files = _filled(templates[arguments.kind], arguments.name)
+    if not files:
+        folder = templates[arguments.kind]
+        raise NodegraphError(f"{folder}: the template {arguments.kind!r} of a plugin has no files")
     if any(path.suffix == ".py" for path in files):
         _check_package_name(arguments.name, registry)
     else:
@@ -109,6 +112,9 @@ def _filled(folder: Path, name: str) -> dict[Path, str]:
     made: dict[Path, str] = {}
     for source in sorted(path for path in folder.rglob("*") if path.is_file()):
         inside = source.relative_to(folder).as_posix().replace(_PLACE, name)
-        text = source.read_text(encoding="utf-8")
+        try:
+            text = source.read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise NodegraphError(f"{source}: a template's files are text in UTF-8") from error
         made[Path(inside.removesuffix(_SUFFIX))] = text.replace(_PLACE, name)
     return made

@@ -18,6 +18,7 @@ def show(arguments: Namespace) -> int:
 def _shown(found: Registered, registry: Registry) -> str:
     from nodegraph.bibliography import references
     from nodegraph.describe import describe_settings, without_parameters
+    from nodegraph.example import has_example
 
     node = found.node
     ports = [("in", str(port)) for port in node.inputs] + [
@@ -32,6 +33,18 @@ def _shown(found: Registered, registry: Registry) -> str:
         rows = [(one.name, one.default, one.unit, one.kind, one.meaning) for one in settings]
         parts.append(columns([head, *rows]))
     parts.append(without_parameters(node.doc))
+    if not has_example(node):
+        parts.append(_example(found, registry))
     cited = references(registry.bibtex, node.cite).values()
     parts.append("cite: " + ("\n      ".join(cited) or "nothing"))
     return "\n\n".join(parts)
+
+
+def _example(found: Registered, registry: Registry) -> str:
+    from nodegraph.example import example_of
+
+    claimed = [one for one in registry if one.node.name == found.node.name]
+    text = example_of(found.node, found.full_name if len(claimed) > 1 else "")
+    return "\n".join(
+        ["example, among the nodes of a graph:", *(f"  {line}" for line in text.splitlines())]
+    )

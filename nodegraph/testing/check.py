@@ -6,10 +6,10 @@ import inspect
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from nodegraph.asked import results
 from nodegraph.hooks import Contract, Tried
 from nodegraph.node import Node, node_of
 from nodegraph.registry import Registry, default_registry
+from nodegraph.source import Source
 from nodegraph.testing.citations import citation_faults
 from nodegraph.testing.declaration import declaration_faults, unreadable
 from nodegraph.testing.faults import Faults
@@ -36,7 +36,8 @@ def check_node(
     as they were, and so the process: it prints nothing, writes no file, lets no RuntimeWarning of
     numpy out, changes no environment, folder, filter of warnings or setting of numpy and
     matplotlib. On each, its tables have no columns but those that it declares, if it does, and the
-    contracts of its family hold. It does something on at least one.
+    contracts of its family hold. It does not decline all of them; whether it does anything to
+    those that it takes is not asked, as a fill of a recording without gaps does nothing either.
 
     Parameters
     ----------
@@ -123,7 +124,7 @@ def _try(
     registry: Registry,
     faults: Faults,
 ) -> None:
-    contracts = _contracts(node.family, registry)
+    contracts = list(registry.contracts(node.family))
     declined: list[str] = []
     done = 0
     for specimen, values in cases(node, inputs, registry):
@@ -134,8 +135,8 @@ def _try(
         elif made is not None:
             done += 1
             _compare_columns(trial, made)
-            for contract in contracts:
-                _hold(contract, trial, made)
+            for source, contract in contracts:
+                _hold(contract, source, trial, made)
     if not done and not faults:
         faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
 
@@ -152,13 +153,9 @@ def _compare_columns(trial: Trial, outputs: Mapping[str, Any]) -> None:
             )
 
 
-def _contracts(family: str, registry: Registry) -> list[Contract]:
-    every = results(registry.hooks, "nodegraph_contracts")
-    return [one for _, promised in every for one in promised.get(family, ())]
-
-
-def _hold(contract: Contract, trial: Trial, outputs: Mapping[str, Any]) -> None:
-    promise = (inspect.getdoc(contract) or contract.__name__).partition("\n")[0].rstrip(".")
+def _hold(contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, Any]) -> None:
+    name = getattr(contract, "__name__", repr(contract))
+    promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
     family = trial.node.family
     described = trial.node.settings
     defaults = {name: one.default for name, one in described.items() if not one.required}
@@ -168,6 +165,6 @@ def _hold(contract: Contract, trial: Trial, outputs: Mapping[str, Any]) -> None:
     try:
         broken = list(contract(tried))
     except Exception as error:
-        broken = [f"{type(error).__name__}: {error}"]
+        broken = [source.failed(name, error)]
     for detail in broken:
         trial.fault(f"breaks what every {family}.* node promises: {promise}", detail)

@@ -13,7 +13,13 @@ _OTHER_NAMES_OF_SEED = {"rng", "random", "random_seed", "random_state", "generat
 
 
 def unreadable(node: Node) -> str:
-    """Return why the signature is not a node's, or an empty text."""
+    """Return why the signature is not a node's, or an empty text.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
     try:
         node.check()
     except NodeError as error:
@@ -22,7 +28,15 @@ def unreadable(node: Node) -> str:
 
 
 def declaration_faults(node: Node, given: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what name, docstring and settings lack; `given` are values for settings."""
+    """Yield what name, docstring and settings lack; `given` are values for settings.
+
+    Parameters
+    ----------
+    node
+        One that can be read.
+    given
+        Values for settings.
+    """
     if not node.summary.strip():
         yield "has no docstring: say in its first line what the method does; users see it in lists"
     meanings = port_meanings(node)

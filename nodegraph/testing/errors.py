@@ -46,7 +46,13 @@ def fault_of(error: BaseException, given: object) -> str:
 
 
 def told(error: BaseException) -> str:
-    """Return an error with the file and line that raised it."""
+    """Return an error with the file and line that raised it.
+
+    Parameters
+    ----------
+    error
+        One that was raised.
+    """
     last = traceback.extract_tb(error.__traceback__)[-1]
     said = str(error) or "no message"
     return f"{type(error).__name__}: {said} ({Path(last.filename).name}:{last.lineno})"

@@ -13,7 +13,17 @@ class Faults:
         return bool(self._found)
 
     def add(self, fault: str, *, specimen: str = "", detail: str = "") -> None:
-        """Note a fault: what is wrong and what to change, where it shows, and how."""
+        """Note a fault: what is wrong and what to change, where it shows, and how.
+
+        Parameters
+        ----------
+        fault
+            What is wrong, and what to change.
+        specimen
+            On which it shows.
+        detail
+            How it shows there.
+        """
         self._found.setdefault(fault, []).append((specimen, detail))
 
     def text(self) -> str:

@@ -14,6 +14,13 @@ def arrays(value: Any, name: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
     """Yield the arrays of numbers in a value, each named as one would write it.
 
     Looks into dataclasses, sequences, mappings and pandas tables.
+
+    Parameters
+    ----------
+    value
+        Anything; arrays are looked for inside of it.
+    name
+        What it is called.
     """
     if isinstance(value, (np.ndarray, float)):
         array = np.asarray(value)
@@ -36,7 +43,13 @@ def _parts(value: Any) -> Iterable[tuple[str, Any]]:
 
 
 def infinite(values: Mapping[str, Any]) -> str:
-    """Return the place of an infinite number in values by name, or an empty text."""
+    """Return the place of an infinite number in values by name, or an empty text.
+
+    Parameters
+    ----------
+    values
+        Values by name.
+    """
     for place, array in _of_all(values):
         if array.dtype.kind in "fc" and np.isinf(array).any():
             index = ", ".join(str(one) for one in np.argwhere(np.isinf(array))[0])
@@ -45,7 +58,13 @@ def infinite(values: Mapping[str, Any]) -> str:
 
 
 def oddities(value: Any) -> set[str]:
-    """Return what is odd about the numbers of a value: infinite, missing, or missing in part."""
+    """Return what is odd about the numbers of a value: infinite, missing, or missing in part.
+
+    Parameters
+    ----------
+    value
+        Anything; numbers are looked for inside of it.
+    """
     found: set[str] = set()
     for _, array in arrays(value):
         if array.dtype.kind in "fc" and not np.isfinite(array).all():
@@ -57,7 +76,15 @@ def oddities(value: Any) -> set[str]:
 
 
 def kept_between(one: Mapping[str, Any], other: Mapping[str, Any], given: Mapping[str, Any]) -> str:
-    """Return which array the outcomes of two calls share that no input has, or an empty text."""
+    """Return which array the outcomes of two calls share that no input has, or an empty text.
+
+    Parameters
+    ----------
+    one, other
+        What came out of two calls, by port.
+    given
+        What went in, whose arrays may come out again.
+    """
     theirs = [array for _, array in _of_all(given)]
     for (place, first), (_, second) in zip(_of_all(one), _of_all(other), strict=False):
         if _overlap(first, second) and not any(_overlap(first, array) for array in theirs):

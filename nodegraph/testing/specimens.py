@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from nodegraph.asked import results
 from nodegraph.node import Node
 from nodegraph.ports import Absent, Across, Port
 from nodegraph.registry import Registry
@@ -17,17 +16,34 @@ _LACKING = Absent({_AXIS: "third"}, "refused", "needs one complete frame")
 
 
 def specimens_of(kind: type, registry: Registry) -> dict[str, Any]:
-    """Return the specimens, by name, that a port of that type can take."""
+    """Return the specimens, by name, that a port of that type can take.
+
+    Parameters
+    ----------
+    kind
+        A port's type; specimens of its subclasses fit as well.
+    registry
+        Whose plugins ship them.
+    """
     made: dict[str, Any] = {}
-    for _, makers in results(registry.hooks, "nodegraph_specimens"):
-        for held, make in makers.items():
-            if issubclass(held, kind):
-                made.update(make())
+    for held, make in registry.specimens():
+        if issubclass(held, kind):
+            made.update(make())
     return made
 
 
 def without_specimens(node: Node, given: Inputs, registry: Registry) -> tuple[Port, ...]:
-    """Return the ports that must be fed and for whose type no plugin ships a specimen."""
+    """Return the ports that must be fed and for whose type no plugin ships a specimen.
+
+    Parameters
+    ----------
+    node
+        Whose ports are fed.
+    given
+        Values for ports that need no specimen.
+    registry
+        Whose plugins ship specimens.
+    """
     return tuple(
         port
         for port in node.inputs
@@ -40,6 +56,15 @@ def cases(node: Node, given: Inputs, registry: Registry) -> Iterator[tuple[str, 
 
     A type that lacks a specimen of that name gives its first; `given` values are always taken.
     The last case leaves the optional ports open.
+
+    Parameters
+    ----------
+    node
+        Whose ports are fed.
+    given
+        Values for ports, taken in every case.
+    registry
+        Whose plugins ship specimens.
     """
     known = {port: specimens_of(port.type, registry) for port in node.inputs}
     fed = {port: made for port, made in known.items() if made and port.name not in given}

@@ -43,7 +43,15 @@ class Trial:
     faults: Faults
 
     def fault(self, text: str, detail: str = "") -> None:
-        """Note a fault that this specimen shows."""
+        """Note a fault that this specimen shows.
+
+        Parameters
+        ----------
+        text
+            What is wrong, and what to change.
+        detail
+            How it shows.
+        """
         self.faults.add(text, specimen=self.specimen, detail=detail)
 
     def outputs(self) -> Mapping[str, Any] | str | None:
@@ -98,7 +106,15 @@ class Trial:
     def again(
         self, settings: Mapping[str, Any] | None = None, /, **inputs: Any
     ) -> Mapping[str, Any] | None:
-        """Call the node with some settings and inputs exchanged; None where it declines."""
+        """Call the node with some settings and inputs exchanged; None where it declines.
+
+        Parameters
+        ----------
+        settings
+            Those that are exchanged.
+        **inputs
+            Those that are exchanged, by port.
+        """
         try:
             with _quiet():
                 returned = self.node.function(

@@ -12,6 +12,11 @@ def variants(node: Node) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Yield settings to test a node with, each with a name: none, then one choice at a time.
 
     A choice is one of a `Literal`, or true or false.
+
+    Parameters
+    ----------
+    node
+        Any.
     """
     yield "", {}
     for setting in node.settings.values():
@@ -21,7 +26,13 @@ def variants(node: Node) -> Iterator[tuple[str, Mapping[str, Any]]]:
 
 
 def examples(node: Node) -> Mapping[str, Any]:
-    """Return a value for each setting that has no default but an example in its `Field`."""
+    """Return a value for each setting that has no default but an example in its `Field`.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
     found = {}
     for name, setting in node.settings.items():
         given = node.model.model_fields[name].examples if setting.required else None

@@ -119,7 +119,7 @@ def test_what_else_plugins_bring_is_put_together(
     )
     assert set(registry.bibtex) == {"@misc{a}", "@misc{b}"}
     assert registry.graphs == {"fill": Path("x/fill.yaml")}
-    assert registry.renderers == (shown,)
+    assert [one.type for one in registry.renderers] == [shown.type]
     assert registry.place("sample:face") == tmp_path / "face"
     assert registry.place("other:face") is None
     assert registry.place("face.c3d") is None
@@ -182,12 +182,28 @@ NONSENSE: dict[str, tuple[dict[str, Any], str, str]] = {
     "a list for a text": (
         {"nodegraph_bibtex": lambda: ["@misc{a}"]},
         "bibtex",
-        "its hook nodegraph_bibtex is left out: it returned list where text is due",
+        "its hook nodegraph_bibtex is left out: it returned list where a text is due",
     ),
     "something else in the list": (
         {"nodegraph_renderers": lambda: [float]},
         "renderers",
         "what nodegraph_renderers lists is left out: <class 'float'> is not a Renderer",
+    ),
+    "a text for a type": (
+        {"nodegraph_renderers": lambda: [Renderer("float", print)]},  # type: ignore[arg-type]
+        "renderers",
+        r"its hook nodegraph_renderers is left out: TypeError: Renderer: type must be a type, not "
+        r"'float' \(test_registry.py:\d+\)",
+    ),
+    "no path for a template": (
+        {"nodegraph_templates": lambda: {"mine": 3}},
+        "templates",
+        "'mine' of nodegraph_templates is left out: 3 is not a path",
+    ),
+    "no text for a name": (
+        {"nodegraph_templates": lambda: {7: Path("mine")}},
+        "templates",
+        "7 of nodegraph_templates is left out: 7 is not a text",
     ),
 }
 
@@ -209,9 +225,11 @@ def test_a_hook_that_fails_or_returns_nonsense_is_told_and_the_rest_go_on(
     registry = install(plugin("bad", other, **broken), good)
     with pytest.warns(UserWarning, match=f"plugin 'bad': {said}"):
         found = getattr(registry, what)
+    if what == "renderers":
+        found = tuple(one.type for one in found)
     whole = {
         "bibtex": ("@misc{b}",),
-        "renderers": (shown,),
+        "renderers": (float,),
         "graphs": {"fill": Path("x/fill.yaml")},
         "templates": {"lips": Path("lips")},
     }

@@ -1,0 +1,106 @@
+"""What is wrong with a plugin's hooks is told as such, and never raised raw by a node's test."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import nodegraph_mocap
+from nodegraph import hookimpl, node
+from nodegraph.plugins import Plugin
+from nodegraph.registry import Registry
+from nodegraph.testing import check_node
+from nodegraph_mocap import Trajectories
+
+
+@node("hold.on", cite="mine2026")
+def cites(recording: Trajectories) -> Trajectories:
+    """Hold on."""
+    return recording
+
+
+@node("hold.still")
+def holds(recording: Trajectories) -> Trajectories:
+    """Hold still."""
+    return recording
+
+
+def registry_with(hook: str, function: Any, *nodes: Any) -> Registry:
+    """Return a registry with a plugin that has one hook, beside the one that ships specimens."""
+    module = type("bad_module", (), {hook: staticmethod(hookimpl(function))})
+    made = Registry.of(nodes, plugin="bad")
+    made.loaded.extend([Plugin("mocap", nodegraph_mocap), Plugin("bad", module)])
+    return made
+
+
+def faults_of(function: Any, registry: Registry) -> str:
+    with pytest.raises(AssertionError) as caught:
+        check_node(function, registry=registry)
+    return str(caught.value)
+
+
+def raising() -> Any:
+    raise RuntimeError("out of ink")
+
+
+@pytest.mark.parametrize(
+    ("hook", "said"),
+    [
+        (raising, "RuntimeError: out of ink (test_bad_hooks.py:"),
+        (lambda: None, "it gave NoneType where a text is due"),
+        (lambda: ["@misc{mine2026}"], "it gave list where a text is due"),
+    ],
+)
+def test_bibtex_that_cannot_be_had_is_a_fault_with_a_sentence(hook: Any, said: str) -> None:
+    text = faults_of(cites, registry_with("nodegraph_bibtex", hook, cites))
+    assert f"- its plugin's hook nodegraph_bibtex failed: {said}" in text
+    assert "mend it, or nobody learns what the node cites" in text
+
+
+def test_a_contract_that_fails_is_told_with_its_plugin_and_line() -> None:
+    def stays(tried: Any) -> Any:
+        """Stay."""
+        raise RuntimeError("out of ink")
+
+    text = faults_of(holds, registry_with("nodegraph_contracts", lambda: {"hold": [stays]}, holds))
+    assert "breaks what every hold.* node promises: Stay" in text
+    said = (
+        "plugin 'bad': stays, from its hook nodegraph_contracts, failed: RuntimeError: out of ink"
+    )
+    assert f"{said} (test_bad_hooks.py:" in text
+
+
+@pytest.mark.parametrize(
+    ("contracts", "said"),
+    [
+        ({"hold": 5}, "'hold' of nodegraph_contracts is left out: 5 is not a list"),
+        ({"hold": [5]}, "what nodegraph_contracts lists is left out: 5 is not a function"),
+        ({5: []}, "5 of nodegraph_contracts is left out: 5 is not a text"),
+    ],
+)
+def test_contracts_that_are_none_are_told_and_left_out(contracts: Any, said: str) -> None:
+    with pytest.warns(UserWarning, match=f"^plugin 'bad': {said}$"):
+        check_node(holds, registry=registry_with("nodegraph_contracts", lambda: contracts, holds))
+
+
+@pytest.mark.parametrize(
+    ("specimens", "said"),
+    [
+        ({"Trajectories": dict}, "'Trajectories' of nodegraph_specimens is left out: .* a type"),
+        ({Trajectories: 5}, ".* of nodegraph_specimens is left out: 5 is not a function"),
+        (
+            {Trajectories: raising},
+            "what makes specimens of Trajectories, from its hook nodegraph_specimens, failed: "
+            r"RuntimeError: out of ink \(test_bad_hooks.py:\d+\); it is left out",
+        ),
+        ({Trajectories: list}, ".* failed: it gave list where a mapping is due; it is left out"),
+    ],
+)
+def test_specimens_that_cannot_be_made_are_told_and_left_out(specimens: Any, said: str) -> None:
+    with pytest.warns(UserWarning, match=f"^plugin 'bad': {said}"):
+        check_node(holds, registry=registry_with("nodegraph_specimens", lambda: specimens, holds))
+
+
+def test_a_node_that_gives_back_what_came_in_declines_nothing() -> None:
+    check_node(holds, registry=registry_with("nodegraph_bibtex", lambda: "", holds))
