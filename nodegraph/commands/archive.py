@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from nodegraph.commands.chosen import say
-from nodegraph.commands.written import written
+from nodegraph.commands.written import refuse_unwritable, written
 from nodegraph.display import size_text
 from nodegraph.errors import NodegraphError
 
@@ -23,6 +23,7 @@ def archive(arguments: Namespace) -> int:
     folder = arguments.run.resolve()
     path = arguments.out or arguments.run.parent / f"{folder.name}.zip"
     _refuse_inside(path, folder)
+    refuse_unwritable(path)
     contents = contents_of(
         arguments.run, Registry.installed([]), lock=arguments.lock, with_inputs=arguments.inputs
     )

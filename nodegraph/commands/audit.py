@@ -19,6 +19,7 @@ _HEADS = ("node", "method", "grade", "cases", "what")
 
 def audit(arguments: Namespace) -> int:
     """Run a graph, repeat its steps, and print for each method whether it gives one answer."""
+    from nodegraph.execute.not_kept import not_kept_lines
     from nodegraph.paper.audited.audit import GOOD, audit, cases
 
     graph = graph_of(arguments)
@@ -29,7 +30,7 @@ def audit(arguments: Namespace) -> int:
     say(f"repeating {len(wanted)} of {len(run.plan.steps)} steps")
     found = {one.step.index: one for one in audit(run, wanted)}
     print(columns([_HEADS, *_rows(run, chosen, found)]))
-    for line in (*_told(found.values(), writable=store.writable), *_doubted(run)):
+    for line in (*_told(found.values(), writable=store.writable), *not_kept_lines(run)):
         print(f"\n{line}")
     return 0 if all(one.grade in GOOD for one in found.values()) else 1
 
@@ -61,9 +62,3 @@ def _told(found: Iterable[Audited], *, writable: bool) -> Iterator[str]:
         )
     elif several:
         yield f"{names}: later runs will not know, because the store cannot be written"
-
-
-def _doubted(run: Run) -> Iterator[str]:
-    """Yield what this run has not stored, as after an earlier audit."""
-    for reason, count in run.recall.not_kept.items() if run.recall else ():
-        yield f"{count} results are not stored: {reason}"

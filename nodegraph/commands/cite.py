@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Mapping
+from pathlib import Path
 
+from nodegraph.commands.chosen import say
+from nodegraph.commands.written import refuse_unwritable, written
 from nodegraph.errors import NodegraphError
 
 
@@ -12,17 +16,25 @@ def cite(arguments: Namespace) -> int:
     from nodegraph.paper.citing import cited
     from nodegraph.report.saved import read_study
 
-    texts = cited(read_study(arguments.run))
+    study = read_study(arguments.run)
+    texts = cited(study)
     if arguments.out is None:
         print("\n".join(texts[name] for name in texts if not name.endswith(".tex")).rstrip())
-        return 0
-    taken = [name for name in texts if (arguments.out / name).exists()]
-    if taken:
-        raise NodegraphError(
-            f"{arguments.out / taken[0]} is there already; name another folder, or remove it first"
-        )
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        (arguments.out / name).write_text(text, encoding="utf-8", errors="backslashreplace")
-        print(arguments.out / name)
+    else:
+        _write(texts, arguments.out)
+    for one in study.without_result:
+        say(f"not named, as it gave no result: {one}")
     return 0
+
+
+def _write(texts: Mapping[str, str], folder: Path) -> None:
+    """Write all of the texts, or none."""
+    for name in texts:
+        if (folder / name).exists():
+            raise NodegraphError(
+                f"{folder / name} is there already; name another folder, or remove it first"
+            )
+        refuse_unwritable(folder / name)
+    for name, text in texts.items():
+        written(folder / name, text.encode(errors="backslashreplace"))
+        print(folder / name)

@@ -8,14 +8,13 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.commands.chosen import say
+from nodegraph.commands.differing import MOST, counted, few, first_and_more
 
 if TYPE_CHECKING:
     from nodegraph.finished import FinishedRun
     from nodegraph.paper.differences import Differences, Pair
     from nodegraph.registry import Registry
     from nodegraph.store import Store
-
-_MOST = 12
 
 
 def diff(arguments: Namespace) -> int:
@@ -33,8 +32,9 @@ def diff(arguments: Namespace) -> int:
     for line in (*_asked(was.record, now.record), *_alone(found, arguments)):
         print(line)
     for pairs in _by_change(found.origins):
-        print(f"\n{_names(pairs)}")
-        for line in (*_explained(pairs[0]), *_values(pairs[0], now, registry, store)):
+        first = pairs[0]
+        print(f"\n{first_and_more(first.name, len(pairs), first.node)}")
+        for line in (*_explained(first), *_values(first, now, registry, store)):
             print(f"    {line}")
     for line in _rest(found):
         print(f"\n{line}")
@@ -44,9 +44,8 @@ def diff(arguments: Namespace) -> int:
 def _summary(found: Differences, names: str) -> str:
     if found.same:
         return f"{names}: all {found.equal} combinations have the same results"
-    differ = len(found.origins) + found.followers.total()
     unknown = f", {found.unknown} not known (their results were not stored)"
-    return f"{names}: {differ} combinations differ, {found.equal} have the same results" + (
+    return f"{names}: {found.beyond} combinations differ, {found.equal} have the same results" + (
         unknown if found.unknown else ""
     )
 
@@ -63,7 +62,7 @@ def _asked(was: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
 def _alone(found: Differences, arguments: Namespace) -> Iterator[str]:
     for run, counts in ((arguments.run, found.only_was), (arguments.other, found.only_now)):
         if counts:
-            yield f"only in {run}: {_counted(counts)}"
+            yield f"only in {run}: {counted(counts)}"
 
 
 def _by_change(pairs: list[Pair]) -> list[list[Pair]]:
@@ -74,17 +73,10 @@ def _by_change(pairs: list[Pair]) -> list[list[Pair]]:
     return list(groups.values())
 
 
-def _names(pairs: list[Pair]) -> str:
-    more = len(pairs) - 1
-    return pairs[0].name + (f" and {more} more of {pairs[0].node}" if more else "")
-
-
 def _explained(pair: Pair) -> Iterator[str]:
     if not pair.changes:
         yield "settings, code and what feeds it are the same: it does not give one answer"
-    yield from pair.changes[:_MOST]
-    if len(pair.changes) > _MOST:
-        yield f"and {len(pair.changes) - _MOST} more changes"
+    yield from few(pair.changes, "changes")
 
 
 def _values(pair: Pair, run: FinishedRun, registry: Registry, store: Store) -> Iterator[str]:
@@ -99,7 +91,7 @@ def _values(pair: Pair, run: FinishedRun, registry: Registry, store: Store) -> I
         return
     for name, before, here in zip(run.outputs(pair.now), one, other, strict=False):
         said = told_apart(before, here, registry.comparisons)
-        yield from (f"{name}: {text}" if len(one) > 1 else text for text in said[:_MOST])
+        yield from (f"{name}: {text}" if len(one) > 1 else text for text in said[:MOST])
 
 
 def _loaded(step: Mapping[str, Any], store: Store) -> tuple[Any, ...]:
@@ -114,11 +106,7 @@ def _loaded(step: Mapping[str, Any], store: Store) -> tuple[Any, ...]:
 
 def _rest(found: Differences) -> Iterator[str]:
     if found.followers:
-        yield f"what follows from that: {_counted(found.followers)}"
+        yield f"what follows from that: {counted(found.followers)}"
     if found.harmless:
         changed = Counter(pair.node for pair in found.harmless)
-        yield f"changed, with the same results: {_counted(changed)}"
-
-
-def _counted(counts: Counter[str]) -> str:
-    return ", ".join(f"{node} ({count})" for node, count in counts.items())
+        yield f"changed, with the same results: {counted(changed)}"

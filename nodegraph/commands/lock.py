@@ -7,23 +7,28 @@ from pathlib import Path
 
 from nodegraph.commands.chosen import graph_of, say, store_of
 from nodegraph.commands.completed import completed
-from nodegraph.commands.written import written_and_told
+from nodegraph.commands.written import refuse_unwritable, written_and_told
 from nodegraph.errors import NodegraphError
 
 
 def lock(arguments: Namespace) -> int:
     """Run a graph, and write down what decides its results, and what they are."""
+    from nodegraph.execute.not_kept import not_kept_lines
     from nodegraph.paper.frozen.lock import SUFFIX, lock_text
     from nodegraph.paper.frozen.names import FileNames
 
     graph = graph_of(arguments)
     path = arguments.out or arguments.graph.with_suffix(SUFFIX)
     _refuse_others(path)
+    refuse_unwritable(path)
     FileNames(graph)  # which refuses what a lock must not hold, before anything has run
     done = completed(arguments, graph, store_of(arguments, graph))
+    not_kept = not_kept_lines(done)  # before what is not stored is computed again
     text = lock_text(done, path)
     counts = ", ".join(f"{count} {state}" for state, count in done.counts().items() if count)
     print(f"{len(done.plan.steps)} steps: {counts}")
+    for line in not_kept:
+        print(line)
     written_and_told(path, text.encode())
     if not done.ok:
         say("some steps failed: the lock holds that they did")

@@ -47,4 +47,4 @@ def run(arguments: Namespace) -> int:
     files, study = report_files(done, command=command)
     folder.finish(files, record(done, command))
     print(f"{summary(study, done)}\n\n{folder.path / 'report.html'}")
-    return 0 if done.ok else 1
+    return 0 if study.ok else 1

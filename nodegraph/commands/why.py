@@ -6,7 +6,7 @@ from argparse import Namespace
 from collections import defaultdict
 
 from nodegraph.commands.chosen import graph_of, run_folder, store_of
-from nodegraph.errors import NodegraphError, nearest
+from nodegraph.errors import NodegraphError, listed, nearest
 from nodegraph.execute.recall import Recall
 from nodegraph.finished import FinishedRun
 from nodegraph.plan import plan
@@ -31,7 +31,7 @@ def why(arguments: Namespace) -> int:
     stored = sum(one.stored for one in found)
     print(f"{arguments.node}: {stored} of {len(found)} steps are stored; compared with {folder}")
     for reason, steps in _by_reason(found).items():
-        print(f"\n{_names(steps)}\n{reason}")
+        print(f"\n{listed((one.step.name for one in steps), _MOST_STEPS)}\n{reason}")
     return 0
 
 
@@ -43,9 +43,3 @@ def _by_reason(found: list[Explained]) -> dict[str, list[Explained]]:
         state = ["    stored under its new key"] if one.stored else []
         grouped["\n".join([f"    {change}" for change in one.changes] + state)].append(one)
     return grouped
-
-
-def _names(steps: list[Explained]) -> str:
-    names = [one.step.name for one in steps[:_MOST_STEPS]]
-    more = len(steps) - _MOST_STEPS
-    return ", ".join(names) + (f" and {more} more" if more > 0 else "")

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from nodegraph.registry import Registry
 
 _CODE, _FILES = "code", "files"
+AUDITED = "audit-"
+"""How the names begin under which a store remembers what audits found."""
+
 _SEVERAL = "an audit found that it gives another answer"
 
 
@@ -173,6 +176,10 @@ class Recall:
         self.store.remember(_audit_of(digest), {"node": step.method.node.name, "said": said})
         return self.store.writable
 
+    def doubted(self, step: Step) -> str:
+        """Return what an audit found of a step's code, if it has several results."""
+        return self._doubt(self.keys.fixed(step).reached.digest)
+
     def _doubt(self, digest: str) -> str:
         if digest not in self._doubted:
             said = self.store.recall(_audit_of(digest)).get("said")
@@ -207,7 +214,7 @@ class Recall:
 
 
 def _audit_of(digest: str) -> str:
-    return f"audit-{digest}"
+    return f"{AUDITED}{digest}"
 
 
 def _outcome(entry: Entry) -> Outcome:

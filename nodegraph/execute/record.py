@@ -26,6 +26,8 @@ def record(run: Run, command: str) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "command": command,
+        "folder": str(graph.choices.folder.absolute()),
+        "plugins": _plugin_files(graph),
         "title": graph.title,
         "included": dict(graph.spec.included),
         "inputs": plain(graph.inputs),
@@ -56,6 +58,15 @@ def versions(graph: Graph) -> dict[str, str]:
         **{name: one for name, one in found.items() if one},
         **brought,
     }
+
+
+def _plugin_files(graph: Graph) -> list[dict[str, str]]:
+    """Return the plugin files that were named, with the SHA-256 of what was imported."""
+    return [
+        {"path": str(one.module.__file__), "sha256": one.digest}
+        for one in graph.registry.loaded
+        if one.digest
+    ]
 
 
 def _node(node: GraphNode) -> dict[str, Any]:

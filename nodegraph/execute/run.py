@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import nullcontext
+from typing import Any
 
 from nodegraph.collection import collecting_only_what_is_new
+from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.events import Listener, Teller
 from nodegraph.execute.executors import HowToRun, executor_of
@@ -13,6 +15,7 @@ from nodegraph.execute.one_thread import one_thread_each
 from nodegraph.execute.recall import Recall
 from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule
+from nodegraph.hook_objects import brief
 from nodegraph.plan import Plan
 from nodegraph.store import Packer, Store
 
@@ -61,8 +64,13 @@ def execute(
         )
         teller.left = lambda: schedule.left
         with warnings_heard(), one_thread_each() if schedule.left else nullcontext():
-            for index, outcome in executor(schedule, how):
-                schedule.finish(index, outcome)
+            for step in executor(schedule, how):
+                schedule.finish(*_checked(step, plan, how))
+        if schedule.left:
+            raise NodegraphError(
+                f"executor {how.executor!r} ended with {schedule.left} of {len(plan.steps)} steps "
+                "left to compute"
+            )
     except BaseException:
         teller.interrupted()
         raise
@@ -70,3 +78,14 @@ def execute(
     run = Run(plan, outcomes, schedule.values, teller.seconds(), recall, schedule.packer)
     teller.finished(run.counts())
     return run
+
+
+def _checked(step: Any, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
+    """Return what an executor gave, which may be a plugin's, if it is a step and its outcome."""
+    match step:
+        case (int(index), Outcome() as outcome) if 0 <= index < len(plan.steps):
+            return index, outcome
+    raise NodegraphError(
+        f"executor {how.executor!r} gave {brief(step)} where the index of a step and its "
+        "outcome are due"
+    )

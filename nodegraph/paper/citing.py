@@ -34,9 +34,9 @@ def cited(study: Study) -> Mapping[str, str]:
     Returns
     -------
     mapping of str to str
-        ``methods.md`` and ``methods.tex``, a paragraph that names every method with what differs
-        from its defaults; ``settings.md`` and ``settings.tex``, a table of all settings with
-        units; ``references.bib``, the BibTeX of the methods.
+        ``methods.md`` and ``methods.tex``, a paragraph that names every method that gave a result,
+        with what differs from its defaults; ``settings.md`` and ``settings.tex``, a table of all
+        settings with units; ``references.bib``, the BibTeX of the methods.
     """
     return {
         "methods.md": _paragraph(study, _Markdown()),
@@ -77,6 +77,8 @@ _Form = _Markdown | _Latex
 
 
 def _paragraph(study: Study, form: _Form) -> str:
+    if study.without_result and not study.methods:
+        return "No step gave a result.\n"
     steps = (
         _step(node, list(methods), form)
         for node, methods in groupby(study.methods, key=lambda one: one.node)
@@ -104,14 +106,18 @@ def _method(method: MethodRow, form: _Form) -> str:
 
 
 def _value(setting: SettingRow) -> str:
-    return f"{setting.value} {setting.unit}".rstrip()
+    return f"{_printed(setting)} {setting.unit}".rstrip()
+
+
+def _printed(setting: SettingRow) -> str:
+    return setting.in_print or setting.value
 
 
 def _rows(study: Study) -> Iterator[tuple[str, ...]]:
     for method in study.methods:
         name = f"{method.use} ({method.label})" if method.label else method.use
         for one in method.settings:
-            yield method.node, name, one.name, one.value, one.unit
+            yield method.node, name, one.name, _printed(one), one.unit
 
 
 def _markdown_table(study: Study) -> str:

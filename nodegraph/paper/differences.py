@@ -9,6 +9,7 @@ from typing import Any
 
 from nodegraph.changes import code_changed, recorded_sources, settings_changed, sources_changed
 from nodegraph.finished import FinishedRun
+from nodegraph.paper.spread import Spread, name_at
 from nodegraph.store import Store
 
 RecordedStep = Mapping[str, Any]
@@ -38,8 +39,7 @@ class Pair:
     @property
     def name(self) -> str:
         """Node and labels: ``fill(fill=muscle, length=5)``."""
-        labels = ", ".join(f"{axis}={label}" for axis, label in self.labels.items())
-        return f"{self.node}({labels})" if labels else self.node
+        return name_at(self.node, self.labels)
 
     @property
     def both_done(self) -> bool:
@@ -48,16 +48,13 @@ class Pair:
 
 
 @dataclass
-class Differences:
+class Differences(Spread[Pair]):
     """What two runs do not share.
 
     Attributes
     ----------
-    origins : list of Pair
-        Combinations with another result although what feeds them has the same, in the order of
-        the graph: where the difference begins.
-    followers : Counter of str
-        How many further combinations of each node have another result.
+    origins, followers
+        Combinations with another result: those with which the difference begins, and the rest.
     equal, unknown : int
         Combinations with the same result, and those of which a run kept no digest.
     harmless : list of Pair
@@ -66,8 +63,6 @@ class Differences:
         How many combinations of each node only one of the runs has.
     """
 
-    origins: list[Pair] = field(default_factory=list)
-    followers: Counter[str] = field(default_factory=Counter)
     equal: int = 0
     unknown: int = 0
     harmless: list[Pair] = field(default_factory=list)
@@ -77,7 +72,7 @@ class Differences:
     @property
     def same(self) -> bool:
         """Whether the runs have the same combinations, all with the same results."""
-        return not (self.origins or self.followers or self.unknown or self.lone)
+        return not (self.beyond or self.unknown or self.lone)
 
     @property
     def lone(self) -> int:
@@ -100,32 +95,25 @@ def differences(was: FinishedRun, now: FinishedRun, store: Store) -> Differences
         only_was=Counter(node for node, _ in before.keys() - after.keys()),
         only_now=Counter(node for node, _ in after.keys() - before.keys()),
     )
-    explain = _Explained(was.record, now.record)
-    moved: set[int] = set()
+    how = _HowChanged(was.record, now.record)
     for cell in (one for one in after if one in before):
         pair = Pair(cell[0], _labels(after[cell], cell[0]), before[cell], after[cell])
-        _sort_in(found, pair, _same_result(pair.was, pair.now, store), explain, moved)
+        _sort_in(found, pair, _same_result(pair.was, pair.now, store), how)
     return found
 
 
-def _sort_in(
-    found: Differences, pair: Pair, same: bool | None, explain: _Explained, moved: set[int]
-) -> None:
+def _sort_in(found: Differences, pair: Pair, same: bool | None, how: _HowChanged) -> None:
     if same is None:
         found.unknown += 1
         return
-    pair = Pair(pair.node, pair.labels, pair.was, pair.now, tuple(explain.changes(pair)))
-    if same:
-        found.equal += 1
-        if pair.changes:
-            found.harmless.append(pair)
+    pair = Pair(pair.node, pair.labels, pair.was, pair.now, tuple(how.changes(pair)))
+    if not same:
+        needed, changed = list(_needed(pair.now)), bool(pair.changes)
+        found.add(pair, pair.node, pair.now["step"], needed, changed=changed)
         return
-    fed_anew = any(one in moved for one in _needed(pair.now))
-    moved.add(pair.now["step"])
-    if fed_anew and not pair.changes:
-        found.followers[pair.node] += 1
-    else:
-        found.origins.append(pair)
+    found.equal += 1
+    if pair.changes:
+        found.harmless.append(pair)
 
 
 def _same_result(was: RecordedStep, now: RecordedStep, store: Store) -> bool | None:
@@ -147,7 +135,7 @@ def _digests(step: RecordedStep, store: Store) -> tuple[str, ...]:
     return entry.digests if entry else tuple(step.get("digests", ()))
 
 
-class _Explained:
+class _HowChanged:
     """Says how a step of one run is another in the other run."""
 
     def __init__(self, was: Mapping[str, Any], now: Mapping[str, Any]) -> None:

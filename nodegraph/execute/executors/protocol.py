@@ -66,6 +66,13 @@ class Executor(Protocol):
 def executor_of(how: HowToRun, others: Mapping[str, Any]) -> Executor:
     """Return the executor of that name, ours or a plugin's.
 
+    Parameters
+    ----------
+    how
+        Which one is asked for, and how many calls at a time.
+    others
+        Those of plugins, by name; they go before ours.
+
     Raises
     ------
     NodegraphError

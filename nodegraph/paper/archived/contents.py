@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import posixpath
-import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,8 @@ from nodegraph.finished import FinishedRun
 from nodegraph.folder import GRAPH
 from nodegraph.paper.archived.file import METADATA
 from nodegraph.paper.archived.inputs import ReadFile, files_read
+from nodegraph.paper.archived.locks import why_not
+from nodegraph.paper.archived.origin import PLUGINS, Origin
 from nodegraph.paper.archived.readme import readme
 from nodegraph.paper.archived.texts import (
     Elsewhere,
@@ -31,7 +32,7 @@ README = "README.md"
 MOST_BYTES = 100_000_000
 """Inputs up to this size go into an archive."""
 
-_RUN, _CITATION, _PLUGINS, _GRAPHS = "run", "citation", "plugins", "graphs"
+_RUN, _CITATION, _GRAPHS = "run", "citation", "graphs"
 
 
 @dataclass
@@ -89,7 +90,7 @@ def contents_of(
     Raises
     ------
     NodegraphError
-        If there is no finished run, or the lock is not there.
+        If there is no finished run, or the lock is not there, or not one of this run.
     """
     record, study = FinishedRun(folder).record, read_study(folder)
     return _Packing(folder, record, study, registry, with_inputs=with_inputs).contents(lock)
@@ -110,28 +111,28 @@ class _Packing:
         self._folder = folder
         self._record = record
         self._study = study
-        self._graph = Path(shlex.split(record["command"])[2])
         self._with_inputs = with_inputs
-        self._home = self._graph.absolute().parent
-        included = record.get("included", {})
-        self._graphs = {name: _inside(name) for name in included}
-        taken = {_RUN, _CITATION, _PLUGINS, _GRAPHS, README, METADATA, self._graph.name}
-        folders = [self._home, *(self._home / Path(name).parent for name in included), Path.cwd()]
-        self._inputs = files_read(record, folders, taken, lambda one: bool(registry.place(one)))
+        self._origin = Origin(record)
+        self._graph, self._home = self._origin.graph, self._origin.home
+        self._plugins = list(self._origin.plugins())
+        self._graphs = {name: _inside(name) for name in record["included"]}
+        taken = {_RUN, _CITATION, PLUGINS, _GRAPHS, README, METADATA, self._graph.name}
+        self._inputs = files_read(
+            record, self._origin.folders(), taken, lambda one: bool(registry.place(one))
+        )
         self._made = Contents(self._graph.name, study, record, inputs=self._inputs)
 
     def contents(self, lock: Path | None) -> Contents:
         made = self._made
-        plugins = dict(self._plugins())
         said = {one.written: one.name for one in self._inputs}
-        said |= {written: name for written, (name, _) in plugins.items()}
+        said |= {one.written: one.name for one in self._plugins}
         made.command = command_elsewhere(self._record["command"], self._graph.name, said)
         elsewhere = Elsewhere(
             self._moved(made.command), folders_here(self._record, self._texts(), self._places())
         )
         made.elsewhere = elsewhere
         self._add_graphs(elsewhere)
-        made.files |= dict(plugins.values())
+        self._add_plugins()
         self._add_inputs()
         self._add_lock(lock)
         for path in sorted(self._folder.rglob("*")):
@@ -150,13 +151,15 @@ class _Packing:
             one.written: one.name for one in self._inputs if Path(one.written).is_absolute()
         }
         found = {str(one.path.absolute()): one.name for one in self._inputs if one.path}
-        return {self._record["command"]: command, **found, **absolute}
+        plugins = {str(one.path): one.name for one in self._plugins}
+        return {self._record["command"]: command, **plugins, **found, **absolute}
 
     def _texts(self) -> tuple[str, ...]:
         return (self._study.graph_text, *self._record["included"].values())
 
     def _places(self) -> Iterator[Path]:
-        yield from (self._home, self._folder, self._folder.parent)
+        yield from (self._home, self._origin.folder, self._folder, self._folder.parent)
+        yield from (Path(one["path"]).parent for one in self._record["plugins"])
         for option, value in options_of(self._record["command"]):
             if option == "--store":
                 yield Path(value)
@@ -178,16 +181,12 @@ class _Packing:
             there = graph_elsewhere(text, home, name, moved)
             self._made.files[name] = elsewhere.text(there).encode()
 
-    def _plugins(self) -> Iterator[tuple[str, tuple[str, bytes]]]:
-        """Yield each plugin file that the command named, with its name and content here."""
-        for option, value in options_of(self._record["command"]):
-            if option == "--plugin":
-                try:
-                    content = Path(value).read_bytes()
-                except OSError as error:
-                    self._made.lacking.append(f"plugin {Path(value).name}: {error.strerror}")
-                else:
-                    yield value, (f"{_PLUGINS}/{Path(value).name}", content)
+    def _add_plugins(self) -> None:
+        for one in self._plugins:
+            if one.content is None:
+                self._made.lacking.append(f"plugin {one.name}: {self._origin.lacks(one.written)}")
+            else:
+                self._made.files[one.name] = one.content
 
     def _add_inputs(self) -> None:
         for one in self._inputs:
@@ -205,16 +204,26 @@ class _Packing:
         if one.is_shipped:
             return ""
         if one.path is None:
-            return "is not where it was, or its content is another"
+            return self._origin.lacks(one.written)
         if not self._with_inputs:
             return "left out, as was asked for"
         return f"larger than {MOST_BYTES // 10**6} MB" if one.size > MOST_BYTES else ""
 
     def _add_lock(self, lock: Path | None) -> None:
         path = lock or self._home / f"{self._graph.stem}.lock"
-        if lock is not None and not path.is_file():
-            raise NodegraphError(f"{lock}: no such lock; `nodegraph lock GRAPH` writes it")
-        if path.is_file():
+        if lock is None and not path.exists():
+            if not (self._home / self._graph.name).is_file():
+                gone = self._origin.lacks(str(self._graph))
+                self._made.lacking.append(
+                    f"lock {path.name}: if there was one beside the graph, {gone}"
+                )
+            return
+        wrong = why_not(path, self._graph.name, self._study.graph_text, self._record)
+        if wrong and lock is not None:
+            raise NodegraphError(wrong)
+        if wrong:
+            self._made.lacking.append(f"lock {wrong}")
+        else:
             self._made.files[f"{self._graph.stem}.lock"] = path.read_bytes()
 
     def _checked(self, elsewhere: Elsewhere, name: str, content: bytes) -> bytes:

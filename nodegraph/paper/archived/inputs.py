@@ -114,7 +114,7 @@ def _located(written: str, digest: str, folders: Sequence[Path], digests: Files)
         try:
             if digests.digest(path) == digest:
                 return path
-        except OSError:
+        except (OSError, ValueError):  # a record may say what is no path at all
             continue
     return None
 

@@ -22,7 +22,7 @@ def readme(contents: Contents) -> str:
         "",
         *study.answer,
         "",
-        "Run it again here, with the same versions of the packages below:",
+        f"Run it again here, with the same versions of the packages below{_once(contents)}:",
         "",
         f"    {contents.command}",
         "",
@@ -35,6 +35,10 @@ def readme(contents: Contents) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _once(contents: Contents) -> str:
+    return ", and with what is not in this archive" if contents.lacking else ""
 
 
 def _verify(contents: Contents) -> Iterator[str]:

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from nodegraph.hooks import Comparison
-from nodegraph.paper.frozen.sketch import TOLERANCE, sketch
+from nodegraph.paper.frozen.sketch import FLOOR, TOLERANCE, sketch
 from nodegraph.paper.values import told_apart
 from nodegraph.store import Packed, Packer, Unstorable
 
 Grade = Literal["identical", "close", "differs"]
-
-_FLOOR = 1e-3
-"""Of the size of what went in: what is smaller than that may be its rounding and nothing else."""
 
 _LAYOUT = "equal numbers, whose bits or places in memory are others"
 
@@ -108,7 +105,7 @@ def floor_of(inputs: Mapping[str, Any], packer: Packer) -> float:
     """Return the size below which the results of a call may be rounding of its inputs."""
     packed = {port: _taken(value, packer)[1] for port, value in inputs.items()}
     found = sketch({port: one for port, one in packed.items() if one is not None})
-    return _FLOOR * max((leaf.size for leaf in found.leaves.values()), default=0.0)
+    return FLOOR * max((leaf.size for leaf in found.leaves.values()), default=0.0)
 
 
 _RANK: Mapping[Grade, int] = {"identical": 0, "close": 1, "differs": 2}

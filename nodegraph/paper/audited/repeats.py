@@ -182,7 +182,7 @@ def _lent(value: Any, packer: Packer) -> Any:
     if not isinstance(value, Across):
         return packer.lend(value)
     entries = tuple((labels, packer.lend(one)) for labels, one in value)
-    return Across(value.axes, entries, value.absent)
+    return replace(value, entries=entries)
 
 
 def _marks(inputs: Mapping[str, Any], packer: Packer) -> dict[str, str]:

@@ -13,6 +13,7 @@ from nodegraph.paper.frozen.explained import Change, Explained
 from nodegraph.paper.frozen.lock import Lock
 from nodegraph.paper.frozen.recorded import Recorded, exact_of
 from nodegraph.paper.frozen.results import Cell, Results, cells_of
+from nodegraph.paper.spread import Spread
 
 _MEASURED = re.compile(r"[-+]?\d*\.\d+(?:e[-+]?\d+)?", re.I)
 
@@ -46,18 +47,18 @@ class Moved:
 
 
 @dataclass
-class Compared:
+class Compared(Spread[Moved]):
     """How far a run agrees with a lock.
 
     Attributes
     ----------
-    origins : list of Moved
-        Combinations beyond the tolerance although what feeds them is not, or whose step itself is
-        another; in the order of the graph.
-    followers : Counter of str
-        How many further combinations of each node are beyond the tolerance.
+    origins, followers
+        Combinations beyond the tolerance: those with which that begins, and the rest.
     identical, near : int
         Combinations with the same result to the bit, and with one within the tolerance.
+    ended : Counter of str
+        Of the identical ones, those without a result: how many were ``refused``, ``failed`` or
+        ``skipped`` in the lock and again.
     farthest : tuple of Cell and float, or None
         The one of those within the tolerance that is farthest away.
     drawn : Counter of str
@@ -68,10 +69,9 @@ class Compared:
         Combinations that only the lock has, or only the run.
     """
 
-    origins: list[Moved] = field(default_factory=list)
-    followers: Counter[str] = field(default_factory=Counter)
     identical: int = 0
     near: int = 0
+    ended: Counter[str] = field(default_factory=Counter)
     farthest: tuple[Cell, float] | None = None
     drawn: Counter[str] = field(default_factory=Counter)
     unknown: Counter[str] = field(default_factory=Counter)
@@ -81,11 +81,20 @@ class Compared:
     @property
     def count(self) -> int:
         """Of combinations that were compared."""
-        return self.identical + self.near + len(self.origins) + self.followers.total()
+        return self.identical + self.near + self.beyond
 
 
 def compare(lock: Lock, run: Run, results: Results) -> Compared:
-    """Compare every result of a run with what a lock holds of it."""
+    """Compare every result of a run with what a lock holds of it.
+
+    Parameters
+    ----------
+    lock
+    run
+        Of the graph of the lock.
+    results
+        Of that run.
+    """
     return _Comparing(lock, run, results).compare()
 
 
@@ -96,7 +105,6 @@ class _Comparing:
         self._results = results
         self._explained = Explained(lock, run)
         self._found = Compared()
-        self._moved: set[int] = set()
         self._near: set[int] = set()
 
     def compare(self) -> Compared:
@@ -115,6 +123,8 @@ class _Comparing:
         found = self._found
         if grade.state == "identical":
             found.identical += 1
+            if ended := self._results.ended(cell.index):
+                found.ended[ended.partition(":")[0]] += 1
         elif grade.state == "unknown":
             found.unknown[cell.node] += 1
         elif grade.state == "near":
@@ -123,20 +133,12 @@ class _Comparing:
             if found.farthest is None or found.farthest[1] < grade.apart:
                 found.farthest = (cell, grade.apart)
         else:
-            self._sort_in_moved(cell, grade)
+            moved = Moved(cell, grade, self._explained.change(cell))
+            changed = bool(moved.change.own)
+            found.add(moved, cell.node, cell.index, self._needed(cell), changed=changed)
 
-    def _sort_in_moved(self, cell: Cell, grade: Grade) -> None:
-        change = self._explained.change(cell)
-        fed_anew = self._fed_by(cell, self._moved)
-        self._moved.add(cell.index)
-        if fed_anew and not change.own:
-            self._found.followers[cell.node] += 1
-        else:
-            self._found.origins.append(Moved(cell, grade, change))
-
-    def _fed_by(self, cell: Cell, steps: set[int]) -> bool:
-        # a step may stand for several combinations, and is no source of itself
-        return any(one in steps for one in self._run.plan.steps[cell.index].needed)
+    def _needed(self, cell: Cell) -> tuple[int, ...]:
+        return self._run.plan.steps[cell.index].needed
 
     def _grade(self, cell: Cell, was: Recorded) -> Grade:
         ended = self._results.ended(cell.index)
@@ -161,9 +163,9 @@ class _Comparing:
 
     def _of_drawing(self, cell: Cell, values: Grade) -> Grade:
         """Return the grade of a result whose drawing, or files, are others."""
-        if self._fed_by(cell, self._moved):
+        if self._found.reaches(self._needed(cell)):
             return Grade("moved", values.apart)
-        drifted = values.state == "near" or self._fed_by(cell, self._near)
+        drifted = values.state == "near" or not self._near.isdisjoint(self._needed(cell))
         is_file = self._results.gives_files(cell.index)
         if is_file and (not drifted or self._explained.change(cell).own):
             return Grade("moved", 0.0, "its files have other bytes")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
@@ -16,7 +16,8 @@ from nodegraph.paper.frozen.concluded import said_by
 from nodegraph.paper.frozen.names import FileNames, refuse_paths, relative
 from nodegraph.paper.frozen.parts import Parts
 from nodegraph.paper.frozen.recorded import Recorded, recorded
-from nodegraph.paper.frozen.results import Results, cells_of, scales
+from nodegraph.paper.frozen.results import Results, cells_of
+from nodegraph.paper.frozen.scales import scales
 from nodegraph.paper.frozen.sketch import TOLERANCE
 from nodegraph.paper.frozen.yaml_lines import yaml_lines
 from nodegraph.spec.yaml_text import read_yaml
@@ -32,10 +33,9 @@ _END = "# end of the lock\n"
 _SUM = re.compile(r"checksum: ([0-9a-f]{64})\n")
 _NOT_OURS = "this is no lock as this program writes them"
 _MOST_BYTES = 200_000_000
-_MAPPINGS = (
-    "choices", "versions", "inputs", "axes", "removed", "files", "methods", "code", "conclusions",
-    "tables", "results", "parts", "text",
-)  # fmt: skip
+_ENCODING = "utf-8-sig"
+"""Editors set a mark before the text, which is none of it."""
+_Read = TypeVar("_Read")
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def lock_text(run: Run, path: Path) -> str:
 
 def is_lock(path: Path) -> bool:
     """Return whether a file is a lock, be it damaged or of another version."""
-    with path.open(encoding="utf-8", errors="replace") as file:
+    with path.open(encoding=_ENCODING, errors="replace") as file:
         return file.read(len(_HEAD)) == _HEAD
 
 
@@ -107,26 +107,37 @@ def read_lock(path: Path) -> Lock:
         If there is none, or it is not as it was written, or another version has written it.
     """
     data = _checked(path, _text(path))
-    try:
-        return Lock(
-            path,
-            path.parent / data["graph"],
-            data,
-            {
-                group: {str(at): Recorded.read(str(line)) for at, line in one["steps"].items()}
-                for group, one in data["results"].items()
-            },
-            {group: one.get("scale", {}) for group, one in data["results"].items()},
-            {
-                group: {
-                    place: {str(at): Parts.read(text) for at, text in lines.items()}
-                    for place, lines in places.items()
-                }
-                for group, places in data["parts"].items()
-            },
-        )
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
-        raise NodegraphError(f"{path}: {_NOT_OURS}") from error
+    results, parts = data["results"], data["parts"]
+    return Lock(
+        path,
+        path.parent / data["graph"],
+        data,
+        {
+            group: _each(path, f"results.{group}.steps", one["steps"], Recorded.read)
+            for group, one in results.items()
+        },
+        {group: one.get("scale", {}) for group, one in results.items()},
+        {
+            group: {
+                place: _each(path, f"parts.{group}.{place}", lines, Parts.read)
+                for place, lines in places.items()
+            }
+            for group, places in parts.items()
+        },
+    )
+
+
+def _each(
+    path: Path, at: str, lines: Mapping[Any, str], read: Callable[[str], _Read]
+) -> dict[str, _Read]:
+    """Return what each line says, by labels."""
+    found: dict[str, _Read] = {}
+    for labels, line in lines.items():
+        try:
+            found[str(labels)] = read(line)
+        except ValueError as error:
+            raise NodegraphError(f"{path}: {_NOT_OURS}: {at}.{labels}: {error}") from error
+    return found
 
 
 def _results(run: Run, results: Results) -> dict[str, Any]:
@@ -181,7 +192,7 @@ def _text(path: Path) -> str:
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise NodegraphError(f"{path}: too large to be a lock")
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding=_ENCODING)
     except FileNotFoundError:
         raise NodegraphError(f"{path}: no such file; `nodegraph lock GRAPH` writes it") from None
     except (OSError, ValueError) as error:
@@ -189,6 +200,8 @@ def _text(path: Path) -> str:
 
 
 def _checked(path: Path, text: str) -> Mapping[str, Any]:
+    from nodegraph.paper.frozen.form import misfit
+
     if not text.startswith(_HEAD):
         raise NodegraphError(f"{path}: this is no lock; `nodegraph lock GRAPH` writes one")
     version, _, rest = text[len(_HEAD) :].partition("\n")
@@ -199,14 +212,16 @@ def _checked(path: Path, text: str) -> Mapping[str, Any]:
         )
     found = _SUM.match(rest)
     body = rest[found.end() :] if found else ""
-    if not body.endswith(_END):
-        raise NodegraphError(f"{path}: the lock is cut off; get the whole file, or lock again")
     if found is None or hashlib.sha256(body.encode()).hexdigest() != found[1]:
+        if _END.strip() not in rest:
+            raise NodegraphError(f"{path}: the lock is cut off; get the whole file, or lock again")
         raise NodegraphError(
             f"{path}: the lock is not as it was written (its checksum is another); get the file "
             "as it was, or lock again"
         )
-    data = read_yaml(body, str(path)).plain()
-    if not isinstance(data, dict) or not all(isinstance(data.get(one), dict) for one in _MAPPINGS):
-        raise NodegraphError(f"{path}: {_NOT_OURS}")
-    return data
+    data = read_yaml(text, str(path)).plain()
+    wrong = misfit(data)
+    if wrong:
+        raise NodegraphError(f"{path}: {_NOT_OURS}: {wrong}")
+    checked: Mapping[str, Any] = data
+    return checked

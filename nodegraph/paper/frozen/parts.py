@@ -22,6 +22,9 @@ FEWEST = 2
 _ROUNDING = 2.0**-22
 """Of a number of this module: it is kept in four bytes."""
 
+_LARGEST = 1e30
+"""A part is the root of its size times as large, and that size may have sixteen digits."""
+
 _CLEARLY = 0.25
 """Of the part that differs most: parts that differ by less are not among those named as such."""
 
@@ -79,6 +82,7 @@ class Parts:
         return tuple(
             list(_spans(np.abs(one - here), np.maximum(least, _ROUNDING * np.abs(one)), members))
             for one, here, members in zip(self.sums, other.sums, self.shape, strict=False)
+            if one.size == here.size
         )
 
 
@@ -91,8 +95,8 @@ class Span:
     most: bool
 
 
-def parts_of(name: str, array: NDArray[Any], axes: int, most: int) -> Parts:
-    """Return an array part by part.
+def parts_of(name: str, array: NDArray[Any], axes: int, most: int) -> Parts | None:
+    """Return an array part by part; None if it has numbers that are too large for four bytes.
 
     Parameters
     ----------
@@ -106,6 +110,8 @@ def parts_of(name: str, array: NDArray[Any], axes: int, most: int) -> Parts:
         Parts of each at most.
     """
     values = np.nan_to_num(array.astype(np.float64), posinf=0.0, neginf=0.0)
+    if np.abs(values).max(initial=0.0) > _LARGEST:
+        return None
     weighted = along_one(name, values.ravel()).reshape(values.shape)
     return Parts(values.shape, tuple(_sums(weighted, axis, most) for axis in range(axes)))
 

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 COUNT = 4
 """Of numbers: that all of them miss nine tenths of a difference happens once in 5,000 times."""
 
+LARGE = 2.0**896
+"""The sums of numbers below it, as many as memory holds, are far from the largest of all."""
+
 _BLOCK = 65_536
 _STEP = np.sqrt(3.0) / 2**15
 _KEPT = slice(2, 8)
@@ -33,7 +36,7 @@ def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     name
         Chooses the directions: arrays are compared under one name.
     values : (N,) array of float64
-        Finite.
+        Finite, and below `LARGE`.
 
     Returns
     -------
@@ -62,7 +65,12 @@ def along_one(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     """Return about how far two arrays are apart (root mean square), from their projections."""
-    return float(np.sqrt(np.mean((one - other) ** 2)))
+    apart = np.abs(one - other)
+    largest = float(apart.max())
+    if not np.isfinite(largest):
+        return np.inf
+    # so that no square overflows
+    return largest * float(np.sqrt(np.mean((apart / largest) ** 2))) if largest else 0.0
 
 
 def as_text(projections: NDArray[np.float64]) -> str:
@@ -83,7 +91,10 @@ def from_text(text: str) -> NDArray[np.float64]:
     content[:, _KEPT] = np.frombuffer(base64.b64decode(text, validate=True), np.uint8).reshape(
         COUNT, 6
     )
-    return content.view("<f8").ravel().astype(np.float64)
+    found = content.view("<f8").ravel().astype(np.float64)
+    if not np.isfinite(found).all():
+        raise ValueError("a projection is no finite number")
+    return found
 
 
 def _key(name: str) -> int:

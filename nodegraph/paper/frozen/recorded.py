@@ -65,7 +65,15 @@ class Recorded:
 
 
 def recorded(cell: Cell, results: Results, scale: Mapping[str, float]) -> Recorded:
-    """Return what a lock holds of one combination."""
+    """Return what a lock holds of one combination.
+
+    Parameters
+    ----------
+    cell
+    results
+    scale
+        Usual size of the floats at each place of its values.
+    """
     ended = results.ended(cell.index)
     if ended:
         return Recorded(ended)

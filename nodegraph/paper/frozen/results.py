@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from statistics import median
 from typing import Any
 
 from nodegraph.execute import Run
@@ -13,6 +12,7 @@ from nodegraph.hooks import Comparison
 from nodegraph.paper.frozen.kept import Kept, joined
 from nodegraph.paper.frozen.parts import FEWEST, MOST, Parts, parts_of
 from nodegraph.paper.frozen.sketch import Sketch, sketch
+from nodegraph.paper.spread import name_at
 from nodegraph.ports import Port
 from nodegraph.store import Packed, Unstorable
 from nodegraph.values import Files
@@ -22,9 +22,6 @@ ONLY = "only"
 
 Axes = tuple[tuple[str, tuple[str, ...]], ...]
 """What the first axes of an array are: a word each, and names."""
-
-_FLOOR = 1e-3
-"""Of the size of what a value is made of: what is smaller may be its rounding and nothing else."""
 
 _NUMBERS = 16_000
 """That a lock has at most of parts of values, as far as `FEWEST` parts allow: about 85 KB."""
@@ -57,8 +54,7 @@ class Cell:
     @property
     def name(self) -> str:
         """Node and labels: ``fill(fill=muscle, length=5)``."""
-        labels = ", ".join(f"{axis}={label}" for axis, label in self.labels.items())
-        return f"{self.node}({labels})" if labels else self.node
+        return name_at(self.node, self.labels)
 
 
 def cells_of(run: Run) -> Iterator[Cell]:
@@ -84,6 +80,12 @@ class Results:
     def __init__(self, run: Run) -> None:
         self._run = run
         self._sketches: dict[int, Sketch | None] = {}
+        self._unstored: dict[int, tuple[Any, ...]] = {}
+
+    @property
+    def comparisons(self) -> tuple[Comparison, ...]:
+        """How values are told apart."""
+        return self._run.plan.graph.registry.comparisons
 
     def ended(self, index: int) -> str:
         """Return how a step ended, if it has no value."""
@@ -116,24 +118,43 @@ class Results:
         return self._sketches[index]
 
     def parts(self, index: int, most: int) -> dict[str, tuple[Parts, Axes]]:
-        """Return the parts of those of a step's arrays of which a plugin knows what they are."""
+        """Return the parts of those of a step's arrays of which a plugin knows what they are.
+
+        Parameters
+        ----------
+        index
+            Of the step.
+        most
+            Parts of an axis at most.
+        """
         found: dict[str, tuple[Parts, Axes]] = {}
         if not any(map(self._kind, self._ports(index))):
             return found
-        for port, value in zip(self._ports(index), self._run.shown_of(index), strict=True):
+        for port, value in zip(self._ports(index), self._shown(index), strict=True):
             kind = self._kind(port)
             for name, axes in kind.parts(value).items() if kind and kind.parts else ():
                 place = f"{port.name}.{name}"
-                found[place] = parts_of(place, getattr(value, name), len(axes), most), axes
+                parts = parts_of(place, getattr(value, name), len(axes), most)
+                if parts is not None:
+                    found[place] = parts, axes
         return found
 
     def beside(self, index: int, digest: str, kept: Kept) -> dict[str, tuple[Any, Any]]:
-        """Return by outputs what a lock's digest stood for, if that is kept, and the values."""
+        """Return by outputs what a lock's digest stood for, if that is kept, and the values.
+
+        Parameters
+        ----------
+        index
+            Of the step.
+        digest
+            Of its values in the lock.
+        kept
+        """
         node, opaque = self._run.plan.steps[index].method.node, self._opaque(index)
         was = kept.values(node.name, digest, opaque)
         if not was:
             return {}
-        pairs = zip(self._ports(index), was, self._run.shown_of(index), opaque, strict=True)
+        pairs = zip(self._ports(index), was, self._shown(index), opaque, strict=True)
         return {port.name: (one, now) for port, one, now, is_opaque in pairs if not is_opaque}
 
     def most_parts(self, cells: Iterable[Cell]) -> int:
@@ -162,19 +183,23 @@ class Results:
         entry = recall.store.find(key) if recall is not None and key else None
         return entry.digests if entry is not None else ()
 
+    def _shown(self, index: int) -> tuple[Any, ...]:
+        """Return the values of a step, the same ones each time though it may give others."""
+        if index in self._unstored:
+            return self._unstored[index]
+        values = self._run.shown_of(index)
+        if not self._stored(index):
+            self._unstored[index] = values
+        return values
+
     def _packed(self, index: int) -> tuple[Packed | None, ...]:
-        return tuple(map(self._taken_apart, self._run.shown_of(index)))
+        return tuple(map(self._taken_apart, self._shown(index)))
 
     def _taken_apart(self, value: Any) -> Packed | None:
         try:
             return self._run.packer.pack(value)
         except Unstorable:
             return None
-
-    @property
-    def comparisons(self) -> tuple[Comparison, ...]:
-        """How values are told apart."""
-        return self._run.plan.graph.registry.comparisons
 
     def _kind(self, port: Port) -> Comparison | None:
         return next(
@@ -191,35 +216,3 @@ class Results:
         storages = self._run.plan.graph.registry.storages
         drawn = next((one for one in storages if issubclass(port.type, one.type)), None)
         return issubclass(port.type, Files) or (drawn is not None and not drawn.faithful)
-
-
-def scales(cells: Iterable[Cell], results: Results, run: Run) -> dict[str, dict[str, float]]:
-    """Return the usual size of the floats at each place of the values of each group.
-
-    It is the median over the combinations; but no less than a thousandth of what the values are
-    made of, because the difference of two large numbers has the rounding of those.
-    """
-    grouped: dict[str, list[int]] = {}
-    for cell in cells:
-        if not results.ended(cell.index):
-            grouped.setdefault(cell.group, []).append(cell.index)
-    above: dict[int, float] = {}
-    found: dict[str, dict[str, float]] = {}
-    for group, steps in grouped.items():
-        fed = (above.get(one, 0.0) for step in steps for one in run.plan.steps[step].needed)
-        largest = max(fed, default=0.0)
-        usual = _usual(results.sketch(one) for one in steps)
-        found[group] = {
-            place: float(f"{max(size, _FLOOR * largest) or 1.0:.4g}")
-            for place, size in usual.items()
-        }
-        above |= dict.fromkeys(steps, max([largest, *usual.values()]))
-    return found
-
-
-def _usual(sketches: Iterable[Sketch | None]) -> dict[str, float]:
-    sizes: dict[str, list[float]] = {}
-    for one in sketches:
-        for place, leaf in one.leaves.items() if one is not None else ():
-            sizes.setdefault(place, []).append(leaf.size)
-    return {place: median([one for one in all_ if one] or [0.0]) for place, all_ in sizes.items()}

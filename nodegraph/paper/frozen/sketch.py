@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph.paper.frozen.projection import COUNT, distance, project
+from nodegraph.paper.frozen.projection import COUNT, LARGE, distance, project
 from nodegraph.store.arrays import array_together
 
 if TYPE_CHECKING:
@@ -20,6 +21,13 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-9
 """Relative size of differences that come from another processor or library, and from no change."""
+
+FLOOR = 1e-3
+"""Of the size of what a value is made of: what is smaller may be its rounding and nothing else."""
+
+_SHRUNK = 2.0**-128
+_MOST_UNITS = 2.0**900
+"""A value is measured in larger units if it has more of them: that many more overflow."""
 
 _FEW = 64
 """Up to so many members of a list or mapping are measured one by one, more of them together."""
@@ -34,13 +42,17 @@ class Leaf:
     size : float
         Root mean square of the finite ones.
     projections : (COUNT,) array of float64
+        Of the numbers times `shrunk`.
     coarse : float
         By how much the type's own rounding exceeds `TOLERANCE`; 1 for float64.
+    shrunk : float
+        A power of two, by which the numbers are small enough for their sums; 1 for most.
     """
 
     size: float
     projections: NDArray[np.float64]
     coarse: float = 1.0
+    shrunk: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -60,13 +72,15 @@ class Sketch:
 
     def against(self, scales: Mapping[str, float]) -> Measured:
         """Return the value in units of the given sizes, one for each place."""
-        projections, square = np.zeros(COUNT), 0.0
+        projections, size = np.zeros(COUNT), 0.0
         for place in sorted(self.leaves):
             leaf = self.leaves[place]
-            unit = leaf.coarse * (scales.get(place) or 1.0)
+            shrunk = leaf.size * leaf.shrunk
+            unit = leaf.coarse * ((scales.get(place) or 1.0) * leaf.shrunk)
+            unit = max(unit, _below(shrunk) / _MOST_UNITS)
             projections += leaf.projections / unit
-            square += (leaf.size / unit) ** 2
-        return Measured(projections, float(np.sqrt(square)))
+            size = math.hypot(size, shrunk / unit)
+        return Measured(projections, size)
 
 
 @dataclass(frozen=True)
@@ -100,6 +114,11 @@ def sketch(outputs: Mapping[str, Packed]) -> Sketch:
     return Sketch(digest, {place: _leaf(place, arrays) for place, arrays in found.items()})
 
 
+def _below(size: float) -> float:
+    """Return a power of two below a size, the same one for all sizes near it; 0 for 0."""
+    return math.ldexp(1.0, (math.frexp(size)[1] - 1) // 64 * 64) if size else 0.0
+
+
 def _leaf(place: str, arrays: list[NDArray[Any]]) -> Leaf:
     coarse = max(float(np.finfo(one.dtype).eps) / TOLERANCE for one in arrays)
     values = np.concatenate([one.astype(np.float64) for one in arrays])
@@ -107,7 +126,8 @@ def _leaf(place: str, arrays: list[NDArray[Any]]) -> Leaf:
     # the largest number comes out first, so that no square overflows
     largest = float(np.abs(values).max(initial=0.0))
     size = largest * float(np.sqrt(np.mean((values / largest) ** 2))) if largest else 0.0
-    return Leaf(size, project(place, values), max(1.0, coarse))
+    shrunk = 1.0 if largest < LARGE else _SHRUNK
+    return Leaf(size, project(place, values * shrunk), max(1.0, coarse), shrunk)
 
 
 class _Taken:

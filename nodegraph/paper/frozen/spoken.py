@@ -52,11 +52,18 @@ def numbers_changed(was: Mapping[str, str], said: Sequence[Said], least: float) 
 def _table(was: str, now: str, least: float) -> Iterator[str]:
     before, here = (list(csv.reader(text.splitlines())) for text in (was, now))
     if before[:1] != here[:1]:
-        yield f"had the columns {', '.join(before[0])}, now {', '.join(here[0])}"
+        heads = [", ".join(rows[0]) if rows else "none" for rows in (before, here)]
+        yield f"had the columns {heads[0]}, now {heads[1]}"
     elif len(before) != len(here):
         yield f"had {len(before) - 1} rows, now {len(here) - 1}"
     else:
-        yield from _rows(before, here, least)
+        width = max(map(len, before + here), default=0)
+        yield from _rows(_filled(before, width), _filled(here, width), least)
+
+
+def _filled(rows: Rows, width: int) -> Rows:
+    """Return rows that are all of one width."""
+    return [row + [""] * (width - len(row)) for row in rows]
 
 
 def _rows(before: Rows, here: Rows, least: float) -> Iterator[str]:

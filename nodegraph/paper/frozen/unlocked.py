@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import GraphError, NodegraphError, UnknownNodeError
@@ -25,7 +26,8 @@ def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, Any]) -> Graph
     lock
     registry
     inputs
-        Values for inputs, in place of those in the lock.
+        Values for inputs, in place of those in the lock; relative paths among them start in the
+        working directory.
 
     Raises
     ------
@@ -37,7 +39,7 @@ def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, Any]) -> Graph
     (_, text), *included = lock.data["text"].items()
     try:
         spec = read_graph_text(text, str(lock.graph), lock.graph.parent, dict(included))
-        return build(spec, registry.without(_later(lock)), _choices(lock, inputs))
+        return build(spec, registry.without(_Met(lock, registry).is_later), _choices(lock, inputs))
     except GraphError as error:
         told = [f"the graph in {lock.path} cannot be run here:", str(error)]
         told += _moved(lock, error, inputs)
@@ -57,27 +59,40 @@ def other_texts(lock: Lock) -> Iterator[str]:
 
 
 def _moved(lock: Lock, error: GraphError, inputs: Mapping[str, Any]) -> Iterator[str]:
-    """Yield how to name the files that are gone and that an input names."""
+    """Yield where files were looked for that are gone, and how to name those of an input."""
     for name, value in {**lock.data["inputs"], **inputs}.items():
         gone = f"no such file: {value}"
         if isinstance(value, str) and any(one.message.endswith(gone) for one in error.problems):
-            yield f"where it lies by now: --set {name}=FILE"
+            folder = Path.cwd() if name in inputs else lock.graph.parent.resolve()
+            yield f"{value} was looked for in {folder}; where it lies by now: --set {name}=FILE"
 
 
-def _later(lock: Lock) -> Callable[[Registered], bool]:
-    """Return which nodes were no members yet of the families that the lock's graph expands."""
-    text = "\n".join(lock.data["text"].values())
-    families = set(_FAMILY.findall(text))
-    used = {one["use"] for one in lock.data["methods"].values()}
-    known = {str(one) for labels in lock.data["axes"].values() for one in labels}
-    known |= {str(one) for labels in lock.data["removed"].values() for one in labels}
+class _Met:
+    """Knows which nodes the graph of a lock met when it was locked."""
 
-    def is_later(one: Registered) -> bool:
-        if one.node.family not in families or one.node.name in used or one.node.name in text:
+    def __init__(self, lock: Lock, registry: Registry) -> None:
+        brought = [one for one in lock.data["methods"].values() if one.get("plugin")]
+        labels = [*lock.data["axes"].values(), *lock.data["removed"].values()]
+        self._text = "\n".join(lock.data["text"].values())
+        self._families = set(_FAMILY.findall(self._text))
+        self._names = {one["use"] for one in brought}
+        self._full_names = {f"{one['plugin']}:{one['use']}" for one in brought}
+        self._labels = {str(one) for several in labels for one in several}
+        self._plugins = {one["plugin"] for one in brought}
+        self._of_plugins = {one.node.name for one in registry if one.plugin in self._plugins}
+
+    def is_later(self, one: Registered) -> bool:
+        """Whether a node is a namesake of one of then, or has joined a family since."""
+        name, label = one.node.name, f"{one.plugin}:{one.node.method}"
+        if one.full_name in self._full_names or one.full_name in self._text:
             return False
-        return one.node.method not in known and f"{one.plugin}:{one.node.method}" not in known
-
-    return is_later
+        if label in self._labels:
+            return False
+        # a name that only its plugin had needs none before it in the text, nor as a label
+        if name in self._names or (one.plugin not in self._plugins and name in self._of_plugins):
+            return True
+        joined = one.node.family in self._families and one.node.method not in self._labels
+        return joined and name not in self._text
 
 
 def _choices(lock: Lock, inputs: Mapping[str, Any]) -> Choices:
@@ -87,6 +102,7 @@ def _choices(lock: Lock, inputs: Mapping[str, Any]) -> Choices:
         chosen.get("axis", {}),
         {name: tuple(labels) for name, labels in chosen.get("only", {}).items()},
         lock.graph.parent,
+        dict.fromkeys(inputs, Path.cwd()),
     )
 
 

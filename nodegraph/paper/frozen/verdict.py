@@ -3,11 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from nodegraph.paper.frozen.compared import Compared
 
-Verdict = Literal["identical", "within tolerance", "same conclusions", "diverged"]
+Grade = Literal["identical", "within tolerance", "same conclusions", "diverged"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a comparison comes to.
+
+    Attributes
+    ----------
+    grade : str
+        How far the results are those of the lock.
+    turned : bool
+        Whether the study concludes something else: a tie may turn with the last digit.
+    """
+
+    grade: Grade
+    turned: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether the study still gives its results, and the same conclusions."""
+        return self.grade != "diverged" and not self.turned
+
+    @property
+    def text(self) -> str:
+        """The verdict in a few words."""
+        beside = self.turned and self.grade != "diverged"
+        return f"{self.grade}, but conclusions changed" if beside else self.grade
 
 
 def verdict(found: Compared, conclusions: bool, changed: Sequence[str]) -> Verdict:
@@ -24,10 +52,13 @@ def verdict(found: Compared, conclusions: bool, changed: Sequence[str]) -> Verdi
     changed
         Conclusions that are others.
     """
-    moved = found.origins or found.followers
+    return Verdict(_grade(found, conclusions and not changed), bool(changed))
+
+
+def _grade(found: Compared, concludes_the_same: bool) -> Grade:
     lone = found.only_locked or found.only_now
     if lone or any(one.change.own for one in found.origins):
         return "diverged"
-    if moved:
-        return "same conclusions" if conclusions and not changed else "diverged"
+    if found.origins or found.followers:
+        return "same conclusions" if concludes_the_same else "diverged"
     return "within tolerance" if found.near else "identical"

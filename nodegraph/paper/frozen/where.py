@@ -12,7 +12,16 @@ _NAMED = 5
 
 
 def where(lock: Lock, cell: Cell, results: Results) -> Iterator[str]:
-    """Yield for each array of which the lock knows parts how its shape, or which parts, differ."""
+    """Yield for each array of which the lock knows parts how its shape, or which parts, differ.
+
+    Parameters
+    ----------
+    lock
+    cell
+        One that has a value, in the lock and in the run.
+    results
+        Of the run.
+    """
     kept = {
         place: lines[cell.at]
         for place, lines in lock.parts.get(cell.group, {}).items()
@@ -20,7 +29,7 @@ def where(lock: Lock, cell: Cell, results: Results) -> Iterator[str]:
     }
     if not kept:
         return
-    most = max(one.size for was in kept.values() for one in was.sums)
+    most = max([1, *(one.size for was in kept.values() for one in was.sums)])
     found = results.parts(cell.index, most)
     for place, was in kept.items():
         if place in found:

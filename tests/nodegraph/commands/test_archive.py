@@ -223,21 +223,175 @@ def test_inputs_are_left_out_on_demand_or_when_they_changed(command: Command) ->
     files, err = archived(command)
     assert "numbers/one.txt" not in files
     assert files["inputs/two.txt"] == b"2.5"
-    assert "input numbers/one.txt: is not where it was, or its content is another" in err
+    assert f"input numbers/one.txt: it is gone from {Path.cwd()}, or is no longer as the" in err
+    assert str(Path.cwd()) not in files["README.md"].decode()
 
 
-def test_a_lock_goes_in_beside_the_graph(command: Command) -> None:
+def locked_and_run(command: Command) -> bytes:
+    """Run a graph that names no path of this machine, with its lock beside it."""
+    text = GRAPH.replace("  b: {use: toy.read, with: {path: ABSOLUTE}}\n", "")
+    Path("study/toy.yaml").write_text(text)
+    assert command("lock", "study/toy.yaml", "--store", "kept")[0] == 0
     assert ran(command) == 0
-    assert "toy.lock" not in archived(command)[0]
-    Path("study/toy.lock").write_text("locked")
-    files, _ = archived(command)
-    assert files["toy.lock"] == b"locked"
+    return Path("study/toy.lock").read_bytes()
+
+
+def test_a_lock_goes_in_beside_the_graph(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = locked_and_run(command)
+    files, err = archived(command)
+    assert (files["toy.lock"], err) == (text, "")
     assert "`nodegraph verify toy.lock`" in files["README.md"].decode()
-    Path("other").write_text("another")
-    assert archived(command, "--lock", "other")[0]["toy.lock"] == b"another"
+    Path("study/toy.lock").rename("other")
+    assert "toy.lock" not in archived(command)[0]
+    files, _ = archived(command, "--lock", "other")
+    assert files["toy.lock"] == text
+    there = tmp_path / "unpacked"
+    with zipfile.ZipFile("ran.zip") as file:
+        file.extractall(there)
+    monkeypatch.chdir(there)
+    words = ("verify", "toy.lock", "--plugin", "plugins/toys.py", "--store", "kept")
+    status, out, err = command(*words, nodes=False)
+    assert (status, "text" in err) == (0, False)
+    assert out.startswith("identical: toy.lock")
+
+
+def other_graph(command: Command) -> None:
+    Path("study/toy.yaml").write_text(Path("study/toy.yaml").read_text() + "# edited\n")
+    assert command("lock", "study/toy.yaml", "--store", "kept")[0] == 0
+
+
+def other_axes(command: Command) -> None:
+    words = ("--axis", "length=1,5,7", "--store", "kept")
+    assert command("lock", "study/toy.yaml", *words)[0] == 0
+
+
+def other_inputs(command: Command) -> None:
+    assert command("lock", "study/toy.yaml", "--set", "factor=3", "--store", "kept")[0] == 0
+
+
+def elsewhere(command: Command) -> None:
+    words = ("--out", "locks/toy.lock", "--store", "kept")
+    assert command("lock", "study/toy.yaml", *words)[0] == 0
+    Path("locks/toy.lock").replace("study/toy.lock")
+
+
+def cut_off(_: Command) -> None:
+    Path("study/toy.lock").write_bytes(Path("study/toy.lock").read_bytes()[:500])
+
+
+def no_lock(_: Command) -> None:
+    Path("study/toy.lock").write_text(Path("toys.py").read_text())
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (other_graph, "it froze another graph than this run's, or another text of it"),
+        (other_axes, "it froze other axes than this run's: length"),
+        (other_inputs, "it froze other inputs than this run's: factor"),
+        (elsewhere, "it was written to lie elsewhere than beside toy.yaml"),
+        (cut_off, "the lock is cut off"),
+        (no_lock, "this is no lock; `nodegraph lock GRAPH` writes one"),
+    ],
+)
+def test_a_lock_of_something_else_is_told_or_refused(
+    command: Command, damage: Callable[[Command], None], said: str
+) -> None:
+    locked_and_run(command)
+    damage(command)
+    files, err = archived(command)
+    assert f"not in it: lock {Path.cwd()}/study/toy.lock: {said}" in err
+    assert "toy.lock" not in files
+    assert "nodegraph verify" not in files["README.md"].decode()
+    assert said in files["README.md"].decode()
+    Path("ran.zip").unlink()
+    status, out, err = command("archive", "ran", "--lock", "study/toy.lock", nodes=False)
+    assert (status, out) == (2, "")
+    assert f"study/toy.lock: {said}" in err
+    assert not Path("ran.zip").exists()
+
+
+def test_a_lock_that_is_not_there_is_refused(command: Command) -> None:
+    assert ran(command) == 0
     status, _, err = command("archive", "ran", "--lock", "nothing", nodes=False)
     assert status == 2
-    assert "nothing: no such lock" in err
+    assert "nothing: no such file; `nodegraph lock GRAPH` writes it" in err
+
+
+def test_plugin_files_are_those_that_ran(command: Command) -> None:
+    was = Path("toys.py").read_bytes()
+    assert ran(command) == 0
+    Path("toys.py").write_bytes(was.replace(b"x - length", b"x + length"))
+    files, err = archived(command)
+    said = "plugin plugins/toys.py: it is gone from"
+    assert f"not in it: {said} {Path.cwd()}, or is no longer as the run used it" in err
+    assert "plugins/toys.py" not in files
+    readme = files["README.md"].decode()
+    assert said in readme
+    assert "Run it again here, with the same versions of the packages below, and with what is" in (
+        readme
+    )
+    Path("toys.py").write_bytes(was)
+    files, err = archived(command)
+    assert (files["plugins/toys.py"], err) == (was, "")
+
+
+def test_from_another_folder_the_same_goes_in(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    locked_and_run(command)
+    files, _ = archived(command)
+    Path("ran.zip").unlink()
+    other = tmp_path / "other"
+    (other / "study").mkdir(parents=True)
+    (other / "toys.py").write_text("another = 1")
+    (other / "study" / "toy.yaml").write_text("nodegraph: 1\nnodes: {a: {use: toy.number}}\n")
+    monkeypatch.chdir(other)
+    status, _, err = command("archive", "../ran", nodes=False)
+    assert (status, err) == (0, "")
+    with zipfile.ZipFile("../ran.zip") as file:
+        found = {name: file.read(name) for name in file.namelist()}
+    assert found.keys() == files.keys()
+    for name in ("plugins/toys.py", "toy.yaml", "toy.lock", "numbers/one.txt", "README.md"):
+        assert found[name] == files[name]
+
+
+def test_where_the_folder_of_the_run_is_gone_it_says_so(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    for name in ("study", "toys.py", "far away"):
+        Path(name).rename(home / name)
+    monkeypatch.chdir(home)
+    locked_and_run(command)
+    monkeypatch.chdir(tmp_path)
+    home.rename("moved")
+    Path("moved/ran").rename("ran")
+    files, err = archived(command)
+    gone = f"it is not here; archive the run where it was made, in {home}"
+    assert f"plugin plugins/toys.py: {gone}" in err
+    assert f"input numbers/one.txt: {gone}" in err
+    assert f"lock toy.lock: if there was one beside the graph, {gone}" in err
+    assert str(tmp_path) not in files["README.md"].decode()
+    assert str(tmp_path) not in files["run/run.json"].decode()
+    monkeypatch.chdir("moved")
+    Path("../ran").rename("ran")
+    files, err = archived(command)
+    assert err == ""
+    assert {"plugins/toys.py", "numbers/one.txt", "toy.lock"} <= files.keys()
+
+
+def test_a_place_where_nothing_can_be_written_is_told_before_the_work(command: Command) -> None:
+    assert ran(command) == 0
+    Path("taken").write_text("mine")
+    before = sorted(Path().rglob("*"))
+    status, _, err = command("archive", "ran", "--out", "taken/x.zip", nodes=False)
+    assert status == 2
+    assert "taken/x.zip: cannot be written: taken is a file, and no folder; name another" in err
+    assert sorted(Path().rglob("*")) == before
 
 
 def test_a_graph_that_uses_others(command: Command) -> None:

@@ -15,6 +15,7 @@ from nodegraph.paper.frozen.lock import read_lock
 
 from . import frozen
 
+ANYTHING = "np.random.default_rng().random() / 1e6"
 Locked = Callable[..., tuple[int, str, str]]
 
 
@@ -126,6 +127,22 @@ def test_a_file_that_is_no_lock_is_left_alone(locked: Locked) -> None:
     assert status == 2
     assert "study.py is there and is no lock; name another file with --out" in err
     assert Path("study.py").read_text() == frozen.NODES
+
+
+def test_a_place_that_cannot_be_written_is_told_before_anything_runs(locked: Locked) -> None:
+    status, _, err = locked("--out", "study.py/x.lock")
+    assert status == 2
+    assert "study.py/x.lock: cannot be written: study.py is a file, and no folder" in err
+    assert not Path("calls.txt").exists()
+
+
+def test_results_that_an_audit_found_to_be_one_of_several_are_told(locked: Locked) -> None:
+    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
+    words = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
+    assert main(["audit", "study.yaml", *words]) == 1
+    _, out, _ = locked()
+    told = "1 results are not stored: read.sheet: an audit found that it gives another answer"
+    assert told in out
 
 
 def test_a_damaged_lock_is_written_again(locked: Locked) -> None:

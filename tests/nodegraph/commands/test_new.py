@@ -94,3 +94,11 @@ def test_what_is_only_a_file_has_any_file_s_name(command: Command, name: str) ->
     status, out, _ = command("new", "leaf", name)
     assert (status, out) == (0, f"wrote {name}.yaml\n")
     assert Path(f"{name}.yaml").read_text(encoding="utf-8") == f"title: {name}\n"
+
+
+def test_a_template_that_is_no_text_is_named(command: Command, tmp_path: Path) -> None:
+    (tmp_path / "shipped" / "leaf" / "face.png").write_bytes(b"\x89PNG\xff")
+    status, out, err = command("new", "leaf", "mine")
+    assert (status, out) == (2, "")
+    assert "face.png: a template's files are text in UTF-8" in err
+    assert not Path("mine.yaml").exists()

@@ -43,6 +43,26 @@ def test_a_failed_step_ends_with_1(command: Command) -> None:
     assert Path("runs/toy/report.html").is_file()
 
 
+def test_a_result_that_cannot_be_shown_ends_with_1(command: Command) -> None:
+    text = Path("toys.py").read_text()
+    Path("toys.py").write_text(
+        f"{text}\n"
+        "from nodegraph import Renderer, hookimpl\n\n"
+        "def explode(value, title):\n"
+        "    raise RuntimeError('no ink')\n\n"
+        "@hookimpl\n"
+        "def nodegraph_renderers():\n"
+        "    return [Renderer(float, explode)]\n"
+    )
+    status, out, _ = command("run", "toy.yaml", "--until", "a")
+    assert status == 1
+    assert "1 steps: 1 computed" in out
+    (said,) = (line for line in out.splitlines() if line.startswith("failed: a: cannot be shown"))
+    assert "RuntimeError: no ink" in said
+    assert "What to know" in (report := Path("runs/toy/report.html").read_text())
+    assert "RuntimeError: no ink" in report.partition("What to know")[2]
+
+
 def test_a_failed_step_is_repeated_where_it_ran(command: Command) -> None:
     _, out, _ = command("run", "toy.yaml", "--set", "start=-100", "--executor", "serial")
     alone = next(line for line in out.splitlines() if "repeat it alone" in line)

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from nodegraph import plugins
+from nodegraph.plugins import Plugin
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -37,3 +43,26 @@ def test_a_node_is_shown(command: Command) -> None:
     status, _, err = command("show", "toy.cutt")
     assert status == 2
     assert "did you mean 'toy.cut'" in err
+
+
+def test_an_example_is_shown_that_may_stand_in_a_graph(command: Command) -> None:
+    _, out, _ = command("show", "toy.cut")
+    example = "toy: {use: toy.cut, in: x, with: {length: 3}}"
+    assert f"\n\nexample, among the nodes of a graph:\n  {example}\n\ncite:" in out
+    text = (
+        "Examples\n    --------\n    Of five:\n\n        gaps: {use: toy.cut, with: {length: 5}}\n"
+    )
+    toys = Path("toys.py")
+    toys.write_text(toys.read_text().replace("Of the gap.\n", f"Of the gap.\n\n    {text}"))
+    _, out, _ = command("show", "toy.cut")
+    assert "gaps: {use: toy.cut, with: {length: 5}}" in out
+    assert "\nexample, among the nodes of a graph:\n" not in out
+
+
+def test_the_example_of_a_node_that_two_plugins_have_names_its_own(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = Plugin("other", plugins.from_file(Path("toys.py")).module)
+    monkeypatch.setattr(plugins, "installed", lambda: ([other], []))
+    _, out, _ = command("show", "other:toy.number")
+    assert "\n  toy: {use: 'other:toy.number', with: {start: 1.0}}\n" in out

@@ -13,6 +13,16 @@ from nodegraph.cli import main
 
 from . import frozen
 
+TAKEN = """\
+from nodegraph import node
+@node("fill.mean")
+def mean(sheet: float) -> float: return sheet
+@node("fill.shift")
+def shift(sheet: float) -> float: return sheet
+@node("toy.cut")
+def cut(sheet: float) -> float: return sheet
+"""
+ANYTHING = "np.random.default_rng().random() / 1e6"
 Verified = Callable[..., tuple[int, str, str]]
 STORE = ("--store", "kept", "--executor", "serial")
 SHIFTED = "fill(length=2, fill=shift) and 1 more of fill=shift"
@@ -33,6 +43,18 @@ def verified(capsys: pytest.CaptureFixture[str]) -> Verified:
         return status, *capsys.readouterr()
 
     return call
+
+
+def lock_again(*words: str) -> None:
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE, *words]) == 0
+
+
+def sign_again(lock: str = "study.lock") -> None:
+    """Give an edited lock the checksum of what stands in it now."""
+    head, _, rest = Path(lock).read_text().partition("checksum: ")
+    body = rest.partition("\n")[2]
+    checksum = hashlib.sha256(body.encode()).hexdigest()
+    Path(lock).write_text(f"{head}checksum: {checksum}\n{body}")
 
 
 @pytest.fixture
@@ -79,6 +101,36 @@ def test_a_file_of_drifted_numbers_has_drifted(
     capsys.readouterr()
     first, *_ = drifting("1e-12")
     assert first.startswith("within tolerance: study.lock: 0 of 10 results identical, 10 within")
+
+
+def test_a_conclusion_that_rounding_turns_is_told_with_the_verdict(
+    verified: Verified, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frozen.edit("study.py", '[" < ".join(sorted(one.means, key=one.means.get))]',
+                "[f'{one.means[\"mean\"] * 1e12 % 10:.0f}']")  # fmt: skip
+    lock_again()
+    monkeypatch.setenv("DRIFT", "4e-12")
+    status, out, _ = verified("--rerun")
+    assert status == 1
+    lines = out[out.index("within") :].splitlines()
+    assert lines[0].startswith("within tolerance, but conclusions changed: study.lock: 1 of 10")
+    assert [one.split(": ")[:2] for one in lines[1:]] == [["order", "no longer"], ["order", "now"]]
+
+
+def test_a_node_that_an_audit_found_to_give_no_one_answer_is_told(verified: Verified) -> None:
+    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
+    assert main(["audit", "study.yaml", "--plugin", "study.py", *STORE]) == 1
+    verified()
+    lock_again()
+    told = "read.sheet: an audit found that it gives another answer in a second call"
+    for words in ((), ("--rerun",)):
+        status, out, _ = verified(*words)
+        assert status == 0
+        assert f"1 results are not stored: {told}" in out
+        first = out.splitlines()[out.splitlines().index("first: sheet") + 1].strip()
+        assert first.startswith(
+            "code, settings, files and libraries are the same, and an audit found that it gives"
+        )
 
 
 def test_more_than_rounding_that_no_change_explains_keeps_the_conclusions(
@@ -158,6 +210,36 @@ def test_a_file_that_is_gone_may_lie_elsewhere(verified: Verified) -> None:
     assert (status, out) == (0, "identical: study.lock: 10 of 10 results identical\n")
 
 
+def test_a_file_that_the_command_names_lies_where_the_command_is_given(
+    verified: Verified, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "there").mkdir()
+    shutil.move("numbers.txt", "there/moved.txt")
+    monkeypatch.chdir("there")
+    words = {"plugin": "../study.py", "lock": "../study.lock"}
+    status, out, _ = verified("--set", "file=moved.txt", **words)
+    assert (status, out.split(":")[0]) == (0, "identical")
+    monkeypatch.chdir(tmp_path)
+    status, _, err = verified("--set", "file=moved.txt")
+    assert status == 2
+    assert f"moved.txt was looked for in {tmp_path}; where it lies by now: --set file=FILE" in err
+    (tmp_path / "moved.txt").mkdir()
+    monkeypatch.chdir("there")
+    assert verified("--set", "file=moved.txt", **words)[0] == 0
+
+
+def test_a_word_is_none_of_a_file_of_that_name(verified: Verified) -> None:
+    frozen.edit("study.yaml", "file: numbers.txt", "file: numbers.txt, word: a")
+    frozen.edit("study.yaml", "length: $length", "length: $length, word: $word")
+    frozen.edit("study.py", "length: int = 3", "length: int = 3, word: str")
+    frozen.edit("study.py", "cells[:length, 0]", "cells[:len(word), 0]")
+    lock_again("--set", "word=data")
+    Path("data").mkdir()
+    status, out, _ = verified("--set", "word=data")
+    assert status == 0
+    assert "identical: study.lock: 10 of 10" in out
+
+
 def test_the_locked_text_is_verified_whatever_the_graph_file_says(verified: Verified) -> None:
     frozen.edit("study.yaml", "[2, 5]", "[3]")
     status, out, err = verified()
@@ -189,6 +271,27 @@ def test_a_family_that_has_grown_is_taken_as_it_was(verified: Verified) -> None:
     assert verified()[1] == "identical: study.lock: 10 of 10 results identical\n"
 
 
+@pytest.mark.parametrize("alternatives", ["fill.*", "[fill.mean, fill.shift]"])
+@pytest.mark.parametrize("words", [(), ("--only", "fill=mean")])
+def test_a_plugin_that_claims_a_name_of_the_study_changes_nothing(
+    verified: Verified, words: tuple[str, ...], alternatives: str
+) -> None:
+    frozen.edit("study.yaml", "fill.*", alternatives)
+    lock_again(*words)
+    Path("taken.py").write_text(TAKEN)
+    status, out, err = verified("--plugin", "taken.py")
+    assert (status, err.count("claimed")) == (0, 0)
+    assert "identical: study.lock: " in out
+
+
+def test_namesakes_that_were_told_apart_then_are_now(verified: Verified) -> None:
+    fills = TAKEN.partition('@node("toy')[0].replace("float", "Sheet")
+    Path("taken.py").write_text(f"from study import Sheet\n{fills}")
+    lock_again("--plugin", "taken.py", "--only", "fill=study:mean")
+    Path("third.py").write_text(TAKEN)
+    assert verified("--plugin", "taken.py", "--plugin", "third.py")[0] == 0
+
+
 def test_a_plugin_that_is_absent_is_named(verified: Verified) -> None:
     status, out, err = verified(plugin="")
     assert (status, out) == (2, "")
@@ -210,6 +313,16 @@ def test_a_refusal_is_a_result(verified: Verified) -> None:
     assert status == 1
     assert lines[2] == "first: fill(length=5, fill=shift)"
     assert "    was done, now refused: a gap of 5.0 cells" in lines
+
+
+def test_what_failed_then_and_now_is_counted_as_such(verified: Verified) -> None:
+    frozen.edit("study.py", "if np.", "if SHIFT: raise ValueError('never')\n    if np.")
+    frozen.edit("study.yaml", "in: fill}", "in: {from: fill, at: {fill: shift, length: 2}}}")
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 1
+    status, out, _ = verified()
+    assert status == 0
+    ended = "10 of 10 results identical (of these 2 failed and 3 were skipped, as then)"
+    assert f"identical: study.lock: {ended}\n" in out
 
 
 def test_a_picture_drawn_otherwise_is_no_other_result(verified: Verified) -> None:
@@ -281,19 +394,60 @@ def test_a_lock_that_is_not_as_it_was_written_is_refused(
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("removed: {}", "taken: {}"), ("parts:\n", "parts: 4\nrest:\n"), ("sheet:\n", "sheet: [0]\n")],
+    [
+        ("# end of the lock\n", "# end of the lock\n\n"),
+        ("checksum: ", "<<<<<<< ours\nchecksum: 12\n=======\nchecksum: "),
+        ("checksum: ", "checksum: 0"),
+    ],
 )
-def test_a_lock_that_lacks_something_is_refused_though_its_checksum_is_right(
+def test_a_whole_lock_that_was_edited_is_not_cut_off(
     verified: Verified, old: str, new: str
 ) -> None:
-    path = Path("study.lock")
-    head, _, body = path.read_text().partition("checksum: ")
-    body = body.partition("\n")[2].replace(old, new)
-    checksum = hashlib.sha256(body.encode()).hexdigest()
-    path.write_text(f"{head}checksum: {checksum}\n{body}")
+    frozen.edit("study.lock", old, new)
     status, out, err = verified()
     assert (status, out) == (2, "")
-    assert "study.lock" in err
+    assert "study.lock: the lock is not as it was written" in err
+
+
+def test_a_mark_that_an_editor_sets_before_the_text_changes_nothing(verified: Verified) -> None:
+    path = Path("study.lock")
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert verified()[0] == 0
+    lock_again()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("removed: {}", "taken: {}", "removed: field required"),
+        ("removed: {}", "removed: {fill: 3}", "removed.fill: "),
+        ("choices: {}", "choices: {set: [3]}", "choices.set: "),
+        ("choices: {}", "choices: {only: {fill: mean}}", "choices.only.fill: "),
+        ("  length: [2, 5]", "  length: 2", "axes.length: "),
+        ("    use: toy.cut\n", "", "methods.cut.use: field required"),
+        ("use: toy.cut\n", "use: [toy.cut]\n", "methods.cut.use: "),
+        ("  cut:\n    use", "  cut: 4\n  more:\n    use", "methods.cut: "),
+        ("parts:\n", "parts: 4\nrest:\n", "parts: "),
+        ("text:\n", "text: {}\nrest:\n", "text: "),
+        ("text:\n", "text: {study.yaml: 3}\nrest:\n", "text.study.yaml: "),
+        ("tolerance: 1e-09", "tolerance: much", "tolerance: "),
+        ("tolerance: 1e-09", "tolerance: -1e-09", "tolerance: "),
+        ("tolerance: 1e-09", "tolerance: .inf", "tolerance: "),
+        ("results:\n", "results: {sheet: {steps: {only: a b c}}}\nrest:\n",
+         "results.sheet.steps.only: "),
+    ],
+)  # fmt: skip
+def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_right(
+    verified: Verified, old: str, new: str, said: str
+) -> None:
+    path = Path("study.lock")
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    sign_again()
+    status, out, err = verified()
+    assert (status, out) == (2, "")
+    assert f"study.lock: this is no lock as this program writes them: {said}" in err
 
 
 @pytest.mark.parametrize(

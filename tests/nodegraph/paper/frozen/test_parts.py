@@ -13,7 +13,9 @@ VALUES = np.random.default_rng(0).normal(size=(40, 6, 3))
 
 
 def taken(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], most: int = 64) -> Parts:
-    return parts_of("positions", values, 2, most)
+    found = parts_of("positions", values, 2, most)
+    assert found is not None
+    return found
 
 
 def changed(*places: tuple[int, int], by: float = 1.0) -> Parts:
@@ -75,7 +77,7 @@ def test_long_axes_are_told_in_parts() -> None:
 )
 def test_parts_and_their_text_say_the_same(shape: tuple[int, int, int], most: int) -> None:
     values = np.random.default_rng(1).normal(size=shape)
-    parts = parts_of("a", values, 2, most)
+    parts = taken(values, most)
     read = Parts.read(parts.text)
     assert read.shape == shape
     for one, other in zip(parts.sums, read.sums, strict=True):
@@ -89,3 +91,14 @@ def test_parts_and_their_text_say_the_same(shape: tuple[int, int, int], most: in
 def test_a_text_that_says_nothing_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"\w"):
         Parts.read(text)
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_that_four_bytes_do_not_hold_have_no_parts() -> None:
+    assert parts_of("a", np.full((2000, 2), 1.797e308), 2, 64) is None
+    assert parts_of("a", np.full((2000, 2), 1e30), 2, 64) is not None
+
+
+def test_as_many_parts_as_there_should_be_are_compared() -> None:
+    few = Parts(VALUES.shape, (np.ones(3), np.ones(6)))
+    assert few.apart(taken(VALUES), 1e-9)[0] == taken(VALUES).apart(few, 1e-9)[0]

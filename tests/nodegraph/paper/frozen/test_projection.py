@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from nodegraph.paper.frozen.projection import (
     COUNT,
+    LARGE,
     along_one,
     as_text,
     distance,
@@ -68,6 +69,21 @@ def test_nothing_projects_to_zeros() -> None:
 def test_a_word_holds_eleven_digits(numbers: list[float]) -> None:
     found = from_text(as_text(np.array(numbers)))
     assert np.allclose(found, numbers, rtol=2e-11, atol=1e-300)
+
+
+@pytest.mark.filterwarnings("error")
+def test_no_square_and_no_sum_overflows() -> None:
+    here, there = project("a", np.full(LONG, 0.9 * LARGE)), project("a", np.full(LONG, 0.8 * LARGE))
+    assert np.isfinite([here, there]).all()
+    assert distance(here, there) / LARGE == pytest.approx(
+        distance(here / LARGE, there / LARGE), rel=1e-12
+    )
+    assert distance(here, here) == 0.0
+
+
+def test_what_is_no_number_is_no_projection() -> None:
+    with pytest.raises(ValueError, match="no finite number"):
+        from_text(as_text(np.array([1.0, np.inf, 0.0, 0.0])))
 
 
 @pytest.mark.parametrize("text", ["", "abc", "?" * 32, "A" * 28])

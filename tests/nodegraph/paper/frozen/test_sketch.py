@@ -87,6 +87,18 @@ def test_the_distance_is_relative_to_the_size(size: float) -> None:
         assert 0.1 * size < apart(one, other) < 3.0 * size
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("largest", [1.0, 1e155, 5.2e269, 5.3e269, 1.797e308])
+@pytest.mark.parametrize("usual", [1.0, 0.0])
+def test_the_largest_numbers_are_measured_as_others_are(largest: float, usual: float) -> None:
+    numbers = np.linspace(0.5, 1.0, 2000) * largest
+    scales = {"output": usual or largest}
+    was = taken(numbers).against(scales)
+    for size in (1e-15, 1e-6, 0.5):
+        now = taken(numbers * (1.0 - size)).against(scales)
+        assert 0.1 * size < was.apart(now.projections) < 10.0 * size
+
+
 def test_a_place_is_measured_by_its_own_size() -> None:
     assert 0.01 < apart({"large": 1e9, "small": 1e-3}, {"large": 1e9, "small": 1.1e-3}) < 0.5
 

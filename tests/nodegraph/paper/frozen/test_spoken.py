@@ -56,3 +56,17 @@ def test_the_largest_change_is_told_in_units_of_its_column() -> None:
 
 def test_a_table_that_the_lock_does_not_know_is_left_out() -> None:
     assert list(numbers_changed({}, [Said("table", (), TABLE)], 0.0)) == []
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "said"),
+    [
+        (TABLE, "", "had the columns length, fill, mean, share, now none"),
+        ("", TABLE, "had the columns none, now length, fill, mean, share"),
+        ("a,b\n1\n", "a,b\n1,2\n", "1 of 1 rows are others; most of all b of 1: , now 2"),
+        ("a\n1,5\n", "a\n1\n", "1 of 1 rows are others; most of all "),
+    ],
+)
+def test_a_table_need_not_be_one(was: str, now: str, said: str) -> None:
+    [found] = numbers_changed({"table": was}, [Said("table", (), now)], 1e-9)
+    assert found.startswith(f"table: {said}")

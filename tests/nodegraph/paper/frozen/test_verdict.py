@@ -18,8 +18,15 @@ DRIFTED = Moved(CELL, Grade("moved", 1e-6), Change(around=("numpy was 1, now 2",
     ("found", "conclusions", "changed", "expected"),
     [
         (Compared(identical=3), True, [], "identical"),
+        (Compared(identical=3), True, ["a tie"], "identical, but conclusions changed"),
         (Compared(identical=3, near=1), True, [], "within tolerance"),
-        (Compared(identical=3, near=1), True, ["a tie"], "within tolerance"),
+        (Compared(identical=3, near=1), False, [], "within tolerance"),
+        (
+            Compared(identical=3, near=1),
+            True,
+            ["a tie"],
+            "within tolerance, but conclusions changed",
+        ),
         (Compared([DRIFTED], identical=3), True, [], "same conclusions"),
         (Compared([DRIFTED], identical=3), True, ["b < a"], "diverged"),
         (Compared([DRIFTED], identical=3), False, [], "diverged"),
@@ -30,4 +37,6 @@ DRIFTED = Moved(CELL, Grade("moved", 1e-6), Change(around=("numpy was 1, now 2",
     ],
 )
 def test_a_verdict(found: Compared, conclusions: bool, changed: list[str], expected: str) -> None:
-    assert verdict(found, conclusions, changed) == expected
+    came_to = verdict(found, conclusions, changed)
+    assert came_to.text == expected
+    assert came_to.holds == (expected in ("identical", "within tolerance", "same conclusions"))

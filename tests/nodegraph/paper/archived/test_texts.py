@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.paper.archived.inputs import files_read
 from nodegraph.paper.archived.texts import Elsewhere, command_elsewhere, graph_elsewhere
 
 HERE = Elsewhere(
@@ -71,42 +70,3 @@ def test_the_command_names_what_is_in_the_archive() -> None:
         "nodegraph run a.yaml --set take=inputs/m.csv --axis 'takes=[inputs/m.csv, n.csv]' "
         "--only x=inputs/m.csv,y --plugin plugins/p.py"
     )
-
-
-def test_files_of_one_name_do_not_meet_and_names_of_the_archive_are_free(tmp_path: Path) -> None:
-    import hashlib
-
-    written = ["one/a.txt", "../two/a.txt", "run/a.txt", "a/b.txt"]
-    steps = []
-    (tmp_path / "g").mkdir()
-    for text in written:
-        path = tmp_path / "g" / text
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        digest = hashlib.sha256(text.encode()).hexdigest() + ".txt"
-        steps.append({"settings": {"path": text}, "files": {"path": digest}})
-    steps.append({"settings": {"path": "sample:x"}, "files": {"path": "0"}})
-    found = files_read(
-        {"steps": steps}, [tmp_path / "g"], {"run"}, lambda one: one.startswith("sample:")
-    )
-    assert {one.written: one.name for one in found} == {
-        "one/a.txt": "one/a.txt",
-        "../two/a.txt": "inputs/a.txt",
-        "run/a.txt": "inputs/a-2.txt",
-        "a/b.txt": "a/b.txt",
-        "sample:x": "sample:x",
-    }
-    assert [one.size for one in found if one.is_shipped] == [0]
-
-
-def test_a_folder_goes_in_with_all_its_files(tmp_path: Path) -> None:
-    from nodegraph.keys import Files
-
-    (tmp_path / "takes" / "deep").mkdir(parents=True)
-    (tmp_path / "takes" / "deep" / "a.txt").write_text("a")
-    (tmp_path / "takes" / "b.txt").write_text("bb")
-    digest = Files().digest(tmp_path / "takes")
-    record = {"steps": [{"settings": {"path": "takes"}, "files": {"path": digest}}]}
-    [found] = files_read(record, [tmp_path], (), lambda _: False)
-    assert [name for name, _ in found.contents()] == ["takes/b.txt", "takes/deep/a.txt"]
-    assert found.size == 3
