@@ -34,7 +34,13 @@ class SettingText:
 
 
 def describe_settings(node: Node) -> tuple[SettingText, ...]:
-    """Return a node's settings as people read them, in the order of the signature."""
+    """Return a node's settings as people read them, in the order of the signature.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
     meanings = _meanings(node.doc)
     return tuple(
         SettingText(
@@ -49,31 +55,83 @@ def describe_settings(node: Node) -> tuple[SettingText, ...]:
 
 
 def summary_of(node: Node) -> str:
-    """Return a node's first line, which begins with what replaces it, if something does."""
+    """Return a node's first line, which begins with what replaces it, if something does.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
     instead = f"(deprecated: {node.deprecated}) " if node.deprecated else ""
     return f"{instead}{node.summary}"
 
 
 def port_meanings(node: Node) -> dict[str, str]:
-    """Return what the docstring says of each parameter, ports included."""
+    """Return what the docstring says of each parameter, ports included.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
     return _meanings(node.doc)
 
 
 def without_parameters(doc: str) -> str:
-    """Return a docstring without its section of parameters, which is shown as a table."""
+    """Return a docstring without its section of parameters, which is shown as a table.
+
+    Parameters
+    ----------
+    doc
+        As `Node.doc` has it.
+    """
     return _PARAMETERS.sub("", doc).strip()
 
 
 def setting_kind(node: Node, name: str) -> str:
-    """Return type, bounds and choices of a setting, as its JSON Schema has them."""
-    schema = _schema(node)["properties"].get(name, {})
+    """Return type, bounds and choices of a setting, as its JSON Schema has them.
+
+    Parameters
+    ----------
+    node
+        Any.
+    name
+        Of one of its settings.
+    """
+    schema = settings_schema(node)["properties"].get(name, {})
     options = schema.get("anyOf", [schema])
     texts = [_option(one) for one in options if one.get("type") != "null"]
     return " or ".join([*texts, "null"] if len(texts) < len(options) else texts)
 
 
+@lru_cache(maxsize=512)
+def settings_schema(node: Node) -> dict[str, Any]:
+    """Return the JSON Schema of a node's settings; what JSON knows nothing of is any value.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
+    if not node.settings:
+        return {"properties": {}}
+    from pydantic.json_schema import GenerateJsonSchema
+
+    class Lenient(GenerateJsonSchema):
+        def handle_invalid_for_json_schema(self, schema: Any, error_info: str) -> dict[str, Any]:
+            return {}
+
+    return node.model.model_json_schema(schema_generator=Lenient)
+
+
 def shown(value: Any) -> str:
-    """Return a setting's value as a graph file has it."""
+    """Return a setting's value as a graph file has it.
+
+    Parameters
+    ----------
+    value
+        A number, a text, a truth, nothing, or a list of these.
+    """
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -92,19 +150,6 @@ def _as_in_a_file(node: Node, name: str, meaning: str) -> str:
 
 def _with_instead(setting: Setting, meaning: str) -> str:
     return f"(deprecated: {setting.deprecated}) {meaning}" if setting.deprecated else meaning
-
-
-@lru_cache(maxsize=512)
-def _schema(node: Node) -> dict[str, Any]:
-    if not node.settings:
-        return {"properties": {}}
-    from pydantic.json_schema import GenerateJsonSchema
-
-    class Lenient(GenerateJsonSchema):
-        def handle_invalid_for_json_schema(self, schema: Any, error_info: str) -> dict[str, Any]:
-            return {}  # a class that JSON knows nothing of is "a value"
-
-    return node.model.model_json_schema(schema_generator=Lenient)
 
 
 def _option(schema: dict[str, Any]) -> str:

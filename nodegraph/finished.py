@@ -64,7 +64,7 @@ class FinishedRun:
             values = None if entry is None else store.load(entry)
         except DamagedEntry:
             values = None
-        if values is None:
+        if values is None or position >= len(values):
             raise NodegraphError(
                 f"{_shown(node, at)}: its value is not in the store {store.folder}; compute it "
                 f"again: {self.record['command']}"
@@ -136,6 +136,8 @@ class FinishedRun:
 
 
 def _record(folder: Path) -> dict[str, Any]:
+    from nodegraph.execute.form import misfit
+
     path = folder / RECORD
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
@@ -143,15 +145,17 @@ def _record(folder: Path) -> dict[str, Any]:
         raise NodegraphError(
             f"{path}: there is no finished run; run the graph, or name the folder of a run"
         ) from None
-    except (OSError, ValueError) as error:
-        raise NodegraphError(f"{path} cannot be read: {error}") from error
-    if not isinstance(found, dict) or "steps" not in found:
-        raise NodegraphError(f"{path} is not the record of a run")
+    except (OSError, ValueError, RecursionError) as error:
+        raise NodegraphError(f"{path} cannot be read ({error}); run the graph again") from error
+    if not isinstance(found, dict):
+        raise NodegraphError(f"{path} is not the record of a run; run the graph again")
     if found.get("format") != FORMAT:
         raise NodegraphError(
             f"{path} is of format {found.get('format')}, and only {FORMAT} can be read; run the "
             "graph again"
         )
+    if wrong := misfit(found):
+        raise NodegraphError(f"{path} cannot be read ({wrong}); run the graph again")
     return found
 
 

@@ -127,7 +127,7 @@ def _add_lock(commands: Any) -> None:
 def _add_verify(commands: Any) -> None:
     text = (
         "tell whether a frozen study still gives its results: identical, within tolerance, same "
-        "conclusions (status 0), or diverged (status 1)"
+        "conclusions (status 0), or diverged (status 1, as whenever conclusions changed)"
     )
     verify = _add(commands, "verify", text)
     verify.add_argument("lock", type=Path, metavar="LOCK", help="written by nodegraph lock")

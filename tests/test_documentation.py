@@ -5,20 +5,28 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 import pytest
 
 import nodegraph as ng
-from nodegraph import hooks
+from nodegraph import hooks, plugins
+from nodegraph.registry import Registry
+from tests import readmes
+from tests.readmes import ROOT, blocks
 
-ROOT = Path(__file__).parents[1]
 GRAPHS = (ROOT / "graphs" / "README.md").read_text()
 PLUGINS = (ROOT / "plugins" / "README.md").read_text()
-
-
-def blocks(text: str, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
+ELSEWHERE = {
+    "cd lips": "so does the test",
+    "pip install -e .[test]": "tests/test_third_party.py installs a new plugin",
+    "pip install nodegraph[testing]": "tests/test_third_party.py installs ours",
+    "python -m pytest": "tests/test_third_party.py runs a new plugin's own tests",
+    "python -m pytest test_my_nodes.py": "run below, with the node that is shown",
+}
+"""Commands of the pages that are not the program's, and where they are tried."""
 
 
 def test_the_graph_that_is_shown_runs(tmp_path: Path) -> None:
@@ -66,12 +74,37 @@ def test_every_hook_and_every_package_is_told() -> None:
     assert packages <= set(re.findall(r"`(nodegraph_\w+)`", PLUGINS))
 
 
-@pytest.mark.parametrize("text", [GRAPHS, PLUGINS], ids=["graphs", "plugins"])
-def test_every_command_that_is_shown_is_one(text: str) -> None:
-    from nodegraph.options import parser
+def test_every_command_beside_the_graphs_does_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    readmes.write_small_study(tmp_path / "fill.yaml")
+    shown = list(readmes.commands(GRAPHS))
+    for words in shown:
+        readmes.give(words)
+    assert [words[1] for words in shown] == ["check", "run", "draw", "new", "lock"]
 
-    commands = next(one.choices for one in parser()._actions if one.choices)
-    lines = [line for block in blocks(text, "sh") for line in block.splitlines()]
-    used = {line.split()[1] for line in lines if line.startswith("nodegraph ")}
-    assert used
-    assert used <= set(commands or ())
+
+def test_every_command_beside_the_plugins_does_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = [words for words in readmes.commands(PLUGINS) if readmes.is_ours(words)]
+    others = [" ".join(one) for one in readmes.commands(PLUGINS) if not readmes.is_ours(one)]
+    assert set(others) == set(ELSEWHERE)
+    create, run = given
+    readmes.give(create)
+    (declared,) = (tomllib.loads(text) for text in blocks(PLUGINS, "toml"))
+    ((name, value),) = declared["project"]["entry-points"]["nodegraph"].items()
+    monkeypatch.chdir(tmp_path / name)  # as the page says
+    monkeypatch.syspath_prepend(tmp_path / name)
+    every = [*entry_points(group="nodegraph"), EntryPoint(name, value, "nodegraph")]
+    monkeypatch.setattr(plugins, "entry_points", lambda *, group: every)
+    try:
+        assert [one.node.name for one in Registry.installed() if one.plugin == name] == [
+            "fill.lips"
+        ]
+        readmes.give([*run, "--axis", "trial=0"])
+    finally:
+        for one in [module for module in sys.modules if module.partition(".")[0] == value]:
+            del sys.modules[one]

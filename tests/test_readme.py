@@ -1,24 +1,31 @@
-"""What the README shows is true: its graph checks, its code runs, its table of nodes is whole."""
+"""What the README shows is true: all that it shows runs, and its table of nodes is whole."""
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 
 import nodegraph as ng
+from nodegraph import plugins
 from nodegraph.cli import main
 from nodegraph.registry import Registry
+from tests import readmes
+from tests.readmes import ROOT
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
+INSTALLS = (["python3", "-m", "venv"], [".venv/bin/pip", "install"], [".venv/bin/python", "-m"])
+"""How commands begin that make an environment, and test in it: continuous integration does so."""
 
 
 def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+    return readmes.blocks(README, language)
 
 
 def table_of_nodes() -> str:
@@ -28,11 +35,14 @@ def table_of_nodes() -> str:
     return "\n".join(["| node | what it does |", "|---|---|", *rows])
 
 
-def test_the_graph_is_a_good_one(tmp_path: Path) -> None:
+def test_the_graph_runs(tmp_path: Path) -> None:
     graph, _ = blocks("yaml")
     path = tmp_path / "graph.yaml"
     path.write_text(graph)
-    assert list(ng.load(path).nodes) == ["capture", "gaps", "fill", "error", "table"]
+    run = ng.run(path, axis={"trial": [0]}, only={"length": [15]})
+    assert run.ok
+    assert list(run) == ["capture", "gaps", "fill", "error", "table"]
+    assert set(run["table"].value["fill"]) == {"guenter", "lin_ouhyoung", "muscle"}
 
 
 def test_the_picture_shows_the_graph(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -84,20 +94,56 @@ def test_the_table_of_nodes_is_that_of_the_installed_ones() -> None:
     assert found == table_of_nodes()
 
 
-def test_continuous_integration_runs_the_command_that_stands_here() -> None:
-    script = (ROOT / ".ci" / "run").read_text()
-    assert "<!-- the tests -->" in script
+def test_a_plugin_has_the_hook_that_stands_here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, hook = blocks("python")[:2]
+    package = tmp_path / "my_package"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "fill.py").write_text(node)
+    (package / "hooks.py").write_text(hook)
+    monkeypatch.syspath_prepend(tmp_path)
+    entry = EntryPoint("mine", "my_package.hooks", "nodegraph")
+    monkeypatch.setattr(plugins, "entry_points", lambda *, group: [entry])
+    try:
+        assert [one.full_name for one in Registry.installed()] == ["mine:fill.first"]
+    finally:
+        for name in [one for one in sys.modules if one.partition(".")[0] == "my_package"]:
+            del sys.modules[name]
+
+
+def test_continuous_integration_runs_the_command_that_stands_here(tmp_path: Path) -> None:
+    (tmp_path / ".ci").mkdir()
+    shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
     command = README.partition("<!-- the tests -->\n```sh\n")[2].partition("\n```")[0]
-    assert command.endswith("-m pytest -n 2")
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    for name in ("chromium", "npm", "tar", "apt-get"):
+        (tools / name).write_text("#!/bin/sh\n")
+        (tools / name).chmod(0o755)
+    environment = {**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
+    for status, instead in ((0, "true"), (7, "exit 7")):
+        written = README.replace(command, f"echo {status} >ran && {instead}")
+        (tmp_path / "README.md").write_text(written)
+        done = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, env=environment, check=False)
+        assert done.returncode == status
+        assert (tmp_path / "ran").read_text() == f"{status}\n"
 
 
-def test_values_are_exported_as_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_command_does_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    lines = [line for block in blocks("sh") for line in block.splitlines()]
-    exports = [line.split()[1:] for line in lines if line.startswith("nodegraph export")]
-    words = ["--axis", "trial=[3]", "--only", "length=45", "--only", "fill=muscle"]
-    assert main(["run", str(ROOT / "graphs" / "fill.yaml"), *words]) == 0
-    for one in exports:
-        assert main(one) == 0
-        assert (tmp_path / one[-1]).stat().st_size > 1000
-    assert len(exports) == 3
+    readmes.write_small_study(tmp_path / "graphs" / "fill.yaml")
+    (tmp_path / "my_fill.py").write_text(blocks("python")[0])
+    recording = ng.get_node("synthesize.face")(seconds=3.0).captured
+    written = ng.get_node("write.c3d")(recording, name="mine")
+    (tmp_path / "mine.c3d").write_bytes(written.content["mine.c3d"])
+    shown = list(readmes.commands(README))
+    for words in shown:
+        if readmes.is_ours(words):
+            readmes.give(words)
+        else:
+            assert words[:3] in INSTALLS or words[:2] in INSTALLS, words
+    used = {words[1] for words in shown if readmes.is_ours(words)}
+    assert used >= {"run", "export", "diff", "report", "cite", "lock", "verify", "audit", "archive"}
+    assert all((tmp_path / name).stat().st_size > 1000 for name in ("filled.c3d", "figure.pdf"))

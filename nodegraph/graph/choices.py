@@ -28,12 +28,15 @@ class Choices:
         Axis, or node with alternatives -> the labels to keep.
     folder : Path
         Where relative paths among them start.
+    folders : mapping
+        Input or axis -> where relative paths in its value start instead.
     """
 
     inputs: Mapping[str, Any] = field(default_factory=dict)
     axes: Mapping[str, Any] = field(default_factory=dict)
     only: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     folder: Path = field(default_factory=Path.cwd)
+    folders: Mapping[str, Path] = field(default_factory=dict)
 
     def updated(self, later: Choices) -> Choices:
         """Return these choices with later ones on top."""
@@ -42,6 +45,7 @@ class Choices:
             {**self.axes, **later.axes},
             {**self.only, **later.only},
             later.folder,
+            {**self.folders, **later.folders},
         )
 
 
@@ -133,7 +137,7 @@ class Names:
     def folder(self, variable: Variable) -> Path:
         """Return where a relative path that a variable holds starts."""
         if self._option(variable):
-            return self._choices.folder
+            return self._choices.folders.get(variable.name, self._choices.folder)
         axis = self._spec.axes.get(variable.name)
         return (axis and axis.folder) or self._spec.folder
 

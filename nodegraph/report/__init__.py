@@ -10,6 +10,7 @@ from nodegraph.report.study import (
     StepNote,
     Study,
     TimingRow,
+    WithoutResult,
 )
 
 __all__ = [
@@ -21,5 +22,6 @@ __all__ = [
     "StepNote",
     "Study",
     "TimingRow",
+    "WithoutResult",
     "page",
 ]

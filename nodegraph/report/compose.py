@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
+import traceback
 import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
-from nodegraph.bibliography import bibtex_of, references
-from nodegraph.describe import describe_settings, shown
+from nodegraph.describe import shown
 from nodegraph.display import size_text
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
 from nodegraph.execute.record import versions
-from nodegraph.graph import Graph, GraphNode, Method
 from nodegraph.hooks import Rendered, Renderer
+from nodegraph.plugins import said_by
+from nodegraph.report.methods import Methods
 from nodegraph.report.notes import step_notes
 from nodegraph.report.study import (
     AxisRow,
     Link,
-    MethodRow,
     Section,
     SettingRow,
+    StepNote,
     Study,
     TimingRow,
 )
 from nodegraph.values import Files
 
-_MOST_VALUES = 12
+_FILES = (Link("what ran", "run.json"), Link("events", "events.jsonl"))
 
 
 def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
@@ -42,8 +43,8 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
     """
     graph = run.plan.graph
     found = list(_reported(run))
-    sections, files = _sections(found, graph.registry.renderers)
-    there = versions(graph)
+    sections, files, unshown = _sections(found, graph.registry.renderers)
+    there, methods = versions(graph), Methods(run)
     study = Study(
         title=graph.title,
         answer=_answer((labels, value) for _, labels, _, value in found),
@@ -53,17 +54,18 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
         axes=tuple(AxisRow(one.name, tuple(map(str, one.labels))) for one in graph.axes.values()),
         inputs=tuple(SettingRow(name, shown(value)) for name, value in graph.inputs.items()),
         known=tuple(str(one) for one in graph.spec.known),
-        methods=_methods(graph),
-        bibtex=bibtex_of(graph.registry.bibtex, _keys(graph)),
-        notes=step_notes(run, command),
+        methods=methods.rows(),
+        without_result=methods.without_result(),
+        bibtex=methods.bibtex(),
+        notes=(*unshown, *step_notes(run, command)),
         timings=_timings(run),
         seconds=run.seconds,
         versions=tuple(there.items()),
-        seeds=_seeds(graph),
+        seeds=methods.seeds(),
         command=command,
         graph_file=graph.spec.file,
         graph_text=graph.spec.text,
-        files=(Link("what ran", "run.json"), Link("events", "events.jsonl")),
+        files=_FILES,
         created=datetime.now().astimezone().isoformat(timespec="minutes"),
         machine=there["platform"],
     )
@@ -91,8 +93,9 @@ def _file_name(words: Iterable[str]) -> str:
 
 def _sections(
     found: Iterable[tuple[str, str, str, Any]], renderers: Iterable[Renderer]
-) -> tuple[tuple[Section, ...], dict[str, bytes]]:
+) -> tuple[tuple[Section, ...], dict[str, bytes], tuple[StepNote, ...]]:
     sections: list[Section] = []
+    unshown: list[StepNote] = []
     files: dict[str, bytes] = {}
     for title, labels, name, value in found:
         if isinstance(value, Files):
@@ -100,14 +103,18 @@ def _sections(
             sections.append(_files_section(title, labels, made))
             files |= made
             continue
-        rendered = _rendered(value, f"{title} {labels}".strip(), renderers)
+        try:
+            rendered = _rendered(value, f"{title} {labels}".strip(), renderers)
+        except Exception as error:  # a picture that cannot be drawn must not cost the other results
+            unshown.append(_unshown(title, labels, error))
+            rendered = Rendered("", unshown[-1].reason)
         if rendered is None:
             continue
         beside = {f"{name}{suffix}": content for suffix, content in rendered.files.items()}
         files |= beside
         links = tuple(Link(one.rpartition(".")[2].upper(), one) for one in beside)
         sections.append(Section(title, rendered, labels, links))
-    return tuple(sections), files
+    return tuple(sections), files, tuple(unshown)
 
 
 def _files_section(title: str, labels: str, made: Mapping[str, bytes]) -> Section:
@@ -119,68 +126,38 @@ def _files_section(title: str, labels: str, made: Mapping[str, bytes]) -> Sectio
 def _rendered(value: Any, title: str, renderers: Iterable[Renderer]) -> Rendered | None:
     for renderer in renderers:
         if isinstance(value, renderer.type):
-            return _shown_or_said(renderer, value, title)
+            return renderer.render(value, title)
     return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
 
 
-def _shown_or_said(renderer: Renderer, value: Any, title: str) -> Rendered:
-    try:
-        return renderer.render(value, title)
-    except Exception as error:  # a picture that cannot be drawn must not cost the other results
-        said = f"cannot be shown: {type(error).__name__}: {error}"
-        warnings.warn(f"{title}: {said}", stacklevel=2)
-        return Rendered("", said)
+def _unshown(title: str, labels: str, error: Exception) -> StepNote:
+    """Return what is said of a result that is there, and for which its renderer failed."""
+    # matplotlib begins some of its messages with an empty line
+    said = f"cannot be shown: {' '.join(said_by(error).split())}"
+    warnings.warn(f"{title} {labels}".strip() + f": {said}", stacklevel=3)
+    trace = "".join(traceback.format_exception(error))
+    return StepNote(title, labels, said, "failed", trace=trace)
 
 
 def _answer(values: Iterable[tuple[str, Any]]) -> tuple[str, ...]:
     """Return the sentences that values carry with them, as tables do in ``attrs``."""
     said: list[str] = []
     for labels, value in values:
-        attributes = getattr(value, "attrs", None)
-        sentences = attributes.get("answer", ()) if isinstance(attributes, Mapping) else ()
         place = labels.replace("=", " ")
-        said += [f"{place}: {one}" if place else one for one in sentences]
+        said += [f"{place}: {one}" if place else one for one in _sentences(value)]
     return tuple(dict.fromkeys(said))
 
 
-def _methods(graph: Graph) -> tuple[MethodRow, ...]:
-    methods = [(node, one) for node in graph.nodes.values() for one in node.methods.values()]
-    texts = references(graph.registry.bibtex, _keys(graph))
-    return tuple(_method_row(node, one, texts) for node, one in methods)
-
-
-def _keys(graph: Graph) -> Iterator[str]:
-    for node in graph.nodes.values():
-        for method in node.methods.values():
-            yield from method.node.cite
-
-
-def _method_row(node: GraphNode, method: Method, texts: Mapping[str, str]) -> MethodRow:
-    settings = tuple(
-        SettingRow(one.name, value, one.unit, value == one.default, one.meaning)
-        for one in describe_settings(method.node)
-        for value in [_values(method, one.name)]
-    )
-    citation = "\n".join(texts[key] for key in method.node.cite)
-    use, summary = method.node.name, method.node.summary
-    plugin = method.distribution or method.plugin
-    keys = tuple(method.node.cite)
-    return MethodRow(node.name, use, summary, method.label, settings, citation, plugin, keys)
-
-
-def _values(method: Method, name: str) -> str:
-    texts = list(dict.fromkeys(shown(one.get(name)) for one in method.settings.shown.values()))
-    more = f" and {len(texts) - _MOST_VALUES} more" if len(texts) > _MOST_VALUES else ""
-    return ", ".join(texts[:_MOST_VALUES]) + more
-
-
-def _seeds(graph: Graph) -> tuple[tuple[str, str], ...]:
-    return tuple(
-        (node.name, _values(method, "seed"))
-        for node in graph.nodes.values()
-        for method in node.methods.values()
-        if "seed" in method.node.settings
-    )
+def _sentences(value: Any) -> list[str]:
+    attributes = getattr(value, "attrs", None)
+    given = attributes.get("answer", []) if isinstance(attributes, Mapping) else []
+    if isinstance(given, str):
+        return [given]
+    if isinstance(given, list | tuple) and all(isinstance(one, str) for one in given):
+        return list(given)
+    kind = type(value).__name__
+    warnings.warn(f"the answer of a {kind} is no list of sentences: left out", stacklevel=4)
+    return []
 
 
 def _timings(run: Run) -> tuple[TimingRow, ...]:

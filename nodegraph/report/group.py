@@ -10,7 +10,11 @@ from itertools import groupby
 from nodegraph.report.study import Kind, Section, StepNote, Study
 
 _KINDS: tuple[tuple[Kind, str, str], ...] = (
-    ("failed", "Failed", "An error stopped these steps; what depends on them was not run."),
+    (
+        "failed",
+        "Failed",
+        "An error stopped these; what depends on a step that failed was not run.",
+    ),
     ("refused", "Refused", "The method cannot do what is asked of this data, and says why."),
     ("left out", "Left out", "These combinations were not asked for, or had nothing to work on."),
     ("warning", "Warnings", "These steps ran, and have something to say about their result."),

@@ -35,6 +35,11 @@ def merged(studies: Mapping[str, Study]) -> Study:
         inputs=tuple(_inputs(studies)),
         known=tuple(dict.fromkeys(one for study in studies.values() for one in study.known)),
         methods=tuple(dict.fromkeys(one for study in studies.values() for one in study.methods)),
+        without_result=tuple(
+            replace(one, reason=f"{one.reason} ({name})")
+            for name, study in every
+            for one in study.without_result
+        ),
         bibtex="\n".join(dict.fromkeys(one.bibtex for one in studies.values() if one.bibtex)),
         notes=tuple(
             replace(note, labels=_and(name, note.labels))

@@ -37,6 +37,8 @@ def read_study(folder: Path) -> Study:
     NodegraphError
         If there is none, or none that this version can read.
     """
+    from pydantic import ValidationError
+
     path = folder / STUDY
     try:
         return _adapter().validate_python(json.loads(gzip.decompress(path.read_bytes())))
@@ -44,9 +46,12 @@ def read_study(folder: Path) -> Study:
         raise NodegraphError(
             f"{path}: there is no finished run; run the graph, or name the folder of a run"
         ) from None
-    except (OSError, EOFError, zlib.error, ValueError) as error:
-        reason = str(error).partition("\n")[0]
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        reason = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         raise NodegraphError(f"{path} cannot be read ({reason}); run the graph again") from error
+    except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
+        raise NodegraphError(f"{path} cannot be read ({error}); run the graph again") from error
 
 
 @cache

@@ -41,18 +41,28 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class SettingRow:
-    """A setting as it was used; several values are written as one text."""
+    """A setting as it was used; several values are written as one text.
+
+    Attributes
+    ----------
+    name, value, unit : str
+    default : bool
+    meaning : str
+    in_print : str
+        The value with the names of files alone, where it has their folders too.
+    """
 
     name: str
     value: str
     unit: str = ""
     default: bool = False
     meaning: str = ""
+    in_print: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class MethodRow:
-    """A method that ran.
+    """A method that gave a result.
 
     Attributes
     ----------
@@ -61,6 +71,7 @@ class MethodRow:
     summary : str
         The first sentence of the method's documentation.
     settings : tuple of SettingRow
+        Their values are those at which there is a result.
     citation : str
         The sources to cite, as they are printed, a line each.
     plugin : str
@@ -77,6 +88,28 @@ class MethodRow:
     citation: str = ""
     plugin: str = ""
     keys: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WithoutResult:
+    """A method of the graph that gave no result at any combination.
+
+    Attributes
+    ----------
+    node, use, label : str
+        As in `MethodRow`.
+    reason : str
+        What became of its combinations: ``2 failed, 1 left out``.
+    """
+
+    node: str
+    use: str
+    label: str = ""
+    reason: str = ""
+
+    def __str__(self) -> str:
+        called = f"{self.node}={self.label}" if self.label else self.node
+        return f"{called} ({self.use}): {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,10 +181,11 @@ class Study:
     known : tuple of str
         What methods were allowed to know of the answer.
     methods : tuple of MethodRow
+    without_result : tuple of WithoutResult
     bibtex : str
         The entries that the methods cite.
     notes : tuple of StepNote
-        Everything that failed, was refused, was left out, or warned.
+        Everything that failed or cannot be shown, was refused, was left out, or warned.
     timings : tuple of TimingRow
     seconds : float
         Wall-clock time of the run.
@@ -176,6 +210,7 @@ class Study:
     inputs: tuple[SettingRow, ...] = ()
     known: tuple[str, ...] = ()
     methods: tuple[MethodRow, ...] = ()
+    without_result: tuple[WithoutResult, ...] = ()
     bibtex: str = ""
     notes: tuple[StepNote, ...] = ()
     timings: tuple[TimingRow, ...] = ()
@@ -188,3 +223,8 @@ class Study:
     files: tuple[Link, ...] = ()
     created: str = ""
     machine: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether no step failed, and all that the report lists is shown."""
+        return not any(note.kind == "failed" for note in self.notes)

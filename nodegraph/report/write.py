@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from nodegraph.execute import Run
+from nodegraph.execute.not_kept import not_kept_lines
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
 from nodegraph.report.saved import STUDY, study_bytes
@@ -34,7 +35,7 @@ def summary(study: Study, run: Run) -> str:
         f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
     ]
     parts += [f"{len(run.plan.steps)} steps: {', '.join(counts)}"]
-    parts += [*_failures(study), *_not_kept(run)]
+    parts += [*_failures(study), *not_kept_lines(run)]
     return "\n\n".join(parts)
 
 
@@ -43,12 +44,7 @@ def _failures(study: Study) -> Iterator[str]:
     failed = [note for note in study.notes if note.kind == "failed"]
     for note in failed[:_MOST_FAILURES]:
         where = f"{note.node} at {note.labels}" if note.labels else note.node
-        yield f"failed: {where}: {note.reason}\n    repeat it alone: {note.repeat}"
+        repeat = f"\n    repeat it alone: {note.repeat}" if note.repeat else ""
+        yield f"failed: {where}: {note.reason}{repeat}"
     if len(failed) > _MOST_FAILURES:
         yield f"{len(failed) - _MOST_FAILURES} more failed; the report says which and why"
-
-
-def _not_kept(run: Run) -> Iterator[str]:
-    """Yield why results could not be stored."""
-    for reason, count in run.recall.not_kept.items() if run.recall else ():
-        yield f"{count} results are not stored: {reason}"

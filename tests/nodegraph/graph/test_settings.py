@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import InputFile, Unit, node
 from nodegraph.errors import NodegraphError, Problem
-from nodegraph.graph import Graph, build
+from nodegraph.graph import Choices, Graph, build
 from nodegraph.registry import Registry
 from nodegraph.spec import read_graph_text
 
@@ -182,6 +182,9 @@ def test_paths_start_at_the_graph_or_where_they_were_given(
     assert values(build(spec, registry))["path"] == (beside / "take.txt").resolve()
     graph = graph_of(text.partition("\n")[2], more=[everything], inputs={"p": "take.txt"})
     assert values(graph)["path"] == (given / "take.txt").resolve()
+    apart = Choices({"p": "take.txt"}, folder=given, folders={"p": beside})
+    for choices in (apart, Choices().updated(apart), apart.updated(Choices())):
+        assert values(build(spec, registry, choices))["path"] == (beside / "take.txt").resolve()
 
 
 def test_a_scheme_finds_a_place(tmp_path: Path) -> None:

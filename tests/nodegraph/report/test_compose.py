@@ -149,6 +149,12 @@ def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> N
         study = _study(run)
     shown = [(one.title, one.rendered.text) for one in study.sections]
     assert shown == [("a", "cannot be shown: RuntimeError: no ink"), ("b", "0")]
+    (note,) = study.notes
+    assert (note.node, note.kind, note.reason) == ("a", "failed", shown[0][1])
+    assert "in explode" in note.trace
+    assert run.ok
+    assert not study.ok
+    assert summary(study, run).endswith("failed: a: cannot be shown: RuntimeError: no ink")
 
 
 class Ordered(NamedTuple):
@@ -203,6 +209,42 @@ def test_the_answer_says_which_combination_it_is_about(value: str, said: tuple[s
     )
     graph = build(read_graph_text(text, "toy.yaml", Path()), Registry.of([judge]))
     assert _study(execute(plan(graph))).answer == said
+
+
+class Odd(float):
+    """A number whose attributes anybody may set."""
+
+    attrs: dict[str, object]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("One sentence.", ("One sentence.",)),
+        (3, ()),
+        ([3], ()),
+        (None, ()),
+        (["a.", "b."], ("a.", "b.")),
+    ],
+)
+def test_an_answer_that_is_no_sentences_is_told_and_costs_nothing_else(
+    given: object, said: tuple[str, ...]
+) -> None:
+    @node("score.odd")
+    def odd() -> Odd:
+        made = Odd(3)
+        made.attrs = {"answer": given}
+        return made
+
+    text = "nodegraph: 1\nnodes: {a: {use: score.odd}}\nreport: [a]"
+    run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), Registry.of([odd]))))
+    if said:
+        assert _study(run).answer == said
+        return
+    with pytest.warns(UserWarning, match="the answer of a Odd is no list of sentences: left out"):
+        study = _study(run)
+    assert study.answer == ()
+    assert len(study.sections) == 1
 
 
 def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: Path) -> None:

@@ -60,7 +60,8 @@ class Hostile:
             return Rendered("", self.text())
         if is_dataclass(kind) and isinstance(kind, type):
             hints = get_type_hints(kind)
-            trusted = {"graph_svg": "<svg></svg>"}
+            # what is trusted, and what a paper says where the page says more
+            trusted = {"graph_svg": "<svg></svg>", "in_print": "by name"}
             return kind(
                 **{
                     one.name: trusted.get(one.name) or self.make(hints[one.name])
