@@ -91,5 +91,5 @@ def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(
     helper = "reach = gaps.stop.max(initial=0) + 1", "reach = 1 + gaps.stop.max(initial=0)"
     edit(fills / "stepwise.py", *helper)
     changed = {f"{node} {name}" for node in ("fill", "error") for name in STEPWISE}
-    readers = {"table", "ranks", "faces", "trajectories", "playback"}
+    readers = {"table", "ranks", "faces", "trajectories", "errors_on_the_face", "playback"}
     assert computed(again("fill.yaml", *SMALL)) == {*changed, *readers}

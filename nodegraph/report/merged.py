@@ -60,6 +60,7 @@ def merged(studies: Mapping[str, Study]) -> Study:
         ),
         created=" | ".join(dict.fromkeys(one.created for one in studies.values())),
         machine=" | ".join(dict.fromkeys(one.machine for one in studies.values())),
+        runs=len(studies),
     )
 
 

@@ -199,6 +199,8 @@ class Study:
         Files of the whole run.
     created, machine : str
         When and where it ran.
+    runs : int
+        How many runs it shows, their results beside each other.
     """
 
     title: str
@@ -223,6 +225,7 @@ class Study:
     files: tuple[Link, ...] = ()
     created: str = ""
     machine: str = ""
+    runs: int = 1
 
     @property
     def ok(self) -> bool:

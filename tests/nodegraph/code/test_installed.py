@@ -16,7 +16,7 @@ from nodegraph.code import Code, Reached
 from nodegraph.registry import Registry, default_registry
 
 ROOT = Path(__file__).parents[3]
-MACHINE = {"nodegraph.errors", "nodegraph.hooks", "nodegraph.ports", "nodegraph.values"}
+MACHINE = {"nodegraph.errors", "nodegraph.hook_objects", "nodegraph.ports", "nodegraph.values"}
 
 
 def followed(registry: Registry) -> set[str]:

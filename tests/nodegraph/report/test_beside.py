@@ -1,0 +1,61 @@
+"""Results of several runs stand beside each other where there is room, else below each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from nodegraph.hooks import Rendered
+from nodegraph.report import Section, Study, page
+from nodegraph.report.merged import merged
+from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, Tab, opened
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+
+FIGURE = (
+    '<figure class="figure"><svg width="700" height="300" viewBox="0 0 700 300"></svg></figure>'
+)
+TABLE = '<figure class="table"><table><tbody><tr><td>muscle</td></tr></tbody></table></figure>'
+CORNERS = """
+[...document.querySelectorAll(".result .one")].map((one) => {
+  const box = one.getBoundingClientRect();
+  return [one.querySelector("h3").textContent, Math.round(box.left), Math.round(box.top)];
+})
+"""
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    with opened(tmp_path_factory.mktemp("profile")) as made:
+        yield made
+
+
+@pytest.mark.parametrize("html", [FIGURE, TABLE], ids=["figure", "table"])
+def test_two_runs_stand_beside_each_other_on_a_desktop_and_below_on_a_phone(
+    tab: Tab, tmp_path: Path, html: str
+) -> None:
+    study = Study("A title", sections=(Section("result", Rendered(html)),))
+    file = tmp_path / "both.html"
+    file.write_text(page(merged({"one": study, "other": study})), encoding="utf-8")
+    tab.show(file, width=1900)
+    (one, left, top), (other, right, beside) = tab.value(CORNERS)
+    assert (one, other) == ("one", "other")
+    assert top == beside
+    assert left + 300 < right
+    tab.size(390, 844)
+    (_, left, top), (_, below, lower) = tab.value(CORNERS)
+    assert left == below
+    assert top < lower
+    assert tab.value("document.documentElement.scrollWidth") <= 390
+
+
+def test_the_results_of_one_run_take_the_whole_width(tab: Tab, tmp_path: Path) -> None:
+    labelled = tuple(Section("result", Rendered(FIGURE), f"length {n}") for n in (5, 15))
+    file = tmp_path / "one.html"
+    file.write_text(page(Study("A title", sections=labelled)), encoding="utf-8")
+    tab.show(file, width=1900)
+    (_, left, top), (_, right, lower) = tab.value(CORNERS)
+    assert left == right
+    assert top < lower
