@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 from nodegraph.execute.call import Call, Outcome, perform
+from nodegraph.execute.gathered import gathered
 from nodegraph.execute.recall import Recall
 from nodegraph.execute.skipping import skipped
-from nodegraph.plan import Output, Plan, Step, StepInput, absent_of
-from nodegraph.ports import Absent, Across
+from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.store import Packer
 
 
@@ -246,19 +246,11 @@ class Schedule:
 
     def _value(self, fed: StepInput) -> Any:
         if isinstance(fed, Output):
-            return self.packer.lend(self.values[fed.step][fed.position])
-        entries = []
-        absent = list(absent_of(fed))
-        for at, output in fed.entries:
-            labels = dict(zip(fed.axes, at, strict=True))
-            outcome = self.outcomes[output.step]
-            if outcome.state == "done":
-                value = self.packer.lend(self.values[output.step][output.position])
-                entries.append((labels, value))
-            else:
-                absent.append(Absent(labels, outcome.cause, outcome.reason))
-        known = dict(zip(fed.axes, fed.known, strict=True))
-        return Across(fed.axes, tuple(entries), tuple(absent), known)
+            return self._lent(fed)
+        return gathered(fed, self.outcomes, self._lent)
+
+    def _lent(self, output: Output) -> Any:
+        return self.packer.lend(self.values[output.step][output.position])
 
 
 def _unread(plan: Plan) -> Iterator[int]:
