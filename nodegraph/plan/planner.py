@@ -30,6 +30,7 @@ class _Planner:
         self._same: dict[tuple[Any, ...], int] = {}
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
+        self._axes_like: dict[tuple[str, ...], tuple[Label, ...]] = {}
 
     def add(self, node: GraphNode) -> None:
         cells: dict[Combination, int] = {}
@@ -119,14 +120,16 @@ class _Planner:
 
         Labels that a port gives of its own are, where they are those of an axis, that axis's.
         """
-        own = {axis: self._labels(axis) for axis in axes if axis != fed.axis}
-        if fed.axis:
-            texts = set(fed.sources)
-            like = (one.labels for one in self._graph.axes.values())
-            own[fed.axis] = next(
-                (labels for labels in like if texts <= set(map(str, labels))), tuple(fed.sources)
-            )
-        return tuple(own[axis] for axis in axes)
+        own = tuple(fed.sources)
+        return tuple(self._like(own) if axis == fed.axis else self._labels(axis) for axis in axes)
+
+    def _like(self, own: tuple[str, ...]) -> tuple[Label, ...]:
+        """Return the labels of the first axis that has all of these, else these."""
+        if own not in self._axes_like:  # asked for every combination of a node
+            every = (one.labels for one in self._graph.axes.values())
+            found = (labels for labels in every if set(own) <= set(map(str, labels)))
+            self._axes_like[own] = next(found, own)
+        return self._axes_like[own]
 
     def _gathered_axes(self, node: GraphNode, fed: Gather) -> tuple[str, ...]:
         found = {axis for one in fed.sources.values() for axis in self._free(node, one)}
