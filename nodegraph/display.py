@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
@@ -22,3 +23,13 @@ def size_text(size: int) -> str:
     """Return a number of bytes as a person says it: ``1.2 MB``."""
     unit = next((one for one in SIZES if size >= SIZES[one]), "B")
     return f"{size} B" if unit == "B" else f"{size / SIZES[unit]:.1f} {unit}"
+
+
+def labels_of(labels: Mapping[str, Any]) -> str:
+    """Return one combination of axes as text: ``fill=muscle, length=5``."""
+    return ", ".join(f"{axis}={label}" for axis, label in labels.items())
+
+
+def name_at(node: str, labels: Mapping[str, Any]) -> str:
+    """Return the name of one combination of a node: ``fill(fill=muscle, length=5)``."""
+    return f"{node}({labels_of(labels)})" if labels else node

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from nodegraph.display import name_at
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.record import FORMAT
 from nodegraph.folder import RECORD
@@ -57,7 +58,7 @@ class FinishedRun:
         node, port = self._named(name)
         step = self._step(node, at)
         if step["state"] not in ("done", "unneeded"):
-            raise NodegraphError(f"{_shown(node, at)} was {step['state']}: {step.get('reason')}")
+            raise NodegraphError(f"{name_at(node, at)} was {step['state']}: {step.get('reason')}")
         position = self._position(step, port)
         entry = store.find(step["key"]) if step.get("key") else None
         try:
@@ -66,7 +67,7 @@ class FinishedRun:
             values = None
         if values is None or position >= len(values):
             raise NodegraphError(
-                f"{_shown(node, at)}: its value is not in the store {store.folder}; compute it "
+                f"{name_at(node, at)}: its value is not in the store {store.folder}; compute it "
                 f"again: {self.record['command']}"
             )
         return values[position]
@@ -98,9 +99,11 @@ class FinishedRun:
             open_axes = [axis for axis in self.record["nodes"][node]["axes"] if axis not in at]
             several = [one for one in open_axes if len({labels[one] for labels, _ in found}) > 1]
             hint = " ".join(f"{axis} ({self._there(axis)})" for axis in several)
-            raise NodegraphError(f"{_shown(node, at)} has {len(found)} values; say by --at: {hint}")
+            raise NodegraphError(
+                f"{name_at(node, at)} has {len(found)} values; say by --at: {hint}"
+            )
         if not found:
-            raise NodegraphError(f"{_shown(node, at)}: {self._why_none(node, at)}")
+            raise NodegraphError(f"{name_at(node, at)}: {self._why_none(node, at)}")
         return found[0][1]
 
     def _steps(self, node: str) -> Iterator[tuple[Mapping[str, Label], Mapping[str, Any]]]:
@@ -161,8 +164,3 @@ def _record(folder: Path) -> dict[str, Any]:
 
 def _fits(labels: Mapping[str, Label], at: Mapping[str, object]) -> bool:
     return all(str(labels.get(axis)) == str(label) for axis, label in at.items())
-
-
-def _shown(node: str, at: Mapping[str, object]) -> str:
-    labels = ", ".join(f"{axis}={label}" for axis, label in at.items())
-    return f"{node}({labels})" if labels else node

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from nodegraph.display import name_at
 from nodegraph.execute import Event
 
 if TYPE_CHECKING:
@@ -175,8 +176,7 @@ def _clock(seconds: float) -> str:
 
 def settled_line(event: Event) -> str:
     """Return one line that says what became of a step."""
-    labels = ", ".join(f"{axis}={label}" for axis, label in event.labels.items())
-    where = f"{event.node}({labels})" if labels else event.node
+    where = name_at(event.node, event.labels)
     return _printable(f"{event.kind}: {where}: {event.detail.get('reason', '')}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from nodegraph.display import labels_of
 from nodegraph.draw.as_svg import svg
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
 from nodegraph.draw.text import shortened
@@ -39,7 +40,7 @@ def picture_of(graph: Graph) -> Picture:
             port,
             gathers=gathers,
             truth=_is_truth(graph, source),
-            fixed=", ".join(f"{axis}={label}" for axis, label in source.at.items()),
+            fixed=labels_of(source.at),
         )
         for target, port, source, gathers in wires
     )

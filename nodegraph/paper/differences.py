@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from nodegraph.changes import code_changed, recorded_sources, settings_changed, sources_changed
+from nodegraph.display import name_at
 from nodegraph.finished import FinishedRun
-from nodegraph.paper.spread import Spread, name_at
+from nodegraph.paper.spread import Spread
 from nodegraph.store import Store
 
 RecordedStep = Mapping[str, Any]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 _Found = TypeVar("_Found")
 
@@ -57,9 +57,3 @@ class Spread(Generic[_Found]):
         else:
             self.origins.append(found)
         self._steps.add(step)
-
-
-def name_at(node: str, labels: Mapping[str, Any]) -> str:
-    """Return the name of one combination of a node: ``fill(fill=muscle, length=5)``."""
-    at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
-    return f"{node}({at})" if at else node

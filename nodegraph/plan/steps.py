@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from nodegraph.display import name_at
 from nodegraph.graph import Graph, Method
 from nodegraph.ports import Absent, Label
 
@@ -75,8 +76,7 @@ class Step:
     @property
     def name(self) -> str:
         """The node and its combination: ``fill(length=5, fill=muscle)``."""
-        labels = ", ".join(f"{axis}={label}" for axis, label in self.labels.items())
-        return f"{self.node}({labels})" if labels else self.node
+        return name_at(self.node, self.labels)
 
     def reads(self) -> Iterator[Output]:
         """Yield the outputs that feed it."""

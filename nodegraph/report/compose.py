@@ -10,7 +10,7 @@ from datetime import datetime
 from typing import Any
 
 from nodegraph.describe import shown
-from nodegraph.display import size_text
+from nodegraph.display import labels_of, size_text
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
 from nodegraph.execute.record import versions
@@ -81,7 +81,7 @@ def _reported(run: Run) -> Iterator[tuple[str, str, str, Any]]:
             name = output or (first if others else "")
             plain = name in ("", node)
             for labels, value in run[f"{node}.{output}" if output else node].shown():
-                at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
+                at = labels_of(labels)
                 words = [node] if plain else [node, name]
                 named = [f"{axis}-{label}" for axis, label in labels.items()]
                 yield " ".join(words), at, _file_name([*words, *named]), value

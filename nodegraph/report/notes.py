@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
+from nodegraph.display import labels_of
 from nodegraph.execute import Run
 from nodegraph.execute.left_out import left_out_together
 from nodegraph.execute.record import repeating
 from nodegraph.plan import Step
-from nodegraph.ports import Label
 from nodegraph.report.study import Kind, StepNote
 
 _KINDS: dict[str, Kind] = {"failed": "failed", "refused": "refused", "skipped": "left out"}
@@ -32,7 +32,7 @@ def _settled(run: Run, command: str) -> Iterator[StepNote]:
         repeat = repeating(command, step) if outcome.state == "failed" else ""
         yield StepNote(
             _name(step),
-            _text(step.labels),
+            labels_of(step.labels),
             outcome.told,
             _KINDS[outcome.state],
             repeat=repeat,
@@ -44,7 +44,7 @@ def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
     for name, cells in run.plan.skipped.items():
         axes = run.plan.graph.nodes[name].axes
         for at, reason in cells.items():
-            yield StepNote(name, _text(dict(zip(axes, at, strict=True))), reason, "left out")
+            yield StepNote(name, labels_of(dict(zip(axes, at, strict=True))), reason, "left out")
 
 
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:
@@ -64,12 +64,8 @@ def _deprecated(run: Run) -> Iterable[StepNote]:
 def _warned(run: Run) -> Iterator[StepNote]:
     for step, outcome in run.settled():
         for said in outcome.warnings:
-            yield StepNote(_name(step), _text(step.labels), said, "warning")
+            yield StepNote(_name(step), labels_of(step.labels), said, "warning")
 
 
 def _name(step: Step) -> str:
     return f"{step.node} ({step.method.node.name})"
-
-
-def _text(labels: Mapping[str, Label]) -> str:
-    return ", ".join(f"{axis}={label}" for axis, label in labels.items())

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from nodegraph.code import Reached
+from nodegraph.display import labels_of
 from nodegraph.execute import Run
 from nodegraph.execute.events import plain
 from nodegraph.execute.record import versions
@@ -156,8 +157,7 @@ def _source(fed: Reference | Gather) -> Any:
 
 
 def _reference(one: Reference) -> str:
-    at = ", ".join(f"{axis}={label}" for axis, label in one.at.items())
-    return f"{one} at {at}" if at else str(one)
+    return f"{one} at {labels_of(one.at)}" if one.at else str(one)
 
 
 def _modules(reached: Mapping[str, Reached]) -> dict[str, str]:

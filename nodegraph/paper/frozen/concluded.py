@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from nodegraph.display import name_at
 from nodegraph.execute import Run
 from nodegraph.hooks import Conclusion
 
@@ -37,9 +38,8 @@ def said_by(run: Run) -> Iterator[Said]:
             for labels, value in run[f"{node}.{output}"].shown():
                 kind = _kind(value, graph.registry.conclusions)
                 if kind is not None:
-                    at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
                     name = f"{node}.{output}" if len(outputs) > 1 else node
-                    full = f"{name}({at})" if at else name
+                    full = name_at(name, labels)
                     yield Said(full, tuple(map(str, kind.conclude(value))), kind.numbers(value))
 
 

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from nodegraph.display import name_at
 from nodegraph.execute import Run
 from nodegraph.hooks import Comparison
 from nodegraph.paper.frozen.kept import Kept, joined
 from nodegraph.paper.frozen.parts import FEWEST, MOST, Parts, parts_of
 from nodegraph.paper.frozen.sketch import Sketch, sketch
-from nodegraph.paper.spread import name_at
 from nodegraph.ports import Port
 from nodegraph.store import Packed, Unstorable
 from nodegraph.values import Files

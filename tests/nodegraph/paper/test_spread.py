@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nodegraph.paper.spread import Spread, name_at
+from nodegraph.paper.spread import Spread
 
 
 def test_a_difference_begins_where_nothing_above_differs_and_where_a_step_is_another() -> None:
@@ -24,8 +24,3 @@ def test_a_step_that_stands_for_two_combinations_does_not_feed_itself() -> None:
     spread.add("one", "a", 1, (0,), changed=False)
     spread.add("other", "a", 1, (0,), changed=False)
     assert spread.origins == ["one", "other"]
-
-
-def test_a_combination_is_named_by_its_labels() -> None:
-    assert name_at("fill", {"fill": "muscle", "length": 5}) == "fill(fill=muscle, length=5)"
-    assert name_at("total", {}) == "total"
