@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import started  # noqa: F401 - first: it notes the time
+from nodegraph import import_time  # noqa: F401 - first: it notes the time
 from nodegraph.errors import (
     GraphError,
     NodeError,
@@ -12,18 +12,8 @@ from nodegraph.errors import (
     listed,
     nearest,
 )
-from nodegraph.hooks import (
-    Comparison,
-    Conclusion,
-    Contract,
-    Rendered,
-    Renderer,
-    Storage,
-    Tried,
-    hookimpl,
-)
-from nodegraph.node import node
-from nodegraph.ports import (
+from nodegraph.node.decorator import node
+from nodegraph.node.ports import (
     Absent,
     Across,
     ColumnOf,
@@ -35,11 +25,21 @@ from nodegraph.ports import (
     Truth,
     Unit,
 )
-from nodegraph.values import Files, Value, read_only
+from nodegraph.node.values import Files, Value, read_only
+from nodegraph.plugin.hook_types import (
+    Comparison,
+    Conclusion,
+    Contract,
+    Rendered,
+    Renderer,
+    Storage,
+    Tried,
+)
+from nodegraph.plugin.hooks import hookimpl
 
 if TYPE_CHECKING:
     from nodegraph.api import load, run
-    from nodegraph.registry import get_node
+    from nodegraph.plugin.registry import get_node
 
 __all__ = [
     "Absent",
@@ -76,7 +76,7 @@ __all__ = [
     "run",
 ]
 
-_LATE = {"load": "nodegraph.api", "run": "nodegraph.api", "get_node": "nodegraph.registry"}
+_LATE = {"load": "nodegraph.api", "run": "nodegraph.api", "get_node": "nodegraph.plugin.registry"}
 
 
 def __getattr__(name: str) -> Any:

@@ -10,10 +10,10 @@ from typing import Any
 from nodegraph.execute import HowToRun, Listener, Run, execute, open_store
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graph import until as cut_short
+from nodegraph.graphfile import read_graph_file
+from nodegraph.node.ports import Label
 from nodegraph.plan import plan
-from nodegraph.ports import Label
-from nodegraph.registry import Registry, default_registry
-from nodegraph.spec import read_graph_file
+from nodegraph.plugin.registry import Registry, default_registry
 
 
 def load(

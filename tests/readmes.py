@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
-from nodegraph.cli import main
+from nodegraph.cli.main import main
 
 ROOT = Path(__file__).parents[1]
 FEW = {

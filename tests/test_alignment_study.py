@@ -20,7 +20,7 @@ needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings 
 
 
 def run(folder: Path, *words: str) -> Path:
-    command = [sys.executable, "-m", "nodegraph.cli", "run", str(GRAPH), *words]
+    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(GRAPH), *words]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return folder / "runs" / "alignment"

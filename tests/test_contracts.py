@@ -9,11 +9,11 @@ from typing import Any, Literal, get_args, get_origin
 
 import pytest
 
-from nodegraph.bibliography import references
-from nodegraph.node import Node
-from nodegraph.registry import Registered, Registry, default_registry
+from nodegraph.node.decorator import Node
+from nodegraph.plugin.bibliography import references
+from nodegraph.plugin.registry import Registered, Registry, default_registry
 from nodegraph.testing import check_node
-from nodegraph_mocap import sample_folder
+from nodegraph_files import sample_folder
 
 HERE = Path(__file__).parent
 NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 import nodegraph as ng
-from nodegraph import hooks, plugins
-from nodegraph.registry import Registry
+from nodegraph.plugin import hooks, loading
+from nodegraph.plugin.registry import Registry
 from tests import readmes
 from tests.readmes import ROOT, blocks
 
@@ -39,7 +39,7 @@ def test_the_graph_that_is_shown_runs(tmp_path: Path) -> None:
 
 
 def test_every_key_of_a_graph_is_told() -> None:
-    from nodegraph.spec.file import _KEYS
+    from nodegraph.graphfile.reader import _KEYS
 
     told = set(re.findall(r"^\| `(\w+)` \|", GRAPHS, flags=re.MULTILINE))
     assert told | {"nodegraph", "title", "notes"} == set(_KEYS)
@@ -99,7 +99,7 @@ def test_every_command_beside_the_plugins_does_as_it_stands(
     monkeypatch.chdir(tmp_path / name)  # as the page says
     monkeypatch.syspath_prepend(tmp_path / name)
     every = [*entry_points(group="nodegraph"), EntryPoint(name, value, "nodegraph")]
-    monkeypatch.setattr(plugins, "entry_points", lambda *, group: every)
+    monkeypatch.setattr(loading, "entry_points", lambda *, group: every)
     try:
         assert [one.node.name for one in Registry.installed() if one.plugin == name] == [
             "fill.lips"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.registry import Registry
+from nodegraph.plugin.registry import Registry
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
@@ -21,7 +21,7 @@ needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings 
 
 
 def nodegraph(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "nodegraph.cli", *words]
+    command = [sys.executable, "-m", "nodegraph.cli.main", *words]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert "Traceback" not in done.stderr
     return done

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.paper.frozen.lock import read_lock
+from nodegraph.lock.lockfile import read_lock
 
 ROOT = Path(__file__).parents[1]
 GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
@@ -47,7 +47,7 @@ def told(*words: str, path: tuple[Path, ...] = (), folder: Path | None = None) -
     places = [str(one) for one in (*path, ROOT / "plugins", ROOT)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
     ended = subprocess.run(
-        [sys.executable, "-m", "nodegraph.cli", *words],
+        [sys.executable, "-m", "nodegraph.cli.main", *words],
         env=environment,
         cwd=folder,
         capture_output=True,

@@ -27,7 +27,7 @@ Row = dict[str, str]
 
 
 def run(folder: Path, graph: Path, *words: str) -> Path:
-    command = [sys.executable, "-m", "nodegraph.cli", "run", str(graph), *words]
+    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph), *words]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     (folder / "runs" / "marker_selection" / "said.txt").write_text(done.stdout)

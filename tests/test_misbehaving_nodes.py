@@ -67,7 +67,7 @@ def command(folder: Path, *words: str) -> list[str]:
     (folder / "nodes.py").write_text(NODES)
     graph = str(folder / "bad.yaml")
     run = ["run", graph, "--plugin", str(folder / "nodes.py"), "--out", str(folder / "out")]
-    return [sys.executable, "-m", "nodegraph.cli", *run, *words]
+    return [sys.executable, "-m", "nodegraph.cli.main", *run, *words]
 
 
 def environment() -> dict[str, str]:

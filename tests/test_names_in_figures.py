@@ -9,11 +9,11 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from nodegraph import Across, Refusal
-from nodegraph.node import Node
-from nodegraph.registry import Registry
+from nodegraph.node.decorator import Node
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing.specimens import cases
 from nodegraph_mocap import Figure
-from nodegraph_mocap.shown.renderers import saved
+from nodegraph_tables.renderers import saved
 from tests.test_contracts import found, installed, names, needs
 
 SHOWN = {

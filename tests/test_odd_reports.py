@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, Tab, opened
+from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -103,7 +103,7 @@ def run_of(text: str, folder: Path) -> Path:
     (folder / "odd.py").write_text(NODES)
     words = ["run", "graph.yaml", "--plugin", "odd.py", "--out", "run", "--no-cache"]
     done = subprocess.run(
-        [sys.executable, "-m", "nodegraph.cli", *words, "--store", "store"],
+        [sys.executable, "-m", "nodegraph.cli.main", *words, "--store", "store"],
         cwd=folder, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert (folder / "run" / "report.html").is_file(), done.stderr

@@ -23,7 +23,7 @@ needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings 
 
 
 def run(folder: Path, graph: Path, *words: str) -> Path:
-    command = [sys.executable, "-m", "nodegraph.cli", "run", str(graph), *words]
+    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph), *words]
     done = subprocess.run(
         [*command, "--out", "made", "--store", "store"],
         cwd=folder,

@@ -17,7 +17,7 @@ STEPS = {"original": 213.0, "translation": 30.0, "scaling": 12.0, "rotation": 0.
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     home = tmp_path_factory.mktemp("example")
-    command = [sys.executable, "-m", "nodegraph.cli", "run", str(GRAPH), "--store", "store"]
+    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(GRAPH), "--store", "store"]
     done = subprocess.run(command, cwd=home, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return home / "runs" / "procrustes_example"

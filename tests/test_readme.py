@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 import nodegraph as ng
-from nodegraph import plugins
-from nodegraph.cli import main
-from nodegraph.registry import Registry
+from nodegraph.cli.main import main
+from nodegraph.plugin import loading
+from nodegraph.plugin.registry import Registry
 from tests import readmes
 from tests.readmes import ROOT
 
@@ -105,7 +105,7 @@ def test_a_plugin_has_the_hook_that_stands_here(
     (package / "hooks.py").write_text(hook)
     monkeypatch.syspath_prepend(tmp_path)
     entry = EntryPoint("mine", "my_package.hooks", "nodegraph")
-    monkeypatch.setattr(plugins, "entry_points", lambda *, group: [entry])
+    monkeypatch.setattr(loading, "entry_points", lambda *, group: [entry])
     try:
         assert [one.full_name for one in Registry.installed()] == ["mine:fill.first"]
     finally:

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, Tab, opened
-from tests.plugins.nodegraph_mocap.shown.unpacked import Read
+from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+from tests.plugins.nodegraph_mocap.player.unpacked import Read
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -119,7 +119,7 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     """The folder of a run of one shipped graph, on few trials."""
     graph: Path = request.param
     folder = tmp_path_factory.mktemp(graph.stem) / "run"
-    command = [sys.executable, "-m", "nodegraph.cli", "run", str(graph)]
+    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph)]
     words = ["--out", str(folder), "--store", str(folder.parent / "store")]
     done = subprocess.run(
         [*command, *SMALL.get(graph.stem, []), *words], capture_output=True, text=True, check=False

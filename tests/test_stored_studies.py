@@ -36,7 +36,7 @@ def again(tmp_path: Path) -> Again:
     path = os.pathsep.join([str(plugins), str(ROOT)])
 
     def run(graph: str, *words: str) -> dict[str, Any]:
-        code = [sys.executable, "-m", "nodegraph.cli", "run", str(ROOT / "graphs" / graph)]
+        code = [sys.executable, "-m", "nodegraph.cli.main", "run", str(ROOT / "graphs" / graph)]
         environment = {**os.environ, "PYTHONPATH": path}
         ended = subprocess.run(
             [*code, *words], env=environment, cwd=tmp_path, capture_output=True, check=False

@@ -19,7 +19,7 @@ needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings 
 
 
 def nodegraph(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "nodegraph.cli", *words]
+    command = [sys.executable, "-m", "nodegraph.cli.main", *words]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert "Traceback" not in done.stderr
     return done

@@ -1,8 +1,8 @@
 """Draws a graph as SVG, Mermaid or DOT, from plain descriptions of boxes and arrows."""
 
-from nodegraph.draw.as_dot import dot
-from nodegraph.draw.as_mermaid import mermaid
-from nodegraph.draw.as_svg import svg
+from nodegraph.draw.dot import dot
+from nodegraph.draw.mermaid import mermaid
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
+from nodegraph.draw.svg import svg
 
 __all__ = ["Arrow", "Box", "Picture", "Socket", "dot", "mermaid", "svg"]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from nodegraph.display import labels_of
-from nodegraph.draw.as_svg import svg
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
-from nodegraph.draw.text import shortened
+from nodegraph.draw.shape import shortened
+from nodegraph.draw.svg import svg
+from nodegraph.formatting import labels_of
 from nodegraph.graph import Graph, GraphNode
-from nodegraph.node import Node
-from nodegraph.ports import Label, Port
-from nodegraph.spec.parts import Reference
+from nodegraph.graphfile.spec import Reference
+from nodegraph.node.decorator import Node
+from nodegraph.node.ports import Label, Port
 
 _MOST_METHODS = 12
 _MOST_ON_A_PAGE = 500

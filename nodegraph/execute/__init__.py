@@ -2,10 +2,9 @@
 
 from nodegraph.execute.events import Event, Listener
 from nodegraph.execute.executors import Executor, HowToRun, executor_of
-from nodegraph.execute.recall import Recall, open_store
-from nodegraph.execute.results import Run
+from nodegraph.execute.results import Run, Values
 from nodegraph.execute.run import execute
-from nodegraph.execute.values import Values
+from nodegraph.execute.step_cache import Recall, open_store
 
 __all__ = [
     "Event",

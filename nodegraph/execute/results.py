@@ -2,23 +2,123 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from nodegraph.display import in_notebook
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.executors import HowToRun
 from nodegraph.execute.executors.serial import serial
-from nodegraph.execute.one_thread import one_thread_each
-from nodegraph.execute.recall import Recall
+from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.values import Values
-from nodegraph.plan import Plan, Step
+from nodegraph.execute.step_cache import Recall
+from nodegraph.formatting import in_notebook
+from nodegraph.graph import Graph
+from nodegraph.node.ports import Label
+from nodegraph.plan import Combination, Plan, Step
 from nodegraph.store import Packer
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, repr=False)
+class Values:
+    """The values of one output of a node, by labels; an empty port is each method's first."""
+
+    run: Run
+    node: str
+    port: str
+
+    def __repr__(self) -> str:
+        name = f"{self.node}.{self.port}" if self.port else self.node
+        along = f" along {', '.join(self.axes)}" if self.axes else ""
+        return f"<Values of {name!r}: {len(self)}{along}>"
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The node's axes."""
+        return self.run.plan.graph.nodes[self.node].axes
+
+    @property
+    def value(self) -> Any:
+        """The only value of a node that has one combination left.
+
+        Raises
+        ------
+        NodegraphError
+            If there are several combinations.
+        """
+        return self.at()
+
+    def at(self, **labels: Label) -> Any:
+        """Return the value at these labels; axes with one label may be left out.
+
+        Raises
+        ------
+        NodegraphError
+            If the labels do not name one combination that has a value.
+        """
+        for axis in labels:
+            if axis not in self.axes:
+                raise NodegraphError(
+                    f"{self.node!r} has no axis {axis!r}; {nearest(axis, self.axes)}"
+                )
+        found = tuple(self._label(axis, labels) for axis in self.axes)
+        cells = self.run.plan.cells[self.node]
+        if found not in cells:
+            raise NodegraphError(f"{self.node} at {found}: {self._skipped(found)}")
+        return self._of(cells[found])
+
+    def __iter__(self) -> Iterator[tuple[dict[str, Label], Any]]:
+        return ((labels, self._of(index)) for labels, index in self._there())
+
+    def frame(self) -> pd.DataFrame:
+        """Return the values as one table, with a column for each axis."""
+        return frame_of(self)
+
+    def shown(self) -> Iterator[tuple[dict[str, Label], Any]]:
+        """Yield labels and values, or what is stored of values to be shown."""
+        for labels, index in self._there():
+            yield labels, self.run.shown_of(index)[self._position(index)]
+
+    def __len__(self) -> int:
+        return len(self.run.plan.cells[self.node])
+
+    def _there(self) -> Iterator[tuple[dict[str, Label], int]]:
+        for combination, index in self.run.plan.cells[self.node].items():
+            if self.run.outcomes[index].state in ("done", "unneeded"):
+                yield dict(zip(self.axes, combination, strict=True)), index
+
+    def _of(self, index: int) -> Any:
+        return self.run.values_of(index)[self._position(index)]
+
+    def _position(self, index: int) -> int:
+        """Return which output of a step is meant: by its name, because methods may order theirs."""
+        names = [one.name for one in self.run.plan.steps[index].method.node.outputs]
+        return names.index(self.port) if self.port else 0
+
+    def _label(self, axis: str, labels: Mapping[str, Label]) -> Label:
+        there = self.run.plan.graph.axes[axis].labels
+        if axis not in labels:
+            if len(there) == 1:
+                return there[0]
+            raise NodegraphError(
+                f"{self.node!r} has several values along {axis!r}; {nearest('', there)}"
+            )
+        if labels[axis] not in there:
+            raise NodegraphError(
+                f"{axis!r} has no label {labels[axis]!r}; {nearest(labels[axis], there)}"
+            )
+        return labels[axis]
+
+    def _skipped(self, combination: Combination) -> str:
+        return self.run.plan.skipped[self.node].get(combination, "there is no such combination")
+
 
 _STATES = ("done", "stored", "refused", "failed", "skipped", "unneeded")
 
@@ -169,3 +269,131 @@ class Run:
             raise NodegraphError(
                 f"{step.name} cannot be computed again: a file that it is made of has changed"
             )
+
+
+_PLAIN = (bool, int, float, str)
+
+
+def frame_of(values: Values) -> pd.DataFrame:
+    """Return the values of a node, with a leading column for each of its axes.
+
+    Tables are put below each other: their rows get the labels of their combination, a column
+    that is named like an axis gives way to it, and the `attrs` of the first table are kept.
+    Anything else stands in one column, named after the output or the node. A combination
+    without a value is one row in which the value is missing; only if there is such a row, the
+    columns ``state`` and ``reason`` tell for every row what became of it.
+
+    Parameters
+    ----------
+    values : Values
+        As ``run["error"]`` or ``run["gaps.hidden"]``.
+    """
+    import pandas as pd
+
+    found = {tuple(labels.values()): value for labels, value in values}
+    absent = _absent(values, found)
+    order = [one for one in _combinations(values) if one in found or one in absent]
+    if found and all(isinstance(one, pd.DataFrame) for one in found.values()):
+        parts = [_rows(found.get(one), values.axes) for one in order]
+        body = pd.concat(parts, ignore_index=True)
+        body.attrs = dict(next(iter(found.values())).attrs)
+        counts = [len(one) for one in parts]
+    else:
+        column = [found.get(one) for one in order]
+        body = pd.DataFrame({_name(values): _series(column)})
+        counts = [1] * len(order)
+    _insert_axes(body, values.axes, order, counts)
+    if absent:
+        states = [absent.get(one, ("done", "")) for one in order]
+        for place, name in enumerate(("state", "reason")):
+            told = [state[place] for state in states]
+            # a table may have such a column of its own
+            free = f"{values.node}_{name}" if name in body.columns else name
+            body[free] = _repeated(told, counts)
+    return body
+
+
+def _combinations(values: Values) -> Iterable[Combination]:
+    """Return all combinations of the node's axes, in the order of their labels."""
+    axes = values.run.plan.graph.axes
+    return itertools.product(*(axes[axis].labels for axis in values.axes))
+
+
+def _absent(values: Values, found: Mapping[Combination, Any]) -> dict[Combination, tuple[str, str]]:
+    """Return the state and the reason of each combination without a value."""
+    plan, outcomes = values.run.plan, values.run.outcomes
+    steps = {at: outcomes[index] for at, index in plan.cells[values.node].items()}
+    left_out = {at: ("skipped", reason) for at, reason in plan.skipped[values.node].items()}
+    return left_out | {
+        at: (outcome.state, outcome.reason) for at, outcome in steps.items() if at not in found
+    }
+
+
+def _rows(table: pd.DataFrame | None, axes: Sequence[str]) -> pd.DataFrame:
+    """Return the rows of one combination: those of its table, or an empty one in its place."""
+    import pandas as pd
+
+    if table is None:
+        return pd.DataFrame(index=range(1))
+    if not isinstance(table.index, pd.RangeIndex) or table.index.name is not None:
+        table = table.reset_index()
+    return table.drop(columns=[axis for axis in axes if axis in table.columns])
+
+
+def _series(column: Sequence[Any]) -> pd.Series[Any]:
+    import pandas as pd
+
+    plain = all(one is None or isinstance(one, _PLAIN) for one in column)
+    return pd.Series(column, dtype=None if plain and column else object)
+
+
+def _insert_axes(
+    body: pd.DataFrame, axes: Sequence[str], order: Sequence[Combination], counts: Sequence[int]
+) -> None:
+    for place, axis in enumerate(axes):
+        body.insert(place, axis, _repeated([one[place] for one in order], counts))
+
+
+def _repeated(items: Sequence[Any], counts: Sequence[int]) -> list[Any]:
+    pairs = zip(items, counts, strict=True)
+    return [one for item, count in pairs for one in itertools.repeat(item, count)]
+
+
+def _name(values: Values) -> str:
+    """Return what the column of values is called: a node with alternatives is an axis itself."""
+    output = values.run.plan.graph.nodes[values.node].first.node.outputs[0].name
+    names = (values.port or values.node, output, f"{values.node}_{output}")
+    return next((name for name in names if name not in values.axes), names[-1])
+
+
+def left_out(graph: Graph) -> dict[str, str]:
+    """Return why nodes are left out, by node."""
+    reasons: dict[str, dict[str, None]] = {}
+    for one in graph.left_out:
+        reasons.setdefault(one.node, {})[one.reason] = None
+    return {node: "; ".join(found) for node, found in reasons.items()}
+
+
+def left_out_together(graph: Graph) -> dict[str, tuple[str, ...]]:
+    """Return which nodes are left out, by the reason that they have in common."""
+    together: dict[str, tuple[str, ...]] = {}
+    for node, reason in left_out(graph).items():
+        together[reason] = (*together.get(reason, ()), node)
+    return together
+
+
+def left_out_lines(graph: Graph) -> list[str]:
+    """Return what a terminal says of it: ``left out: faces, playback: why``."""
+    return [
+        f"left out: {', '.join(nodes)}: {reason}"
+        for reason, nodes in left_out_together(graph).items()
+    ]
+
+
+def not_kept_lines(run: Run) -> list[str]:
+    """Return what a terminal says of it: ``2 results are not stored: why``."""
+    if run.recall is None:
+        return []
+    return [
+        f"{count} results are not stored: {reason}" for reason, count in run.recall.not_kept.items()
+    ]

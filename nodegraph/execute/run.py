@@ -6,17 +6,17 @@ from collections.abc import Iterable
 from contextlib import nullcontext
 from typing import Any
 
-from nodegraph.collection import collecting_only_what_is_new
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome, warnings_heard
 from nodegraph.execute.events import Listener, Teller
 from nodegraph.execute.executors import HowToRun, executor_of
-from nodegraph.execute.one_thread import one_thread_each
-from nodegraph.execute.recall import Recall
+from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule
-from nodegraph.hook_objects import brief
+from nodegraph.execute.step_cache import Recall
+from nodegraph.gc_pause import collecting_only_what_is_new
 from nodegraph.plan import Plan
+from nodegraph.plugin.hook_types import brief
 from nodegraph.store import Packer, Store
 
 _UNNEEDED = Outcome("unneeded", reason="what needs it is stored", cause="unneeded")

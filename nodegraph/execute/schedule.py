@@ -3,15 +3,41 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
-from nodegraph.execute.call import Call, Outcome, perform
-from nodegraph.execute.gathered import gathered
-from nodegraph.execute.recall import Recall
-from nodegraph.execute.skipping import skipped
-from nodegraph.plan import Output, Plan, Step, StepInput
+from nodegraph.execute.call import Call, Outcome, perform, skipped
+from nodegraph.execute.step_cache import Recall
+from nodegraph.node.ports import Absent, Across
+from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
 from nodegraph.store import Packer
+
+
+def gathered(
+    fed: Gathered, outcomes: Mapping[int, Outcome], value_of: Callable[[Output], Any]
+) -> Across[Any]:
+    """Return the values of a gathering port with their labels.
+
+    Parameters
+    ----------
+    fed
+        What the plan gathers.
+    outcomes
+        How the steps ended that feed it, all of them.
+    value_of
+        Returns the value of one output of a step that is done.
+    """
+    entries = []
+    absent = list(absent_of(fed))
+    for at, output in fed.entries:
+        labels = dict(zip(fed.axes, at, strict=True))
+        outcome = outcomes[output.step]
+        if outcome.state == "done":
+            entries.append((labels, value_of(output)))
+        else:
+            absent.append(Absent(labels, outcome.cause, outcome.reason))
+    known = dict(zip(fed.axes, fed.known, strict=True))
+    return Across(fed.axes, tuple(entries), tuple(absent), known)
 
 
 class Hears(Protocol):

@@ -2,9 +2,7 @@
 
 from nodegraph.graph.build import build
 from nodegraph.graph.choices import Choices
-from nodegraph.graph.hands_on import HandsOn
-from nodegraph.graph.model import Axis, Gather, Graph, GraphNode, Method
-from nodegraph.graph.until import until
+from nodegraph.graph.model import Axis, Gather, Graph, GraphNode, HandsOn, Method, until
 
 __all__ = [
     "Axis",

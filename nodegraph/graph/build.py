@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from nodegraph.collection import no_collection
 from nodegraph.errors import Problems
+from nodegraph.gc_pause import no_collection
 from nodegraph.graph.builder import Builder
 from nodegraph.graph.choices import Choices
-from nodegraph.graph.flat import Flat
 from nodegraph.graph.leaks import check_leaks
-from nodegraph.graph.model import Graph
-from nodegraph.graph.named import check_named
+from nodegraph.graph.model import Flat, Graph
+from nodegraph.graph.settings import check_named
 from nodegraph.graph.subgraphs import Subgraphs
-from nodegraph.registry import Registry
-from nodegraph.spec.parts import GraphSpec
+from nodegraph.graphfile.spec import GraphSpec
+from nodegraph.plugin.registry import Registry
 
 
 @no_collection()

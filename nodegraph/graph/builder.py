@@ -5,20 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from nodegraph.errors import Place, Problems, nearest
-from nodegraph.graph.axes import check_fixed, spread
+from nodegraph.graph.axes import Sizes, check_fixed, spread
 from nodegraph.graph.choices import Choices, Names
-from nodegraph.graph.deprecated import notices
-from nodegraph.graph.flat import Flat
-from nodegraph.graph.methods import Chosen, choose
-from nodegraph.graph.model import Gather, Graph, GraphNode, LeftOut, Method, sources_of
-from nodegraph.graph.order import sorted_names
-from nodegraph.graph.requires import check_requires
+from nodegraph.graph.methods import Chosen, check_requires, choose, notices
+from nodegraph.graph.model import Flat, Gather, Graph, GraphNode, LeftOut, Method, sources_of
 from nodegraph.graph.settings import SettingsReader
-from nodegraph.graph.sizes import Sizes
-from nodegraph.graph.wiring import Wirer, dependencies
-from nodegraph.registry import Registry
-from nodegraph.spec.axes import is_label
-from nodegraph.spec.parts import NodeSpec, Reference
+from nodegraph.graph.wiring import Wirer, dependencies, sorted_names
+from nodegraph.graphfile.axes import is_label
+from nodegraph.graphfile.spec import NodeSpec, Reference
+from nodegraph.plugin.registry import Registry
 
 
 class Builder:

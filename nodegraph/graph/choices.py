@@ -9,9 +9,9 @@ from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis
-from nodegraph.ports import Label, Port
-from nodegraph.spec.axes import read_given_axis
-from nodegraph.spec.parts import GraphSpec, Variable, Written
+from nodegraph.graphfile.axes import read_given_axis
+from nodegraph.graphfile.spec import GraphSpec, Variable, Written
+from nodegraph.node.ports import Label, Port
 
 
 @dataclass(frozen=True)

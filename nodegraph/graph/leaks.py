@@ -15,9 +15,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from nodegraph.errors import Place, Problems
-from nodegraph.graph.hands_on import HandsOn
-from nodegraph.graph.model import Graph, GraphNode, Method, sources_of
-from nodegraph.ports import Port
+from nodegraph.graph.model import Graph, GraphNode, HandsOn, Method, sources_of
+from nodegraph.node.ports import Port
 
 
 def check_leaks(graph: Graph, problems: Problems) -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import PackageNotFoundError, version
+from operator import attrgetter
 
-from nodegraph.errors import Place, Problems, UnknownNodeError, nearest
-from nodegraph.graph.hands_on import asked, passing
-from nodegraph.node import Node
-from nodegraph.registry import Registered, Registry
-from nodegraph.spec.parts import MethodSpec, NodeSpec, Wiring, Written
+from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest
+from nodegraph.graph.model import asked, passing
+from nodegraph.graphfile.spec import GraphSpec, MethodSpec, NodeSpec, Wiring, Written
+from nodegraph.node.decorator import Node
+from nodegraph.plugin.registry import Registered, Registry
 
 PASS = "pass"
 
@@ -171,3 +173,82 @@ def _promise(node: Node) -> tuple[object, ...]:
 def _shape(node: Node) -> str:
     required = ", ".join(str(port) for port in asked(node) if not port.optional)
     return f"({required}) -> {node.outputs[0].type.__name__}"
+
+
+def check_requires(spec: GraphSpec, problems: Problems) -> None:
+    """Note every required package that is not installed in a version that will do."""
+    if not spec.requires:
+        return
+    from packaging.requirements import InvalidRequirement, Requirement
+
+    for text, place in spec.requires:
+        try:
+            wanted = Requirement(text)
+        except InvalidRequirement:
+            hint = "write a package as pip takes it: my-plugin>=1.2"
+            problems.add(place, f"requires: {text!r} is not a package", hint)
+            continue
+        here = attrgetter("marker")(wanted)  # what stands behind the semicolon
+        if here is not None and not here.evaluate():
+            continue
+        found = _version(wanted.name)
+        if found is None or not wanted.specifier.contains(found, prereleases=True):
+            has = f"{found} is installed" if found else "it is not installed"
+            problems.add(place, f"requires {text}, but {has}", f"pip install '{text}'")
+
+
+def _version(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
+
+
+def notices(
+    nodes: Iterable[NodeSpec],
+    chosen: Mapping[str, Iterable[Chosen]],
+    labels: Mapping[str, Collection[object]],
+    registry: Registry,
+) -> tuple[Problem, ...]:
+    """Return what is deprecated in a graph, each with its place and what to use instead.
+
+    Parameters
+    ----------
+    nodes
+    chosen
+        The methods of each node.
+    labels
+        Of each node with alternatives, the labels that are run.
+    registry
+    """
+    found: list[Problem] = []
+    for spec in nodes:
+        for one in chosen[spec.name]:
+            if not spec.has_alternatives or one.label in labels[spec.name]:
+                found += _of_method(spec.name, one)
+        found += _of_families(spec, registry)
+    return tuple(sorted(dict.fromkeys(found), key=lambda one: one.place))
+
+
+def _of_method(name: str, chosen: Chosen) -> Iterator[Problem]:
+    if chosen.found is None:
+        return
+    node = chosen.found.node
+    where = f"{name} ({chosen.label})" if chosen.label else name
+    if node.deprecated:
+        yield Problem(chosen.place, f"{where}: {node.name} is deprecated", node.deprecated)
+    for setting, written in chosen.settings.items():
+        described = node.settings.get(setting)
+        if described is not None and described.deprecated:
+            message = f"{where}: setting {setting!r} of {node.name} is deprecated"
+            yield Problem(written.place, message, described.deprecated)
+
+
+def _of_families(spec: NodeSpec, registry: Registry) -> Iterator[Problem]:
+    for method in spec.methods:
+        if is_family(method.use):
+            for one in registry.family(method.use[:-2]).values():
+                if one.node.deprecated:
+                    name = one.node.name
+                    message = f"{spec.name}: {method.use} leaves {name} out, which is deprecated"
+                    yield Problem(method.place, message, f"{one.node.deprecated}; or list {name}")

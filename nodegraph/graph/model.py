@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from nodegraph.display import in_notebook
-from nodegraph.errors import Place, Problem
-from nodegraph.node import Node
-from nodegraph.ports import Label
-from nodegraph.spec.parts import Reference
-from nodegraph.values import Files
+from nodegraph.errors import NodegraphError, Place, Problem, nearest
+from nodegraph.formatting import in_notebook
+from nodegraph.graphfile.spec import GraphSpec, Reference, Written
+from nodegraph.node.decorator import Node, Setting
+from nodegraph.node.ports import Label, Port
+from nodegraph.node.values import Files
+from nodegraph.plugin.registry import Registered
 
 if TYPE_CHECKING:
     import networkx as nx
 
     from nodegraph.graph.choices import Choices
-    from nodegraph.registry import Registry
-    from nodegraph.spec import GraphSpec
+    from nodegraph.graphfile import GraphSpec
+    from nodegraph.plugin.registry import Registry
 
 
 @dataclass(frozen=True)
@@ -250,3 +252,160 @@ def _files(node: GraphNode) -> Iterator[str]:
     return (
         port.name if len(outputs) > 1 else "" for port in outputs if issubclass(port.type, Files)
     )
+
+
+def until(graph: Graph, names: Iterable[str]) -> Graph:
+    """Return the graph with these nodes and all that they need; these are what it reports.
+
+    Raises
+    ------
+    NodegraphError
+        If the graph lacks one of them.
+    """
+    asked = tuple(dict.fromkeys(names))
+    for name in asked:
+        if name not in graph.nodes:
+            raise NodegraphError(f"the graph has no node {name!r}; {nearest(name, graph.nodes)}")
+    kept = set(asked)
+    for name in reversed(list(graph.nodes)):
+        if name in kept:
+            methods = graph.nodes[name].methods.values()
+            feeds = (fed for method in methods for fed in method.inputs.values())
+            kept.update(source.node for fed in feeds for source in sources_of(fed))
+    report = tuple(Reference(name, "", graph.nodes[name].place) for name in asked)
+    nodes = {name: node for name, node in graph.nodes.items() if name in kept}
+    return replace(graph, nodes=nodes, spec=replace(graph.spec, report=report))
+
+
+@dataclass(frozen=True)
+class Feed:
+    """What a node feeds to a port of the graph that it uses.
+
+    Attributes
+    ----------
+    where : str
+        Names the node in messages.
+    port : Port or None
+        None where the graph has no such port; that is told already.
+    """
+
+    where: str
+    port: Port | None
+    source: Reference
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A graph in which no node uses another graph any more.
+
+    Attributes
+    ----------
+    spec : GraphSpec
+        Its nodes are its own, what stands for its ports (``$recording``), and those of the graphs
+        that it uses (``clean.despike``).
+    ports : mapping of name to Port
+        Its inputs that are ports.
+    graphs : mapping of node to (mapping of label to Registered)
+        What stands for the graphs that its nodes use, and for its ports.
+    feeds : tuple of Feed
+    given : tuple of Written
+        Settings that it gives to the graphs that it uses.
+    is_whole : bool
+        Whether every graph that it uses could be put in its place.
+    """
+
+    spec: GraphSpec
+    ports: Mapping[str, Port]
+    graphs: Mapping[str, Mapping[str, Registered]]
+    feeds: tuple[Feed, ...]
+    given: tuple[Written, ...]
+    is_whole: bool
+
+
+@dataclass(frozen=True)
+class HandsOn(Node):
+    """A node whose outputs are its inputs, one by one in the same order.
+
+    Attributes
+    ----------
+    takes, gives : tuple of Port
+        As many outputs as inputs.
+    asks : tuple of Port
+        What whoever uses it must feed. For a graph these are its own ports, which feed the nodes
+        inside; what it takes comes from there.
+    offers : tuple of str
+        The outputs of all that it stands for: a graph's, of which it may hand on one alone.
+    about : str
+        What a reader of the report sees.
+    """
+
+    takes: tuple[Port, ...] = ()
+    gives: tuple[Port, ...] = ()
+    asks: tuple[Port, ...] = ()
+    offers: tuple[str, ...] = ()
+    about: str = ""
+
+    @cached_property
+    def inputs(self) -> tuple[Port, ...]:
+        """What it takes."""
+        return self.takes
+
+    @cached_property
+    def outputs(self) -> tuple[Port, ...]:
+        """What it hands on."""
+        return self.gives
+
+    @cached_property
+    def settings(self) -> Mapping[str, Setting]:
+        """None."""
+        return {}
+
+    @cached_property
+    def splits(self) -> bool:
+        """Whether it hands on several values."""
+        return len(self.gives) > 1
+
+    @property
+    def doc(self) -> str:
+        """What a reader of the report sees."""
+        return self.about
+
+
+def asked(node: Node) -> tuple[Port, ...]:
+    """Return the ports that whoever uses a node must feed."""
+    return node.asks if isinstance(node, HandsOn) else node.inputs
+
+
+def offered(node: Node) -> tuple[str, ...]:
+    """Return the outputs that a reference to a node may name."""
+    return node.offers if isinstance(node, HandsOn) else tuple(one.name for one in node.outputs)
+
+
+def passing(sibling: Node) -> HandsOn:
+    """Return what hands on its first input, typed and named as the sibling's first output."""
+    gives = tuple(replace(port, columns=()) for port in sibling.outputs[:1])
+    takes = tuple(replace(port, type=gives[0].type) for port in asked(sibling)[:1])
+    about = "Hand on the input as it is."
+    return HandsOn("pass", _hand_on, (), takes, gives, takes, (gives[0].name,), about)
+
+
+def graph_node(
+    use: str,
+    title: str,
+    asks: tuple[Port, ...],
+    outputs: tuple[Port, ...],
+    offers: tuple[str, ...],
+) -> HandsOn:
+    """Return what stands for a graph used as a node: it hands on what the nodes inside give."""
+    return HandsOn(use, _hand_on, (), outputs, outputs, asks, offers, title)
+
+
+def port_node(port: Port) -> HandsOn:
+    """Return what stands inside a graph for one of its ports, while it is checked by itself."""
+    return HandsOn(port.type.__name__, _hand_on, (), (), (Port("value", port.type),))
+
+
+def _hand_on(**inputs: Any) -> Any:
+    if len(inputs) == 1:
+        return next(iter(inputs.values()))
+    return SimpleNamespace(**inputs)

@@ -1,5 +1,98 @@
-"""Graphs and runs as HTML that a notebook shows."""
+"""A graph, or a run, as a fragment of HTML that needs nothing else."""
 
-from nodegraph.notebook.show import graph_html, run_html
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+
+from nodegraph.draw.from_graph import drawing_for_page, labels_text
+from nodegraph.execute import Run
+from nodegraph.graph import Graph
+from nodegraph.plugin.hook_types import Rendered
+from nodegraph.report.compose import compose
+from nodegraph.report.page import duration, templates_of
+from nodegraph.report.study import note_kinds, titled
+
+_MOST = 24
+_FEW = 3
+_FONT = "<style>body { font: 0.925rem/1.5 system-ui, sans-serif; margin: 0; }</style>"
+_LONGEST_LABELS = 72
+_PALETTE = re.compile(r"\.nodegraph-picture \{([^}]*)\}")
+_LIGHT = '[data-jp-theme-light="true"], .vscode-light, html[theme="light"]'
+_DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
+"""How JupyterLab, Visual Studio Code and Colab mark a page that does not follow the system."""
+
+
+def graph_html(graph: Graph) -> str:
+    """Return a graph for a notebook: its title, its axes, its drawing."""
+    return (
+        templates_of("nodegraph.notebook")
+        .get_template("graph.html")
+        .render(
+            style=_style(),
+            title=graph.title,
+            axes=_axes(graph),
+            drawing=drawing_for_page(graph),
+            nodes=len(graph.nodes),
+        )
+    )
+
+
+def run_html(run: Run) -> str:
+    """Return a run for a notebook: how its steps ended and why, and what its report shows."""
+    graph = run.plan.graph
+    study, _ = compose(run, command="")
+    return (
+        templates_of("nodegraph.notebook")
+        .get_template("run.html")
+        .render(
+            style=_style(),
+            study=study,
+            counts=run.counts(),
+            time=duration(run.seconds),
+            axes=_axes(graph),
+            kinds=note_kinds(study),
+            results=titled(study.sections),
+            most=_MOST,
+            few=_FEW,
+            framed=framed,
+        )
+    )
+
+
+def framed(rendered: Rendered) -> str:
+    """Return a fragment that brings scripts as a page for a frame, apart from the notebook's own.
+
+    A notebook shows a cell again and again in one page, where the names of two scripts would meet.
+    """
+    styles = "".join(f"<style>{one}</style>" for one in rendered.styles)
+    scripts = "".join(f"<script>{one}</script>" for one in rendered.scripts)
+    return f"<!DOCTYPE html><meta charset=utf-8>{_FONT}{styles}{rendered.html}{scripts}"
+
+
+def _axes(graph: Graph) -> dict[str, str]:
+    return {name: labels_text(axis.labels, _LONGEST_LABELS) for name, axis in graph.axes.items()}
+
+
+def _style() -> str:
+    """Return the rules of the fragment, in the drawing's colours.
+
+    They follow the reader's light or dark scheme, unless the notebook has a theme of its own.
+    """
+    light, dark = _PALETTE.findall(_text("nodegraph.draw", "picture.css"))
+    ours = ":is(.nodegraph-notebook, .nodegraph-picture)"
+    return "\n".join(
+        (
+            f".nodegraph-notebook {{{light}}}",
+            f"@media screen and (prefers-color-scheme: dark) {{ .nodegraph-notebook {{{dark}}} }}",
+            f"@media screen {{ :is({_LIGHT}) {ours} {{{light}}} :is({_DARK}) {ours} {{{dark}}} }}",
+            _text("nodegraph.notebook", "templates", "notebook.css"),
+        )
+    )
+
+
+def _text(package: str, *path: str) -> str:
+    return files(package).joinpath(*path).read_text(encoding="utf-8")
+
 
 __all__ = ["graph_html", "run_html"]

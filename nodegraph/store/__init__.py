@@ -1,9 +1,7 @@
 """Values without pickle, and results kept on disk under the keys of the steps that made them."""
 
-from nodegraph.store.entries import About, Entry
-from nodegraph.store.folder import store_folder
-from nodegraph.store.packing import Packed, Packer, Unreadable, Unstorable
-from nodegraph.store.store import DamagedEntry, Store
+from nodegraph.store.codec import Packed, Packer, Unreadable, Unstorable
+from nodegraph.store.store import About, DamagedEntry, Entry, Store, store_folder
 from nodegraph.store.upkeep import Amount, Kept, Upkeep
 
 __all__ = [

@@ -13,9 +13,12 @@ import secrets
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from nodegraph.store.codec import Unreadable
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
 
 FORMAT = "format-1"
 UNFINISHED = ".part"
@@ -122,3 +125,58 @@ def _write_all(opened: int, content: Any) -> None:
     left = memoryview(content)
     while left:
         left = left[os.write(opened, left) :]
+
+
+class Blobs:
+    """A folder of such files."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+
+    def put(self, name: str, content: memoryview | bytes) -> None:
+        """Keep bytes under their SHA-256.
+
+        Raises
+        ------
+        OSError
+            If that is not possible.
+        """
+        if self._there(name, len(content)):
+            return
+        write(f"{self.folder}/{name[:2]}", name[2:], content)
+
+    def get(self, name: str, size: int) -> NDArray[np.uint8]:
+        """Return the bytes in memory that nobody can write to.
+
+        Raises
+        ------
+        Unreadable
+            If they are not there, or not what they were; they are removed then.
+        """
+        path = self.path(name)
+        try:
+            found = read_checked(path, size, name)
+        except OSError as error:
+            raise Unreadable(f"{path}: {error.strerror}") from error
+        if found is None:
+            with suppress(OSError):
+                os.unlink(path)
+            raise Unreadable(f"{path} is not what was written")
+        return found
+
+    def path(self, name: str) -> str:
+        """Return where bytes lie."""
+        return f"{self.folder}/{name[:2]}/{name[2:]}"
+
+    def _there(self, name: str, size: int) -> bool:
+        path = self.path(name)
+        try:
+            if os.stat(path).st_size != size:
+                return False
+            # so that nobody takes it for one that no entry needs, before the entry is written
+            os.utime(path)
+        except FileNotFoundError:
+            return False
+        except PermissionError:
+            return True
+        return True

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nodegraph.store import files
-from nodegraph.store.entries import Entry, read_entry
+from nodegraph.store.store import Entry, read_entry
 
 _HOUR = 3600.0
 _ENTRY = ".json"

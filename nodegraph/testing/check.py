@@ -3,19 +3,138 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from nodegraph.hooks import Contract, Tried
-from nodegraph.node import Node, node_of
-from nodegraph.registry import Registry, default_registry
-from nodegraph.source import Source
-from nodegraph.testing.citations import citation_faults
-from nodegraph.testing.declaration import declaration_faults, unreadable
-from nodegraph.testing.faults import Faults
-from nodegraph.testing.specimens import cases, without_specimens
-from nodegraph.testing.trial import Trial
-from nodegraph.testing.variants import examples
+from nodegraph.errors import NodeError, nearest
+from nodegraph.node.decorator import Node, node_of
+from nodegraph.node.description import port_meanings, setting_kind
+from nodegraph.plugin.bibliography import entry_keys
+from nodegraph.plugin.guards import Nonsense, PluginError, Source
+from nodegraph.plugin.hook_types import Contract, Tried
+from nodegraph.plugin.loading import package_of, reason_of
+from nodegraph.plugin.registry import Registry, default_registry
+from nodegraph.testing.specimens import cases, examples, without_specimens
+from nodegraph.testing.trial import Faults, Trial
+
+_OTHER_NAMES_OF_SEED = {"rng", "random", "random_seed", "random_state", "generator"}
+
+
+def unreadable(node: Node) -> str:
+    """Return why the signature is not a node's, or an empty text.
+
+    Parameters
+    ----------
+    node
+        Any.
+    """
+    try:
+        node.check()
+    except NodeError as error:
+        return str(error)
+    return ""
+
+
+def declaration_faults(node: Node, given: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what name, docstring and settings lack; `given` are values for settings.
+
+    Parameters
+    ----------
+    node
+        One that can be read.
+    given
+        Values for settings.
+    """
+    if not node.summary.strip():
+        yield "has no docstring: say in its first line what the method does; users see it in lists"
+    meanings = port_meanings(node)
+    for name in node.settings:
+        if not meanings.get(name):
+            yield (
+                f"setting {name!r} is not documented: say under 'Parameters' in the docstring what "
+                "it means; the tool shows that text to users"
+            )
+        if name in _OTHER_NAMES_OF_SEED:
+            yield f"setting {name!r} is randomness by another name: call it seed, a whole number"
+    yield from _value_faults(node, given)
+
+
+def _value_faults(node: Node, given: Mapping[str, Any]) -> Iterator[str]:
+    from pydantic import ValidationError
+
+    defaults = {one.name: one.default for one in node.settings.values() if not one.required}
+    try:
+        node.model.model_validate({**defaults, **given})
+    except ValidationError as error:
+        for one in error.errors():
+            if one["loc"] and one["type"] not in ("missing", "extra_forbidden"):
+                yield _value_fault(node, given, str(one["loc"][0]), one["msg"])
+
+
+def _value_fault(node: Node, given: Mapping[str, Any], name: str, message: str) -> str:
+    what, value = (
+        ("the given value", given[name])
+        if name in given
+        else ("the default", node.settings[name].default)
+    )
+    return (
+        f"setting {name!r}: {what} {value!r} is not {setting_kind(node, name)}: {message}; "
+        "change the value or the type and bounds"
+    )
+
+
+def citation_faults(node: Node, registry: Registry) -> Iterator[str]:
+    """Yield the keys that a node cites and its plugin does not ship, or why nobody can tell.
+
+    Parameters
+    ----------
+    node
+        Whose `cite` is looked at.
+    registry
+        Whose plugins ship BibTeX, where the node's own package has none.
+    """
+    if not node.cite:
+        return
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            there = entry_keys(_bibtex(node, registry))
+        except PluginError as fails:
+            yield f"{fails}: mend it, or nobody learns what the node cites"
+            return
+    for one in said:
+        yield f"{one.message}: mend what its hook nodegraph_bibtex returns"
+    for key in node.cite:
+        if key not in there:
+            yield (
+                f"cites {key!r}, which its plugin does not ship ({nearest(key, there)}): put the "
+                "entry into the BibTeX that its hook nodegraph_bibtex returns"
+            )
+
+
+def _bibtex(node: Node, registry: Registry) -> Iterable[str]:
+    """Return the BibTeX of the node's package, else of its plugin, else of every plugin."""
+    parts = node.function.__module__.split(".")
+    names = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
+    brought = {one.plugin for one in registry if one.node.function is node.function}
+    plugins = [one.module for one in registry.loaded if one.name in brought]
+    for module in (*(sys.modules.get(name) for name in names), *plugins):
+        if hook := getattr(module, "nodegraph_bibtex", None):
+            return [_asked(hook)]
+    return registry.bibtex
+
+
+def _asked(hook: Callable[[], Any]) -> str:
+    try:
+        found = hook()
+        if isinstance(found, str):
+            return found
+        raise Nonsense(found, "a text")
+    except (Exception, SystemExit) as error:
+        reason = reason_of(error, package_of(hook))
+        raise PluginError(f"its plugin's hook nodegraph_bibtex failed: {reason}") from error
 
 
 def check_node(
@@ -42,7 +161,7 @@ def check_node(
     Parameters
     ----------
     node
-        A function decorated with `nodegraph.node`.
+        A function decorated with `nodegraph.node.decorator`.
     inputs
         Values for ports, instead of specimens: for types of which no plugin ships any.
     settings

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import UnknownNodeError, nearest
-from nodegraph.node import Node
-from nodegraph.registry import Registry, default_registry
+from nodegraph.node.decorator import Node
+from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.testing.check import check_node
-from nodegraph.testing.variants import variants
+from nodegraph.testing.specimens import variants
 
 
 def promises_of(plugin: str | Path) -> Callable[..., None]:

@@ -17,7 +17,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_blendshapes.from_head import from_head
     from nodegraph_blendshapes.from_pca import from_pca
     from nodegraph_blendshapes.pose import pose
-    from nodegraph_blendshapes.solve_weights import solve_weights
+    from nodegraph_blendshapes.solve.weights import solve_weights
 
     return (from_frames, from_head, from_pca, pose, mesh, solve_weights)
 
@@ -32,6 +32,6 @@ def nodegraph_bibtex() -> str:
 def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
     """Return what every node of a family promises."""
     from nodegraph_blendshapes.contracts import ANIMATE, BLENDSHAPES
-    from nodegraph_blendshapes.solve_contracts import CONTRACTS
+    from nodegraph_blendshapes.solve.contracts import CONTRACTS
 
     return {"blendshapes": BLENDSHAPES, "animate": ANIMATE, "solve": CONTRACTS}

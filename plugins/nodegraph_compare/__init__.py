@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
-    from nodegraph_compare.agreement import agreement
-    from nodegraph_compare.curve import curve
-    from nodegraph_compare.importance import importance
-    from nodegraph_compare.ranks import ranks
-    from nodegraph_compare.table import table
+    from nodegraph_compare.agreement.node import agreement
+    from nodegraph_compare.curve.node import curve
+    from nodegraph_compare.importance.node import importance
+    from nodegraph_compare.ranks.node import ranks
+    from nodegraph_compare.table.node import table
 
     return (agreement, curve, importance, ranks, table)
 

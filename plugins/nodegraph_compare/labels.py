@@ -6,7 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import nearest
-from nodegraph_mocap.style import looks
+from nodegraph_tables.style import looks
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from nodegraph import Across, Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Question
-    from nodegraph_mocap.style import Look
+    from nodegraph_tables.style import Look
 
 
 def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:

@@ -3,15 +3,100 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Literal, cast, get_args
 
-from nodegraph import listed
-from nodegraph_compare.better import Better, End, better_end
-from nodegraph_compare.named import check_known, placed
+from nodegraph import Across, ColumnOf, LabelOf, listed, nearest
 
 if TYPE_CHECKING:
-    from nodegraph import Across
+    from collections.abc import Iterator
+
     from nodegraph_mocap import Table
+
+
+OneColumn = Annotated[str | None, ColumnOf("scores")]
+OneName = Annotated[str | None, ColumnOf("scores", or_axis=True)]
+OneLabel = Annotated[str | None, LabelOf("scores", axis="compare")]
+Names = Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True)]
+
+
+def check_known(scores: Across[Table], name: str, *, what: str = "axis or column") -> None:
+    """Check that a name is a gathered axis, or a column of every table.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    name
+        Of what is looked for.
+    what
+        What the name is called in the message; ``metric`` for what must be a column.
+
+    Raises
+    ------
+    ValueError
+        If a table has no such column; the message says which, and what there is instead.
+    """
+    axes = () if what == "metric" else scores.axes
+    if name in axes:
+        return
+    for where, table in placed(scores):
+        if name not in table.columns:
+            there = "axes and columns" if axes else "columns"
+            near = nearest(name, (*axes, *table.columns), what=there)
+            raise ValueError(f"no {what} {name!r}{where}; {near}")
+
+
+def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
+    """Yield each table, and the words that say which it is: `` in the table of trial=0``."""
+    for labels, table in scores:
+        told = ", ".join(f"{axis}={label}" for axis, label in labels.items() if label != "")
+        yield f" in the table of {told}" if told else "", table
+
+
+End = Literal["lower", "higher", "none"]
+Better = Literal["declared", "lower", "higher", "none"]
+
+
+def better_end(scores: Across[Table], metric: str, better: Better) -> End:
+    """Return which end of the metric is better: as asked, else as the tables declare, else lower.
+
+    A table declares it in ``attrs["better"]``, a mapping of column to ``lower``, ``higher`` or
+    ``none``, the last for a column that is best at some value between.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    metric
+        The column of numbers.
+    better
+        What was asked for; ``declared``: as the tables say.
+
+    Raises
+    ------
+    ValueError
+        If the tables declare two ends, or something else.
+    """
+    if better != "declared":
+        return better
+    told = {one.attrs.get("better", {}).get(metric, "lower") for one in scores.values()}
+    wrong = sorted(str(one) for one in told if one not in get_args(End))
+    if wrong:
+        raise ValueError(
+            f"a table declares {wrong[0]!r} as the better end of {metric!r}; "
+            f"there are: {', '.join(get_args(End))}"
+        )
+    if len(told) > 1:
+        raise ValueError(
+            f"the tables declare different ends of {metric!r} as the better one: "
+            f"{', '.join(sorted(told))}; give `better`"
+        )
+    return cast(End, told.pop())
+
+
+def sign_of(end: End) -> float:
+    """Return 1.0, or -1.0 where higher is better: the best has the lowest value times this."""
+    return -1.0 if end == "higher" else 1.0
 
 
 @dataclass(frozen=True)

@@ -108,7 +108,7 @@ class Playback(Value):
         """Return the player for a notebook, in a frame of its own."""
         from html import escape
 
-        from nodegraph_mocap.shown.playback_page import render_playback
+        from nodegraph_mocap.player.page import render_playback
 
         page = render_playback(self, "playback").files[".html"].decode()
         style = "width: 100%; height: 42rem; border: 0"

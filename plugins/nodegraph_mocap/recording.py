@@ -102,7 +102,7 @@ class Trajectories(Value):
 
     def _repr_html_(self) -> str:
         """Return the recording for a notebook."""
-        from nodegraph_mocap.shown.recording_html import recording_html
+        from nodegraph_mocap.summary_html import recording_html
 
         return recording_html(self)
 

@@ -19,7 +19,7 @@ from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.selection import Selection
-from nodegraph_mocap.tables import Figure, Table
+from nodegraph_tables.types import Figure, Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

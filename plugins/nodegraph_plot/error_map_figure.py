@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_mocap import figure_text
-from nodegraph_mocap.style import GREY
 from nodegraph_plot.view import frontal
+from nodegraph_tables.style import GREY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,9 +12,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import Origin, figure_text
-from nodegraph_mocap.style import BLACK, BLUE, GREY, ORANGE
 from nodegraph_plot.gathered import true_positions
 from nodegraph_plot.view import frontal
+from nodegraph_tables.style import BLACK, BLUE, GREY, ORANGE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,7 @@ import numpy as np
 
 from nodegraph import Refusal
 from nodegraph_mocap import Animation, Head, HeadMotion, Trajectories
-from nodegraph_mocap.shown.packed import MOST_STEPS
-from nodegraph_mocap.shown.played import beyond, step_of
+from nodegraph_mocap.player.data import MOST_STEPS, beyond, step_of
 
 if TYPE_CHECKING:
     from nodegraph_mocap.playback import Panel

@@ -9,8 +9,8 @@ import numpy as np
 
 from nodegraph import Across, Label, node
 from nodegraph_mocap import Figure, Table
-from nodegraph_mocap.style import looks
 from nodegraph_plot.columns import axis_labels, check_number, first_float
+from nodegraph_tables.style import looks
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

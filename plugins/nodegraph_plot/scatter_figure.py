@@ -12,7 +12,7 @@ from nodegraph_mocap import figure_text
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_mocap.style import Look
+    from nodegraph_tables.style import Look
 
 _MANY = 5000
 """Points from which on they are drawn as one picture, so that the file stays small."""

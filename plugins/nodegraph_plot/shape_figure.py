@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import figure_text
-from nodegraph_mocap.style import BLUE, GREY, LIGHT, ORANGE
 from nodegraph_plot.view import frontal
+from nodegraph_tables.style import BLUE, GREY, LIGHT, ORANGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from nodegraph_mocap import figure_text
-from nodegraph_mocap.style import BLACK
+from nodegraph_tables.style import BLACK
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from nodegraph_mocap.style import Look
+    from nodegraph_tables.style import Look
 
     Line = tuple[NDArray[np.float64], NDArray[np.float64]]
 

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
-from nodegraph_mocap.style import BLACK, LIGHT, PALE
 from nodegraph_plot.gathered import made, runs, true_positions
+from nodegraph_tables.style import BLACK, LIGHT, PALE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_mocap import Trajectories
-    from nodegraph_mocap.style import Look
+    from nodegraph_tables.style import Look
 
 _STRAY = 1.5
 _BROAD = 3.0

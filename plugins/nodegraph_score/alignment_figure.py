@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
-from nodegraph_mocap.style import BLUE, PALE, VERMILLION
 from nodegraph_score.alignment_told import named
+from nodegraph_tables.style import BLUE, PALE, VERMILLION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

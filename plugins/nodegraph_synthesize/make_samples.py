@@ -9,9 +9,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import nodegraph_mocap
-from nodegraph_mocap import model_bytes
-from nodegraph_mocap.files.c3d import write_c3d
-from nodegraph_mocap.files.marker_set_yaml import marker_set_text
+from nodegraph_files import model_bytes
+from nodegraph_files.c3d import write_c3d
+from nodegraph_files.marker_set import marker_set_text
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
 
 FOLDER = Path(nodegraph_mocap.__file__).parent / "samples"

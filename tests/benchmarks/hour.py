@@ -27,7 +27,8 @@ CHAINS = {
 
 def make(folder: Path) -> None:
     """Write an hour, and a tenth of it, as C3D, and the hour as NPZ."""
-    from nodegraph_mocap import Trajectories, write_c3d
+    from nodegraph_files import write_c3d
+    from nodegraph_mocap import Trajectories
 
     time = np.arange(FRAMES) / RATE
     positions = np.empty((FRAMES, MARKERS, 3))
@@ -76,7 +77,7 @@ def read(path: Path, library: str) -> Any:
     if library == "numpy.load":
         with np.load(path) as archive:
             return archive["positions"]
-    from nodegraph_mocap.read_recording import read_recording
+    from nodegraph_files.recording import read_recording
 
     return read_recording(path=path)
 

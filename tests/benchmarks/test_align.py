@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph.registry import default_registry
+from nodegraph.plugin.registry import default_registry
 from nodegraph_align.poses import fit, moved
 from nodegraph_align.procrustes import procrustes
 from nodegraph_mocap import Trajectories

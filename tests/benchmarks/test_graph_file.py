@@ -9,8 +9,8 @@ import yaml
 
 from nodegraph import node
 from nodegraph.graph import build
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.graphfile import read_graph_text
+from nodegraph.plugin.registry import Registry
 from tests.benchmarks.conftest import Clock
 from tests.benchmarks.engines.ours import HERE
 

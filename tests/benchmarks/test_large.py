@@ -10,9 +10,9 @@ import pytest
 from nodegraph import node
 from nodegraph.execute import HowToRun, execute
 from nodegraph.graph import build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 from tests.benchmarks.conftest import Clock
 from tests.benchmarks.engines.ours import HERE, chain_text
 from tests.benchmarks.work import plus_one, zero

@@ -16,7 +16,8 @@ import pytest
 from numpy.typing import NDArray
 
 import nodegraph
-from nodegraph_mocap import Trajectories, read_c3d, read_npz, write_c3d, write_npz
+from nodegraph_files import read_c3d, read_npz, write_c3d, write_npz
+from nodegraph_mocap import Trajectories
 from tests.benchmarks.conftest import Clock
 
 TAKES = {  # frames, markers

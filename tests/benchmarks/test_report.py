@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from nodegraph import get_node
-from nodegraph_mocap import write_npz
+from nodegraph_files import write_npz
 from tests.benchmarks.tables import Tables
-from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, opened
+from tests.plugins.nodegraph_mocap.player.browser import BROWSER, opened
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -33,7 +33,15 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     face = get_node("synthesize.face")(seconds=26.5, missing=0, impulses=0)
     assert face.captured.frames == 1590
     write_npz(face.captured, folder / "take.npz")
-    command = [sys.executable, "-m", "nodegraph.cli", "run", str(GRAPH), "--only", f"fill={FILLS}"]
+    command = [
+        sys.executable,
+        "-m",
+        "nodegraph.cli.main",
+        "run",
+        str(GRAPH),
+        "--only",
+        f"fill={FILLS}",
+    ]
     words = ["--set", f"recording={folder / 'take.npz'}", "--store", str(folder / "store")]
     subprocess.run([*command, *words, "--out", str(folder / "run")], check=True)
     return folder / "run" / "report.html"

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph.registry import default_registry
+from nodegraph.plugin.registry import default_registry
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.bspline import bspline, curve_into
 from nodegraph_smooth.bspline_weights import first_rows, middle

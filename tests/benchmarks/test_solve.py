@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_blendshapes.solve_bounded import least_squares
-from nodegraph_blendshapes.solve_weights import solve_weights
+from nodegraph_blendshapes.solve.bounded import least_squares
+from nodegraph_blendshapes.solve.weights import solve_weights
 from nodegraph_mocap import BlendshapeModel, Trajectories
 from tests.benchmarks.conftest import Clock
 

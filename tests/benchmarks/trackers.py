@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph_mocap import Detections, Table, Trajectories, read_c3d
+from nodegraph_files import read_c3d
+from nodegraph_mocap import Detections, Table, Trajectories
 from nodegraph_score.tracking import tracking
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_track.scatter import scatter

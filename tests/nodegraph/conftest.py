@@ -16,10 +16,10 @@ from nodegraph.api import reported
 from nodegraph.errors import Problem
 from nodegraph.execute import HowToRun, Run, execute, open_store
 from nodegraph.graph import Choices, Graph, build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 
 FILE = "toy.yaml"
 MARK = "@@"

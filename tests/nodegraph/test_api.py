@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 import nodegraph as ng
-from nodegraph import plugins
 from nodegraph.api import reported
 from nodegraph.execute import Event
 from nodegraph.graph import Graph
-from nodegraph.registry import Registry, default_registry
+from nodegraph.plugin import loading
+from nodegraph.plugin.registry import Registry, default_registry
 
 TEXT = """\
 nodegraph: 1
@@ -38,7 +38,7 @@ def _only_toys(monkeypatch: pytest.MonkeyPatch, toys: Registry) -> None:
     class Module:
         nodegraph_nodes = staticmethod(lambda: described)
 
-    monkeypatch.setattr(plugins, "installed", lambda: ([plugins.Plugin("toys", Module)], []))
+    monkeypatch.setattr(loading, "installed", lambda: ([loading.Plugin("toys", Module)], []))
     default_registry.cache_clear()
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from nodegraph.display import name_at
+from nodegraph.formatting import name_at
 
 
 def test_a_combination_is_named_by_its_labels() -> None:

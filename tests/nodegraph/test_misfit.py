@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from nodegraph.misfit import first_misfit
+from nodegraph.validation import first_misfit
 
 
 class Inner(BaseModel):

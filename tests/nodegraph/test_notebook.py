@@ -9,12 +9,11 @@ from html.parser import HTMLParser
 import pytest
 
 from nodegraph import node
-from nodegraph.display import in_notebook
 from nodegraph.execute import Run
+from nodegraph.formatting import in_notebook
 from nodegraph.graph import Graph
-from nodegraph.hooks import Rendered
-from nodegraph.notebook import graph_html, run_html
-from nodegraph.notebook.show import framed
+from nodegraph.notebook import framed, graph_html, run_html
+from nodegraph.plugin.hook_types import Rendered
 
 HOSTILE = "</style></div><script>alert(1)</script>&amp;\"'"
 TEXT = f"""

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from nodegraph import Across, GraphError, node
 from nodegraph.execute import HowToRun, execute
 from nodegraph.graph import build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 
 AXES: Mapping[str, tuple[Any, ...]] = {"i": (1, 2), "j": (3, 4, 5), "k": (6,)}
 

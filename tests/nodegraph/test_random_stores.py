@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from nodegraph import Across, Refusal, Value, hookimpl, node
 from nodegraph.execute import Event, HowToRun, Run, execute, open_store
 from nodegraph.graph import build
-from nodegraph.hooks import Storage
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import Gathered, Plan, Step, plan
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.store import Entry, Upkeep
 
 AXES = {"i": (1, 2), "j": (3, 4, 5)}

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 from queue import SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.elsewhere.asking import Asker
-from nodegraph.execute.elsewhere.child import Child, EndedError
-from nodegraph.execute.elsewhere.letters import LACKING, Answer, Question
-from nodegraph.execute.executors.protocol import HowToRun
+from nodegraph.execute.executors.base import HowToRun
 from nodegraph.execute.schedule import Schedule
+from nodegraph.execute.worker.client import Asker, Child, EndedError
+from nodegraph.execute.worker.protocol import LACKING, Answer, Question
 
 _Calls = SimpleQueue[Call | None]
 _Outcomes = SimpleQueue[tuple[int, Outcome] | BaseException]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from nodegraph.execute.call import Outcome
-from nodegraph.execute.executors.protocol import HowToRun
+from nodegraph.execute.executors.base import HowToRun
 from nodegraph.execute.schedule import Schedule
 
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from queue import SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.executors.protocol import HowToRun
-from nodegraph.execute.one_thread import one_thread_here
+from nodegraph.execute.executors.base import HowToRun
+from nodegraph.execute.numeric_threads import one_thread_here
 from nodegraph.execute.schedule import Schedule
 
 _Calls = SimpleQueue[Call | None]

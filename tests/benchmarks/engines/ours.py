@@ -7,11 +7,11 @@ from typing import Any
 
 from nodegraph import node
 from nodegraph.execute import HowToRun, execute
-from nodegraph.execute.recall import open_store
+from nodegraph.execute.step_cache import open_store
 from nodegraph.graph import build as build_graph
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 from tests.benchmarks.work import Build, Engine, Run, Work
 
 HERE = Path()

@@ -8,7 +8,7 @@ import pytest
 
 from nodegraph.draw.from_graph import labels_text, picture_of
 from nodegraph.graph import Graph
-from nodegraph.ports import Label
+from nodegraph.node.ports import Label
 
 
 @pytest.mark.parametrize(

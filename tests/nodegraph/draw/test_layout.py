@@ -8,12 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
-from nodegraph.draw.depths import depths_of
-from nodegraph.draw.lanes import lanes
-from nodegraph.draw.net import Net, Segment
-from nodegraph.draw.order import crossings, ordered
-from nodegraph.draw.place import spread
-from nodegraph.draw.text import clean, rows, shortened, width
+from nodegraph.draw.arrange import crossings, ordered, spread
+from nodegraph.draw.layers import Net, Segment, depths_of, lanes
+from nodegraph.draw.shape import clean, rows, shortened, width
 
 
 def test_a_box_stands_below_all_that_feeds_it() -> None:

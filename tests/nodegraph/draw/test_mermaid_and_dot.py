@@ -4,7 +4,7 @@ import json
 import re
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
-from nodegraph.draw.text import clean
+from nodegraph.draw.shape import clean
 
 HOSTILE = 'x"]\n click "javascript:alert(1)" <b>&#34; `a` \\" \\N --> y;'
 PORT = (Socket("out", "Table"),)

@@ -19,9 +19,9 @@ import numpy as np
 from nodegraph import Across, node
 from nodegraph.execute import Event, HowToRun, Run, execute, open_store
 from nodegraph.graph import Choices, build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 
 KILLS = 50
 GRAPH = """

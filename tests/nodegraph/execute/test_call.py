@@ -11,8 +11,8 @@ import pytest
 
 from nodegraph import Refusal, Value, node
 from nodegraph.execute.call import Call, Outcome, perform, warnings_heard, writes_to_what_is_locked
-from nodegraph.node import node_of
-from nodegraph.values import locked
+from nodegraph.node.decorator import node_of
+from nodegraph.node.values import locked
 
 
 class Two(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from nodegraph.execute import Run
-from nodegraph.execute.not_kept import not_kept_lines
+from nodegraph.execute.results import not_kept_lines
 
 TEXT = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}}"
 

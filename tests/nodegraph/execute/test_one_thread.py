@@ -11,11 +11,11 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from nodegraph.execute import HowToRun, execute
-from nodegraph.execute.one_thread import one_thread_each
+from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.graph import build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 
 GRAPH = """
 nodegraph: 1

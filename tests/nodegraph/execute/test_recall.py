@@ -12,8 +12,8 @@ import pytest
 
 from nodegraph import hookimpl, node
 from nodegraph.execute import Event, HowToRun, Run
-from nodegraph.hooks import Storage
-from nodegraph.plugins import Plugin
+from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Store
 
 RunOf = Callable[..., Run]

@@ -10,7 +10,7 @@ import pytest
 
 from nodegraph import NodegraphError, node
 from nodegraph.execute import Event, HowToRun, Run
-from nodegraph.ports import Absent
+from nodegraph.node.ports import Absent
 
 WAYS = [HowToRun("serial"), HowToRun("threads", 1), HowToRun("threads", 3)]
 ISOLATION = """

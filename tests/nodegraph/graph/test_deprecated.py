@@ -10,11 +10,11 @@ import pytest
 
 from nodegraph import Deprecated, Unit, node
 from nodegraph.api import load
-from nodegraph.describe import describe_settings, summary_of
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
-from nodegraph.node import node_of
-from nodegraph.report.notes import step_notes
+from nodegraph.node.decorator import node_of
+from nodegraph.node.description import describe_settings, summary_of
+from nodegraph.report.compose import step_notes
 
 
 @node("fill.old", deprecated="use fill.hold")

@@ -10,7 +10,7 @@ from nodegraph import Across, node
 from nodegraph.errors import Problem
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
-from nodegraph.ports import Port
+from nodegraph.node.ports import Port
 
 Mistakes = Callable[..., list[Problem]]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph.graph import Graph, requires
+from nodegraph.graph import Graph, methods
 
 INSTALLED = {"lips": "1.2.0", "chin": "2.0rc1"}
 TEXT = "nodes: {{a: {{use: read.number}}}}\nrequires: [@@'{0}']"
@@ -21,7 +21,7 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
             raise PackageNotFoundError(name)
         return INSTALLED[name]
 
-    monkeypatch.setattr(requires, "version", version)
+    monkeypatch.setattr(methods, "version", version)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from pydantic import Field
 from nodegraph import InputFile, Unit, node
 from nodegraph.errors import NodegraphError, Problem
 from nodegraph.graph import Choices, Graph, build
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.graphfile import read_graph_text
+from nodegraph.plugin.registry import Registry
 
 Mistakes = Callable[..., list[Problem]]
 

@@ -9,8 +9,8 @@ import pytest
 
 from nodegraph import GraphError, node
 from nodegraph.graph import build
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_file
+from nodegraph.graphfile import read_graph_file
+from nodegraph.plugin.registry import Registry
 
 Told = Callable[..., list[str]]
 

@@ -15,8 +15,8 @@ from nodegraph.draw.from_graph import picture_of
 from nodegraph.errors import GraphError
 from nodegraph.execute import HowToRun, Run
 from nodegraph.graph import Choices, Graph, HandsOn, build
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_file
+from nodegraph.graphfile import read_graph_file
+from nodegraph.plugin.registry import Registry
 
 Files = Callable[..., None]
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.hooks import Rendered
+from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, Study, page
-from nodegraph.report.merged import merged
-from tests.plugins.nodegraph_mocap.shown.browser import BROWSER, Tab, opened
+from nodegraph.report.study import merged
+from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 

@@ -11,13 +11,13 @@ import pytest
 from nodegraph import Files, Rendered, Renderer, node
 from nodegraph.execute import Run, execute
 from nodegraph.graph import build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
+from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
 from nodegraph.report.compose import compose
+from nodegraph.report.files import report_files, summary
 from nodegraph.report.study import StepNote, Study
-from nodegraph.report.write import report_files, summary
-from nodegraph.spec import read_graph_text
 
 COMMAND = "nodegraph run toy.yaml"
 TEXT = """

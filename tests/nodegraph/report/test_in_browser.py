@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from nodegraph.draw import Box, Picture, svg
-from nodegraph.hooks import Rendered
+from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, StepNote, Study, TimingRow, page
 
 BROWSER = next(

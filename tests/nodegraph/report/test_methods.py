@@ -6,10 +6,8 @@ from collections.abc import Callable
 
 from nodegraph import node
 from nodegraph.execute import Run
-from nodegraph.report.compose import compose
-from nodegraph.report.merged import merged
-from nodegraph.report.methods import Methods
-from nodegraph.report.study import WithoutResult
+from nodegraph.report.compose import Methods, compose
+from nodegraph.report.study import WithoutResult, merged
 
 TEXT = """
     inputs: {start: 3}

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import pytest
 
 from nodegraph.draw import Box, Picture, svg
-from nodegraph.hooks import Rendered
+from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import (
     AxisRow,
     Link,

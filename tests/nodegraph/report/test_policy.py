@@ -3,7 +3,7 @@ from __future__ import annotations
 import base64
 import hashlib
 
-from nodegraph.report.policy import policy
+from nodegraph.report.page import policy
 
 
 def digest(script: str) -> str:

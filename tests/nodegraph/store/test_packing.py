@@ -252,7 +252,7 @@ def test_a_class_with_other_fields_by_now_is_not_put_together() -> None:
         "pathlib:Path",
         "nodegraph:nope",
         ":",
-        "nodegraph.values:Value",
+        "nodegraph.node.values:Value",
     ],
 )
 def test_nothing_but_values_is_put_together(name: str) -> None:

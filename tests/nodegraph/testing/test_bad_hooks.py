@@ -8,8 +8,8 @@ import pytest
 
 import nodegraph_mocap
 from nodegraph import hookimpl, node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 

@@ -21,8 +21,8 @@ import nodegraph_mocap
 import nodegraph_score
 import nodegraph_smooth
 from nodegraph import Columns, Refusal, Truth, Unit, hookimpl, node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Figure, Files, Origin, Table, Trajectories
 
@@ -488,7 +488,7 @@ def depends_on_the_order_of_markers() -> tuple[Function, Function]:
     return broken, sound
 
 
-@told("writes files itself", "nodegraph.Files", "filled.csv")
+@told("writes files itself", "nodegraph.node.values.Files", "filled.csv")
 def writes_files() -> tuple[Function, Function]:
     @node("export.broken")
     def broken(recording: Trajectories) -> Trajectories:
@@ -556,7 +556,7 @@ def does_not_mark_what_it_fills() -> tuple[Function, Function]:
     return broken, sound
 
 
-@told("raises IndexError on odd data", "nodegraph.Refusal", "on 'one frame'")
+@told("raises IndexError on odd data", "nodegraph.errors.Refusal", "on 'one frame'")
 def fails_on_one_frame() -> tuple[Function, Function]:
     def second_frame(recording: Trajectories) -> Trajectories:
         recording.positions[1]

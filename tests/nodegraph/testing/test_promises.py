@@ -10,12 +10,13 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from nodegraph import NodegraphError, hookimpl, node, plugins
-from nodegraph.node import node_of
-from nodegraph.plugins import BrokenPlugin, Plugin
-from nodegraph.registry import default_registry
+from nodegraph import NodegraphError, hookimpl, node
+from nodegraph.node.decorator import node_of
+from nodegraph.plugin import loading
+from nodegraph.plugin.loading import BrokenPlugin, Plugin
+from nodegraph.plugin.registry import default_registry
 from nodegraph.testing import promises_of
-from nodegraph.testing.variants import examples, variants
+from nodegraph.testing.specimens import examples, variants
 
 pytest_plugins = ["pytester"]
 NODES = """
@@ -64,7 +65,7 @@ def choices(
 def _installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     module = SimpleNamespace(nodegraph_nodes=hookimpl(lambda: [choices]))
     broken = [BrokenPlugin("torn", "torn: ImportError: no module")]
-    monkeypatch.setattr(plugins, "installed", lambda: ([Plugin("toys", module)], broken))
+    monkeypatch.setattr(loading, "installed", lambda: ([Plugin("toys", module)], broken))
     default_registry.cache_clear()
     yield
     default_registry.cache_clear()

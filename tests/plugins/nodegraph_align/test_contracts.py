@@ -12,8 +12,8 @@ import pytest
 import nodegraph_align
 import nodegraph_mocap
 from nodegraph import node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_align.generalized import generalized
 from nodegraph_align.huber import huber

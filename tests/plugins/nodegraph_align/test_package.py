@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_align import nodegraph_bibtex, nodegraph_nodes
 from nodegraph_mocap import HeadMotion, Trajectories
 

@@ -14,9 +14,9 @@ from nodegraph_align.generalized import generalized
 from nodegraph_align.huber import huber
 from nodegraph_align.procrustes import procrustes
 from nodegraph_align.trimmed import trimmed
+from nodegraph_files.c3d import read_c3d
+from nodegraph_files.model import read_model_npz
 from nodegraph_mocap import HeadMotion, Trajectories
-from nodegraph_mocap.files.c3d import read_c3d
-from nodegraph_mocap.files.model import read_model_npz
 
 Array = NDArray[np.float64]
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"

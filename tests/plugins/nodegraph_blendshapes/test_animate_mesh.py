@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from nodegraph_blendshapes.animate_mesh import mesh
+from nodegraph_files.writers import write_glb
 from nodegraph_mocap import Head, HeadMotion, Weights
 from nodegraph_mocap.specimens import specimens
-from nodegraph_mocap.write_glb import write_glb
 
 HEAD: Head = specimens()[Head]()["complete"]
 WEIGHTS: Weights = specimens()[Weights]()["complete"]

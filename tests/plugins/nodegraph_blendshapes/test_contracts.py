@@ -11,8 +11,8 @@ import pytest
 import nodegraph_blendshapes
 import nodegraph_mocap
 from nodegraph import node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_blendshapes.animate_mesh import mesh
 from nodegraph_blendshapes.built import Built

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from nodegraph import Refusal
 from nodegraph_blendshapes.from_pca import from_pca
 from nodegraph_blendshapes.pose import pose
-from nodegraph_mocap import BlendshapeModel, Trajectories, Weights, read_c3d
+from nodegraph_files import read_c3d
+from nodegraph_mocap import BlendshapeModel, Trajectories, Weights
 from nodegraph_mocap.promises import TURN
 from nodegraph_mocap.specimens import recordings
 

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import nodegraph as ng
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_blendshapes import nodegraph_nodes
 from nodegraph_blendshapes.from_head import from_head
 from nodegraph_blendshapes.pose import pose
-from nodegraph_mocap import Animation, Head, Trajectories, Weights, head_bytes
+from nodegraph_files import head_bytes
+from nodegraph_mocap import Animation, Head, Trajectories, Weights
 from nodegraph_mocap.specimens import heads, weights
 
 GRAPH = """\

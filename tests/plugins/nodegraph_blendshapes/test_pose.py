@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodegraph_blendshapes.pose import pose
-from nodegraph_mocap import BlendshapeModel, MarkerSet, Weights, read_live_link, read_model_npz
+from nodegraph_files import read_live_link, read_model_npz
+from nodegraph_mocap import BlendshapeModel, MarkerSet, Weights
 from nodegraph_mocap.specimens import specimens
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data"

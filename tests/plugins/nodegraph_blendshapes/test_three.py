@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 from nodegraph_blendshapes.animate_mesh import mesh
 from nodegraph_blendshapes.from_head import from_head
 from nodegraph_blendshapes.pose import pose
+from nodegraph_files.writers import write_glb
 from nodegraph_mocap import Animation, Head, HeadMotion, Trajectories, Weights
-from nodegraph_mocap.write_glb import write_glb
 from nodegraph_synthesize.face import synthesize_face
 
 Array = NDArray[Any]

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from nodegraph import Across
-from nodegraph_compare.better import better_end, sign_of
+from nodegraph_compare.question import better_end, sign_of
 
 
 def declared(*ends: Any) -> Across[pd.DataFrame]:

@@ -12,9 +12,9 @@ import pytest
 import nodegraph_despike
 import nodegraph_mocap
 from nodegraph import node
-from nodegraph.node import node_of
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.node.decorator import node_of
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
 

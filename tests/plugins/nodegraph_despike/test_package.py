@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_despike import nodegraph_bibtex, nodegraph_nodes
 
 

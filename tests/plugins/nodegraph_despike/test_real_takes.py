@@ -14,8 +14,8 @@ from nodegraph_despike.hampel import hampel
 from nodegraph_despike.impulse import impulse
 from nodegraph_despike.median import median
 from nodegraph_despike.wavelet import wavelet
+from nodegraph_files.c3d import read_c3d
 from nodegraph_mocap import Origin, Trajectories
-from nodegraph_mocap.files.c3d import read_c3d
 from nodegraph_synthesize.impulses import add
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"

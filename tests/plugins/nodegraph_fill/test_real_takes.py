@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nodegraph_files.c3d import read_c3d
 from nodegraph_fill.guenter import guenter
 from nodegraph_fill.muscle import muscle
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.files.c3d import read_c3d
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "animface"
 EXPECTED = {

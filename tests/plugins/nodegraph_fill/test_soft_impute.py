@@ -11,11 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from nodegraph_files.c3d import read_c3d
 from nodegraph_fill.linear import linear
 from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.files.c3d import read_c3d
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "animface"
 Positions = NDArray[np.float64]

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 import nodegraph_gaps
 import nodegraph_mocap
 from nodegraph import Truth, node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Mask, Origin, Trajectories
 

@@ -14,8 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from nodegraph_files import read_c3d
 from nodegraph_gaps.cut import cut
-from nodegraph_mocap import Trajectories, read_c3d
+from nodegraph_mocap import Trajectories
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 PATTERNS = ["random", "contiguous", "region", "end"]

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 import nodegraph_gaps
 import nodegraph_mocap
-from nodegraph.node import node_of
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.node.decorator import node_of
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_gaps.cut import cut
 from nodegraph_gaps.real_pattern import read_pattern

@@ -15,7 +15,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from nodegraph_mocap import MarkerSet, Trajectories, read_c3d, read_marker_set
+from nodegraph_files import read_c3d, read_marker_set
+from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from nodegraph import Refusal
+from nodegraph_files import marker_set_text, sample_folder
+from nodegraph_files.recording import read_recording
 from nodegraph_markers.infer import infer
-from nodegraph_mocap import MarkerSet, Trajectories, marker_set_text, sample_folder
-from nodegraph_mocap.read_recording import read_recording
+from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_synthesize.face import SyntheticFace
 
 Face = Callable[..., SyntheticFace]

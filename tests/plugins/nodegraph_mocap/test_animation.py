@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nodegraph.registry import default_registry
+from nodegraph.plugin.registry import default_registry
 from nodegraph.store import Packer
 from nodegraph.testing import same
 from nodegraph_mocap import Animation, Head, HeadMotion, Weights

@@ -2,22 +2,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import nodegraph_files
 import nodegraph_mocap
-from nodegraph_mocap import sample_folder
+from nodegraph_files import sample_folder
 
 ROOT = Path(__file__).parents[3]
 
 
 def test_the_nodes_are_named() -> None:
-    from nodegraph.node import node_of
+    from nodegraph.node.decorator import node_of
 
-    described = [node_of(one) for one in nodegraph_mocap.nodegraph_nodes()]
+    described = [node_of(one) for one in nodegraph_files.nodegraph_nodes()]
     assert "read.recording" in {one.name for one in described if one}
     assert None not in described
 
 
 def test_samples_are_a_place() -> None:
-    assert nodegraph_mocap.nodegraph_places()["sample"]("face") == sample_folder("face")
+    assert nodegraph_files.nodegraph_places()["sample"]("face") == sample_folder("face")
 
 
 def test_the_shipped_graphs_are_found() -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from nodegraph import Contract, Unit, hookimpl, node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories, promises
 from nodegraph_mocap.specimens import specimens

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.collections import LineCollection, PathCollection
 
 from nodegraph import Across
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_plot.faces import faces
 from nodegraph_plot.view import frontal

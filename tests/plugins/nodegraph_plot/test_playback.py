@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nodegraph import Absent, Across, Refusal
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Animation, Trajectories
 from nodegraph_mocap.specimens import animations, recordings
 from nodegraph_plot import playback_limits

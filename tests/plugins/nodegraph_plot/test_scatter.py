@@ -10,8 +10,8 @@ from pandas import DataFrame
 
 from nodegraph import Across
 from nodegraph_mocap import Table
-from nodegraph_mocap.shown.renderers import saved
 from nodegraph_plot.scatter import scatter
+from nodegraph_tables.renderers import saved
 
 
 def scores(**columns: Any) -> Across[Table]:

@@ -13,9 +13,9 @@ from matplotlib.collections import LineCollection
 import nodegraph_mocap
 import nodegraph_plot
 from nodegraph import Across
-from nodegraph.node import node_of
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.node.decorator import node_of
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 from nodegraph_plot.shapes import shapes

@@ -10,9 +10,9 @@ from matplotlib.colors import to_hex
 
 from nodegraph import Absent, Across
 from nodegraph_mocap import Origin, Trajectories
-from nodegraph_mocap.shown.renderers import saved
-from nodegraph_mocap.style import looks
 from nodegraph_plot.trajectories import trajectories
+from nodegraph_tables.renderers import saved
+from nodegraph_tables.style import looks
 from tests.plugins.nodegraph_plot import made_face
 
 COLUMN = made_face.GAP_MARKER

@@ -60,7 +60,7 @@ def test_a_turned_head_is_seen_from_its_own_front(degrees: float) -> None:
 @pytest.mark.skipif(not DATA.exists(), reason="shared recordings are not here")
 @pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks", "facecap/take001"])
 def test_real_faces_are_upright_without_a_marker_set(name: str) -> None:
-    from nodegraph_mocap.files.c3d import read_c3d
+    from nodegraph_files.c3d import read_c3d
 
     recording = read_c3d(DATA / f"{name}.c3d")
     for rotation in (np.eye(3), Z_UP, Z_UP_FACING_X, Y_UP_FACING_X):

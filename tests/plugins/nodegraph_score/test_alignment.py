@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 import nodegraph_mocap
 import nodegraph_score
 from nodegraph import Absent, Across, Refusal
-from nodegraph.node import node_of
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.node.decorator import node_of
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import HeadMotion, Trajectories
 from nodegraph_score.alignment import COLUMNS, alignment

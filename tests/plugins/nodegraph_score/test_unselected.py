@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nodegraph import get_node
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Selection, Table, Trajectories
 from nodegraph_score.unselected import UNITS, unselected
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_score.weights_mse import UNITS, weights_mse
 

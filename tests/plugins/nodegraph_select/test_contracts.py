@@ -11,8 +11,8 @@ import pytest
 import nodegraph_mocap
 import nodegraph_select
 from nodegraph import node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.variance import variance

@@ -12,14 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph_mocap import (
-    Selection,
-    Trajectories,
-    read_c3d,
-    read_live_link,
-    read_marker_set,
-    read_model_npz,
-)
+from nodegraph_files import read_c3d, read_live_link, read_marker_set, read_model_npz
+from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.greedy import greedy
 from nodegraph_select.pfa import pfa
 from nodegraph_select.qr import qr

@@ -12,8 +12,8 @@ import pytest
 import nodegraph_mocap
 import nodegraph_smooth
 from nodegraph import Unit, node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_smooth.bspline import bspline

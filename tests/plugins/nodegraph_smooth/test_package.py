@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from nodegraph import Refusal
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth import nodegraph_bibtex, nodegraph_nodes
 

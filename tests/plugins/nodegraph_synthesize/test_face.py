@@ -9,8 +9,8 @@ import pydantic
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nodegraph.node import Node, node_of
-from nodegraph.values import Value
+from nodegraph.node.decorator import Node, node_of
+from nodegraph.node.values import Value
 from nodegraph_mocap import Origin
 from nodegraph_synthesize import nodegraph_bibtex, nodegraph_nodes
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_synthesize.impulses import add

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nodegraph_mocap import sample_folder
-from nodegraph_mocap.files.c3d import read_c3d
-from nodegraph_mocap.files.marker_set_yaml import read_marker_set
+from nodegraph_files import sample_folder
+from nodegraph_files.c3d import read_c3d
+from nodegraph_files.marker_set import read_marker_set
 from nodegraph_synthesize.face import SyntheticFace
 from nodegraph_synthesize.make_samples import made_samples, write_sample
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodegraph.node import node_of
+from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_synthesize.noise import add

@@ -11,8 +11,8 @@ import pytest
 import nodegraph_mocap
 import nodegraph_track
 from nodegraph import node
-from nodegraph.plugins import Plugin
-from nodegraph.registry import Registry
+from nodegraph.plugin.loading import Plugin
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.assignment import assignment

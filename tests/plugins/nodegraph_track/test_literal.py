@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from nodegraph import GraphError
 from nodegraph.execute import HowToRun, execute
 from nodegraph.graph import Graph, build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin
 from nodegraph_track.literal import literal

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nodegraph_mocap import Table, Trajectories, read_c3d
+from nodegraph_files import read_c3d
+from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.tracking import tracking
 from nodegraph_track.assignment import assignment
 from nodegraph_track.nearest import nearest

@@ -19,9 +19,9 @@ from nodegraph.execute import HowToRun, Run, execute
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.execute.schedule import Schedule
 from nodegraph.graph import Choices, build
+from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
-from nodegraph.registry import Registry
-from nodegraph.spec import read_graph_text
+from nodegraph.plugin.registry import Registry
 
 AWAY = Path(__file__).parent / "away.py"
 SAME = """
@@ -42,8 +42,8 @@ SCRIPT = """
     from nodegraph.execute import HowToRun, execute
     from nodegraph.graph import Choices, build
     from nodegraph.plan import plan
-    from nodegraph.registry import Registry
-    from nodegraph.spec import read_graph_text
+    from nodegraph.plugin.registry import Registry
+    from nodegraph.graphfile import read_graph_text
 
     @node("script.own")
     def own(x: int) -> int:

@@ -1,0 +1,223 @@
+"""The files that a run read: which they are, where they lie, and where an archive has them."""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from nodegraph.archive.relocate import options_of
+from nodegraph.fingerprint.keys import Files
+
+FOLDER = "inputs"
+
+
+@dataclass(frozen=True)
+class ReadFile:
+    """A file, or a folder of files, that a run read.
+
+    Attributes
+    ----------
+    written : str
+        As the settings of the run have it.
+    digest : str
+        Of its content then: SHA-256 of a file with its suffix after it; of a folder, over those
+        of all files in it.
+    name : str
+        In the archive; as it is written for what plugins ship.
+    path : Path or None
+        Where it lies, if it does so with the same content.
+    is_shipped : bool
+        Whether a plugin brings it.
+    """
+
+    written: str
+    digest: str
+    name: str
+    path: Path | None = None
+    is_shipped: bool = False
+
+    def contents(self) -> Iterator[tuple[str, Path]]:
+        """Yield name in the archive and path of each file."""
+        if self.path is None or self.is_shipped:
+            return
+        if not self.path.is_dir():
+            yield self.name, self.path
+            return
+        for one in sorted(self.path.rglob("*")):
+            if one.is_file():
+                yield f"{self.name}/{one.relative_to(self.path).as_posix()}", one
+
+    @property
+    def size(self) -> int:
+        """Bytes of all of it."""
+        return sum(path.stat().st_size for _, path in self.contents())
+
+
+def files_read(
+    record: Mapping[str, Any],
+    folders: Sequence[Path],
+    taken: Collection[str],
+    is_shipped: Callable[[str], bool],
+) -> tuple[ReadFile, ...]:
+    """Return the files that a run read.
+
+    Parameters
+    ----------
+    record
+        As ``run.json`` holds it.
+    folders
+        From which relative paths may be meant, that of the graph first.
+    taken
+        First parts of names that files cannot have in the archive.
+    is_shipped
+        Whether a path names what a plugin brings.
+    """
+    named = dict.fromkeys(
+        (str(step["settings"].get(setting)), str(digest))
+        for step in record["steps"]
+        for setting, digest in step.get("files", {}).items()
+    )
+    digests = Files()
+    found: list[ReadFile] = []
+    used = {FOLDER}
+    # those that keep their names come first, so that the others give way
+    for written, digest in sorted(named, key=lambda one: not _stays(one[0], taken)):
+        if is_shipped(written):
+            found.append(ReadFile(written, digest, written, is_shipped=True))
+            continue
+        path = _located(written, digest, folders, digests)
+        stays = _stays(written, taken) and (path is None or path == folders[0] / written)
+        same = next((one for one in found if path is not None and _same(one.path, path)), None)
+        name = same.name if same else _free(written, used, stays=stays)
+        used.add(name)
+        found.append(ReadFile(written, digest, name, path))
+    return tuple(found)
+
+
+def _stays(written: str, taken: Collection[str]) -> bool:
+    """Return whether a file can lie in the archive as it does beside the graph."""
+    path = PurePosixPath(written)
+    return (
+        not path.is_absolute()
+        and ".." not in path.parts
+        and ":" not in written
+        and "\\" not in written
+        and bool(path.parts)
+        and path.parts[0] not in {*taken, FOLDER}
+    )
+
+
+def _located(written: str, digest: str, folders: Sequence[Path], digests: Files) -> Path | None:
+    for folder in folders:
+        path = folder / written
+        try:
+            if digests.digest(path) == digest:
+                return path
+        except (OSError, ValueError):  # a record may say what is no path at all
+            continue
+    return None
+
+
+def _same(one: Path | None, other: Path) -> bool:
+    return one is not None and one.resolve() == other.resolve()
+
+
+def _free(written: str, used: Collection[str], *, stays: bool) -> str:
+    path = PurePosixPath(written.replace("\\", "/"))
+    first = path if stays else PurePosixPath(FOLDER) / (path.name or "file")
+    numbered = (
+        first.with_name(f"{first.stem}-{number}{first.suffix}") for number in range(2, 9999)
+    )
+    return next(str(one) for one in (first, *numbered) if str(one) not in used)
+
+
+PLUGINS = "plugins"
+
+
+@dataclass(frozen=True)
+class PluginFile:
+    """A plugin file that the command of a run named.
+
+    Attributes
+    ----------
+    written : str
+        As the command has it.
+    name : str
+        In the archive.
+    path : Path
+        Where it lay.
+    content : bytes or None
+        What the run imported, if it is still found.
+    """
+
+    written: str
+    name: str
+    path: Path
+    content: bytes | None
+
+
+class Origin:
+    """Where a run was made.
+
+    Parameters
+    ----------
+    record
+        As ``run.json`` holds it.
+
+    Attributes
+    ----------
+    folder : Path
+        From which the command was given.
+    graph : Path
+        As the command names it.
+    home : Path
+        The folder of the graph file.
+    """
+
+    def __init__(self, record: Mapping[str, Any]) -> None:
+        self._record = record
+        self.folder = Path(record["folder"])
+        self.graph = Path(shlex.split(record["command"])[2])
+        self._starts = list(dict.fromkeys((self.folder, Path.cwd())))
+        with_graph = (one for one in self._starts if (one / self.graph).is_file())
+        self.home = (next(with_graph, self.folder) / self.graph).parent
+
+    def folders(self) -> list[Path]:
+        """Return from where relative paths may be meant, the folder of the graph first."""
+        homes = [self.home, *((one / self.graph).parent for one in self._starts)]
+        used = [home / Path(name).parent for home in homes for name in self._record["included"]]
+        return list(dict.fromkeys([*homes, *used, *self._starts]))
+
+    def plugins(self) -> Iterator[PluginFile]:
+        """Yield each plugin file that the command named."""
+        imported = {Path(one["path"]).name: one for one in self._record["plugins"]}
+        for option, written in options_of(self._record["command"]):
+            if option == "--plugin":
+                name = Path(written).name
+                one = imported.get(name, {"path": written, "sha256": ""})
+                paths = [Path(one["path"]), *(start / written for start in self._starts)]
+                content = self._found(paths, one["sha256"])
+                yield PluginFile(written, f"{PLUGINS}/{name}", paths[0], content)
+
+    def lacks(self, path: str) -> str:
+        """Return that a file is not found as it was, and where it would be."""
+        if Path(path).is_absolute():
+            return f"{path} is gone, or is no longer as the run used it"
+        if self.folder.is_dir():
+            return f"it is gone from {self.folder}, or is no longer as the run used it"
+        return f"it is not here; archive the run where it was made, in {self.folder}"
+
+    @staticmethod
+    def _found(paths: list[Path], digest: str) -> bytes | None:
+        for path in paths:
+            try:
+                content = path.read_bytes()
+            except (OSError, ValueError):  # a record may say what is no path at all
+                continue
+            if hashlib.sha256(content).hexdigest() == digest:
+                return content
+        return None

@@ -1,0 +1,91 @@
+"""A picture as DOT, for those who have Graphviz."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from nodegraph.draw.layout import called, frames_of, last_part, outline
+from nodegraph.draw.picture import Arrow, Box, Picture, Socket
+from nodegraph.draw.shape import clean, escaped
+
+
+def dot(picture: Picture) -> str:
+    """Return the picture in the DOT language.
+
+    Boxes whose dotted names begin alike stand in a cluster. Every name is written as a quoted
+    string or as escaped markup; identifiers are numbered.
+    """
+    numbers = {box.name: index for index, box in enumerate(picture.boxes)}
+    boxes = {box.name: box for box in picture.boxes}
+    lines = [
+        "digraph {",
+        f"  graph [label={_quoted(picture.title)}, labelloc=t, rankdir=TB, fontname=Helvetica];",
+        "  node [shape=plain, fontname=Helvetica, fontsize=11];",
+        "  edge [fontname=Helvetica, fontsize=9];",
+    ]
+    lines += _nested(boxes, numbers)
+    lines += [_edge(arrow, numbers, boxes) for arrow in picture.arrows]
+    return "\n".join([*lines, "}\n"])
+
+
+def _nested(boxes: Mapping[str, Box], numbers: Mapping[str, int]) -> Iterator[str]:
+    paths = frames_of(boxes)
+    opened = 0
+    for kind, name, depth in outline(paths):
+        indent = "  " * (depth + 1)
+        if kind == "open":
+            label = f"label={_quoted(last_part(name))}, labelloc=t, labeljust=l"
+            yield f"{indent}subgraph cluster_{opened} {{"
+            yield f"{indent}  graph [{label}, style=rounded, color=gray60];"
+            opened += 1
+        elif kind == "close":
+            yield f"{indent}}}"
+        else:
+            table = _table(boxes[name], called(name, paths[name]))
+            yield f"{indent}n{numbers[name]} [label=<{table}>];"
+
+
+def _quoted(text: str) -> str:
+    """Return a quoted string that shows the text as it is: Graphviz reads entities in it too."""
+    plain = clean(text).replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{plain}"'
+
+
+def _markup(text: str) -> str:
+    """Return text for a label of markup, where a backslash would begin an escape as well."""
+    return escaped(text.replace("\\", "\\\\"))
+
+
+def _table(box: Box, called: str) -> str:
+    span = max(1, len(box.inputs)) * max(1, len(box.outputs))
+    cell = f'<TR><TD COLSPAN="{span}">'
+    rows = [f"{cell}<B>{_markup(called)}</B></TD></TR>"]
+    lines = [*box.lines, " | ".join(box.alternatives), ", ".join(box.axes)]
+    rows += [f"{cell}{_markup(line)}</TD></TR>" for line in lines if clean(line)]
+    inputs, outputs = _ports(box.inputs, "i", span), _ports(box.outputs, "o", span)
+    border = 2 if box.kind == "report" else 1
+    style = ' STYLE="ROUNDED"' if box.kind == "input" else ""
+    attributes = f'BORDER="{border}" CELLBORDER="0" CELLSPACING="0" CELLPADDING="3"{style}'
+    return f"<TABLE {attributes}>{inputs}{''.join(rows)}{outputs}</TABLE>"
+
+
+def _ports(sockets: Sequence[Socket], side: str, span: int) -> str:
+    cells = [
+        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{_markup(_socket(one))}</TD>'
+        for index, one in enumerate(sockets)
+    ]
+    return f"<TR>{''.join(cells)}</TR>" if cells else ""
+
+
+def _socket(socket: Socket) -> str:
+    return f"{socket.name}: {socket.type}" if socket.type else socket.name
+
+
+def _edge(arrow: Arrow, numbers: Mapping[str, int], boxes: Mapping[str, Box]) -> str:
+    outputs = [socket.name for socket in boxes[arrow.source].outputs]
+    inputs = [socket.name for socket in boxes[arrow.target].inputs]
+    begin = f"n{numbers[arrow.source]}:o{outputs.index(arrow.source_port)}:s"
+    end = f"n{numbers[arrow.target]}:i{inputs.index(arrow.target_port)}:n"
+    styles = ["style=dashed"] * arrow.truth + ["penwidth=3"] * arrow.gathers
+    styles += [f"label={_quoted(f'at {arrow.fixed}')}"] if arrow.fixed else []
+    return f"  {begin} -> {end}" + (f" [{', '.join(styles)}]" if styles else "") + ";"

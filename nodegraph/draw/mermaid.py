@@ -1,0 +1,74 @@
+"""A picture as Mermaid, which many pages and editors draw themselves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+
+from nodegraph.draw.layout import called, frames_of, last_part, outline
+from nodegraph.draw.picture import Arrow, Box, Picture
+from nodegraph.draw.shape import clean
+
+_PLAIN = frozenset(" _.,:-=")
+_SHAPES = {"node": ('["', '"]'), "input": ('(["', '"])'), "report": ('[["', '"]]')}
+
+
+def mermaid(picture: Picture) -> str:
+    """Return the picture as a Mermaid flowchart.
+
+    Truth is dotted, gathering arrows are thick; boxes whose dotted names begin alike stand in a
+    subgraph. Whatever is not a letter, a digit or harmless
+    in a label is written as a Mermaid entity, so that no name can end its label.
+    """
+    ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
+    title = clean(picture.title).replace("<", "&lt;").replace(">", "&gt;")
+    lines = ["---", f"title: {json.dumps(title, ensure_ascii=False)}", "---", "flowchart TD"]
+    lines += _nested(picture, ids)
+    lines += [
+        f'  {ids[arrow.source]} {_line(arrow)}|"{_label(arrow)}"| {ids[arrow.target]}'
+        for arrow in picture.arrows
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _nested(picture: Picture, ids: Mapping[str, str]) -> Iterator[str]:
+    boxes = {box.name: box for box in picture.boxes}
+    paths = frames_of(boxes)
+    opened = 0
+    for kind, name, depth in outline(paths):
+        indent = "  " * (depth + 1)
+        if kind == "open":
+            yield f'{indent}subgraph frame{opened}["{_text(last_part(name))}"]'
+            opened += 1
+        elif kind == "close":
+            yield f"{indent}end"
+        else:
+            yield f"{indent}{ids[name]}{_box(boxes[name], called(name, paths[name]))}"
+
+
+def _text(text: str) -> str:
+    return "".join(
+        one if one.isalnum() or one in _PLAIN else f"#{ord(one)};" for one in clean(text)
+    )
+
+
+def _box(box: Box, called: str) -> str:
+    begin, end = _SHAPES[box.kind]
+    lines = [called, *box.lines]
+    lines += [" | ".join(box.alternatives)] if box.alternatives else []
+    lines += [", ".join(box.axes)] if box.axes else []
+    return begin + "<br/>".join(_text(line) for line in lines) + end
+
+
+def _line(arrow: Arrow) -> str:
+    if arrow.gathers:
+        return "==>"
+    return "-.->" if arrow.truth else "-->"
+
+
+def _label(arrow: Arrow) -> str:
+    ends = [arrow.source_port, arrow.target_port]
+    label = _text(" to ".join(dict.fromkeys(ends)))
+    notes = ["truth"] * (arrow.truth and arrow.gathers)
+    notes += [f"at {arrow.fixed}"] if arrow.fixed else []
+    return "<br/>".join([label, *map(_text, notes)])

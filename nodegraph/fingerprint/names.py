@@ -1,0 +1,311 @@
+"""What each name of a module leads to; what was followed once is kept."""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from nodegraph.fingerprint.modules import Places
+from nodegraph.fingerprint.source import (
+    WHOLE_MODULE,
+    Part,
+    Sources,
+    Summary,
+    is_source,
+    short_digest,
+)
+
+STATEMENTS = "<statements>"
+NOT_FOLLOWED = {("nodegraph.node.decorator", "node"), ("nodegraph.plugin.hooks", "hookimpl")}
+"""Decorators that leave a function as it is; all of the machine hangs on them."""
+
+
+class Module:
+    """A module whose code counts."""
+
+    __slots__ = ("file", "name", "package", "summary")
+
+    def __init__(self, name: str, file: str, summary: Summary, *, package: bool) -> None:
+        self.name = name
+        self.file = file
+        self.summary = summary
+        self.package = package
+
+
+Step = tuple[Module | str, str]
+"""A name with attributes, to be looked up in a module; an empty name stands for all of them."""
+
+
+class Spot(NamedTuple):
+    """A name of a module, or one of several statements that bind it."""
+
+    module: Module
+    name: str
+    part: int = -1
+
+
+class Reach(NamedTuple):
+    """What a piece of code leads to: names of modules, and modules whose version counts."""
+
+    spots: frozenset[Spot]
+    versioned: frozenset[str]
+
+
+class Unit(NamedTuple):
+    """What a spot is made of, and what it leads to."""
+
+    label: str
+    digest: str
+    reach: Reach
+    trouble: str = ""
+
+
+class Meaning(NamedTuple):
+    """What a name of a module stands for: its own, what it imports, modules with a version."""
+
+    own: frozenset[Spot]
+    imported: tuple[tuple[str, str], ...]
+    versioned: frozenset[str]
+
+
+def parts_of(spot: Spot) -> list[Part]:
+    """Return the statements that a spot is made of."""
+    summary = spot.module.summary
+    if spot.part >= 0:
+        return [summary.parts[spot.part]]
+    numbers = summary.statements if spot.name == STATEMENTS else summary.names.get(spot.name, ())
+    return [summary.parts[number] for number in numbers]
+
+
+def label_of(spot: Spot) -> str:
+    """Return ``module:name``, in which there is no path."""
+    compiled = spot.name == STATEMENTS and not is_source(spot.module.file)
+    return f"{spot.module.name}:{'<compiled>' if compiled else spot.name}"
+
+
+def runs(summary: Summary) -> bool:
+    """Whether importing a module does more than to bind names, or cannot be told."""
+    return bool(summary.statements or summary.effects or summary.trouble)
+
+
+def absolute(here: Module | None, target: str) -> str:
+    """Return a module's full name; empty for a relative one outside of any package."""
+    name = target.lstrip(".")
+    dots = len(target) - len(name)
+    if not dots:
+        return name
+    if here is None:
+        return ""
+    above = here.name.split(".")
+    kept = len(above) - dots + here.package
+    return ".".join([*above[:kept], *([name] if name else [])]) if kept > 0 else ""
+
+
+_LATE = "__getattr__"
+
+
+class Search:
+    """One search, without recursion: modules may refer to each other."""
+
+    def __init__(self, links: Links, places: Places, here: Module | None) -> None:
+        self._links = links
+        self._places = places
+        self._here = here
+        self._spots: set[Spot] = set()
+        self._versioned: set[str] = set()
+        self._seen: set[Step] = set()
+        self._stack: list[Step] = []
+
+    def run(self, references: Iterable[str]) -> Reach:
+        """Return what references lead to."""
+        if self._here is not None:
+            self._spots |= self._links.entered(self._here)
+        for reference in references:
+            module, colon, name = reference.partition(":")
+            if colon:
+                self._import(self._here, module, name)
+            elif self._here is not None:
+                self._look_up(self._here, *_split(reference))
+        for step in set(self._stack):
+            reach = self._links.step(step)
+            self._spots |= reach.spots
+            self._versioned |= reach.versioned
+        return Reach(frozenset(self._spots), frozenset(self._versioned))
+
+    def run_on(self, step: Step) -> Reach:
+        """Return what a name of a module leads to."""
+        self._stack.append(step)
+        while self._stack:
+            step = self._stack.pop()
+            if step not in self._seen:
+                self._seen.add(step)
+                self._follow(*step)
+        return Reach(frozenset(self._spots), frozenset(self._versioned))
+
+    def _follow(self, where: Module | str, name: str) -> None:
+        if isinstance(where, Module):
+            self._look_up(where, *_split(name))
+            return
+        module = self._links.module(where)
+        if module is None:
+            self._versioned |= self._links.versioned([where])
+            return
+        self._spots |= self._links.entered(module)
+        self._stack.extend((module, one) for one in ([name] if name else _all_names(module)))
+        if not name:
+            for star in module.summary.stars:
+                self._import(module, star, "")
+
+    def _look_up(self, module: Module, name: str, attributes: str) -> None:
+        meaning = self._links.meaning(module, name)
+        if meaning is None:
+            self._look_further(module, name, attributes)
+            return
+        self._spots |= meaning.own
+        self._versioned |= meaning.versioned
+        self._stack += [(one, _joined(taken, attributes)) for one, taken in meaning.imported]
+
+    def _look_further(self, module: Module, name: str, attributes: str) -> None:
+        full = _joined(name, attributes)
+        for star in module.summary.stars:
+            self._import(module, star, full)
+        if name in WHOLE_MODULE:
+            self._stack.extend((module, one) for one in _all_names(module))
+        elif not hasattr(builtins, name):
+            if module.package and self._places.place(f"{module.name}.{name}"):
+                self._stack.append((f"{module.name}.{name}", attributes))
+            elif _LATE in module.summary.names:
+                self._spots.add(Spot(module, _LATE))
+
+    def _import(self, here: Module | None, target: str, name: str) -> None:
+        full = absolute(here, target)
+        if full:
+            self._stack.append((full, name))
+
+
+def _all_names(module: Module) -> Iterator[str]:
+    yield from module.summary.names
+    yield from module.summary.imports
+
+
+def _joined(name: str, attributes: str) -> str:
+    return f"{name}.{attributes}" if name and attributes else name or attributes
+
+
+def _split(chain: str) -> tuple[str, str]:
+    name, _, attributes = chain.partition(".")
+    return name, attributes
+
+
+class Links:
+    """Follows names from module to module; what was followed once is kept.
+
+    Parameters
+    ----------
+    places
+        Finds modules.
+    sources
+        Reads them.
+    """
+
+    def __init__(self, places: Places, sources: Sources) -> None:
+        self._places = places
+        self._sources = sources
+        self._by_name: dict[str, Module | None] = {}
+        self._by_file: dict[tuple[str, str], Module] = {}
+        self._entered: dict[Module, frozenset[Spot]] = {}
+        self._units: dict[Spot, Unit] = {}
+        self._steps: dict[Step, Reach] = {}
+        self._meanings: dict[Module, dict[str, Meaning | None]] = {}
+
+    def module(self, name: str) -> Module | None:
+        """Return a module whose code counts, or None where its version does, or there is none."""
+        if name not in self._by_name:
+            self._by_name[name] = self._find(name)
+        return self._by_name[name]
+
+    def module_in(self, file: str, name: str) -> Module:
+        """Return the module that a file is."""
+        at = (file, name)
+        if at not in self._by_file:
+            package = Path(file).stem == "__init__"
+            self._by_file[at] = Module(name, file, self._sources.summary(file), package=package)
+        return self._by_file[at]
+
+    def entered(self, module: Module) -> frozenset[Spot]:
+        """Return what runs when a module is imported: its statements, and its packages'."""
+        if module not in self._entered:
+            above = self.module(module.name.rpartition(".")[0]) if "." in module.name else None
+            own = {Spot(module, STATEMENTS)} if runs(module.summary) else set()
+            self._entered[module] = (self.entered(above) if above else frozenset()) | own
+        return self._entered[module]
+
+    def meaning(self, module: Module, name: str) -> Meaning | None:
+        """Return what a name stands for in a module, or None if the module does not bind it."""
+        known = self._meanings.setdefault(module, {})
+        if name not in known:
+            known[name] = self._meant(module, name)
+        return known[name]
+
+    def versioned(self, names: Iterable[str]) -> frozenset[str]:
+        """Return the top-level modules of those whose version counts."""
+        return frozenset(
+            name.partition(".")[0] for name in names if self._places.origin(name).versions
+        )
+
+    def unit(self, spot: Spot) -> Unit:
+        """Return what a spot is made of, and what it leads to."""
+        if spot not in self._units:
+            self._units[spot] = self._made(spot)
+        return self._units[spot]
+
+    def reach(self, module: Module | None, references: Iterable[str]) -> Reach:
+        """Return what references lead to, those without a module's name as seen in a module."""
+        return Search(self, self._places, module).run(references)
+
+    def step(self, step: Step) -> Reach:
+        """Return what a name leads to that was found in one module and belongs to another."""
+        if step not in self._steps:
+            self._steps[step] = Search(self, self._places, None).run_on(step)
+        return self._steps[step]
+
+    def _meant(self, module: Module, name: str) -> Meaning | None:
+        summary = module.summary
+        if (module.name, name) in NOT_FOLLOWED:
+            return Meaning(frozenset(), (), frozenset())
+        if name not in summary.names and name not in summary.imports:
+            return None
+        targets = [target.partition(":") for target in summary.imports.get(name, ())]
+        full = [(absolute(module, inside), taken) for inside, _, taken in targets]
+        return Meaning(
+            frozenset({Spot(module, name)} if name in summary.names else ()),
+            tuple(one for one in full if one[0] and self._places.origin(one[0]).followed),
+            self.versioned(inside for inside, _ in full if inside),
+        )
+
+    def _find(self, name: str) -> Module | None:
+        if not self._places.origin(name).followed:
+            return None
+        place = self._places.place(name)
+        if place is None:
+            return None
+        return (
+            self.module_in(place.file, name)
+            if place.file
+            else Module(name, "", Summary(), package=True)
+        )
+
+    def _made(self, spot: Spot) -> Unit:
+        module, summary = spot.module, spot.module.summary
+        parts = parts_of(spot)
+        references = [reference for part in parts for reference in part.references]
+        if spot.name == STATEMENTS:
+            references += summary.effects
+        return Unit(
+            label_of(spot),
+            short_digest(*(part.digest for part in parts)),
+            self.reach(module, references),
+            f"{module.name}: {summary.trouble}" if summary.trouble else "",
+        )

@@ -1,0 +1,6 @@
+"""Graph files as written: YAML text -> spec, every part with its place."""
+
+from nodegraph.graphfile.reader import read_graph_file, read_graph_text
+from nodegraph.graphfile.spec import GraphSpec
+
+__all__ = ["GraphSpec", "read_graph_file", "read_graph_text"]

@@ -1,0 +1,223 @@
+"""What a graph file says, each part with its place; nothing is looked up yet."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import Place, Problem
+from nodegraph.node.ports import Label
+
+
+@dataclass(frozen=True)
+class Variable:
+    """``$name`` or ``$name.field``: the value of an input or an axis."""
+
+    name: str
+    field: str
+    place: Place
+
+    def __str__(self) -> str:
+        return f"${self.name}.{self.field}" if self.field else f"${self.name}"
+
+
+@dataclass(frozen=True)
+class Reference:
+    """``node``, ``node.port`` or ``{from: node.port, at: {axis: label}}``; or an input, ``$name``.
+
+    Attributes
+    ----------
+    node : str
+    port : str
+        Empty for the node's only or first output.
+    at : mapping of axis to label
+    place : Place
+    passed : bool
+        Whether it was given to a port of a graph used as a node, and checked there.
+    """
+
+    node: str
+    port: str
+    place: Place
+    at: Mapping[str, Label] = field(default_factory=dict)
+    passed: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.node}.{self.port}" if self.port else self.node
+
+
+@dataclass(frozen=True)
+class Gathering:
+    """``{label: reference, ...}`` for a port that gathers."""
+
+    sources: Mapping[str, Reference]
+    place: Place
+
+
+Wiring = Mapping[str, Reference | Gathering]
+"""Port -> what feeds it; the empty name is the first port."""
+
+
+@dataclass(frozen=True)
+class Written:
+    """A setting as written: plain data in which `Variable` objects may stand.
+
+    Attributes
+    ----------
+    folder : Path or None
+        Where a relative path in it starts; None for the folder of the graph it stands in.
+    """
+
+    value: Any
+    place: Place
+    folder: Path | None = None
+
+    def variables(self) -> Iterator[Variable]:
+        """Yield the inputs and axes that the value names."""
+        if not isinstance(self.value, (Variable, dict, list)):
+            return  # as most values do not
+        pending = [self.value]
+        while pending:
+            one = pending.pop()
+            if isinstance(one, Variable):
+                yield one
+            elif isinstance(one, dict):
+                pending.extend(one.values())
+            elif isinstance(one, list):
+                pending.extend(one)
+
+
+@dataclass(frozen=True)
+class MethodSpec:
+    """One ``use`` with its own wiring and settings.
+
+    Attributes
+    ----------
+    label : str
+        The alternative's label; empty for a node without alternatives, and for a family.
+    use : str
+        A node's name, ``family.*``, ``pass``, or the path of a graph file.
+    """
+
+    label: str
+    use: str
+    place: Place
+    wiring: Wiring = field(default_factory=dict)
+    settings: Mapping[str, Written] = field(default_factory=dict)
+
+    @property
+    def is_graph(self) -> bool:
+        """Whether it uses another graph file."""
+        return is_graph_file(self.use)
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """One entry of ``nodes``.
+
+    Attributes
+    ----------
+    methods : tuple of MethodSpec
+        One, without a label, for a plain ``use``; else the alternatives.
+    has_alternatives : bool
+    over : tuple of (axis, place), or None
+    prefix : str
+        What a graph used as a node has put before the names of its nodes and axes.
+    """
+
+    name: str
+    place: Place
+    methods: tuple[MethodSpec, ...]
+    has_alternatives: bool
+    wiring: Wiring
+    settings: Mapping[str, Written]
+    over: tuple[tuple[str, Place], ...] | None
+    prefix: str = ""
+
+
+@dataclass(frozen=True)
+class AxisSpec:
+    """One axis: its labels in order, and the value behind each.
+
+    Attributes
+    ----------
+    folder : Path or None
+        Where a relative path among the values starts; None for the graph's folder.
+    """
+
+    name: str
+    place: Place
+    labels: tuple[Label, ...]
+    values: tuple[Any, ...]
+    folder: Path | None = None
+
+
+@dataclass(frozen=True)
+class InputSpec:
+    """One input with its default value."""
+
+    name: str
+    place: Place
+    value: Any
+
+
+@dataclass(frozen=True)
+class SkipSpec:
+    """Combinations to leave out: those that match every axis of one item."""
+
+    place: Place
+    labels: Mapping[str, tuple[Label, ...]]
+
+
+@dataclass(frozen=True)
+class GraphSpec:
+    """A whole graph file.
+
+    What could not be read is left out and stands in `problems`: the checks that follow go on
+    with the rest, so that all mistakes are told at once.
+
+    Attributes
+    ----------
+    uses : mapping of text to Path
+        The graph files that its nodes use, as written, and where they lie; those only that could
+        be read.
+    graphs : mapping of Path to GraphSpec
+        All graph files that it uses, and those that they use. Only the outermost spec has them.
+    written : GraphSpec or None
+        For a spec into which the nodes of used graphs have been put, the one that was read.
+    """
+
+    file: str
+    folder: Path
+    text: str
+    title: str
+    notes: str
+    inputs: Mapping[str, InputSpec]
+    axes: Mapping[str, AxisSpec]
+    nodes: Mapping[str, NodeSpec]
+    skip: tuple[SkipSpec, ...]
+    known: tuple[Reference, ...]
+    requires: tuple[tuple[str, Place], ...]
+    outputs: Mapping[str, Reference]
+    report: tuple[Reference, ...]
+    problems: tuple[Problem, ...] = ()
+    uses: Mapping[str, Path] = field(default_factory=dict)
+    graphs: Mapping[Path, GraphSpec] = field(default_factory=dict)
+    written: GraphSpec | None = None
+
+    @property
+    def included(self) -> Mapping[str, str]:
+        """The text of every graph file that it uses, by its path from this one's folder."""
+        folder = self.folder.resolve()
+        return {
+            Path(os.path.relpath(path, folder)).as_posix(): one.text
+            for path, one in self.graphs.items()
+        }
+
+
+def is_graph_file(use: str) -> bool:
+    """Whether a ``use`` names a graph file rather than a node."""
+    return use.endswith((".yaml", ".yml"))

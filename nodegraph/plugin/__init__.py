@@ -1,0 +1,1 @@
+"""Plugins: hook specifications, loading, guards against faulty hooks, and the registry of nodes."""

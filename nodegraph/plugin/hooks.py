@@ -1,0 +1,103 @@
+"""Everything that a plugin can add, on one screen.
+
+A plugin is a module, named in the entry point group ``nodegraph``, that implements any of these
+hooks with `hookimpl`. Each is called once, when the plugin is first needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pluggy
+
+from nodegraph.plugin.hook_types import (
+    Comparison,
+    Conclusion,
+    Contract,
+    Parts,
+    Rendered,
+    Renderer,
+    Storage,
+    Tried,
+)
+
+__all__ = [
+    "GROUP", "Comparison", "Conclusion", "Contract", "Parts", "Rendered", "Renderer", "Storage",
+    "Tried", "hookimpl", "hookspec",
+]  # fmt: skip
+
+GROUP = "nodegraph"
+hookspec = pluggy.HookspecMarker(GROUP)
+hookimpl = pluggy.HookimplMarker(GROUP)
+
+
+@hookspec
+def nodegraph_nodes() -> Iterable[Callable[..., Any]]:  # type: ignore[empty-body]
+    """Return the plugin's nodes: functions decorated with `nodegraph.node.decorator`."""
+
+
+@hookspec
+def nodegraph_bibtex() -> str:  # type: ignore[empty-body]
+    """Return the BibTeX entries that the plugin's nodes cite."""
+
+
+@hookspec
+def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types appear in a report."""
+
+
+@hookspec
+def nodegraph_comparisons() -> Iterable[Comparison]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types are told apart."""
+
+
+@hookspec
+def nodegraph_conclusions() -> Iterable[Conclusion]:  # type: ignore[empty-body]
+    """Return what a study concludes from values of the plugin's types."""
+
+
+@hookspec
+def nodegraph_storages() -> Iterable[Storage]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types are kept."""
+
+
+@hookspec
+def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:  # type: ignore[empty-body]
+    """Return further ways to compute steps, by name: see `nodegraph.execute.Executor`."""
+
+
+@hookspec
+def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:  # type: ignore[empty-body]
+    """Return, for ``scheme`` in a path ``scheme:name``, what finds the file or folder.
+
+    The function raises `nodegraph.errors.NodegraphError` for a name that it does not have.
+    """
+
+
+@hookspec
+def nodegraph_graphs() -> Iterable[Path]:  # type: ignore[empty-body]
+    """Return the example graphs that the plugin ships."""
+
+
+@hookspec
+def nodegraph_templates() -> Mapping[str, Path]:  # type: ignore[empty-body]
+    """Return what ``nodegraph new`` writes, by kind: ``plugin``, ``graph``.
+
+    A folder whose files are written with ``{{name}}`` replaced, in their text and in their paths;
+    ``.template`` at the end of a name is taken off.
+    """
+
+
+@hookspec
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:  # type: ignore[empty-body]
+    """Return what makes small values of the plugin's types, to test nodes on.
+
+    Each has a name; values of several types that have one name belong together.
+    """
+
+
+@hookspec
+def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:  # type: ignore[empty-body]
+    """Return what every node of a family promises, whoever wrote it."""

@@ -1,0 +1,1 @@
+"""Run folders: the record of a run, saved runs, differences between runs, and exports."""

@@ -1,0 +1,1 @@
+"""Find the weights with which a blendshape model explains a recording."""

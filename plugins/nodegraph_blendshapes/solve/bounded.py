@@ -1,0 +1,197 @@
+"""Least squares within bounds, of many targets at once: what to solve by which method.
+
+Where the columns are well apart, block pivoting on normal equations finds the weights. Where they
+are not, or where it does not, an active-set search does; and where several weights are as good, the
+least of them are taken. What either finds is held against the conditions for a least sum of squares
+(Karush, Kuhn & Tucker): weights that do not meet them are not given.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
+
+RANK = 1e-12
+"""A combination of shapes that moves less than this share of what the largest moves is a tie."""
+
+KKT = 1e-12
+"""What the gradient may be that does not push against a bound, as a share of `noise`."""
+
+_PLAIN = 1e-9
+"""As long as no column lies closer to the others (squared sine), normal equations will do."""
+
+_TIE = 5e-14
+"""Up to this share of `noise`, a gradient says nothing about the bound that a weight is at."""
+
+_ROUNDS = 200
+_FREED = 20
+"""How many times each column may be freed."""
+
+
+class Answer(NamedTuple):
+    """Weights of N targets.
+
+    Attributes
+    ----------
+    weights : (N, K) array of float64
+        NaN where unsolved.
+    unshared : (N,) array of bool
+        Targets with several answers of which the least could not be told.
+    unsolved : (N,) array of bool
+        Targets whose answer could not be found.
+    """
+
+    weights: Matrix
+    unshared: Flags
+    unsolved: Flags
+
+
+def least_squares(columns: Matrix, targets: Matrix, low: float, high: float) -> Answer:
+    """Return the weights w of least ``|sum(w[k] columns[k]) - target|^2`` within the bounds.
+
+    Of several, those of the least norm.
+
+    Parameters
+    ----------
+    columns : (K, R) array of float64
+        None of them 0.
+    targets : (N, R) array of float64
+    low, high
+        Both infinite, or `low` finite, and 0 not outside of them.
+    """
+    none = np.zeros(len(targets), dtype=np.bool_)
+    if not len(columns):
+        return Answer(np.zeros((len(targets), 0)), none, none)
+    if np.isinf(low):
+        projector, sizes, coordinates = _told_apart(columns)
+        return Answer((targets @ coordinates.T / sizes) @ projector.T, none, none)
+    if not _is_plain(columns):
+        return _searched(columns, targets, low, high)
+    weights, solved = _by_normal_equations(columns, targets, low, high)
+    if solved.all():
+        return Answer(weights, none, none)
+    left = _searched(columns, targets[~solved], low, high)
+    weights[~solved] = left.weights
+    return Answer(weights, none, unsolved=np.asarray(np.isnan(weights).any(axis=1)))
+
+
+def inwards(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> Matrix:
+    """Return the (N, K) gradient of half the squares, 0 where it pushes a weight at its bound."""
+    gradient = (weights @ columns - targets) @ columns.T
+    out = (weights <= low) & (gradient > 0.0) | (weights >= high) & (gradient < 0.0)
+    return np.where(out, 0.0, gradient)
+
+
+def noise(columns: Matrix, targets: Matrix, weights: Matrix) -> Matrix:
+    """Return what the (N, K) gradients are sums of: ``|column| (|target| + sum(|w| |column|))``."""
+    lengths = np.linalg.norm(columns, axis=1)
+    return np.outer(np.linalg.norm(targets, axis=1) + np.abs(weights) @ lengths, lengths)
+
+
+def are_least(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> Flags:
+    """Return which of (N, K) weights, within the bounds, are those of least squares."""
+    small = np.abs(inwards(columns, targets, weights, low, high)) <= KKT * noise(
+        columns, targets, weights
+    )
+    return np.asarray(small.all(axis=1))
+
+
+def _told_apart(columns: Matrix) -> tuple[Matrix, Matrix, Matrix]:
+    """Return the singular vectors and values of what the columns can tell."""
+    projector, sizes, coordinates = np.linalg.svd(columns, full_matrices=False)
+    rank = int(np.count_nonzero(sizes > RANK * sizes[0]))
+    return np.ascontiguousarray(projector[:, :rank]), sizes[:rank], coordinates[:rank]
+
+
+def _is_plain(columns: Matrix) -> bool:
+    """Return whether each column is well apart from all before it."""
+    unit = columns / np.linalg.norm(columns, axis=1, keepdims=True)
+    try:
+        factor = np.linalg.cholesky(unit @ unit.T)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(np.diag(factor).min() ** 2 > _PLAIN)
+
+
+def _by_normal_equations(
+    columns: Matrix, targets: Matrix, low: float, high: float
+) -> tuple[Matrix, Flags]:
+    """Return weights, and which of them are those of least squares."""
+    from nodegraph_blendshapes.solve import kernel
+
+    if len(targets) > columns.shape[1] > len(columns):
+        # no more coordinates than columns: what is at right angles to them all plays no part
+        directions, triangle = np.linalg.qr(columns.T)
+        columns, targets = triangle.T, targets @ directions
+    columns, targets = np.ascontiguousarray(columns), np.ascontiguousarray(targets)
+    gram, linears = columns @ columns.T, targets @ columns.T
+    lengths = np.linalg.norm(columns, axis=1)
+    squares = kernel.Squares(columns, gram, lengths, low, high)
+    made = np.empty((len(targets), len(columns)))
+    kernel.bounded(squares, targets, linears, _ROUNDS, made)
+    return made, are_least(columns, targets, made, low, high)
+
+
+def _searched(columns: Matrix, targets: Matrix, low: float, high: float) -> Answer:
+    from nodegraph_blendshapes.solve import search_kernel
+
+    projector, sizes, coordinates = _told_apart(columns)
+    given = search_kernel.Given(
+        *(np.ascontiguousarray(one) for one in (columns, targets, coordinates))
+    )
+    columns = np.ascontiguousarray(projector * sizes)
+    targets = np.ascontiguousarray(targets @ coordinates.T)
+    lengths = np.linalg.norm(columns, axis=1)
+    squares = search_kernel.Squares(columns, lengths, low, high)
+    made = np.empty((len(targets), len(columns)))
+    free = np.empty(made.shape, dtype=np.bool_)
+    search_kernel.search(squares, targets, given, _FREED * len(columns), made, free)
+    unsolved = ~are_least(columns, targets, made, low, high)
+    lows, highs = _between(columns, targets, made, low, high)
+    several = np.any((lows < highs) & ~free, axis=1) & ~unsolved
+    least, told = _least(projector, made[several], lows[several], highs[several])
+    told &= are_least(columns, targets[several], least, low, high)
+    made[np.flatnonzero(several)[told]] = least[told]
+    made[unsolved] = np.nan
+    several[np.flatnonzero(several)[told]] = False
+    return Answer(made, unshared=several, unsolved=unsolved)
+
+
+def _between(
+    columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float
+) -> tuple[Matrix, Matrix]:
+    """Return between what each weight lies in every answer: those that are pushed do not move."""
+    gradient = np.abs((weights @ columns - targets) @ columns.T)
+    bound = (weights <= low) | (weights >= high)
+    still = bound & (gradient > _TIE * noise(columns, targets, weights))
+    return np.where(still, weights, low), np.where(still, weights, high)
+
+
+def _least(projector: Matrix, weights: Matrix, lows: Matrix, highs: Matrix) -> tuple[Matrix, Flags]:
+    """Return the weights of least norm of the same ``projector' w``, and which could be told."""
+    made, done = _same(projector, weights @ projector, lows, highs)
+    for frame in np.flatnonzero(~done):
+        # what can move may hardly do what is wanted in some direction: told apart anew it can
+        low, high, moving = lows[frame], highs[frame], lows[frame] < highs[frame]
+        own, *_ = _told_apart(projector[moving])
+        wanted = weights[None, frame, moving] @ own
+        made[frame] = weights[frame]
+        shared, told = _same(own, wanted, low[None, moving], high[None, moving])
+        made[frame, moving], done[frame] = shared[0], told[0]
+    return made, done
+
+
+def _same(projector: Matrix, wanted: Matrix, lows: Matrix, highs: Matrix) -> tuple[Matrix, Flags]:
+    from nodegraph_blendshapes.solve import share_kernel
+
+    made = np.empty_like(lows)
+    done = np.empty(len(lows), dtype=np.bool_)
+    share_kernel.share(projector, wanted, lows, highs, made, done)
+    return made, done

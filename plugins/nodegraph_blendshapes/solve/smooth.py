@@ -1,0 +1,117 @@
+"""Weights of a whole take at once, where a change from frame to frame has a price."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Refusal
+from nodegraph_blendshapes.solve.chain import Chain
+from nodegraph_blendshapes.solve.frames import Solved, patterns
+from nodegraph_blendshapes.solve.interior import interior
+from nodegraph_blendshapes.solve.problem import Problem
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+
+KKT, ROUNDING = 1e-12, 1e-15
+"""A gradient is zero up to these shares of the largest at weights of 0 and of `Chain.noise`."""
+
+ENOUGH = 1e-10
+"""With no larger share left of the largest gradient at weights of 0, the weights are given."""
+
+SHARE = 1e-9
+"""How much the norm counts beside the squares, while the weights of least norm are approached."""
+
+_APPROACHES = 25
+
+
+def solve_take(
+    problem: Problem, low: float, high: float, ridge: float, smoothness: float
+) -> Solved:
+    """Return the weights of least squares within the bounds, with smoothness over time.
+
+    Parameters
+    ----------
+    problem
+    low, high
+        The bounds, infinite where there are none.
+    ridge, smoothness
+        Factors of the squares of the weights and of their differences between frames, mm^2.
+    """
+    solved = Solved.empty(problem)
+    filled = problem.present.any(axis=1)
+    if filled.any() and problem.seen.any():
+        chain = _chain(problem, low, high, ridge, smoothness)
+        for pattern in patterns(problem, 0.0):
+            solved.unseen[np.ix_(pattern.frames, problem.seen)] = True
+            solved.unseen[np.ix_(pattern.frames, pattern.shapes)] = False
+        solved.values[np.ix_(filled, problem.seen)] = least(chain)
+    return solved
+
+
+def _chain(problem: Problem, low: float, high: float, ridge: float, smoothness: float) -> Chain:
+    times = np.flatnonzero(problem.present.any(axis=1))
+    seen = np.flatnonzero(problem.seen)
+    which = np.zeros(len(problem.offsets), dtype=np.intp)
+    linear = np.zeros((len(problem.offsets), len(seen)))
+    grams: list[Matrix] = []
+    for pattern in patterns(problem, 0.0):
+        places = np.searchsorted(seen, pattern.shapes)
+        gram = ridge * np.eye(len(seen))
+        gram[np.ix_(places, places)] += pattern.columns @ pattern.columns.T
+        linear[np.ix_(pattern.frames, places)] = pattern.targets @ pattern.columns.T
+        which[pattern.frames] = len(grams)
+        grams.append(gram)
+    return Chain(
+        grams=np.array(grams),
+        which=which[times],
+        coupled=np.diff(times, prepend=-2) == 1,
+        linear=linear[times],
+        low=low,
+        high=high,
+        smoothness=smoothness,
+    )
+
+
+def least(chain: Chain) -> Matrix:
+    """Return the (T, K) weights of least squares.
+
+    The proximal point method (Rockafellar, 1976): with a small share of the norm, the weights are
+    the only ones; what that has taken from the squares is given back by small steps, each the
+    shortest. Of several weights that are as good these are, but for the share, those of least norm.
+
+    Raises
+    ------
+    Refusal
+        If something is missing still.
+    """
+    share = SHARE * chain.scale
+    strict = replace(chain, grams=chain.grams + share * np.eye(chain.linear.shape[1]))
+    weights, left = np.zeros_like(chain.linear), np.inf
+    for _ in range(_APPROACHES):
+        weights = _nearest(strict, weights)
+        left = float(np.abs(chain.inwards(weights, chain.gradient(weights))).max())
+        if left <= max(KKT * chain.size, ROUNDING * chain.noise(weights)):
+            break
+        strict = replace(strict, linear=chain.linear + share * weights)
+    if left > ENOUGH * chain.size:
+        raise Refusal(
+            "the weights of least squares with smoothness could not be found within rounding: a "
+            f"gradient of {left / chain.size:.1g} of the largest at weights of 0 is left; try a "
+            "larger ridge or less smoothness"
+        )
+    return weights
+
+
+def _nearest(chain: Chain, weights: Matrix) -> Matrix:
+    """Return the weights of the least, from others that may be near it or, failing that, inside."""
+    made = chain.exchanged(weights)
+    if made is None:
+        inside = interior(chain)
+        made = chain.exchanged(inside)
+    return inside if made is None else made

@@ -1,0 +1,87 @@
+"""Bland and Altman's plot: differences of two methods over the means of the two."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from nodegraph_compare.left_out import group_text
+from nodegraph_compare.pictures import without_drawing
+from nodegraph_mocap import figure_text
+from nodegraph_tables.style import BLACK, BLUE, GREY, LIGHT, VERMILLION
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+
+    from nodegraph_compare.agreement.node import Interval, Pair
+    from nodegraph_compare.question import Question
+
+_MOST = 12
+_PER_ROW = 3
+
+
+def draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
+    """Return a panel per pair that shares a block, at most 12 of them.
+
+    Parameters
+    ----------
+    question, found
+        Of the comparison.
+    unit
+        Of the metric.
+    """
+    known = [one for one in found if len(one.limits.difference)]
+    drawn = known[:_MOST]
+    if not drawn:
+        return without_drawing("no two labels share a block")
+    columns = min(len(drawn), _PER_ROW)
+    rows = math.ceil(len(drawn) / columns)
+    size = (max(3.4 * columns, 5.2), 2.9 * rows + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axis in axes[len(drawn) :]:
+        axis.remove()
+    for axis, one in zip(axes, drawn, strict=False):
+        _panel(axis, one)
+        place = group_text(one.group, question)
+        name = f"{figure_text(one.first)} \N{MINUS SIGN} {figure_text(one.second)}"
+        axis.set_title(f"{figure_text(place)}\n{name}" if place else name, fontsize=9)
+    in_unit = f" ({unit})" if unit else ""
+    figure.supxlabel(figure_text(f"mean {question.metric} of the two{in_unit}"), fontsize=10)
+    figure.supylabel(figure_text(f"difference{in_unit}"), fontsize=10)
+    if len(known) > len(drawn):
+        figure.suptitle(f"{len(known) - len(drawn)} more pairs are not drawn", fontsize=8)
+    return figure
+
+
+def _panel(axis: Axes, pair: Pair) -> None:
+    told = pair.limits
+    axis.axhline(0.0, color=LIGHT, linewidth=0.8)
+    axis.scatter(told.middle, told.difference, s=14, color=GREY, linewidths=0, alpha=0.8)
+    _line(axis, told.bias, told.of_bias, BLUE, "-", "bias")
+    _line(axis, told.lower, told.of_lower, VERMILLION, "--", "lower limit")
+    _line(axis, told.upper, told.of_upper, VERMILLION, "--", "upper limit")
+    if told.of_slope[0] > 0.0 or told.of_slope[1] < 0.0:
+        ends = np.array([told.middle.min(), told.middle.max()])
+        axis.plot(
+            ends, told.bias + told.slope * (ends - told.middle.mean()), color=BLACK, linewidth=1
+        )
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+def _line(axis: Axes, height: float, interval: Interval, colour: str, line: str, name: str) -> None:
+    if not math.isfinite(height):
+        return
+    axis.axhline(height, color=colour, linestyle=line, linewidth=1.2)
+    if math.isfinite(interval[0]):
+        axis.axhspan(*interval, color=colour, alpha=0.15, linewidth=0)
+    axis.annotate(
+        f"{name} {height:.3g}", (1.0, height), xycoords=axis.get_yaxis_transform(),
+        xytext=(0, 2), textcoords="offset points", ha="right", va="bottom", fontsize=8,
+        color=colour,
+    )  # fmt: skip

@@ -1,0 +1,285 @@
+"""Bland and Altman's comparison of methods: bias and limits of agreement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from nodegraph import Across, Label, node
+from nodegraph_compare.blocks import groups
+from nodegraph_compare.bootstrap import CONFIDENCE
+from nodegraph_compare.labels import compared_labels, named_label
+from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
+from nodegraph_compare.question import Names, OneColumn, OneLabel, OneName, Question, ask, unit_of
+from nodegraph_compare.ties import apart, differ
+from nodegraph_mocap import Figure, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from nodegraph_compare.blocks import Group
+
+
+Interval = tuple[float, float]
+_UNKNOWN = (np.nan, np.nan)
+REACH = 1.959963984540054
+"""Standard deviations between which 95 % of a normal distribution lie."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bland and Altman's numbers for N pairs; intervals are of 95 %, NaN where N is too small.
+
+    Attributes
+    ----------
+    middle, difference : (N,) arrays of float64
+        Mean of each pair, and first minus second.
+    bias, sd, lower, upper, slope : float
+        Mean and standard deviation of the differences, limits of agreement, and by how much the
+        difference grows with the mean of the pair.
+    of_bias, of_lower, of_upper, of_slope : (low, high)
+    """
+
+    middle: NDArray[np.float64]
+    difference: NDArray[np.float64]
+    bias: float
+    sd: float
+    lower: float
+    upper: float
+    slope: float
+    of_bias: Interval
+    of_lower: Interval
+    of_upper: Interval
+    of_slope: Interval
+
+
+def limits(first: NDArray[np.float64], second: NDArray[np.float64]) -> Limits:
+    """Return bias and limits of agreement (Bland & Altman 1986) with exact normal intervals.
+
+    The limits are ``bias -+ 1.96 sd``. The interval of the bias is Student's. That of a limit,
+    which estimates ``mu -+ 1.96 sigma``, is exact for normal differences (Carkeet 2015): its ends
+    are ``bias + t sd / sqrt(N)`` with t the quantiles of the noncentral t distribution of N - 1
+    degrees of freedom and noncentrality ``-+ 1.96 sqrt(N)``. The slope is that of the least-squares
+    line of the difference on the mean of the pair (Bland & Altman 1999), its interval Student's.
+    """
+    difference, middle = apart(first, second), (first + second) / 2
+    count = len(difference)
+    bias = float(difference.mean()) if count else np.nan
+    sd = float(difference.std(ddof=1)) if count > 1 else np.nan
+    slope, of_slope = _slope(middle, difference)
+    return Limits(
+        middle,
+        difference,
+        bias,
+        sd,
+        lower=bias - REACH * sd,
+        upper=bias + REACH * sd,
+        slope=slope,
+        of_bias=_bound(bias, sd, count, 0.0),
+        of_lower=_bound(bias, sd, count, -REACH),
+        of_upper=_bound(bias, sd, count, REACH),
+        of_slope=of_slope,
+    )
+
+
+def _bound(bias: float, sd: float, count: int, reach: float) -> Interval:
+    """Return the interval of ``mu + reach sigma`` of a normal distribution."""
+    if count < 2:
+        return _UNKNOWN
+    from scipy.stats import nct
+
+    root = np.sqrt(count)
+    tail = (1 - CONFIDENCE) / 2
+    low, high = (float(nct.ppf(one, count - 1, reach * root)) for one in (tail, 1 - tail))
+    return float(bias + low * sd / root), float(bias + high * sd / root)
+
+
+def _slope(middle: NDArray[np.float64], difference: NDArray[np.float64]) -> tuple[float, Interval]:
+    count = len(middle)
+    if count < 2 or not differ(middle):
+        return np.nan, _UNKNOWN
+    along = middle - middle.mean()
+    spread = float(along @ along)
+    slope = float(along @ difference) / spread if np.ptp(difference) > 0.0 else 0.0
+    if count < 3:
+        return slope, _UNKNOWN
+    from scipy.stats import t
+
+    left = difference - difference.mean() - slope * along
+    error = np.sqrt(float(left @ left) / (count - 2) / spread)
+    reach = float(t.ppf((1 + CONFIDENCE) / 2, count - 2)) * error
+    return slope, (slope - reach, slope + reach)
+
+
+_MOST_TOLD = 12
+
+
+class Agreed(NamedTuple):
+    """How far methods agree: the numbers and their picture."""
+
+    table: Table
+    figure: Figure
+
+
+class Pair(NamedTuple):
+    """Two labels of a group, and how far they agree over the blocks that both have."""
+
+    group: Group
+    first: Label
+    second: Label
+    limits: Limits
+
+
+@node("compare.agreement", cite=("bland1986statistical", "bland1999measuring", "carkeet2015exact"))
+def agreement(
+    scores: Across[Table],
+    *,
+    metric: OneColumn = None,
+    compare: OneName = None,
+    within: Names = (),
+    blocks: Names = (),
+    baseline: OneLabel = None,
+) -> Agreed:
+    """How far two methods give the same numbers: bias and limits of agreement.
+
+    For each pair of labels, over the blocks in which both have a number, with d the first's value
+    minus the second's: the bias ``mean(d)`` and the limits ``bias -+ 1.96 sd(d)``, between which
+    95 % of normal differences lie (Bland & Altman 1986), each with its 95 % interval: of the bias
+    Student's, of the limits the exact one for normal differences (Carkeet 2015). The slope of d
+    on the mean of the two values tells whether the difference grows with the value; where it
+    does, the limits hold for no value in particular. A pair's blocks do not depend on other
+    labels; blocks that a label lacks are counted and told in a warning.
+
+    What differs by rounding alone is equal: of values in a block that are at most 1e-9 of their
+    size apart all stand as the first, and of differences, as measured by the values.
+
+    Parameters
+    ----------
+    scores
+        Tables, a row per unit (a gap, a marker, a take).
+    metric
+        The column of numbers to compare. Default: the first column of floats.
+    compare
+        The axis, or column, whose labels are compared. Default: the last gathered axis that is
+        not in `within` or `blocks`.
+    within
+        Axes, or columns: each combination of their labels is compared by itself.
+    blocks
+        Axes, or columns, whose combinations are the paired blocks. Default: every gathered axis
+        that is not compared or in `within`, and the first column of the tables where it says
+        which unit a row is.
+    baseline
+        A label of `compare`: only pairs with it, as the second. Default: each pair of labels.
+
+    Returns
+    -------
+    table
+        A row per pair: ``blocks`` that both have, ``bias``, ``sd``, ``lower`` and ``upper`` limit
+        and ``slope``, each but sd with the ``low`` and ``high`` end of its interval (NaN with
+        fewer than two blocks, for the slope with fewer than three or where all means are equal).
+    figure
+        Differences over means, with bias, limits and their intervals; at most 12 pairs.
+
+    Raises
+    ------
+    ValueError
+        If a name is neither axis nor column or is used twice, the metric holds no numbers, or
+        the baseline is not among the compared labels.
+    """
+    question = ask(scores, metric=metric, compare=compare, within=within, blocks=blocks)
+    gathered = groups(scores, question)
+    order = compared_labels(scores, question, gathered)
+    against = named_label(order, baseline)
+    found = [pair for group in gathered for pair in _pairs(group, against)]
+    unit = unit_of(scores, question.metric)
+    made = _table(found, question, unit)
+    made.attrs["notes"] = [
+        block_text(question),
+        f"Differences are first minus second. lower, upper: limits of agreement, bias -+ 1.96 sd. "
+        f"low, high: {CONFIDENCE:.0%} intervals, exact for normal differences.",
+        *left_out(scores, question, gathered, pairwise=True),
+    ]
+    made.attrs["answer"] = _answers(found, question, unit)
+    return Agreed(made, _draw(question, found, unit))
+
+
+def _pairs(group: Group, against: Label | None) -> Iterable[Pair]:
+    if against is None:
+        chosen = list(combinations(range(len(group.methods)), 2))
+    else:
+        places = [at for at, method in enumerate(group.methods) if method == against]
+        chosen = [
+            (at, other) for other in places for at in range(len(group.methods)) if at != other
+        ]
+    for first, second in chosen:
+        both = group.values[:, [first, second]]
+        both = both[np.isfinite(both).all(axis=1)]
+        names = group.methods
+        yield Pair(group, names[first], names[second], limits(both[:, 0], both[:, 1]))
+
+
+def _table(found: Sequence[Pair], question: Question, unit: str) -> Table:
+    from pandas import DataFrame
+
+    made = DataFrame([_row(one, question) for one in found])
+    valued = ("bias", "sd", "lower", "upper")
+    units = {str(name): unit for name in made.columns if unit and str(name).split(" ")[0] in valued}
+    by = f" by {question.compare}" if question.compare else ""
+    made.attrs.update(title=f"Agreement of {question.metric}{by}", units=units)
+    return made
+
+
+def _row(pair: Pair, question: Question) -> dict[str, Any]:
+    told = pair.limits
+    row: dict[str, Any] = dict(zip(question.within, pair.group.labels, strict=True))
+    row |= {"first": pair.first, "second": pair.second, "blocks": len(told.difference)}
+    row |= {"bias": told.bias, "bias low": told.of_bias[0], "bias high": told.of_bias[1]}
+    row |= {"sd": told.sd}
+    row |= {"lower": told.lower, "lower low": told.of_lower[0], "lower high": told.of_lower[1]}
+    row |= {"upper": told.upper, "upper low": told.of_upper[0], "upper high": told.of_upper[1]}
+    return row | {
+        "slope": told.slope,
+        "slope low": told.of_slope[0],
+        "slope high": told.of_slope[1],
+    }
+
+
+def _answers(found: Sequence[Pair], question: Question, unit: str) -> list[str]:
+    if not found:
+        return ["there are no two labels to compare."]
+    told = [_answer(one, question, unit) for one in found[:_MOST_TOLD]]
+    more = len(found) - len(told)
+    return told + ([f"{more} more pairs are in the table."] if more else [])
+
+
+def _answer(pair: Pair, question: Question, unit: str) -> str:
+    told, start = pair.limits, start_text(group_text(pair.group, question))
+    names, count = f"{pair.first} and {pair.second}", len(told.difference)
+    if count < 2:
+        return (
+            f"{start}{names} share {count or 'no'} block{'s' * (not count)}; nothing can be said."
+        )
+    low, high = told.of_bias
+    side = "above" if low > 0 else "below" if high < 0 else "not clearly above or below"
+    in_unit = f" {unit}" if unit else ""
+    slope = (
+        "; the difference changes with the value"
+        if told.of_slope[0] > 0 or told.of_slope[1] < 0
+        else ""
+    )
+    return (
+        f"{start}{pair.first} is {side} {pair.second} on average (bias {told.bias:.3g}{in_unit}, "
+        f"interval {low:.3g} to {high:.3g}); 95 % of differences are expected between "
+        f"{told.lower:.3g} and {told.upper:.3g}{in_unit} ({count} blocks){slope}."
+    )
+
+
+def _draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
+    from nodegraph_compare.agreement.figure import draw
+
+    return draw(question, found, unit)

@@ -1,0 +1,1 @@
+"""Compare methods by curves over a number."""

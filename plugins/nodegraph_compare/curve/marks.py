@@ -1,0 +1,145 @@
+"""Places on curves that are worth a mark: local minima, those that curves share, and knees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from nodegraph_compare.ties import ROUNDING, apart
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from nodegraph import Label
+    from nodegraph_compare.curve.figure import Scale
+    from nodegraph_compare.curve.points import Points
+
+Mark = Literal["none", "minimum", "shared"]
+
+
+def local_minima(value: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the places of a curve's interior local minima.
+
+    A minimum is lower than the point before and the point after it, so neither end is one. Of
+    neighbouring points with one value, lower than those around them, the first is the minimum.
+    """
+    if not len(value):
+        return np.empty(0, dtype=np.intp)
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(value) != 0]))
+    level = value[starts]
+    inner = (level[1:-1] < level[:-2]) & (level[1:-1] < level[2:])
+    return starts[1:-1][inner]
+
+
+def shared_minimum(minima: Sequence[NDArray[np.float64]], tolerance: float) -> float | None:
+    """Return the smallest minimum that every curve has one within `tolerance` of, if any.
+
+    Parameters
+    ----------
+    minima
+        The x of each curve's local minima.
+    tolerance
+        In units of x.
+    """
+    for x in np.unique(np.concatenate(minima)) if minima else ():
+        # differences of places such as 0.8 - 0.6 do not come out exactly
+        near = [np.abs(one - x) <= tolerance + ROUNDING * np.abs(x) for one in minima]
+        if all(one.any() for one in near):
+            return float(x)
+    return None
+
+
+def knee(x: NDArray[np.float64], value: NDArray[np.float64]) -> int | None:
+    """Return the place of a curve's knee: the point farthest below the chord of its ends.
+
+    ``argmax_i (y_1 + (y_n - y_1) (x_i - x_1) / (x_n - x_1) - y_i)``, the first of equals; none
+    where no point lies below the chord. Measured along y, which gives the same place as the
+    distance to the chord (Satopää et al. 2011, with sensitivity 0 and no smoothing).
+    """
+    if len(x) < 3:
+        return None
+    chord = value[0] + (value[-1] - value[0]) * (x - x[0]) / (x[-1] - x[0])
+    below = apart(chord, value)
+    place = int(np.argmax(below[1:-1])) + 1
+    return place if below[place] > 0 else None
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What is marked on curves.
+
+    Attributes
+    ----------
+    minima : mapping of label to array of int
+        The places of the curve's local minima among its points.
+    shared : float or None
+        The smallest x near which every curve has a minimum; None where there is none, or where
+        none was asked for.
+    places : mapping of label to int
+        The marked point of each label.
+    kinds : mapping of label to str
+        ``shared``, ``minimum`` or ``knee``.
+    """
+
+    minima: Mapping[Label, NDArray[np.intp]]
+    shared: float | None
+    places: Mapping[Label, int]
+    kinds: Mapping[Label, str]
+
+
+def marks(
+    found: Sequence[Points],
+    mark: Mark,
+    tolerance: float,
+    level: Mapping[Label, float] | None,
+    scale: Scale,
+) -> Marks:
+    """Return what is to be marked on the curves of all labels that have one.
+
+    Parameters
+    ----------
+    found
+        The points of each label.
+    mark
+        ``shared``, ``minimum``, or ``none``, for which the minima alone are found.
+    tolerance
+        How far apart minima may lie and still be shared, in units of x.
+    level
+        The noise floor of each label, NaN for one without; None where there is no floor.
+    scale
+        On which knees are looked for.
+    """
+    minima = {one.label: one.curve[local_minima(one.value[one.curve])] for one in found}
+    drawn = [one for one in found if len(one.curve)]
+    shared = None
+    if mark == "shared":
+        shared = shared_minimum([one.x[minima[one.label]] for one in drawn], tolerance)
+    places, kinds = {}, {}
+    for one in drawn if mark != "none" else ():
+        place, kind = _minimum(one, minima[one.label], shared, mark)
+        if place is None:
+            place, kind = _knee(one, (level or {}).get(one.label, np.nan), scale), "knee"
+        if place is not None:
+            places[one.label], kinds[one.label] = place, kind
+    return Marks(minima, shared, places, kinds)
+
+
+def _minimum(
+    one: Points, minima: NDArray[np.intp], shared: float | None, mark: Mark
+) -> tuple[int | None, str]:
+    if shared is not None and len(minima):
+        return int(minima[np.argmin(np.abs(apart(one.x[minima], np.asarray(shared))))]), "shared"
+    if mark == "minimum" and len(minima):
+        return int(minima[np.argmin(one.value[minima])]), "minimum"
+    return None, ""
+
+
+def _knee(one: Points, floor: float, scale: Scale) -> int | None:
+    """Return the place of the knee as drawn, what noise hides being level with the noise."""
+    curve = one.curve
+    place = knee(one.x[curve], scale.along(np.fmax(one.value[curve], floor)))
+    return None if place is None else int(curve[place])

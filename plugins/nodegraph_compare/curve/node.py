@@ -1,0 +1,302 @@
+"""Curves of an error over a number, with their noise floor and their best place."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Across, ColumnOf, Label, listed, node
+from nodegraph_compare.curve.answer import answer, losses, notes
+from nodegraph_compare.curve.figure import scale_of
+from nodegraph_compare.curve.marks import Mark, marks
+from nodegraph_compare.curve.points import Axes, floors, points
+from nodegraph_compare.question import Names, OneColumn, OneName, check_known, placed, unit_of
+from nodegraph_compare.ties import at_most
+from nodegraph_mocap import Figure, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from nodegraph_compare.curve.marks import Marks
+    from nodegraph_compare.curve.points import Points
+
+
+_MADE = ("low", "high", "blocks", "rows", "on curve", "local minimum", "floor", "below floor")
+
+
+def axes_of(
+    scores: Across[Table],
+    *,
+    x: str,
+    metric: str | None,
+    compare: str | None,
+    blocks: tuple[str, ...],
+    lowest: bool | None,
+) -> Axes:
+    """Return what is drawn.
+
+    Parameters
+    ----------
+    scores
+        The gathered tables.
+    x
+        Axis or column of numbers.
+    metric
+        Default: the first column of floats that is not `x`.
+    compare
+        Default: the last gathered axis that is not `x` or in `blocks`.
+    blocks
+        Axes, or columns, whose combinations are repeats.
+    lowest
+        Whether the curve takes the lowest of several points at one x. Default: where `x` is a
+        column.
+
+    Raises
+    ------
+    ValueError
+        If there is no table, a name is unknown, used twice or one that the result's table needs,
+        or `x` or the metric is no number.
+    """
+    if not len(scores):
+        raise ValueError("there is no table to draw a curve of")
+    free = [axis for axis in scores.axes if axis not in (x, *blocks)]
+    compare = compare if compare is not None or not free else free[-1]
+    metric = _first_number(scores, x) if metric is None else metric
+    named = (x, metric, *filter(None, [compare]), *blocks)
+    _check_once((*named, *(axis for axis in free if axis not in named)))
+    for name in named:
+        check_known(scores, name, what="metric" if name == metric else "axis or column")
+    _check_x(scores, x)
+    _check_numbers(scores, metric, "metric")
+    others = tuple(axis for axis in free if axis != compare)
+    apart = x not in scores.axes if lowest is None else lowest
+    every = scores.labels(compare) if compare in scores.axes else ()
+    return Axes(x, metric, compare, blocks, others, apart, every)
+
+
+def check_floor(floor: Across[Table], axes: Axes) -> None:
+    """Check that the floor can be drawn beside the curves.
+
+    Raises
+    ------
+    ValueError
+        If a table of it lacks the metric, or only some of them have the compared labels.
+    """
+    check_known(floor, axes.metric, what="metric")
+    _check_numbers(floor, axes.metric, "metric of the floor")
+    if axes.compare and any(axes.compare in table for table in floor.values()):
+        check_known(floor, axes.compare)
+
+
+def _first_number(scores: Across[Table], x: str) -> str:
+    first = scores.values()[0]
+    floats = [str(name) for name in first if first[name].dtype.kind == "f" and name != x]
+    if not floats:
+        raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
+    return floats[0]
+
+
+def _check_once(named: tuple[str, ...]) -> None:
+    twice = sorted({name for name in named if named.count(name) > 1})
+    if twice:
+        raise ValueError(f"x, metric, compare and blocks share a name: {', '.join(twice)}")
+    taken = [name for name in named if name in (*_MADE, "marked")]
+    if taken:
+        raise ValueError(f"the table of the curve has a column {', '.join(taken)} of its own")
+
+
+def _check_x(scores: Across[Table], x: str) -> None:
+    if x not in scores.axes:
+        _check_numbers(scores, x, "x")
+        return
+    labels = list(dict.fromkeys(at.get(x, "") for at, _ in scores))
+    words = [str(label) for label in labels if not _is_number(label)]
+    if words:
+        raise ValueError(f"x {x!r} is no axis of finite numbers: it has {', '.join(words[:5])}")
+
+
+def _check_numbers(scores: Across[Table], name: str, what: str) -> None:
+    for where, table in placed(scores):
+        if table[name].dtype.kind not in "iuf":
+            numbers = [column for column in table if table[column].dtype.kind in "iuf"]
+            raise ValueError(
+                f"{what} {name!r} is no column of numbers{where}; there are: {listed(numbers)}"
+            )
+
+
+def _is_number(label: Any) -> bool:
+    return isinstance(label, int | float) and type(label) is not bool and math.isfinite(label)
+
+
+class Curve(NamedTuple):
+    """Curves: their numbers and their picture."""
+
+    table: Table
+    figure: Figure
+
+
+@node("compare.curve", cite=("efron1979bootstrap", "satopaa2011finding"))
+def curve(
+    scores: Across[Table],
+    floor: Across[Table] | None = None,
+    *,
+    x: Annotated[str, ColumnOf("scores", or_axis=True)],
+    metric: OneColumn = None,
+    compare: OneName = None,
+    blocks: Names = (),
+    lowest: bool | None = None,
+    mark: Mark = "none",
+    tolerance: Annotated[float, Field(ge=0)] = 2.0,
+    seed: Annotated[int, Field(ge=0)] = 0,
+) -> Curve:
+    """Draw an error over a number, a curve per label, and mark where few is enough.
+
+    As figure 2 of the marker study draws blendshape-weight errors over the number of selected
+    markers: a curve per actor, and a black circle around a minimum that all of them share. Lower
+    is better. An interior local minimum is a point of the curve lower than the one before and
+    the one after; the ends are none. Of neighbouring points with one value the first counts.
+
+    The knee of a curve is the point farthest below the straight line through its first and last
+    point, ``argmax_i (y_1 + (y_n - y_1) (x_i - x_1) / (x_n - x_1) - y_i)``, the first of equals,
+    with y the error as the figure shows it: its logarithm where the scale is logarithmic; an error
+    below the noise floor counts as the floor. A curve that is nowhere below that line, or has
+    fewer than three points, has none.
+
+    What differs by rounding alone is equal: of a label's values that are at most 1e-9 of their
+    size apart (of a thousandth of the largest at least) all stand as the first; one as far above
+    the noise floor is level with it.
+
+    Parameters
+    ----------
+    scores
+        Tables, with a row per unit or a row in all.
+    floor
+        Tables of the same metric, by the same compared labels, with what measurement noise alone
+        does: a dashed line at the mean of each label's rows. One line for all where the floor
+        has no labels.
+    x
+        Axis or column of numbers.
+    metric
+        The column of numbers along y. Default: the first column of floats that is not `x`.
+    compare
+        The axis, or column, with a curve per label. Default: the last gathered axis that is not
+        `x` or in `blocks`.
+    blocks
+        Axes, or columns, whose combinations are repeats, such as trials. The rows of a block are
+        averaged, then the blocks, with a 95 % bootstrap interval (2000 resamples). A block that
+        has a row without a finite number is left out and counted.
+    lowest
+        Whether the curve takes the lowest of several points at one x, while all are drawn. A
+        point is a combination of the axes that are neither `x` nor compared nor in `blocks`; with
+        no blocks, a row. Otherwise it takes their mean. Default: true where `x` is a column, as
+        where several searches choose one number of markers; false where it is an axis.
+    mark
+        ``shared``: the smallest minimum that every curve has one within `tolerance` of, by a
+        black circle around each curve's nearest; where there is none the figure says so, and a
+        black square marks each curve's knee. ``minimum``: each curve's lowest interior minimum,
+        its knee where it has none. A label without any number has no say.
+    tolerance
+        How far apart minima may lie and still be shared, in units of `x`.
+    seed
+        Of the bootstrap.
+
+    Returns
+    -------
+    table
+        A row per point, in the order of the labels and of `x`: the compared label, the other
+        axes of a point, `x`, the metric; with blocks, ``low``, ``high`` and ``blocks``, else
+        ``rows``; ``on curve``; ``local minimum``; with a floor, ``floor`` (NaN where there is
+        none for a label) and ``below floor`` (at or below it); ``marked`` (``shared``,
+        ``minimum``, ``knee`` or empty). ``attrs["answer"]`` says in sentences what is marked and
+        what the noise floor reaches, ``attrs["notes"]`` what was left out.
+    figure
+        The curves. Logarithmic along y where no error is negative and they span more than a
+        factor of 30, those below a millionth of the largest left aside; these stand on the lower
+        edge.
+
+    Raises
+    ------
+    ValueError
+        If a name is neither axis nor column, is used twice, or `x` or the metric holds no
+        numbers; the message says what there is.
+
+    References
+    ----------
+    Satopää, Albrecht, Irwin and Raghavan, "Finding a 'Kneedle' in a haystack: detecting knee
+    points in system behavior", ICDCS workshops 2011.
+    """
+    from nodegraph_compare.curve.figure import draw
+
+    axes = axes_of(scores, x=x, metric=metric, compare=compare, blocks=blocks, lowest=lowest)
+    found = points(scores, axes, seed=seed)
+    level = None
+    if floor is not None:
+        check_floor(floor, axes)
+        level = _levels(floors(floor, axes), found)
+    scale = scale_of(found, level)
+    marked = marks(found, mark, tolerance, level, scale)
+    made = _frame(axes, found, marked, level)
+    told = losses(scores, axes, found, level, skipped=False)
+    unit = unit_of(scores, axes.metric)
+    made.attrs["title"] = f"{axes.metric} over {axes.x}" + (
+        f" by {axes.compare}" if axes.compare else ""
+    )
+    made.attrs["answer"] = answer(axes, found, marked, level, mark, tolerance, unit)
+    made.attrs["notes"] = notes(axes, marked, level, seed)
+    made.attrs["notes"] += losses(scores, axes, found, level, skipped=True)
+    made.attrs["units"] = {
+        name: unit for name in (axes.metric, "low", "high", "floor") if unit and name in made
+    }
+    if told:
+        warnings.warn("; ".join(told), stacklevel=2)
+    return Curve(made, draw(axes, found, marked, level, scale, mark, tolerance, unit))
+
+
+def _levels(known: Mapping[Label, float], found: Sequence[Points]) -> dict[Label, float]:
+    """Return the floor under each label; NaN where there is none."""
+    common = known.get("", np.nan) if set(known) == {""} else np.nan
+    return {one.label: known.get(one.label, common) for one in found}
+
+
+def _frame(
+    axes: Axes, found: Sequence[Points], marked: Marks, level: Mapping[Label, float] | None
+) -> Table:
+    from pandas import DataFrame, concat
+
+    parts = [DataFrame(_columns(axes, one, marked, level)) for one in found]
+    made = concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
+    whole = bool((made[axes.x] % 1 == 0).all())
+    return made.astype({axes.x: np.int64}) if whole else made
+
+
+def _columns(
+    axes: Axes, one: Points, marked: Marks, level: Mapping[Label, float] | None
+) -> dict[str, Any]:
+    place = np.arange(len(one.x))
+    columns: dict[str, Any] = {name: [one.label] * len(place) for name in _compared(axes)}
+    columns |= {name: [other[name] for other in one.others] for name in _apart(axes)}
+    columns |= {axes.x: one.x, axes.metric: one.value}
+    if axes.blocks:
+        columns |= {"low": one.low, "high": one.high}
+    columns["blocks" if axes.blocks else "rows"] = one.count
+    columns["on curve"] = np.isin(place, one.curve)
+    columns["local minimum"] = np.isin(place, marked.minima[one.label])
+    if level is not None:
+        columns["floor"] = level[one.label]
+        columns["below floor"] = at_most(one.value, level[one.label])
+    kind = marked.kinds.get(one.label, "")
+    columns["marked"] = [kind if here == marked.places.get(one.label) else "" for here in place]
+    return columns
+
+
+def _compared(axes: Axes) -> Iterable[str]:
+    return () if axes.compare is None else (axes.compare,)
+
+
+def _apart(axes: Axes) -> Iterable[str]:
+    """Return the axes by which points at one x are told apart."""
+    return axes.others if axes.lowest else ()

@@ -1,0 +1,1 @@
+"""How much each axis explains of a metric."""

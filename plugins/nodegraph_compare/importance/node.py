@@ -1,0 +1,361 @@
+"""How much of a metric's variance each axis explains, and how often the winner changes."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from nodegraph import Across, Label, listed, node
+from nodegraph_compare.blocks import Columns, columns_of, values_of
+from nodegraph_compare.left_out import absences, end_text, shortened
+from nodegraph_compare.question import (
+    Better,
+    Names,
+    OneColumn,
+    OneName,
+    Question,
+    ask,
+    sign_of,
+    unit_of,
+)
+from nodegraph_compare.ties import ROUNDING, tied
+from nodegraph_mocap import Figure, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+
+_LEAST = 0.005
+_MOST = 6
+
+
+def answers(table: Table, question: Question) -> list[str]:
+    """Return how much the largest sources explain, and with what the best changes."""
+    if not table["variance"].notna().any():
+        return ["no full table of combinations is left; nothing can be said."]
+    if not table["variance"].sum() > 0.0:
+        return [f"{question.metric} is the same in all combinations; nothing is to be explained."]
+    ordered = table.sort_values("eta squared", ascending=False, kind="stable").head(_MOST)
+    shares = [
+        f"{source} {share:.0%}"
+        for source, share in zip(ordered["source"], ordered["eta squared"], strict=True)
+        if share >= _LEAST
+    ]
+    told = [f"Share of the variance of {question.metric}: {', '.join(shares)}."]
+    changes = [
+        f"{share:.0%} of the time with {source}"
+        for source, share in zip(table["source"], table["winner changes"], strict=True)
+        if np.isfinite(share)
+    ]
+    if changes:
+        told.append(
+            f"From one label to another, the best {question.compare} changes {listed(changes)}."
+        )
+    return told
+
+
+Sources = tuple[int, ...]
+
+
+def whole(values: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+    """Return the places along each axis that make a table without missing values.
+
+    As long as something is missing, the place with the largest share missing goes; of equals,
+    one of the axis with the most places, the last of them.
+    """
+    kept: list[NDArray[np.intp]] = [np.arange(size) for size in values.shape]
+    missing = np.isnan(values)
+    while missing.any():
+        shares = [_mean(missing, (axis,)) for axis in range(missing.ndim)]
+        largest = max(one.max() for one in shares)
+        axis = max(
+            (axis for axis, one in enumerate(shares) if one.max() == largest),
+            key=lambda one: missing.shape[one],
+        )
+        # what is missing altogether goes at once
+        gone = np.flatnonzero(shares[axis] == largest)
+        gone = gone if largest == 1.0 else gone[-1:]
+        kept[axis] = np.delete(kept[axis], gone)
+        missing = np.delete(missing, gone, axis=axis)
+    return tuple(kept)
+
+
+def effects(values: NDArray[np.float64]) -> Mapping[Sources, float]:
+    """Return the variance that each axis, and each pair of axes, explains.
+
+    The functional analysis of variance of a full table y (Hoeffding 1948; Hutter et al. 2014 for
+    settings of algorithms), population variances: with m the mean over all cells, ``m_a`` the
+    means along axis a and ``m_ab`` those along two, ``V_a = mean((m_a - m)^2)`` and
+    ``V_ab = mean((m_ab - m_a - m_b + m)^2)``. The key ``()`` has what is left of
+    ``V = mean((y - m)^2)``; of one or two axes, nothing is. A variance that rounding alone would
+    make, at most ``mean(y^2)`` times the square of 1e-9, is 0.
+    """
+    left = values - values.mean()
+    least = ROUNDING**2 * float(np.square(values).mean())
+    axes = range(values.ndim)
+    main = {axis: _mean(left, (axis,)) for axis in axes}
+    parts: dict[Sources, NDArray[np.float64]] = {(axis,): one for axis, one in main.items()}
+    for one, other in combinations(axes, 2):
+        both = _mean(left, (one, other)) - main[one][:, np.newaxis] - main[other]
+        parts[one, other] = both
+    for sources, part in parts.items():
+        left -= np.expand_dims(part, tuple(axis for axis in axes if axis not in sources))
+    found = {sources: float(np.square(part).mean()) for sources, part in parts.items()}
+    found[()] = float(np.square(left).mean()) if values.ndim > 2 else 0.0
+    return {sources: one if one > least else 0.0 for sources, one in found.items()}
+
+
+def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> float:
+    """Return how often two places along an axis, all else equal, have another lowest place.
+
+    The share of all pairs of places along `axis`, over all places along the others, for which
+    the first of the lowest values along `compared` stands elsewhere; NaN for a single place.
+
+    Parameters
+    ----------
+    values
+        A full table, an array with an axis per factor.
+    compared
+        The axis along which the lowest wins.
+    axis
+        The axis whose places are taken in pairs.
+    """
+    if values.shape[axis] < 2:
+        return np.nan
+    winners = np.moveaxis(values, compared, -1).argmin(axis=-1)
+    along = np.moveaxis(winners, axis - (axis > compared), -1)
+    count = along.shape[-1]
+    wins = np.stack([(along == one).sum(axis=-1) for one in range(values.shape[compared])])
+    same = (wins * (wins - 1)).sum(axis=0) / (count * (count - 1))
+    return float(1.0 - same.mean())
+
+
+def _mean(
+    values: NDArray[np.float64] | NDArray[np.bool_], axes: tuple[int, ...]
+) -> NDArray[np.float64]:
+    """Return the means over all axes but these."""
+    others = tuple(axis for axis in range(values.ndim) if axis not in axes)
+    return np.asarray(np.mean(values, axis=others, dtype=np.float64))
+
+
+_MOST_CELLS = 20_000_000
+REST = "higher interactions"
+
+
+class Explained(NamedTuple):
+    """What explains a metric: its numbers and their picture."""
+
+    table: Table
+    figure: Figure
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """A value for every combination of labels; `dropped` says which labels had to go."""
+
+    labels: tuple[tuple[Label, ...], ...]
+    values: NDArray[np.float64]
+    dropped: tuple[str, ...]
+
+
+@node("compare.importance", cite=("hoeffding1948class", "hutter2014efficient"))
+def importance(
+    scores: Across[Table],
+    *,
+    metric: OneColumn = None,
+    compare: OneName = None,
+    factors: Names = (),
+    better: Better = "declared",
+) -> Explained:
+    """Variance of a metric that each axis explains, and how often the best method changes with it.
+
+    A cell is one combination of the labels of the factors; its value is the mean of the metric
+    over its rows. The functional analysis of variance splits the variance of the cells exactly:
+    ``V = sum of V_a + sum of V_ab + rest``, ``V_a`` the variance of the means along axis a,
+    ``V_ab`` what the means along two axes add to those along each, the rest what needs three axes
+    or more to be told. ``eta squared`` is the share of V, ``partial eta squared`` of an effect is
+    ``V_a / (V_a + V_rest)``; of two factors, the rest is their interaction. These are shares of
+    the cells at hand: an axis explains more the further its labels lie apart. Cells that compete,
+    at most 1e-9 of their size apart, are equal: each stands as the first of them. A variance that
+    rounding alone would make, at most the square of 1e-9 times the cells' root mean square, is 0.
+
+    The split holds for a full table only. Where cells are missing (refused, failed, skipped, or
+    with a row without a number), labels are left out until none is: each time the label with the
+    largest share of missing cells, of equals one of the axis with most labels. What goes is named
+    in a warning and in the notes.
+
+    Parameters
+    ----------
+    scores
+        Tables, a row per unit (a gap, a marker, a take).
+    metric
+        The column of numbers to explain. Default: the first column of floats.
+    compare
+        The factor whose labels compete. Default: the last gathered axis.
+    factors
+        Axes, or columns. Default: every gathered axis; where there is one only, the first column
+        of the tables too, if it says which unit a row is.
+    better
+        Which end of the metric wins: ``lower``, ``higher``, or ``none`` (nobody wins).
+        ``declared``: as the scores declare it, else ``lower``.
+
+    Returns
+    -------
+    table
+        A row per factor, pair of factors, and for what is left: ``labels`` (of a factor),
+        ``variance`` (the metric's unit, squared), ``eta squared``, ``partial eta squared``,
+        ``winner changes`` (share of pairs of labels of that factor, all other factors equal,
+        whose best label of `compare` is another; equal values: the first).
+    figure
+        The shares.
+
+    Raises
+    ------
+    ValueError
+        If a name is neither axis nor column or is used twice, `compare` is no factor, the metric
+        holds no numbers, or there are more than twenty million cells.
+    """
+    question = _ask(scores, metric, compare, factors, better)
+    grid = _grid(scores, question)
+    table = _table(grid, question, unit_of(scores, question.metric))
+    absent = absences((one for one in scores.absent if one.kind != "skipped"), question.compare)
+    if grid.dropped or absent:
+        warnings.warn(shortened([*grid.dropped, *absent]), stacklevel=2)
+    table.attrs["notes"] = [
+        f"A cell is one combination of {', '.join(_factors(question))}, the mean of "
+        f"{question.metric} over its rows; {grid.values.size} cells. {end_text(question)}",
+        "eta squared: share of the cells' variance. winner changes: share of pairs of labels of "
+        "the factor, all others equal, between which the best changes.",
+        *grid.dropped,
+        *absences(scores.absent, question.compare),
+    ]
+    table.attrs["answer"] = answers(table, question)
+    return Explained(table, _draw(table, question))
+
+
+def _ask(
+    scores: Across[Table],
+    metric: str | None,
+    compare: str | None,
+    factors: tuple[str, ...],
+    better: Better,
+) -> Question:
+    """Return the question: its `within` are the factors that are not compared, in order."""
+    if factors and compare is not None and compare not in factors:
+        raise ValueError(f"{compare!r} is no factor; factors are: {', '.join(factors)}")
+    gathered = [name for name in factors if name in scores.axes]
+    compare = compare if compare is not None or not factors else (gathered or factors)[-1]
+    within = tuple(name for name in factors if name != compare)
+    if len({*factors}) < len(factors):
+        raise ValueError(f"factors name something twice: {', '.join(factors)}")
+    asked = ask(scores, metric=metric, compare=compare, within=within, blocks=(), better=better)
+    if factors:
+        return asked
+    # the defaults of `blocks` are the other axes, and the unit
+    others = tuple(name for name in asked.blocks if name in scores.axes) or asked.blocks
+    return ask(
+        scores, metric=metric, compare=asked.compare, within=others, blocks=(), better=better
+    )
+
+
+def _factors(question: Question) -> tuple[str, ...]:
+    return (*question.within, *question.compared)
+
+
+def _grid(scores: Across[Table], question: Question) -> _Grid:
+    columns = columns_of(scores, _factors(question))
+    values = _cell_means(columns, values_of(scores, question.metric), _factors(question))
+    kept = whole(values)
+    labels = tuple(
+        tuple(all_of[place] for place in places)
+        for all_of, places in zip(columns.labels, kept, strict=True)
+    )
+    gone = [
+        f"{name}: left out {listed([one for one in all_of if one not in left])}"
+        for name, all_of, left in zip(_factors(question), columns.labels, labels, strict=True)
+        if len(left) < len(all_of)
+    ]
+    missing = int(np.isnan(values).sum())
+    dropped = (f"{missing} of {values.size} cells have no number", *gone) if gone else ()
+    return _Grid(labels, tied(values[np.ix_(*kept)]), dropped)
+
+
+def _cell_means(
+    columns: Columns, value: NDArray[np.float64], names: tuple[str, ...]
+) -> NDArray[np.float64]:
+    """Return the mean of the rows of each cell, an axis per factor; NaN without one."""
+    sizes = [len(labels) for labels in columns.labels]
+    cells = math.prod(sizes)
+    if cells > _MOST_CELLS:
+        told = ", ".join(f"{name} {size}" for name, size in zip(names, sizes, strict=True))
+        raise ValueError(
+            f"{cells} cells are more than {_MOST_CELLS}; labels: {told}; name fewer factors"
+        )
+    cell = columns.combined()
+    count = np.bincount(cell, minlength=cells)
+    total = np.bincount(cell, weights=value, minlength=cells)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan).reshape(sizes)
+
+
+def _table(grid: _Grid, question: Question, unit: str) -> Table:
+    from pandas import DataFrame
+
+    count = len(_factors(question))
+    found = effects(grid.values) if grid.values.size else _unknown(count)
+    told = [sources for sources in found if sources or count > 2]
+    made = DataFrame([_row(sources, found, grid, question) for sources in told])
+    made["labels"] = made["labels"].astype("Int64")
+    made.attrs["title"] = f"What explains the variance of {question.metric}"
+    shares = ("eta squared", "partial eta squared", "winner changes")
+    made.attrs["units"] = dict.fromkeys(shares, "share") | (
+        {"variance": f"({unit})^2"} if unit else {}
+    )
+    return made
+
+
+def _row(
+    sources: Sources, found: Mapping[Sources, float], grid: _Grid, question: Question
+) -> dict[str, Any]:
+    names = _factors(question)
+    # of two factors, what is left is their interaction
+    rest: Sources = (0, 1) if len(names) == 2 else ()
+    variance, beside = found[sources], found[sources] + found[rest]
+    alone = len(sources) == 1
+    return {
+        "source": " x ".join(names[one] for one in sources) or REST,
+        "labels": len(grid.labels[sources[0]]) if alone else np.nan,
+        "variance": variance,
+        "eta squared": _share(variance, sum(found.values())),
+        "partial eta squared": np.nan if sources == rest else _share(variance, beside),
+        "winner changes": _changes(grid, question, sources[0]) if alone else np.nan,
+    }
+
+
+def _unknown(count: int) -> Mapping[Sources, float]:
+    return dict.fromkeys(effects(np.zeros((1,) * count)), np.nan)
+
+
+def _share(part: float, total: float) -> float:
+    return part / total if total > 0.0 else np.nan
+
+
+def _changes(grid: _Grid, question: Question, axis: int) -> float:
+    compared = len(question.within)
+    if not grid.values.size or not question.compare or question.better == "none":
+        return np.nan
+    if axis == compared:
+        return np.nan
+    return winner_changes(sign_of(question.better) * grid.values, compared, axis)
+
+
+def _draw(table: Table, question: Question) -> Figure:
+    from nodegraph_compare.importance.figure import draw
+
+    return draw(table, question)

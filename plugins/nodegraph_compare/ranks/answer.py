@@ -1,0 +1,120 @@
+"""What a ranking says, in sentences."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import listed
+from nodegraph_compare.left_out import MOST_GROUPS, group_text, narrowed, numberless, start_text
+from nodegraph_compare.statistics import LEVEL, TEST_NAMES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from nodegraph_compare.question import Question
+    from nodegraph_compare.ranks.ranking import PairTest, Ranking
+
+
+def answers(found: Sequence[Ranking], question: Question, test: PairTest, blocks: str) -> list[str]:
+    """Return a sentence on each group, or one on all where there are many.
+
+    Parameters
+    ----------
+    found, question
+        Of the comparison.
+    test
+        Of the pairs.
+    blocks
+        What several blocks are called.
+    """
+    if len(found) > MOST_GROUPS:
+        return [_counted(found, question)]
+    told = [(answer(one, question, test, blocks), numberless(one.group)) for one in found]
+    return [f"{said}; {absent}." if absent else f"{said}." for said, absent in told]
+
+
+def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> str:
+    """Return who ranks first, whether chance could do that, and who is not apart from the first.
+
+    Where over a quarter of the blocks are left out, that is told too.
+
+    Parameters
+    ----------
+    ranking, question
+        Of the comparison.
+    test
+        Of the pairs.
+    name
+        What several blocks are called.
+    """
+    start = start_text(group_text(ranking.group, question))
+    count, blocks = len(ranking.methods), len(ranking.values)
+    if not blocks:
+        return f"{start}no block has a number for every method; nothing can be ranked"
+    if count == 1:
+        return f"{start}only {ranking.methods[0]} has numbers; there is nothing to rank"
+    several = f"{blocks} blocks" if blocks > 1 else "one block"
+    several = narrowed(ranking.group, name) or several
+    first = _firsts(ranking)
+    names = listed([str(ranking.methods[place]) for place in first])
+    told = (
+        f"{start}{names} {'has' if len(first) == 1 else 'share'} the lowest mean rank "
+        f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several})"
+    )
+    if count == 2:
+        return f"{told}; {_two(ranking)}"
+    if blocks == 1:
+        return f"{told}; one block says nothing of chance"
+    return f"{told}; {_many(ranking, first, test)}"
+
+
+def chance(p: float) -> str:
+    """Return a p for a sentence: ``p = 0.034``, ``p < 0.001``."""
+    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
+
+
+def _firsts(ranking: Ranking) -> list[int]:
+    """Return the places of the methods with the lowest mean rank."""
+    places: list[int] = np.flatnonzero(ranking.ranks == ranking.ranks.min()).tolist()
+    return places
+
+
+def _two(ranking: Ranking) -> str:
+    p = float(ranking.pairs.p[0])
+    apart = "apart" if p < LEVEL else "not clearly apart"
+    return f"the two are {apart} by Wilcoxon's signed-rank test ({chance(p)})"
+
+
+def _many(ranking: Ranking, first: list[int], test: PairTest) -> str:
+    overall, pairs = ranking.overall, ranking.pairs
+    told = f"F = {overall.f:.3g}, {chance(overall.p_f)}; Kendall's W = {overall.w:.2f}"
+    if overall.p_f >= LEVEL:
+        return f"Friedman's test does not tell the methods apart ({told})"
+    near = [
+        {int(a), int(b)}
+        for a, b, p in zip(pairs.first, pairs.second, pairs.p, strict=True)
+        if p >= LEVEL
+    ]
+    others = {other for pair in near if pair & {*first} for other in pair - {*first}}
+    order = sorted(sorted(others), key=lambda at: ranking.ranks[at])
+    close = [str(ranking.methods[one]) for one in order]
+    them = "it" if len(first) == 1 else "them"
+    rest = (
+        f"not apart from {them}: {listed(close)}" if close else f"all others are apart from {them}"
+    )
+    return f"the methods differ by Friedman's test ({told}); by {TEST_NAMES[test]} {rest}"
+
+
+def _counted(found: Sequence[Ranking], question: Question) -> str:
+    ranked = [one for one in found if len(one.values)]
+    firsts = (one.methods[place] for one in ranked for place in _firsts(one))
+    wins = Counter(str(name) for name in firsts).most_common()
+    told = listed([f"{name} in {count}" for name, count in wins])
+    differ = sum(one.overall.p_f < LEVEL for one in ranked)
+    return (
+        f"Of {len(found)} groups ({', '.join(question.within)}), the lowest mean rank has {told}; "
+        f"in {differ} of them Friedman's test tells the methods apart."
+    )

@@ -1,0 +1,219 @@
+"""Mean ranks of methods over blocks, tested, with a critical-difference diagram."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from nodegraph import Across, Label, node
+from nodegraph_compare.blocks import groups
+from nodegraph_compare.labels import compared_looks
+from nodegraph_compare.left_out import block_text, end_text, left_out
+from nodegraph_compare.question import Better, Names, OneColumn, OneName, Question, ask, blocks_name
+from nodegraph_compare.ranks.answer import answers
+from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank
+from nodegraph_compare.statistics import LEVEL
+from nodegraph_mocap import Figure, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from nodegraph_tables.style import Look
+
+
+class Ranked(NamedTuple):
+    """Mean ranks, their picture, and the tests."""
+
+    table: Table
+    figure: Figure
+    pairs: Table
+    overall: Table
+
+
+@node(
+    "compare.ranks",
+    cite=(
+        "demsar2006statistical",
+        "friedman1937ranks",
+        "iman1980approximations",
+        "nemenyi1963distribution",
+        "wilcoxon1945individual",
+        "holm1979simple",
+        "kendall1939problem",
+        "kerby2014simple",
+    ),
+)
+def ranks(
+    scores: Across[Table],
+    *,
+    metric: OneColumn = None,
+    compare: OneName = None,
+    within: Names = (),
+    blocks: Names = (),
+    better: Better = "declared",
+    test: PairTest = "nemenyi",
+) -> Ranked:
+    """Rank methods within each block, and test whether their mean ranks differ.
+
+    In every block the methods are ranked, 1 for the best, equal ones sharing the mean of their
+    ranks; values that differ by rounding alone, by at most 1e-9 of their size, are equal, as in
+    `compare.table`, and so are differences of a pair. Friedman's test asks whether all methods
+    rank alike; its chi2, corrected for ties, is given beside Iman and Davenport's F, which is less
+    conservative and decides here (Demsar 2006). Then every pair is tested:
+
+    - ``nemenyi``: two methods are apart where their mean ranks differ by the critical difference
+      ``q sqrt(k (k + 1) / (12 N))`` or more, q the 95 % quantile of the studentised range of the
+      k methods, N the number of blocks.
+    - ``wilcoxon_holm``: Wilcoxon's signed-rank test of each pair's differences, with Holm's
+      correction over all pairs. It asks about the sizes of the differences, does not depend on
+      the other methods, and with k (k - 1) / 2 pairs needs more blocks.
+
+    Both keep the chance of any false claim at 5 %. Two methods are compared by Wilcoxon's test
+    alone. Blocks are those of `compare.table`: only those that every method has count; what is
+    left out is counted and told in a warning.
+
+    Parameters
+    ----------
+    scores
+        Tables, a row per unit (a gap, a marker, a take).
+    metric
+        The column of numbers to compare. Default: the first column of floats.
+    compare
+        The axis, or column, whose labels are compared. Default: the last gathered axis that is
+        not in `within` or `blocks`.
+    within
+        Axes, or columns: each combination of their labels is ranked by itself.
+    blocks
+        Axes, or columns, whose combinations are the blocks. Default: every gathered axis that is
+        not compared or in `within`, and the first column of the tables where it says which unit
+        a row is.
+    better
+        Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
+        rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.
+    test
+        Of the pairs: ``nemenyi`` or ``wilcoxon_holm``.
+
+    Returns
+    -------
+    table
+        A row per method, the best first: ``blocks``, ``mean rank``, ``mean`` of the metric.
+    figure
+        Demsar's critical-difference diagram: bars join methods of which no two are apart.
+    pairs
+        A row per pair: the difference of their mean ranks (``first`` minus ``second``), ``p``
+        adjusted for the number of pairs, and ``effect``, the matched-pairs rank-biserial
+        correlation (1: the first is better in every block, 0: as often and as much better as
+        worse).
+    overall
+        A row per combination of `within`: ``chi2``, ``p``, ``F``, ``p of F``, Kendall's ``W``
+        (1: every block ranks alike), ``critical difference`` (at 5 %); NaN for fewer than three
+        methods or two blocks.
+
+    Raises
+    ------
+    ValueError
+        If a name is neither axis nor column or is used twice, or the metric holds no numbers.
+    """
+    question = ask(
+        scores, metric=metric, compare=compare, within=within, blocks=blocks, better=better
+    )
+    gathered = groups(scores, question)
+    found = [rank(group, question.better, test) for group in gathered]
+    look = compared_looks(scores, question, gathered)
+    made = _table(found, question)
+    first = "the lowest value" if question.better == "none" else "the best"
+    made.attrs["notes"] = [
+        f"{block_text(question)} {end_text(question)}",
+        f"Rank 1 is {first} in a block, equal values share the mean of their ranks. Only blocks "
+        f"in which every method with any number has all its numbers count. Level {LEVEL:.0%}.",
+        *left_out(scores, question, gathered),
+    ]
+    made.attrs["answer"] = answers(found, question, test, blocks_name(scores, question))
+    return Ranked(
+        made,
+        _draw(question, found, look, test),
+        _pairs(found, question),
+        _overall(found, question),
+    )
+
+
+def _table(found: Sequence[Ranking], question: Question) -> Table:
+    from pandas import DataFrame
+
+    name = question.compare or "method"
+    rows: list[dict[str, Any]] = []
+    for one in found:
+        means = one.values.mean(axis=0) if len(one.values) else np.full(len(one.methods), np.nan)
+        for place in np.argsort(one.ranks, kind="stable").tolist():
+            rows.append(
+                _labels(one, question)
+                | {name: one.methods[place], "blocks": len(one.values)}
+                | {"mean rank": one.ranks[place], "mean": means[place]}
+            )
+        rows += [
+            _labels(one, question)
+            | {name: method, "blocks": 0, "mean rank": np.nan, "mean": np.nan}
+            for method in one.group.methods
+            if method not in one.methods
+        ]
+    made = DataFrame(rows)
+    made.attrs["title"] = _title("Mean ranks", question)
+    made.attrs["labels"] = [*question.within, name]
+    return made
+
+
+def _pairs(found: Sequence[Ranking], question: Question) -> Table:
+    from pandas import DataFrame
+
+    rows = []
+    for one in found:
+        pairs = one.pairs
+        apart = one.ranks[pairs.first] - one.ranks[pairs.second]
+        both = zip(pairs.first, pairs.second, apart, pairs.p, pairs.effect, strict=True)
+        rows += [
+            _labels(one, question)
+            | {"first": one.methods[a], "second": one.methods[b]}
+            | {"rank difference": difference, "p": p, "effect": effect}
+            for a, b, difference, p, effect in both
+        ]
+    made = DataFrame(rows)
+    labels = [*question.within, "first", "second"]
+    made.attrs.update(title=_title("Pairs", question), notes=[], labels=labels)
+    return made
+
+
+def _overall(found: Sequence[Ranking], question: Question) -> Table:
+    from pandas import DataFrame
+
+    rows = []
+    for one in found:
+        told = one.overall
+        rows.append(
+            _labels(one, question)
+            | {"methods": len(one.methods), "blocks": len(one.values)}
+            | {"chi2": told.chi2, "p": told.p, "F": told.f, "p of F": told.p_f, "W": told.w}
+            | {"critical difference": told.critical}
+        )
+    made = DataFrame(rows)
+    labels = list(question.within)
+    made.attrs.update(title=_title("Friedman's test", question), notes=[], labels=labels)
+    return made
+
+
+def _labels(ranking: Ranking, question: Question) -> dict[str, Label]:
+    return dict(zip(question.within, ranking.group.labels, strict=True))
+
+
+def _title(what: str, question: Question) -> str:
+    by = f" by {question.compare}" if question.compare else ""
+    within = f" within {', '.join(question.within)}" if question.within else ""
+    return f"{what} of {question.metric}{by}{within}"
+
+
+def _draw(
+    question: Question, found: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
+) -> Figure:
+    from nodegraph_compare.ranks.figure import draw
+
+    return draw(question, found, look, test)

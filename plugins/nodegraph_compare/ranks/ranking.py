@@ -1,0 +1,199 @@
+"""Ranks of methods within blocks, and the tests of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from nodegraph_compare.question import End, sign_of
+from nodegraph_compare.statistics import LEVEL, holm, range_quantile, rank_biserial, signed_rank
+from nodegraph_compare.ties import apart
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph import Label
+    from nodegraph_compare.blocks import Group
+
+PairTest = Literal["nemenyi", "wilcoxon_holm"]
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Ranks of the K usable methods of a group over its N complete blocks.
+
+    Attributes
+    ----------
+    group : Group
+    methods : tuple of K labels
+    values : (N, K) array of float64
+        The complete blocks.
+    ranks : (K,) array of float64
+        Mean over the blocks; 1 is the best in every block. NaN without a block.
+    overall : Overall
+    pairs : Pairs
+    """
+
+    group: Group
+    methods: tuple[Label, ...]
+    values: NDArray[np.float64]
+    ranks: NDArray[np.float64]
+    overall: Overall
+    pairs: Pairs
+
+
+@dataclass(frozen=True)
+class Overall:
+    """Friedman's test of three methods or more; NaN for fewer.
+
+    Attributes
+    ----------
+    chi2, p, f, p_f : float
+        Friedman's statistic and Iman and Davenport's, with their p.
+    w : float
+        Kendall's coefficient of concordance: 1 where all blocks rank alike, 0 where none agree.
+    critical : float
+        Difference of mean ranks from which Nemenyi's test calls two methods apart.
+    """
+
+    chi2: float
+    p: float
+    f: float
+    p_f: float
+    w: float
+    critical: float
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """All pairs of methods, P = K (K - 1) / 2.
+
+    Attributes
+    ----------
+    first, second : (P,) arrays of int
+        Places in the methods.
+    p : (P,) array of float64
+        Adjusted for the number of pairs.
+    effect : (P,) array of float64
+        Matched-pairs rank-biserial correlation: 1 where the first is better in every block.
+    """
+
+    first: NDArray[np.intp]
+    second: NDArray[np.intp]
+    p: NDArray[np.float64]
+    effect: NDArray[np.float64]
+
+
+def rank(group: Group, end: End, test: PairTest) -> Ranking:
+    """Return the ranking of a group's usable methods.
+
+    Parameters
+    ----------
+    group
+        The values of its methods in its blocks.
+    end
+        Which end of the metric is better; of ``none``, rank 1 is the lowest value.
+    test
+        Of the pairs.
+    """
+    from scipy.stats import rankdata
+
+    usable = group.usable
+    values = group.values[group.complete][:, usable]
+    methods = tuple(name for name, one in zip(group.methods, usable, strict=True) if one)
+    within = rankdata(sign_of(end) * values, axis=1)
+    ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
+    pairs = _pairs(sign_of(end) * values, ranks, test)
+    return Ranking(group, methods, values, ranks, _overall(within), pairs)
+
+
+def critical_difference(blocks: int, methods: int) -> float:
+    """Return Nemenyi's critical difference of mean ranks at 5 % (Demsar 2006, section 3.2.2).
+
+    ``q / sqrt(2) sqrt(k (k + 1) / (6 N))`` with the studentised range q of k normal means.
+    """
+    return range_quantile(methods, np.inf) * _unit(blocks, methods)
+
+
+def runs(ranking: Ranking) -> list[tuple[int, int]]:
+    """Return the first and last places, by mean rank, of methods of which no two are apart.
+
+    Only runs of two or more, none of them within another: the bars of the diagram.
+    """
+    order = np.argsort(ranking.ranks, kind="stable")
+    count = len(order)
+    apart = np.zeros((count, count), dtype=bool)
+    pairs = ranking.pairs
+    apart[pairs.first, pairs.second] = apart[pairs.second, pairs.first] = pairs.p < LEVEL
+    apart = apart[np.ix_(order, order)]
+    found: list[tuple[int, int]] = []
+    for first in range(count):
+        last = first
+        while last + 1 < count and not apart[first : last + 1, last + 1].any():
+            last += 1
+        if last > first and (not found or last > found[-1][1]):
+            found.append((first, last))
+    return found
+
+
+def _overall(within: NDArray[np.float64]) -> Overall:
+    """Return Friedman's test, corrected for ties, and what is made of it.
+
+    With ``S`` the sum of squared deviations of all ranks from their mean ``(k + 1) / 2``, which
+    is ``N k (k^2 - 1) / 12`` where nothing is tied,
+    ``chi2 = N (k - 1) N sum((R_j - (k + 1) / 2)^2) / S`` and ``W = chi2 / (N (k - 1))``;
+    ``F = (N - 1) chi2 / (N (k - 1) - chi2)`` with ``k - 1`` and ``(k - 1)(N - 1)`` degrees of
+    freedom (Iman & Davenport 1980). Where all methods tie in every block, chi2 is 0.
+    """
+    from scipy.stats import chi2 as chi2_of
+    from scipy.stats import f as f_of
+
+    blocks, methods = within.shape
+    if methods < 3 or blocks < 2:
+        return Overall(*[np.nan] * 6)
+    middle = (methods + 1) / 2
+    total = float(np.square(within - middle).sum())
+    # sums of ranks are exact, means are not: blocks that all rank alike must come out as 1
+    between = float(np.square((within - middle).sum(axis=0)).sum())
+    w = between / (blocks * total) if total else 0.0
+    most = blocks * (methods - 1)
+    chi2 = most * w
+    f = (blocks - 1) * w / (1 - w) if w < 1.0 else np.inf
+    return Overall(
+        chi2=chi2,
+        p=float(chi2_of.sf(chi2, methods - 1)),
+        f=f,
+        p_f=float(f_of.sf(f, methods - 1, (methods - 1) * (blocks - 1))),
+        w=w,
+        critical=critical_difference(blocks, methods),
+    )
+
+
+def _pairs(signed: NDArray[np.float64], ranks: NDArray[np.float64], test: PairTest) -> Pairs:
+    blocks, methods = signed.shape
+    first, second = np.triu_indices(methods, 1)
+    if not blocks or not len(first):
+        nothing = np.full(len(first), np.nan)
+        return Pairs(first, second, nothing, nothing)
+    differences = apart(signed[:, second], signed[:, first])
+    if test == "nemenyi" and methods > 2:
+        p = _nemenyi(np.abs(ranks[first] - ranks[second]), blocks, methods)
+    else:
+        p = holm(signed_rank(differences))
+    return Pairs(first, second, p, rank_biserial(differences))
+
+
+def _nemenyi(differences: NDArray[np.float64], blocks: int, methods: int) -> NDArray[np.float64]:
+    from scipy.stats import studentized_range
+
+    found, place = np.unique(differences, return_inverse=True)
+    ratio = found / _unit(blocks, methods) * np.sqrt(2)
+    p = studentized_range.sf(ratio, methods, np.inf)
+    return np.asarray(np.clip(p, 0.0, 1.0)[place])
+
+
+def _unit(blocks: int, methods: int) -> float:
+    """Return the standard error of the difference of two mean ranks."""
+    return float(np.sqrt(methods * (methods + 1) / (6 * blocks)))

@@ -1,0 +1,27 @@
+"""Run the steps of a graph on a Dask cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from nodegraph import NodegraphError, hookimpl
+
+
+@hookimpl
+def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
+    """Return the executor ``dask``."""
+    return {"dask": _dask}
+
+
+def _dask(schedule: Any, how: Any) -> Iterator[Any]:
+    try:
+        from nodegraph_dask.executor import dask
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("dask", "distributed"):
+            raise
+        raise NodegraphError(
+            "the executor 'dask' needs packages that are not installed; "
+            "pip install 'nodegraph[dask]'"
+        ) from error
+    return dask(schedule, how)

@@ -1,0 +1,71 @@
+"""Read and write recordings, heads, models, weights and marker sets."""
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from nodegraph import hookimpl
+from nodegraph_files.c3d import c3d_bytes, read_c3d, write_c3d
+from nodegraph_files.glb.writing import animation_bytes, head_bytes
+from nodegraph_files.marker_set import marker_set_text, read_marker_set
+from nodegraph_files.model import model_bytes, read_model_npz
+from nodegraph_files.npz import npz_bytes, read_npz, write_npz
+from nodegraph_files.paths import sample_folder
+from nodegraph_files.text.csv import csv_bytes, read_csv, write_csv
+from nodegraph_files.text.live_link import read_live_link
+from nodegraph_files.text.trc import read_trc, trc_bytes, write_trc
+
+__all__ = [
+    "animation_bytes",
+    "c3d_bytes",
+    "csv_bytes",
+    "head_bytes",
+    "marker_set_text",
+    "model_bytes",
+    "npz_bytes",
+    "read_c3d",
+    "read_csv",
+    "read_live_link",
+    "read_marker_set",
+    "read_model_npz",
+    "read_npz",
+    "read_trc",
+    "sample_folder",
+    "trc_bytes",
+    "write_c3d",
+    "write_csv",
+    "write_npz",
+    "write_trc",
+]
+
+
+@hookimpl
+def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+    """Return the nodes of this package."""
+    from nodegraph_files import writers
+    from nodegraph_files.head import read_head
+    from nodegraph_files.marker_set import read_marker_set_node
+    from nodegraph_files.model import read_model
+    from nodegraph_files.recording import read_recording
+    from nodegraph_files.weights import read_weights
+
+    return (
+        read_recording,
+        read_marker_set_node,
+        read_weights,
+        read_head,
+        read_model,
+        writers.write_c3d,
+        writers.write_trc,
+        writers.write_csv,
+        writers.write_npz,
+        writers.write_marker_set,
+        writers.write_model,
+        writers.write_glb,
+    )
+
+
+@hookimpl
+def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:
+    """Return what finds ``sample:NAME``."""
+    return {"sample": sample_folder}

@@ -1,0 +1,379 @@
+"""Where the samples of a C3D file lie, and how they are to be read.
+
+A C3D file says most things twice, in its header and in its parameters, and writers do not
+always keep the two equal. The size of the file settles which is right; where it does not, the
+file is refused, because a wrong guess would shift every number. Of rate and scale, which no size
+settles, the parameters count, with a warning.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import struct
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+BLOCK = 512
+INTEL, DEC, MIPS = 84, 85, 86
+TEXT, BYTE, INTEGER, FLOAT = -1, 1, 2, 4
+
+
+@dataclass(frozen=True)
+class Processor:
+    """How the machine that wrote a file writes numbers."""
+
+    code: int
+
+    def __post_init__(self) -> None:
+        if self.code not in (INTEL, DEC, MIPS):
+            raise ValueError(f"it was written by a processor of unknown kind {self.code}")
+
+    @property
+    def order(self) -> str:
+        """Byte order, as `struct` and NumPy write it."""
+        return ">" if self.code == MIPS else "<"
+
+    def integer(self, data: bytes) -> int:
+        """Return an unsigned integer."""
+        return int.from_bytes(data, "big" if self.code == MIPS else "little")
+
+    def integers(self, data: bytes | memoryview) -> NDArray[np.int16]:
+        """Return 16-bit signed integers."""
+        return np.frombuffer(data, f"{self.order}i2")
+
+    def floats(self, data: bytes | memoryview) -> NDArray[np.floating[Any]]:
+        """Return 32-bit floating-point numbers.
+
+        DEC stores the two halves of a number the other way round, and an exponent that is
+        larger by two.
+        """
+        if self.code == DEC:
+            halves = np.frombuffer(data, "<u2").reshape(-1, 2)[:, ::-1]
+            with np.errstate(invalid="ignore"):  # of bits that are no number
+                return halves.copy().view("<f4").ravel().astype(np.float64) / 4
+        return np.frombuffer(data, f"{self.order}f4")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One entry: its kind (`TEXT`, `BYTE`, `INTEGER`, `FLOAT`), its shape and its bytes."""
+
+    kind: int
+    shape: tuple[int, ...]
+    data: bytes
+    processor: Processor
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """Its values; integers count from 0 to 65535, texts have none."""
+        if self.kind == FLOAT:
+            return tuple(self.processor.floats(self.data).tolist())
+        if self.kind == TEXT:
+            return ()
+        pieces = range(0, len(self.data), self.kind)
+        return tuple(float(self.processor.integer(self.data[at : at + self.kind])) for at in pieces)
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """Its texts, without the spaces that pad them; numbers have none."""
+        if self.kind != TEXT or not self.data:
+            return ()
+        width = self.shape[0] if self.shape else 1
+        pieces = range(0, len(self.data), width)
+        return tuple(_text(self.data[at : at + width]) for at in pieces)
+
+
+Parameters = Mapping[tuple[str, str], Parameter]
+"""Entries by group and name, both in capitals."""
+
+
+def read_parameters(content: bytes, start: int) -> Parameters:
+    """Read the section that starts at that byte.
+
+    Raises
+    ------
+    ValueError
+        If it is damaged.
+    """
+    processor = Processor(content[start + 3])
+    groups: dict[int, str] = {}
+    found: dict[tuple[int, str], Parameter] = {}
+    for place, number, name, body in _entries(content, start + 4, processor):
+        if number < 0:
+            groups[-number] = name
+        else:
+            found[number, name] = _parameter(body, place, processor)
+    return {
+        (groups[number], name): value for (number, name), value in found.items() if number in groups
+    }
+
+
+def _entries(
+    content: bytes, place: int, processor: Processor
+) -> Iterator[tuple[int, int, str, bytes]]:
+    while place + 2 <= len(content):
+        length, number = struct.unpack("<bb", content[place : place + 2])
+        if length == 0:
+            return
+        step_at = place + 2 + abs(length)
+        step = processor.integer(content[step_at : step_at + 2])
+        end = step_at + step if step else len(content)
+        if number == 0 or step_at + 2 > len(content) or end > len(content) or 0 < step < 3:
+            raise ValueError(f"its parameter section is damaged at byte {place}")
+        name = _text(content[place + 2 : step_at]).upper()
+        yield place, number, name, content[step_at + 2 : end]
+        if step == 0:
+            return
+        place = end
+    raise ValueError("its parameter section has no end")
+
+
+def _parameter(body: bytes, place: int, processor: Processor) -> Parameter:
+    kind = struct.unpack("<b", body[:1])[0]
+    rank = body[1] if len(body) > 1 else 0
+    shape = tuple(body[2 : 2 + rank])
+    length = math.prod(shape) * abs(kind)
+    data = body[2 + rank : 2 + rank + length]
+    if kind not in (TEXT, BYTE, INTEGER, FLOAT) or len(shape) < rank or len(data) < length:
+        raise ValueError(f"the parameter at byte {place} is damaged")
+    return Parameter(kind, shape, data, processor)
+
+
+def _text(data: bytes) -> str:
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    return text.strip(" \0\t\r\n")
+
+
+LARGEST_COUNT = 0xFFFF
+LARGEST_SECTION = 256 * BLOCK
+
+
+@dataclass(frozen=True)
+class Layout:
+    """One account of how many samples a file holds and where they lie.
+
+    Attributes
+    ----------
+    frames, points : int
+    values : int
+        Analog values per frame.
+    start : int
+        Byte at which the samples start.
+    width : int
+        Bytes per number: 2, integers to be scaled, or 4.
+    """
+
+    frames: int
+    points: int
+    values: int
+    start: int
+    width: int
+
+    @property
+    def frame_bytes(self) -> int:
+        """Bytes of one frame."""
+        return (4 * self.points + self.values) * self.width
+
+    @property
+    def end(self) -> int:
+        """Byte after the last sample."""
+        return self.start + self.frames * self.frame_bytes
+
+    def __str__(self) -> str:
+        return (
+            f"{self.frames} frames x ({self.points} points, {self.values} analog values) of "
+            f"{self.width} bytes from byte {self.start}"
+        )
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a C3D file says of itself: layout, parameters, processor, rate (Hz) and scale."""
+
+    layout: Layout
+    parameters: Parameters
+    processor: Processor
+    rate: float
+    scale: float
+
+
+@dataclass(frozen=True)
+class _Header:
+    points: int
+    values: int
+    frames: int
+    scale: float
+    start_block: int
+    rate: float
+
+
+def read_description(path: Path) -> Description:
+    """Read header and parameters, and settle what they tell differently.
+
+    Raises
+    ------
+    ValueError
+        If the file is no C3D file, is damaged, or is shorter than it says.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        content = stream.read(LARGEST_SECTION)
+    if len(content) < BLOCK or content[1] != 0x50:
+        raise ValueError("it does not start with a C3D header")
+    section = (content[0] - 1) * BLOCK
+    if section < BLOCK or section + 4 > len(content):
+        raise ValueError("it ends before its parameters, or they are not where it says")
+    processor = Processor(content[section + 3])
+    parameters = read_parameters(content, section)
+    header = _header(content, processor)
+    layout = _settle(list(_accounts(header, parameters)), size)
+    return Description(
+        layout=layout,
+        parameters=parameters,
+        processor=processor,
+        rate=_rate(header, parameters),
+        scale=_scale(header, parameters) if layout.width == 2 else 1.0,
+    )
+
+
+def _header(content: bytes, processor: Processor) -> _Header:
+    order = processor.order
+    points, values, first, last = struct.unpack(f"{order}4H", content[2:10])
+    scale, rate = processor.floats(content[12:16] + content[20:24])
+    start = processor.integer(content[16:18])
+    return _Header(points, values, last - first + 1, float(scale), start, float(rate))
+
+
+def _accounts(header: _Header, parameters: Parameters) -> Iterable[Layout]:
+    """Yield every combination of what header and parameters say, the parameters' first."""
+
+    def told(group: str, name: str, also: float) -> list[float]:
+        return _unlike(_number(parameters, group, name), also)
+
+    claims = itertools.product(
+        _frames(header, parameters),
+        told("POINT", "USED", header.points),
+        _unlike(_analog_values(parameters), header.values),
+        told("POINT", "DATA_START", header.start_block),
+        _unlike(*(_width(scale) for scale in told("POINT", "SCALE", header.scale))),
+    )
+    for frames, points, values, block, width in claims:
+        start = (int(block) - 1) * BLOCK
+        if start >= 2 * BLOCK and points >= 0 and values >= 0:
+            yield Layout(int(frames), int(points), int(values), start, int(width))
+
+
+def _frames(header: _Header, parameters: Parameters) -> list[float]:
+    first = _whole(parameters, "TRIAL", "ACTUAL_START_FIELD")
+    last = _whole(parameters, "TRIAL", "ACTUAL_END_FIELD")
+    trial = last - first + 1 if first is not None and last is not None else None
+    longer = _number(parameters, "POINT", "LONG_FRAMES")
+    counted = _number(parameters, "POINT", "FRAMES")
+    told = _unlike(longer, trial, counted, header.frames)
+    if max(told) > LARGEST_COUNT:
+        # The old counters cannot hold so many; that they are full is no disagreement.
+        told = [count for count in told if count != LARGEST_COUNT]
+    return [count for count in told if 0 <= count < 2**31] or [0]
+
+
+def _analog_values(parameters: Parameters) -> float:
+    """Return the analog values per frame: channels times samples per frame."""
+    used = _number(parameters, "ANALOG", "USED") or 0
+    rate = _number(parameters, "POINT", "RATE") or 0
+    analog_rate = _number(parameters, "ANALOG", "RATE") or 0
+    return used * round(analog_rate / rate) if rate > 0 else 0
+
+
+def _settle(accounts: list[Layout], size: int) -> Layout:
+    if not accounts:
+        raise ValueError("it does not say where its samples start")
+    if len(accounts) == 1:
+        return _checked(accounts[0], size)
+    fitting = [one for one in accounts if 0 <= size - one.end < BLOCK]
+    exact = [one for one in fitting if one.end == size] or fitting
+    if not exact:
+        told = "; ".join(str(one) for one in (accounts[0], accounts[-1]))
+        raise ValueError(
+            f"its header and its parameters disagree ({told}), and its {size} bytes do not "
+            "show which is right: it was cut short, or is damaged"
+        )
+    warnings.warn(
+        f"the file's header and parameters disagree; by its size it holds {exact[0]}", stacklevel=2
+    )
+    return exact[0]
+
+
+def _checked(layout: Layout, size: int) -> Layout:
+    if layout.end > size:
+        raise ValueError(
+            f"it announces {layout}, which end at byte {layout.end}, but the file ends at byte "
+            f"{size}: it was cut short, or is damaged"
+        )
+    if layout.frames == LARGEST_COUNT and size - layout.end >= BLOCK:
+        raise ValueError(
+            f"it counts {LARGEST_COUNT} frames, the most that its counter can hold, and goes on "
+            "after them; cut it into shorter takes"
+        )
+    return layout
+
+
+def _rate(header: _Header, parameters: Parameters) -> float:
+    """Return the rate as the shortest decimal number that the file's 32 bits stand for."""
+    rate = _either("rate", _number(parameters, "POINT", "RATE") or 0.0, header.rate)
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"its rate is {rate}; it must be a positive number of frames per second")
+    return float(str(np.float32(rate)))
+
+
+def _scale(header: _Header, parameters: Parameters) -> float:
+    """Return what integers are multiplied by; a negative number stands for no integers."""
+    told = _number(parameters, "POINT", "SCALE") or 0.0
+    scale = _either("scale", max(told, 0.0), header.scale)
+    if not (np.isfinite(scale) and scale > 0):
+        raise ValueError(f"its samples are integers, and their scale is {scale}")
+    return scale
+
+
+def _either(what: str, told: float, also: float) -> float:
+    """Return what the parameters tell, or the header where they tell nothing (0)."""
+    if told and also > 0 and not math.isclose(told, also, rel_tol=1e-6):
+        warnings.warn(
+            f"the file's parameters give a {what} of {told:g}, its header {also:g}; the parameters "
+            "count",
+            stacklevel=5,
+        )
+    return told or also
+
+
+def _number(parameters: Parameters, group: str, name: str) -> float | None:
+    found = parameters.get((group, name))
+    numbers = found.numbers if found else ()
+    return numbers[0] if numbers and np.isfinite(numbers[0]) else None
+
+
+def _whole(parameters: Parameters, group: str, name: str) -> float | None:
+    """Return a count that is stored as two 16-bit words, the lower first."""
+    found = parameters.get((group, name))
+    numbers = found.numbers if found else ()
+    return numbers[0] + 65536 * numbers[1] if len(numbers) == 2 else None
+
+
+def _width(scale: float) -> float:
+    return 4 if scale < 0 else 2
+
+
+def _unlike(*claims: float | None) -> list[float]:
+    return list(dict.fromkeys(claim for claim in claims if claim is not None))

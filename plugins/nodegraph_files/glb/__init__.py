@@ -1,0 +1,1 @@
+"""Heads and animations in GLB files, the binary form of glTF 2.0."""

@@ -1,0 +1,179 @@
+"""Marker sets as YAML files."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+from nodegraph import InputFile, node
+from nodegraph_files.paths import find_file
+from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.recording import Trajectories
+
+PARTS = tuple(field.name for field in fields(MarkerSet))
+_COUPLES = ("pairs", "edges")
+
+
+def read_marker_set(path: Path) -> MarkerSet:
+    """Read a marker set.
+
+    The file lists ``markers`` and, where they are known, ``pairs``, ``midline``, ``stable`` and
+    ``edges``.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of that form, with the place where it is not.
+    """
+    import yaml
+
+    # nothing is resolved, so that a marker may be called `no` or `1e3`; the loader in C is faster,
+    # but ends the process on brackets nested deep enough
+    loader = yaml.BaseLoader
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        _check_keys(yaml.compose(text, Loader=loader))
+        return marker_set_of(yaml.load(text, Loader=loader))
+    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError) as error:
+        raise ValueError(f"{path}: not a marker set: {error}") from None
+
+
+def _check_keys(node: Any) -> None:
+    """Refuse a key that stands twice, of which YAML would keep the last in silence."""
+    pairs = node.value if getattr(node, "id", "") == "mapping" else []
+    lines: dict[str, int] = {}
+    for key, _ in pairs:
+        line = key.start_mark.line + 1
+        if key.id == "scalar" and lines.setdefault(key.value, line) != line:
+            raise ValueError(f"line {line}: {key.value!r} again, after line {lines[key.value]}")
+
+
+def marker_set_of(found: Any) -> MarkerSet:
+    """Return the marker set that plain data describe.
+
+    Raises
+    ------
+    ValueError
+        If they are not of its form.
+    """
+    if not isinstance(found, Mapping) or "markers" not in found:
+        raise ValueError(
+            f"it must be a mapping with 'markers', and may have {', '.join(PARTS[1:])}"
+        )
+    unknown = [str(key) for key in found if key not in PARTS]
+    if unknown:
+        raise ValueError(f"unknown key {unknown[0]!r}; there is {', '.join(PARTS)}")
+    return MarkerSet(**{part: _part(part, found[part]) for part in PARTS if part in found})
+
+
+def plain_marker_set(marker_set: MarkerSet) -> dict[str, list[Any]]:
+    """Return a marker set as plain data, empty parts left out."""
+    parts = {part: getattr(marker_set, part) for part in PARTS}
+    return {
+        part: [list(one) if part in _COUPLES else one for one in items]
+        for part, items in parts.items()
+        if items or part == "markers"
+    }
+
+
+def marker_set_text(marker_set: MarkerSet) -> str:
+    """Return a marker set as the text of its YAML file, which reads back equal."""
+    import json
+
+    # JSON is YAML, and quotes every name
+    lines = [
+        f"{part}: {_printable(json.dumps(items, ensure_ascii=False))}"
+        for part, items in plain_marker_set(marker_set).items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _printable(text: str) -> str:
+    """Escape what YAML, unlike JSON, does not let stand between quotes."""
+    return "".join(one if one.isprintable() else f"\\U{ord(one):08X}" for one in text)
+
+
+def _part(part: str, items: Any) -> tuple[Any, ...]:
+    if items in ("", None):
+        return ()
+    if not isinstance(items, list):
+        raise ValueError(f"{part!r} must be a list")
+    if part in _COUPLES:
+        return tuple(_couple(part, one) for one in items)
+    bad = [one for one in items if not isinstance(one, str) or not one]
+    if bad:
+        raise ValueError(f"{part!r} must be a list of names, not {reprlib.repr(bad[0])}")
+    return tuple(items)
+
+
+def _couple(part: str, item: Any) -> tuple[str, str]:
+    if not isinstance(item, list) or len(item) != 2 or not all(isinstance(x, str) for x in item):
+        raise ValueError(f"{part!r} must be a list of two names each, not {reprlib.repr(item)}")
+    return item[0], item[1]
+
+
+_MARKER_SETS = ("markers.yaml",)
+
+
+def marker_set_for(path: Path, file: Path, given: Path | None) -> MarkerSet | None:
+    """Return the marker set of a file, or None.
+
+    Parameters
+    ----------
+    path
+        What the user named.
+    file
+        The file that this led to. ``markers.yaml`` beside it counts only if the user named the
+        folder: results are stored by the content of what is named, and by nothing else.
+    given
+        The marker set's own file, if the user named one.
+    """
+    if given is not None:
+        return read_marker_set(find_file(given, _MARKER_SETS))
+    beside = file.parent / _MARKER_SETS[0]
+    asked_for_folder = path != file
+    return read_marker_set(beside) if asked_for_folder and beside.is_file() else None
+
+
+def with_marker_set(recording: Trajectories, found: MarkerSet | None, file: Path) -> Trajectories:
+    """Return the recording with that marker set, or as it is if there is none.
+
+    Raises
+    ------
+    ValueError
+        If the set names a marker that the recording lacks.
+    """
+    if found is None:
+        return recording
+    absent = [name for name in found.markers if name not in recording.markers]
+    if absent:
+        raise ValueError(
+            f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "
+            f"{', '.join(recording.markers)}"
+        )
+    return replace(recording, marker_set=found)
+
+
+@node("read.marker_set")
+def read_marker_set_node(*, path: InputFile) -> MarkerSet:
+    """Read a marker set: which markers are pairs, on the midline, stable, joined when drawn.
+
+    Parameters
+    ----------
+    path
+        A YAML file, a folder that holds ``markers.yaml``, or ``sample:NAME``.
+
+    Returns
+    -------
+    MarkerSet
+        As written; every name in it is one of its markers.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of that form, with the place where it is not.
+    """
+    return read_marker_set(find_file(path, ("markers.yaml",)))

@@ -1,0 +1,189 @@
+"""Recordings as NumPy archives, the exact form: what is written reads back bit for bit."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from nodegraph_files.marker_set import marker_set_of, plain_marker_set
+from nodegraph_files.missing import mark_missing
+from nodegraph_mocap.pieces import pieces
+from nodegraph_mocap.recording import Trajectories
+
+if TYPE_CHECKING:
+    from zipfile import ZipFile, ZipInfo
+
+    from numpy.typing import NDArray
+
+
+_LONGEST_TEXTS = 2**26
+_DEFLATED = 1032
+"""Nothing that deflate packs comes out longer than this many times (zlib, technical details)."""
+
+
+def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) -> dict[str, Any]:
+    """Return arrays of a NumPy archive.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kinds
+        Which arrays to read, each with the kinds of numbers or text (`numpy.dtype.kind`) that it
+        may have. Others are left alone.
+    required
+        Which of them must be there.
+
+    Raises
+    ------
+    ValueError
+        If it is no such archive, lacks an array, or one is of another kind or size than it says.
+    """
+    from zipfile import ZipFile
+
+    try:
+        with ZipFile(path) as archive:
+            found = {one.filename.removesuffix(".npy"): one for one in archive.infolist()}
+            _check_names(found, required)
+            wanted = [name for name in kinds if name in found]
+            return {name: _array(archive, name, found[name], kinds[name]) for name in wanted}
+    except Exception as error:
+        # zipfile, zlib and NumPy's header parser each have errors of their own for bad bytes.
+        raise ValueError(str(error) or type(error).__name__) from None
+
+
+def _check_names(found: Mapping[str, ZipInfo], required: Sequence[str]) -> None:
+    lacking = [name for name in required if name not in found]
+    if lacking:
+        there = ", ".join(found) or "nothing"
+        raise ValueError(f"no array {', '.join(lacking)}; there is {there}")
+
+
+def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[Any]:
+    with archive.open(member) as stream:
+        shape, fortran, kind = _described(stream)
+        size = stream.tell() + math.prod(shape) * kind.itemsize
+        if kind.kind not in kinds:
+            raise ValueError(f"array {name!r} is of type {kind}")
+        if size != member.file_size or size > _DEFLATED * member.compress_size:
+            raise ValueError(f"array {name!r} is not of the size {shape} that it announces")
+        if kind.kind == "U" and size > _LONGEST_TEXTS:
+            raise ValueError(f"array {name!r} has {size} bytes of text")
+        array = _filled(np.empty(shape, kind, order="F" if fortran else "C"), stream)
+    if kind.kind == "U":
+        _check_text(name, array)
+    return array
+
+
+def _described(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Return shape, whether the first axis is the fastest, and type; the bytes come next."""
+    version = np.lib.format.read_magic(stream)
+    if version == (1, 0):
+        return np.lib.format.read_array_header_1_0(stream)
+    return np.lib.format.read_array_header_2_0(stream)
+
+
+def _filled(array: NDArray[Any], stream: IO[bytes]) -> NDArray[Any]:
+    """Fill the array from the file: memory of its own, which nobody needs to copy later."""
+    in_order = array if array.flags.c_contiguous else array.T
+    memory = in_order.reshape(-1).view(np.uint8)
+    for piece in pieces(len(memory), 1):
+        size = piece.stop - piece.start
+        memory[piece] = np.frombuffer(stream.read(size), np.uint8, count=size)
+    return array
+
+
+def _check_text(name: str, array: NDArray[Any]) -> None:
+    """Refuse numbers that stand for no letters: Python would end on them with a system error."""
+    try:
+        array.astype(array.dtype.newbyteorder("<")).tobytes().decode("utf-32-le")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"array {name!r} holds what is no text: {error.reason}") from None
+
+
+_KINDS = {
+    "positions": "fiu",
+    "markers": "U",
+    "rate": "fiu",
+    "origin": "iu",
+    "sigma": "fiu",
+    "marker_set": "U",
+}
+_REQUIRED = ("positions", "markers", "rate")
+
+
+def read_npz(path: Path, *, zeros_missing: bool = True) -> Trajectories:
+    """Read a recording from a NumPy archive.
+
+    The archive holds ``positions`` (T, M, 3) in mm, ``markers`` (M,) and ``rate``, and may hold
+    ``origin``, ``sigma`` (T, M) and ``marker_set`` (a text of JSON). What else it holds is not
+    read.
+
+    Parameters
+    ----------
+    path
+        The file.
+    zeros_missing
+        Whether a sample at exactly (0, 0, 0) counts as missing, where the archive does not say
+        itself by ``origin`` which are.
+
+    Raises
+    ------
+    ValueError
+        If it is no such archive, or lacks an array; the message lists those that are there.
+    """
+    try:
+        return _recording(npz_arrays(path, _KINDS, _REQUIRED), zeros_missing)
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ValueError(f"{path}: not a readable NPZ recording: {error}") from None
+
+
+def write_npz(recording: Trajectories, path: Path) -> None:
+    """Write a recording as a NumPy archive; see `npz_bytes`."""
+    with path.open("wb") as stream:
+        _write(recording, stream)
+
+
+def npz_bytes(recording: Trajectories) -> bytes:
+    """Return a recording as the bytes of a NumPy archive."""
+    target = BytesIO()
+    _write(recording, target)
+    return target.getvalue()
+
+
+def _write(recording: Trajectories, target: IO[bytes]) -> None:
+    arrays: dict[str, Any] = {
+        "positions": recording.positions,
+        "markers": np.array(recording.markers, dtype=np.str_),
+        "rate": np.float64(recording.rate),
+        "origin": recording.origin,
+    }
+    if recording.sigma is not None:
+        arrays["sigma"] = recording.sigma
+    if recording.marker_set is not None:
+        arrays["marker_set"] = np.str_(json.dumps(plain_marker_set(recording.marker_set)))
+    np.savez_compressed(target, **arrays)
+
+
+def _recording(arrays: dict[str, Any], zeros_missing: bool) -> Trajectories:
+    positions = np.asarray(arrays["positions"], dtype=np.float64)
+    if positions.ndim != 3 or positions.shape[2] != 3:
+        raise ValueError(f"positions must be (frames, markers, 3), got {positions.shape}")
+    if "origin" not in arrays:
+        nothing = np.zeros(positions.shape[:2], dtype=np.bool_)
+        positions = mark_missing(positions, nothing, zeros_missing=zeros_missing)
+    described = arrays.get("marker_set")
+    return Trajectories(
+        positions=positions,
+        markers=tuple(str(name) for name in np.atleast_1d(arrays["markers"])),
+        rate=float(arrays["rate"]),
+        marker_set=None if described is None else marker_set_of(json.loads(str(described))),
+        origin=arrays.get("origin"),  # type: ignore[arg-type]
+        sigma=arrays.get("sigma"),
+    )

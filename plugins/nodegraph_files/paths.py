@@ -1,0 +1,66 @@
+"""Which file a path means: a file itself, or the one that a reader wants from a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from nodegraph import NodegraphError, nearest
+
+_FOLDER = Path(__file__).parent / "samples"
+
+
+def sample_folder(name: str) -> Path:
+    """Return the folder of a sample, from which each reader takes its file.
+
+    Parameters
+    ----------
+    name
+        ``face`` (ten seconds with noise, gaps and impulses), or ``actor_a``, ``actor_b``,
+        ``actor_c`` (three other faces, complete and without impulses).
+
+    Raises
+    ------
+    NodegraphError
+        If there is no such sample; the message lists those that there are.
+    """
+    known = sorted(folder.name for folder in _FOLDER.glob("*/"))
+    if name in known:
+        return _FOLDER / name
+    raise NodegraphError(f"no sample {name!r}; {nearest(name, known)}")
+
+
+_SCHEME = "sample:"
+
+
+def find_file(path: Path | str, wanted: tuple[str, ...]) -> Path:
+    """Return the file that a reader is to open.
+
+    Parameters
+    ----------
+    path
+        A file, a folder that holds one of the wanted names, or ``sample:NAME``.
+    wanted
+        File names to look for in a folder, the best first.
+
+    Raises
+    ------
+    ValueError
+        If there is no such file, or it is empty.
+    """
+    text = str(path)
+    found = sample_folder(text.removeprefix(_SCHEME)) if text.startswith(_SCHEME) else Path(path)
+    if found.is_dir():
+        found = _from_folder(found, wanted)
+    if not found.is_file():
+        raise ValueError(f"{path}: no such file")
+    if not found.stat().st_size:
+        raise ValueError(f"{path}: the file is empty")
+    return found
+
+
+def _from_folder(folder: Path, wanted: tuple[str, ...]) -> Path:
+    for name in wanted:
+        if (folder / name).is_file():
+            return folder / name
+    there = ", ".join(sorted(one.name for one in folder.iterdir())) or "nothing"
+    raise ValueError(f"{folder}: the folder holds no {' or '.join(wanted)}; there is {there}")

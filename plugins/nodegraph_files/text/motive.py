@@ -1,0 +1,201 @@
+"""Recordings as OptiTrack Motive exports them to text.
+
+The first line is names and values in turn, among them the rate and the unit. Rows of types, names,
+identifiers, parents and kinds of column follow, then ``Frame,Time (Seconds),X,Y,Z,...`` and the
+frames. Source: OptiTrack, documentation of Motive, "Data Export: CSV".
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from nodegraph_files.text.table import Row, Table, filled, read_rows
+from nodegraph_files.text.table_recording import (
+    positive_number,
+    recording_of,
+    tell_count,
+    tell_other_rate,
+    tell_skipped,
+    told_rate,
+)
+from nodegraph_files.units import MILLIMETRES, millimetres_in
+from nodegraph_mocap.recording import Trajectories
+
+_FIRST = "Format Version"
+_TYPES = {"marker", "rigid body", "rigid body marker", "bone", "bone marker", "marker constraint"}
+_ROWS = 12  # more than any header has
+_RATES = ("Export Frame Rate", "Capture Frame Rate")
+_METRES = 1000.0
+
+
+@dataclass(frozen=True)
+class _Header:
+    """What the rows above the frames say of each column; "" where they say nothing."""
+
+    types: Sequence[str]
+    names: Sequence[str]
+    kinds: Sequence[str]
+    axes: Row
+
+
+def is_motive(table: Table) -> bool:
+    """Return whether the file begins with the version of Motive's form."""
+    return table.opening[0].cells[0] == _FIRST
+
+
+def read_motive(table: Table, *, zeros_missing: bool) -> Trajectories:
+    """Read the measured markers, labelled and unlabelled.
+
+    Rigid bodies, bones and the places where these expect their markers are left out, which a
+    warning counts. Others tell which markers lack a name or share one, how many rows end early,
+    where the header's number of frames is wrong, and whether frame numbers or times contradict
+    the rate. A file without a unit of length is in metres, Motive's own.
+
+    Raises
+    ------
+    ValueError
+        With file and line, and column where there is one: if the rows of the header, the rate or
+        all markers lack, the unit is unknown, or a cell is no number.
+    """
+    rate = _rate(table)
+    millimetres = _millimetres(table)
+    header = _header(table)
+    triples = _triples(table, header)
+    columns = [column for first in triples for column in range(first, first + 3)]
+    _tell_left_out(header, columns)
+    names = [f"{name} {axis}" for name, axis in zip(header.names, header.axes.cells, strict=True)]
+    width = len(header.axes.cells)
+    below = table.below(header.axes, width, [0, 1, *columns], names=names, lenient=True)
+    cells = filled(read_rows(below))
+    if not len(cells):
+        raise ValueError(f"{table.path}: no frames follow line {header.axes.line}")
+    tell_count("frames", _fact(table, "Total Exported Frames")[0] or str(len(cells)), len(cells))
+    tell_skipped("the frame number", cells[:, 0])
+    tell_other_rate(cells[:, 1], rate, "the header")
+    return recording_of(
+        cells[:, 2:],
+        [header.names[first] for first in triples],
+        rate=rate,
+        millimetres=millimetres,
+        zeros_missing=zeros_missing,
+    )
+
+
+def _fact(table: Table, name: str) -> tuple[str, str]:
+    """Return what the first line says under a name, or "", and its place."""
+    first = table.opening[0]
+    if name not in first.cells[:-1]:
+        return "", f"{table.path}:{first.line}"
+    column = first.cells.index(name) + 1
+    return first.cells[column], table.place(first, column)
+
+
+def _rate(table: Table) -> float:
+    told = told_rate(table)
+    if told is not None:
+        return told
+    for name in _RATES:
+        said, place = _fact(table, name)
+        rate = positive_number(said)
+        if rate is not None:
+            return rate
+        if said:
+            raise ValueError(f"{place}: {name} {said!r} is not a positive number")
+    raise ValueError(f"{table.path}: no {' or '.join(_RATES)}; add a line '# rate: 60'")
+
+
+def _millimetres(table: Table) -> float:
+    said, place = _fact(table, "Length Units")
+    factor = millimetres_in(said)
+    if factor is not None:
+        return factor
+    if said:
+        raise ValueError(f"{place}: Length Units {said!r}; there is {', '.join(MILLIMETRES)}")
+    warnings.warn("no Length Units in the header; metres are assumed", stacklevel=3)
+    return _METRES
+
+
+def _header(table: Table) -> _Header:
+    start = table.opening[0]
+    above: list[Row] = []
+    for row in table.rows(start.end, start.line + 1):
+        if row.cells[0].lower() == "frame":
+            return _told(table, above, row)
+        above.append(row)
+        if len(above) > _ROWS:
+            break
+    raise ValueError(f"{table.path}: no row 'Frame, Time (Seconds), X, Y, Z' follows the header")
+
+
+def _told(table: Table, above: Sequence[Row], axes: Row) -> _Header:
+    """Tell the rows apart by the word that begins them, or by what they hold."""
+    found: dict[str, Row] = {}
+    for row in above:
+        small = {cell.lower() for cell in row.cells[2:] if cell}
+        word = "".join(row.cells[1:2]).lower()
+        if word in ("type", "name", "id", "parent"):
+            found[word] = row
+        elif small & {"position", "rotation"}:
+            found["kind"] = row
+        elif small & _TYPES:
+            found["type"] = row
+        else:
+            found.setdefault("name", row)
+    if "name" not in found:
+        raise ValueError(f"{table.path}:{axes.line}: no row of names above the axes")
+    types, names, kinds = (
+        _as_wide(found.get(word), len(axes.cells)) for word in ("type", "name", "kind")
+    )
+    return _Header(types, names, kinds, axes)
+
+
+def _as_wide(row: Row | None, width: int) -> list[str]:
+    cells = row.cells if row else []
+    return [*cells[:width], *[""] * (width - len(cells))]
+
+
+def _triples(table: Table, header: _Header) -> list[int]:
+    """Return the first column of each measured marker."""
+    rotated = {
+        name for name, kind in zip(header.names, header.kinds, strict=True) if kind == "Rotation"
+    }
+    typed = any(kind.lower() in _TYPES for kind in header.types)
+    axes = header.axes.cells
+    found = [
+        column
+        for column in range(2, len(axes))
+        if axes[column] == "X"
+        and header.kinds[column] in ("Position", "")
+        and (header.types[column] == "Marker" if typed else header.names[column] not in rotated)
+    ]
+    for column in found:
+        if axes[column : column + 3] != ["X", "Y", "Z"]:
+            raise ValueError(
+                f"{table.place(header.axes, column)}: the columns of marker "
+                f"{header.names[column]!r} are not X, Y, Z"
+            )
+    if not found:
+        there = sorted({kind for kind in header.types[2:] if kind})
+        raise ValueError(
+            f"{table.path}:{header.axes.line}: no columns of type Marker; there is "
+            f"{', '.join(there) or 'no type'}"
+        )
+    return found
+
+
+def _tell_left_out(header: _Header, columns: Sequence[int]) -> None:
+    kept = {0, 1, *columns}
+    other = Counter(
+        header.types[column] or header.axes.cells[column] or "empty"
+        for column in range(len(header.types))
+        if column not in kept
+    )
+    if other:
+        told = ", ".join(f"{count} of {kind}" for kind, count in other.items())
+        warnings.warn(
+            f"{other.total()} columns hold no measured marker and were left out: {told}",
+            stacklevel=3,
+        )

@@ -1,0 +1,228 @@
+"""A recording from what a table holds: numbers, labels, rate and unit."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_files.marker_names import unique_names
+from nodegraph_files.missing import mark_missing
+from nodegraph_files.text.table import Table
+from nodegraph_files.units import MILLIMETRES, millimetres_in
+from nodegraph_mocap.recording import Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+_DIGITS = 9
+
+
+def is_number(said: str) -> bool:
+    """Return whether a text says a number."""
+    try:
+        float(said.replace("_", "?").replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def positive_number(said: str) -> float | None:
+    """Return the number that a text says, or None if it says no positive, finite one."""
+    try:
+        number = float(said.replace("_", "?"))
+    except ValueError:
+        return None
+    return number if 0 < number < float("inf") else None
+
+
+def whole_steps(values: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Return how many usual steps each step is, or None if it is not close to a whole number.
+
+    Parameters
+    ----------
+    values
+        (N,) frame numbers or times; the usual step is the median one, of two the smaller.
+    """
+    steps = np.diff(values)
+    usual = np.sort(steps)[(len(steps) - 1) // 2] if len(steps) else np.nan
+    if not usual > 0:
+        return None
+    counts = np.rint(steps / usual)
+    close = (np.abs(steps / usual - counts) <= 0.3) & (counts >= 1)
+    return counts if close.all() else None
+
+
+def rate_of_times(times: NDArray[np.float64]) -> float | None:
+    """Return the rate of frames taken at these times in seconds, or None if they tell none.
+
+    It is the number of steps over the time they last, so that times written with few digits do
+    no harm, to as few digits as fit the times. Where steps are irregular, it is one over the
+    median step.
+    """
+    steps = np.diff(times)
+    usual = float(np.median(steps)) if len(steps) else np.nan
+    if not 0 < usual < np.inf:
+        return None
+    counts = whole_steps(times)
+    if counts is None:
+        return float(f"{1.0 / usual:.{_DIGITS}g}")
+    lasts = float(times[-1] - times[0])
+    rate = float(counts.sum()) / lasts
+    unsure = max(float(np.abs(steps - counts * lasts / counts.sum()).max()) / lasts, 10.0**-_DIGITS)
+    rounded = (float(f"{rate:.{digits}g}") for digits in range(1, 17))
+    return next((one for one in rounded if abs(one - rate) <= unsure * rate), rate)
+
+
+def tell_irregular(name: str, values: NDArray[np.float64]) -> None:
+    """Warn of steps of a column of frame numbers or times that are not as the others."""
+    steps = np.diff(values)
+    if not len(steps):
+        return
+    usual = np.median(steps)
+    irregular = int(np.count_nonzero(~(np.abs(steps - usual) <= np.median(np.abs(steps)) / 2)))
+    if irregular:
+        warnings.warn(
+            f"{irregular} of {len(steps)} steps of the column {name!r} are irregular: frames were "
+            "dropped or repeated; the rows count as evenly spaced",
+            stacklevel=4,
+        )
+
+
+def tell_skipped(name: str, numbers: NDArray[np.float64]) -> None:
+    """Warn of frame numbers that do not go up by one."""
+    uneven = int(np.count_nonzero(np.diff(numbers) != 1))
+    if uneven:
+        warnings.warn(
+            f"{uneven} of {len(numbers) - 1} steps of {name} are not 1: frames were dropped or "
+            "repeated; the rows count as evenly spaced",
+            stacklevel=4,
+        )
+
+
+def tell_other_rate(times: NDArray[np.float64], rate: float, fact: str) -> None:
+    """Warn of times that contradict the rate, which the file says under the name `fact`.
+
+    Frames that were dropped do not.
+    """
+    counts = whole_steps(times)
+    lasts, steps = times[-1] - times[0], len(times) - 1 if counts is None else counts.sum()
+    # Times are often rounded to hundredths of a second.
+    if abs(lasts - steps / rate) > 0.01 * (steps / rate + 1):
+        warnings.warn(
+            f"by the column Time the recording lasts {lasts:g} s, by {fact} {steps / rate:g} s; "
+            f"{fact} counts",
+            stacklevel=4,
+        )
+
+
+def tell_count(what: str, said: str, there: int) -> None:
+    """Warn of a number in a file's header that is not what the file holds."""
+    if said not in (str(there), f"{there}.0"):
+        warnings.warn(
+            f"the header says {said or 'no number of'} {what}, the file holds {there}; what it "
+            "holds counts",
+            stacklevel=4,
+        )
+
+
+def recording_of(
+    coordinates: NDArray[np.float64],
+    labels: Sequence[str],
+    *,
+    rate: float,
+    millimetres: float,
+    zeros_missing: bool,
+) -> Trajectories:
+    """Return a recording of (T, 3 M) coordinates, which are x, y, z of each marker in turn.
+
+    Parameters
+    ----------
+    coordinates
+        In the table's unit of length.
+    labels
+        Of the markers, as the file gives them; see `unique_names`.
+    rate
+        Hz.
+    millimetres
+        How many the table's unit of length is.
+    zeros_missing
+        Whether a sample at exactly (0, 0, 0) counts as missing.
+    """
+    count = coordinates.shape[1] // 3
+    positions = np.array(coordinates, order="C").reshape(len(coordinates), count, 3)
+    if millimetres != 1.0:
+        positions *= millimetres
+    x, y, z = (coordinates[:, axis::3] for axis in range(3))
+    empty = np.ascontiguousarray(np.isnan(x) & np.isnan(y) & np.isnan(z))
+    return Trajectories(
+        positions=mark_missing(positions, empty, zeros_missing=zeros_missing),
+        markers=unique_names(labels, count),
+        rate=rate,
+    )
+
+
+def told_scale(table: Table) -> float:
+    """Return how many millimetres the unit of a comment ``# unit: m`` is, by default 1.
+
+    Raises
+    ------
+    ValueError
+        If the unit is unknown.
+    """
+    told = table.comments.get("unit") or table.comments.get("units")
+    if told is None:
+        return 1.0
+    factor = millimetres_in(told.value)
+    if factor is None:
+        raise ValueError(
+            f"{table.path}:{told.line}: unit {told.value!r}; there is {', '.join(MILLIMETRES)}"
+        )
+    return factor
+
+
+def told_rate(table: Table) -> float | None:
+    """Return the rate of a comment ``# rate: 60``, or None if there is none.
+
+    Raises
+    ------
+    ValueError
+        If it is no positive number.
+    """
+    told = table.comments.get("rate")
+    if told is None:
+        return None
+    rate = positive_number(told.value)
+    if rate is None:
+        raise ValueError(f"{table.path}:{told.line}: rate {told.value!r} is not a positive number")
+    return rate
+
+
+def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
+    """Return the rate of a comment, or of a column of times in seconds.
+
+    Raises
+    ------
+    ValueError
+        If neither tells one.
+    """
+    rate = told_rate(table)
+    even = times is not None and whole_steps(times) is not None
+    if rate is not None and times is not None and even:
+        tell_other_rate(times, rate, "the line '# rate'")
+    if rate is None and times is not None:
+        rate = rate_of_times(times)
+        if rate is not None and not even:
+            warnings.warn(
+                f"times are no whole steps apart; by the median step the rate is {rate:g} Hz, "
+                "a line '# rate: 60' would say it",
+                stacklevel=4,
+            )
+    if rate is None:
+        raise ValueError(
+            f"{table.path}: no rate; add a line '# rate: 60' or a column 'time' in seconds"
+        )
+    return rate

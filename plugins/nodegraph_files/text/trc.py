@@ -1,0 +1,159 @@
+"""Recordings as TRC files (track row column): a row of text per frame, as OpenSim reads them.
+
+Five lines come first: the form of the file, names of facts, the facts, the markers' names over the
+first of their columns, and the columns' own names X1, Y1, Z1, X2, ... Source: OpenSim
+documentation, "Marker (.trc) Files".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import islice
+from pathlib import Path
+
+from nodegraph_files.text.table import Row, Table, filled, read_rows
+from nodegraph_files.text.table_recording import (
+    positive_number,
+    recording_of,
+    tell_count,
+    tell_other_rate,
+    tell_skipped,
+)
+from nodegraph_files.text.text_file import read_text_file
+from nodegraph_files.text.vicon import LEADING, count_triples, labels_over
+from nodegraph_files.units import to_millimetres
+from nodegraph_mocap.recording import Trajectories
+
+FIRST_WORD = "PathFileType"
+_HEADER_LINES = 5
+
+
+def read_trc(path: Path, *, zeros_missing: bool = True) -> Trajectories:
+    """Read a recording from a TRC file, whose cells tabs or commas separate.
+
+    The columns and rows that are there count, not the numbers of the header. Warnings tell where
+    the two differ, which markers lacked a name or shared one, how many samples were partly
+    missing, infinite or zero, how many rows end early, and whether frame numbers or times
+    contradict evenly spaced frames.
+
+    Parameters
+    ----------
+    path
+        The file.
+    zeros_missing
+        Whether a sample at exactly (0, 0, 0) counts as missing.
+
+    Returns
+    -------
+    Trajectories
+        In millimetres, at the header's DataRate; a sample whose cells are empty is missing. A
+        subject's prefix (``subject:marker``) that all markers share is taken off their names.
+
+    Raises
+    ------
+    ValueError
+        With the file, and where there are any with line and column: if it is no TRC file, a cell
+        is no number, a name or column is out of place, or the rate or all frames are lacking.
+    """
+    table = _table(path)
+    keys, values, names, axes = _header(table)
+    facts = {key.lower(): value for key, value in zip(keys.cells, values.cells, strict=False)}
+    rate = _rate(path, facts)
+    labels = labels_over(path, names.line, names.cells)
+    markers = count_triples(path, axes.line, axes.cells)
+    width = LEADING + 3 * markers
+    cells = filled(read_rows(table.below(axes, width, range(width), lenient=True)))
+    if not len(cells):
+        said = facts.get("numframes") or "none"
+        raise ValueError(f"{path}: no frames follow the header, whose NumFrames says {said}")
+    tell_count("frames", facts.get("numframes", str(len(cells))), len(cells))
+    tell_count("markers", facts.get("nummarkers", str(markers)), markers)
+    tell_skipped("Frame#", cells[:, 0])
+    tell_other_rate(cells[:, 1], rate, "DataRate")
+    return recording_of(
+        cells[:, LEADING:],
+        labels,
+        rate=rate,
+        millimetres=to_millimetres(facts.get("units", "")),
+        zeros_missing=zeros_missing,
+    )
+
+
+def write_trc(recording: Trajectories, path: Path) -> None:
+    """Write a recording as a TRC file; see `trc_bytes`."""
+    path.write_bytes(trc_bytes(recording))
+
+
+def trc_bytes(recording: Trajectories) -> bytes:
+    """Return a recording as TRC in millimetres; rate and every number read back equal.
+
+    Names do as well, but for a subject's prefix that all of them share, which readers take off.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame or no marker, or a marker's name cannot stand in a cell: it is empty,
+        starts or ends with a space, or contains a character that is not printed.
+    """
+    _check_writable(recording)
+    frames, count, rate = recording.frames, len(recording.markers), repr(recording.rate)
+    facts = {
+        "DataRate": rate, "CameraRate": rate, "NumFrames": frames, "NumMarkers": count,
+        "Units": "mm", "OrigDataRate": rate, "OrigDataStartFrame": 1, "OrigNumFrames": frames,
+    }  # fmt: skip
+    axes = [f"{axis}{marker}" for marker in range(1, count + 1) for axis in "XYZ"]
+    lines = [
+        f"{FIRST_WORD}\t4\t(X/Y/Z)\trecording.trc",
+        "\t".join(facts),
+        "\t".join(str(value) for value in facts.values()),
+        "\t".join(["Frame#", "Time", *(f"{name}\t\t" for name in recording.markers)]),
+        "\t".join(["", "", *axes]),
+        "",
+    ]
+    for frame, row in enumerate(recording.positions.reshape(frames, -1).tolist()):
+        numbers = ("" if number != number else repr(number) for number in row)
+        lines.append("\t".join([str(frame + 1), repr(frame / recording.rate), *numbers]))
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _check_writable(recording: Trajectories) -> None:
+    if not recording.frames or not recording.markers:
+        raise ValueError(
+            f"TRC holds at least one frame of one marker, not {recording.frames} of "
+            f"{len(recording.markers)}"
+        )
+    for name in recording.markers:
+        if not name or not name.isprintable() or name != name.strip():
+            raise ValueError(f"TRC cannot keep the marker name {name!r}")
+
+
+def _table(path: Path) -> Table:
+    text = read_text_file(path)
+    first = next((line.text for line in text.lines()), "")
+    if not first.startswith(FIRST_WORD):
+        raise ValueError(f"{path}: no TRC file: it begins with {first[:20]!r}, not {FIRST_WORD}")
+    separator = max("\t,", key=first.count)
+    if separator not in first:
+        raise ValueError(f"{path}:1: neither tabs nor commas separate cells")
+    return Table(text, {}, separator, [], quoted=False)
+
+
+def _header(table: Table) -> list[Row]:
+    """Return the rows below the first: keys, values, names, axes."""
+    rows = list(islice(table.rows(), _HEADER_LINES))
+    if len(rows) < _HEADER_LINES:
+        raise ValueError(
+            f"{table.path}: the header ends after {len(rows)} of {_HEADER_LINES} lines"
+        )
+    return rows[1:]
+
+
+def _rate(path: Path, facts: Mapping[str, str]) -> float:
+    said = facts.get("datarate", "")
+    rate = positive_number(said)
+    if rate is None:
+        raise ValueError(
+            f"{path}: DataRate must be a positive number of frames per second, the header says "
+            f"{said or 'none'}"
+        )
+    return rate

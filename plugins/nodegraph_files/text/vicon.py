@@ -1,0 +1,148 @@
+"""Recordings as Vicon Nexus exports them to text: a file of sections, one of them trajectories.
+
+A section begins with a line of its name and ends with an empty one; its lines are: the rate, the
+names over the first of their columns, ``Frame,Sub Frame,X,Y,Z,...``, the units, the frames.
+Source: files that the application wrote.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+
+from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
+from nodegraph_files.text.table_recording import positive_number, recording_of, tell_skipped
+from nodegraph_files.units import MILLIMETRES, millimetres_in
+from nodegraph_mocap.recording import Trajectories
+
+LEADING = 2  # the columns that come first: frame number, and time or part of a frame
+_COORDINATE = re.compile(r"([XYZ])\d*", re.IGNORECASE)
+
+
+def labels_over(path: Path, line: int, cells: Sequence[str]) -> Sequence[str]:
+    """Return the markers' names, which stand over every third column.
+
+    Raises
+    ------
+    ValueError
+        With file, line and column, if a name stands elsewhere.
+    """
+    for column, cell in enumerate(cells[LEADING:], LEADING + 1):
+        if cell and (column - LEADING) % 3 != 1:
+            raise ValueError(
+                f"{path}:{line}:{column}: the name {cell!r} is out of place: names stand over X "
+                "columns, every third from the third on"
+            )
+    return cells[LEADING::3]
+
+
+def count_triples(path: Path, line: int, cells: Sequence[str]) -> int:
+    """Return the number of markers, after a look at the names X1, Y1, Z1, X2 ... of the columns.
+
+    The cells of the leading columns are empty; numbers after the letters may lack.
+
+    Raises
+    ------
+    ValueError
+        With file and line, and column where there is one, if a column is out of place.
+    """
+    last = filled_width(cells)
+    for column, cell in enumerate(cells[:last], 1):
+        place = column - 1 - LEADING
+        wanted = f"{'XYZ'[place % 3]}{place // 3 + 1}" if place >= 0 else ""
+        found = _COORDINATE.fullmatch(cell)
+        if (found[1].upper() if found else cell) != wanted[:1]:
+            raise ValueError(
+                f"{path}:{line}:{column}: {cell!r} where {wanted or 'an empty cell'} is expected"
+            )
+    if last <= LEADING or (last - LEADING) % 3:
+        raise ValueError(
+            f"{path}:{line}: {max(last - LEADING, 0)} columns X1, Y1, Z1, ... make no whole "
+            "number of markers"
+        )
+    return (last - LEADING) // 3
+
+
+_SECTIONS = ("Trajectories", "Model Outputs", "Devices", "Events", "Joints", "Segments")
+_NAME = re.compile(rb'^"?(' + "|".join(_SECTIONS).encode() + rb')"?[,;\t ]*$', re.MULTILINE)
+_EMPTY = re.compile(rb"\n[,;\t ]*(?=\n)")
+_HEADER = 4  # rows after the section's name
+
+
+def is_vicon(table: Table) -> bool:
+    """Return whether the file begins with the name of a section."""
+    return table.opening[0].cells[0] in _SECTIONS
+
+
+def read_vicon(table: Table, *, zeros_missing: bool) -> Trajectories:
+    """Read the section Trajectories; the others are left out.
+
+    Warnings tell which markers lacked a name or shared one, how many rows end early, and how many
+    steps of frame numbers are not 1.
+
+    Raises
+    ------
+    ValueError
+        With file and line, and column where there is one: if the section, its rate or its frames
+        lack, a name, column or unit is out of place, or a cell is no number.
+    """
+    rows = _section(table)
+    if len(rows) < _HEADER:
+        raise ValueError(f"{table.path}: the section Trajectories ends within its header")
+    rate_row, names, axes, units = rows
+    rate = positive_number(rate_row.cells[0])
+    if rate is None:
+        raise ValueError(
+            f"{table.place(rate_row, 0)}: the rate {rate_row.cells[0]!r} is not a positive number"
+        )
+    labels = labels_over(table.path, names.line, names.cells)
+    markers = count_triples(table.path, axes.line, ["", "", *axes.cells[LEADING:]])
+    width = LEADING + 3 * markers
+    body = _until_empty(table, units)
+    below = body.below(units, width, [0, *range(LEADING, width)], lenient=True)
+    cells = filled(read_rows(below))
+    if not len(cells):
+        raise ValueError(f"{table.path}: no frames follow line {units.line}")
+    tell_skipped(axes.cells[0], cells[:, 0])
+    return recording_of(
+        cells[:, 1:],
+        labels,
+        rate=rate,
+        millimetres=_millimetres(table, units, width),
+        zeros_missing=zeros_missing,
+    )
+
+
+def _section(table: Table) -> list[Row]:
+    """Return the rows of the header of the section Trajectories."""
+    there = list(_NAME.finditer(table.text.content))
+    for found in there:
+        if found[1] == b"Trajectories":
+            line = table.text.content.count(b"\n", 0, found.end()) + 2
+            return list(islice(table.rows(found.end() + 1, line), _HEADER))
+    names = ", ".join(found[1].decode() for found in there)
+    raise ValueError(f"{table.path}: no section Trajectories; there is {names}")
+
+
+def _until_empty(table: Table, units: Row) -> Table:
+    """Return the table up to the empty line that ends the section."""
+    end = _EMPTY.search(table.text.content, units.end - 1)
+    if end is None:
+        return table
+    text = replace(table.text, content=table.text.content[: end.start() + 1], plain=False)
+    return replace(table, text=text)
+
+
+def _millimetres(table: Table, units: Row, width: int) -> float:
+    first, *_ = said = units.cells[LEADING:width]
+    factor = millimetres_in(first)
+    if factor is None or set(said) != {first}:
+        wrong = next((place for place, unit in enumerate(said) if unit != first), 0)
+        raise ValueError(
+            f"{table.place(units, LEADING + wrong)}: unit {said[wrong]!r}, where one unit of all "
+            f"columns is expected; there is {', '.join(MILLIMETRES)}"
+        )
+    return factor

@@ -1,0 +1,210 @@
+"""Write recordings and marker sets as files in the folder of the run."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Files, node
+from nodegraph_files.c3d import c3d_bytes
+from nodegraph_files.glb.writing import animation_bytes, head_bytes
+from nodegraph_files.marker_set import marker_set_text
+from nodegraph_files.model import model_bytes
+from nodegraph_files.npz import npz_bytes
+from nodegraph_files.text.csv import csv_bytes
+from nodegraph_files.text.trc import trc_bytes
+from nodegraph_mocap.animation import Animation
+from nodegraph_mocap.face_model import BlendshapeModel
+from nodegraph_mocap.head import Head
+from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.recording import Origin, Trajectories
+
+Name = Annotated[str, Field(min_length=1)]
+
+
+@node("write.c3d")
+def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
+    """Write a recording as C3D: millimetres in 32 bits, missing samples with residual -1.
+
+    The marker set is a file of its own: `write.marker_set_yaml`.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+
+    Raises
+    ------
+    ValueError
+        If the form cannot hold the recording: too many frames, too long names.
+    """
+    return _file(name, ".c3d", _told(recording, c3d_bytes(recording)))
+
+
+@node("write.trc")
+def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
+    """Write a recording as TRC, the tab-separated form of OpenSim, in millimetres.
+
+    The marker set is a file of its own: `write.marker_set_yaml`.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+
+    Raises
+    ------
+    ValueError
+        If the form cannot hold a marker's name.
+    """
+    return _file(name, ".trc", _told(recording, trc_bytes(recording)))
+
+
+@node("write.csv")
+def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
+    """Write a recording as CSV: a row per frame, three columns per marker, in millimetres.
+
+    The marker set is a file of its own: `write.marker_set_yaml`.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+
+    Raises
+    ------
+    ValueError
+        If the form cannot hold a marker's name.
+    """
+    return _file(name, ".csv", _told(recording, csv_bytes(recording)))
+
+
+@node("write.npz")
+def write_npz(recording: Trajectories, *, name: Name = "recording") -> Files:
+    """Write a recording as a NumPy archive: the one form that keeps all of it, bit for bit.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+    """
+    return _file(name, ".npz", npz_bytes(recording))
+
+
+@node("write.marker_set_yaml")
+def write_marker_set(marker_set: MarkerSet, *, name: Name = "markers") -> Files:
+    """Write a marker set as YAML, to be looked at, corrected, and read again.
+
+    Parameters
+    ----------
+    marker_set
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+    """
+    return _file(name, ".yaml", marker_set_text(marker_set).encode())
+
+
+@node("write.model_npz")
+def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
+    """Write a blendshape model as a NumPy archive, bit for bit.
+
+    Parameters
+    ----------
+    model
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+    """
+    return _file(name, ".npz", model_bytes(model))
+
+
+def _file(name: str, suffix: str, content: bytes) -> Files:
+    return Files({name if name.lower().endswith(suffix) else name + suffix: content})
+
+
+def _told(recording: Trajectories, content: bytes) -> bytes:
+    """Return the content; say what of the recording it cannot keep."""
+    made = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED))
+    lost = [f"which {np.count_nonzero(made)} samples are filled or repaired"] if made.any() else []
+    lost += ["sigma"] if recording.sigma is not None else []
+    if lost:
+        warnings.warn(
+            f"the file cannot say {', '.join(lost)}; write.npz keeps all of it", stacklevel=3
+        )
+    return content
+
+
+@node("write.glb")
+def write_glb(animation: Animation | None = None, head: Head | None = None) -> Files:
+    """Write an animation, a head or both as GLB files, which most 3D programs open.
+
+    Lengths are in metres, in single precision. Morph targets keep their names, and ``read.head``
+    finds the markers again. A missing weight repeats the last known one, with a warning.
+
+    Parameters
+    ----------
+    animation
+        Becomes ``animation.glb``: the head with its weights and motion, a key per frame.
+    head
+        Becomes ``head.glb``: a head at rest.
+
+    Returns
+    -------
+    Files
+
+    Raises
+    ------
+    ValueError
+        If neither is fed, a head has no faces, or an animation has no frames or a frame that is a
+        reflection.
+    """
+    files = {}
+    if animation is not None:
+        files["animation.glb"] = animation_bytes(animation)
+    if head is not None:
+        files["head.glb"] = head_bytes(head)
+    if not files:
+        raise ValueError("feed an animation or a head: there is nothing to write")
+    return Files(files)

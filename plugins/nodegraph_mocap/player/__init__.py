@@ -1,0 +1,1 @@
+"""The player of recordings and animations in a report."""

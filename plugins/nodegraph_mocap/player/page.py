@@ -1,0 +1,108 @@
+"""How a playback appears: in the report, and as a page of its own beside it.
+
+The player is written here, in plain JavaScript on 2D canvases, and needs no library: dots, lines
+and one shaded mesh are all there is to draw. Its files in ``player`` are put one after the other
+into one function, so that their names meet no others; each file's first lines say what it is for.
+"""
+
+from __future__ import annotations
+
+import base64
+from functools import cache
+from html import escape
+from importlib.resources import files
+from typing import TYPE_CHECKING
+
+from nodegraph import Rendered, Renderer
+from nodegraph_mocap.playback import Playback
+from nodegraph_mocap.recording import Trajectories
+
+if TYPE_CHECKING:
+    from nodegraph_mocap.playback import Panel
+
+_SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "player")
+_ALONE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{title}</title>
+<link rel="icon" href="data:,">
+<style>
+body {{ font: 1rem/1.6 system-ui, sans-serif; max-width: 84rem; margin: 0 auto; padding: 1rem; }}
+{style}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+{html}
+<script>{script}</script>
+</body>
+</html>
+"""
+
+
+def playback_renderers() -> tuple[Renderer, ...]:
+    """Return how playbacks appear in a report."""
+    return (Renderer(Playback, render_playback),)
+
+
+def render_playback(playback: Playback, title: str) -> Rendered:
+    """Return the player with its data, and the same as a page to be sent or shown alone.
+
+    Every word that came from users is escaped, or lies in the packed data, from which the script
+    takes it as text and never as markup.
+    """
+    from nodegraph_mocap.player.data import packed, step_of
+
+    said = [_told(panel) for panel in _panels(playback)]
+    rounded = f"Positions are rounded to {step_of(_panels(playback)):g} mm."
+    notes = [*said, *playback.notes, rounded]
+    data = base64.b64encode(packed(playback)).decode()
+    html = (
+        f'<figure class="playback" aria-label="{escape(title, quote=True)}">'
+        '<p class="unplayed">This playback runs in the report (report.html), with JavaScript.</p>'
+        f"<template>{data}</template></figure>"
+        "<details><summary>What is played</summary><ul>"
+        + "".join(f"<li>{escape(note)}</li>" for note in notes)
+        + "</ul></details>"
+    )
+    if playback.notes:
+        html += "".join(f'<p class="quiet">{escape(note)}</p>' for note in playback.notes)
+    alone = _ALONE.format(
+        title=escape(title or "Playback"), style=_style(), html=html, script=_script()
+    )
+    return Rendered(html, files={".html": alone.encode()}, scripts=(_script(),), styles=(_style(),))
+
+
+def _panels(playback: Playback) -> list[Panel]:
+    return [*((playback.truth,) if playback.truth else ()), *playback.panels]
+
+
+def _told(panel: Panel) -> str:
+    shown = panel.shown
+    what = (
+        f"{len(shown.markers)} markers"
+        if isinstance(shown, Trajectories)
+        else f"a head of {len(shown.head.vertices)} vertices, {len(shown.head.names)} morph targets"
+    )
+    name = panel.label or "without a label"
+    return f"{name}: {what}, {shown.frames} frames at {shown.rate:g} Hz ({panel.seconds:.2f} s)"
+
+
+@cache
+def _script() -> str:
+    parts = "\n".join(_source(f"{name}.js") for name in _SCRIPTS)
+    return f'"use strict";\n(() => {{\n{parts}}})();'
+
+
+@cache
+def _style() -> str:
+    return _source("player.css")
+
+
+def _source(name: str) -> str:
+    place = files("nodegraph_mocap.player").joinpath("web", name)
+    return place.read_text(encoding="utf-8")

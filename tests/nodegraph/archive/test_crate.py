@@ -1,0 +1,79 @@
+"""The description holds each thing once, and says of files what is in the archive of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nodegraph import NodegraphError, Rendered
+from nodegraph.archive.contents import Contents
+from nodegraph.archive.inputs import ReadFile
+from nodegraph.archive.rocrate import crate_metadata
+from nodegraph.report import Link, MethodRow, Section, Study
+from nodegraph.report.study import WithoutResult
+
+RECORD = {
+    "inputs": {"take": "a b.txt", "gone": "c.txt", "sizes": [1, 2], "on": True},
+    "axes": {"length": [1, 5]},
+    "counts": {"done": 2, "failed": 1},
+}
+
+
+def contents(**more: Any) -> Contents:
+    row = MethodRow("fill", "fill.hold", "Hold.", citation="Hold 2001")
+    study = Study(
+        "Which?",
+        sections=(Section("table", Rendered("", ""), files=(Link("CSV", "t.csv"),)),),
+        methods=(row, row),
+        without_result=(WithoutResult("bad", "bad.boom"),),
+        created="2024-05-06T07:08:00+00:00",
+        seconds=60.0,
+        **more,
+    )
+    read = (
+        ReadFile("a b.txt", "12.txt", "inputs/a b.txt", Path("a b.txt")),
+        ReadFile("c.txt", "34" * 32 + ".txt", "c.txt"),
+    )
+    files = {"g.yaml": b"", "run/t.csv": b"1", "inputs/a b.txt": b"2"}
+    return Contents("g.yaml", study, RECORD, files=files, inputs=read)
+
+
+def described(made: Contents) -> dict[str, dict[str, Any]]:
+    return {one["@id"]: one for one in json.loads(crate_metadata(made))["@graph"]}
+
+
+def test_inputs_and_labels_are_parameters_with_values() -> None:
+    entities = described(contents())
+    assert entities["inputs/a%20b.txt"]["exampleOfWork"] == {"@id": "#input-take"}
+    assert entities["#input-take"]["additionalType"] == "File"
+    assert entities["#value-gone"]["value"] == "c.txt"
+    assert entities["#file-c.txt"]["sha256"] == "34" * 32
+    assert entities["#value-sizes"]["value"] == "[1, 2]"
+    assert entities["#input-on"]["additionalType"] == "Boolean"
+    assert entities["#labels-length"]["value"] == "1, 5"
+    assert entities["run/t.csv"]["exampleOfWork"] == {"@id": "#output-table"}
+
+
+def test_methods_are_those_that_gave_a_result_each_once() -> None:
+    entities = described(contents())
+    assert entities["g.yaml"]["hasPart"] == [{"@id": "#method-fill.hold"}]
+    assert "#method-bad.boom" not in entities
+    assert entities["#run"]["actionStatus"] == "http://schema.org/FailedActionStatus"
+
+
+def test_a_run_begins_its_seconds_before_it_ended_unless_its_events_say() -> None:
+    made = contents()
+    assert described(made)["#run"]["startTime"] == "2024-05-06T07:07:00+00:00"
+    made.files["run/events.jsonl"] = b'{"began": "2024-05-06T07:00:00+00:00"}\n'
+    assert described(made)["#run"]["startTime"] == "2024-05-06T07:00:00+00:00"
+    assert described(made)["#run"]["endTime"] == "2024-05-06T07:01:00+00:00"
+
+
+def test_a_run_that_says_no_time_is_told() -> None:
+    made = contents()
+    object.__setattr__(made.study, "created", "odd")
+    with pytest.raises(NodegraphError, match=r"study\.json\.gz: created: .*; run the graph again"):
+        crate_metadata(made)

@@ -1,0 +1,105 @@
+"""What ``archive`` writes passes the public validator of RO-Crates.
+
+Validation reads the vocabularies that a crate names from the network. Here they are served from
+memory, as far as an archive uses them; a term that is not listed fails.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rocrate_validator import models, services
+from rocrate_validator.utils import http
+
+# what the validator's own libraries warn of is none of ours
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::DeprecationWarning:rdflib", "ignore::DeprecationWarning:pyshacl"
+)
+
+GRAPH = Path(__file__).parents[3] / "graphs" / "procrustes_example.yaml"
+PROFILES = ("process-run-crate-0.5", "workflow-ro-crate-1.0", "workflow-run-crate-0.5")
+SCHEMA = (
+    *("ComputerLanguage", "CreateAction", "CreativeWork", "Dataset", "PropertyValue"),
+    *("SoftwareApplication", "SoftwareSourceCode", "about", "actionStatus", "additionalType"),
+    *("citation", "contentSize", "datePublished", "description", "encodingFormat", "endTime"),
+    *("exampleOfWork", "hasPart", "instrument", "license", "mainEntity", "mentions", "name"),
+    *("object", "programmingLanguage", "result", "softwareRequirements", "startTime", "value"),
+    "version",
+)
+CRATE = {term: f"http://schema.org/{term}" for term in SCHEMA} | {
+    "File": "http://schema.org/MediaObject",
+    "ComputationalWorkflow": "https://bioschemas.org/ComputationalWorkflow",
+    "FormalParameter": "https://bioschemas.org/FormalParameter",
+    "input": "https://bioschemas.org/properties/input",
+    "output": "https://bioschemas.org/properties/output",
+    "conformsTo": "http://purl.org/dc/terms/conformsTo",
+}
+WORKFLOW_RUN = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
+VOCABULARIES = {
+    "https://w3id.org/ro/crate/1.1/context": CRATE,
+    "https://w3id.org/ro/terms/workflow-run/context": WORKFLOW_RUN,
+}
+
+
+class Answer:
+    """What the network would have answered."""
+
+    status_code, ok = 200, True
+
+    def __init__(self, terms: dict[str, str]) -> None:
+        self.headers = {"Content-Type": "application/ld+json"}
+        self._terms = terms
+
+    def json(self) -> Any:
+        return {"@context": self._terms}
+
+
+@pytest.fixture(autouse=True)
+def _vocabularies(monkeypatch: pytest.MonkeyPatch) -> None:
+    def get(requester: object, url: str, **how: object) -> Answer:
+        return Answer(VOCABULARIES[url])
+
+    monkeypatch.setattr(http.HttpRequester, "get", get, raising=False)
+
+
+@pytest.fixture(scope="module")
+def crate(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("crate")
+    for words in (["run", str(GRAPH), "--store", "store", "--out", "ran"], ["archive", "ran"]):
+        command = [sys.executable, "-m", "nodegraph.cli.main", *words]
+        subprocess.run(command, cwd=folder, capture_output=True, check=True)
+    with zipfile.ZipFile(folder / "ran.zip") as file:
+        file.extractall(folder / "crate")
+    return folder / "crate"
+
+
+def faults(crate: Path, profile: str) -> list[str]:
+    settings = services.ValidationSettings(
+        rocrate_uri=str(crate),
+        profile_identifier=profile,
+        requirement_severity=models.Severity.REQUIRED,
+        no_cache=True,
+    )
+    found = services.validate(settings)
+    assert found.executed_checks
+    return [str(issue.message) for issue in found.get_issues()]
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_an_archive_is_a_crate_of_its_profiles(crate: Path, profile: str) -> None:
+    assert faults(crate, profile) == []
+
+
+def test_the_validator_sees_a_crate_without_its_workflow(crate: Path) -> None:
+    metadata = crate / "ro-crate-metadata.json"
+    text = metadata.read_text()
+    try:
+        metadata.write_text(text.replace('"mainEntity"', '"mentions"'))
+        assert faults(crate, "workflow-run-crate-0.5")
+    finally:
+        metadata.write_text(text)

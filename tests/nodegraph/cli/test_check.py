@@ -1,0 +1,103 @@
+"""``check`` tells what would run, or every mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from nodegraph.plugin import loading
+
+FIVE_LINES = """\
+from nodegraph import node
+@node("fill.mine")
+def mine(x: float) -> float:
+    return x * 100
+"""
+Command = Callable[..., tuple[int, str, str]]
+
+
+def test_check_tells_what_would_run(command: Command) -> None:
+    status, out, err = command("check", "toy.yaml")
+    assert (status, err) == (0, "")
+    assert out.splitlines() == [
+        "A toy",
+        "",
+        "node   uses                    along                  steps  stored",
+        "a      toy.number                                     1      0",
+        "gaps   toy.cut                 length (2)             2      0",
+        "fill   fill.hold, fill.strict  length (2) x fill (2)  4      0",
+        "total  toy.sum                                        1      0",
+        "one    fill.hold                                      1      0",
+        "",
+        "8 steps, 0 of them stored",
+    ]
+    command("run", "toy.yaml", "--only", "length=1")
+    assert "8 steps, 4 of them stored" in command("check", "toy.yaml")[1]
+
+
+def test_check_takes_choices(command: Command) -> None:
+    status, out, _ = command(
+        "check", "toy.yaml", "--set", "start=7", "--axis", "length=1,2,3", "--only", "fill=hold"
+    )
+    assert status == 0
+    assert "length (3) x fill (1)" in out
+    assert "left out: one: made of length=5, which the command has removed\n" in out
+    status, out, _ = command("check", "toy.yaml", "--axis", "length={count: 2}")
+    assert status == 2
+    status, out, _ = command("check", "toy.yaml", "--axis", "length={a: 5, b: 6}")
+    assert status == 0
+
+
+def test_check_tells_all_mistakes(command: Command) -> None:
+    text = Path("toy.yaml").read_text()
+    Path("toy.yaml").write_text(text.replace("toy.cut", "toy.cutt").replace("toy.sum", "toy.sun"))
+    status, out, err = command("check", "toy.yaml")
+    assert (status, out) == (2, "")
+    assert "toy.yaml:7:15: no node 'toy.cutt'" in err
+    assert "toy.yaml:9:16: no node 'toy.sun'" in err
+
+
+def test_a_file_of_five_lines_joins_its_family(command: Command) -> None:
+    Path("my_fill.py").write_text(FIVE_LINES)
+    status, out, _ = command("check", "toy.yaml", "--plugin", "my_fill.py")
+    assert status == 0
+    assert "fill.hold, fill.mine, fill.strict" in out
+
+
+def test_a_name_claimed_by_two_plugins_names_both(command: Command) -> None:
+    Path("my_hold.py").write_text(FIVE_LINES.replace("fill.mine", "fill.hold"))
+    status, _, err = command("check", "toy.yaml", "--plugin", "my_hold.py")
+    assert status == 2
+    assert "'fill.hold' is claimed by toys:fill.hold and my_hold:fill.hold" in err or (
+        "'fill.hold' is claimed by my_hold:fill.hold and toys:fill.hold" in err
+    )
+    status, out, _ = command("nodes", "fill", "--plugin", "my_hold.py")
+    assert (status, out.count("fill.hold")) == (0, 2)
+
+
+def test_a_node_of_a_file_that_is_not_named_is_told_the_option(command: Command) -> None:
+    Path("toy.yaml").write_text(Path("toy.yaml").read_text().replace("toy.sum", "toy.more"))
+    status, _, err = command("check", "toy.yaml")
+    assert status == 2
+    assert "those of a plugin file come with --plugin FILE" in err
+
+
+def test_a_file_without_nodes_is_told(command: Command) -> None:
+    Path("bare.py").write_text("def fill(x):\n    return x\n")
+    status, _, err = command("check", "toy.yaml", "--plugin", "bare.py")
+    assert status == 0
+    assert (
+        err == 'warning: bare.py: brings no node; write @node("family.method") above a function\n'
+    )
+
+
+def test_an_installed_plugin_that_does_not_import_is_told_and_the_rest_go_on(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = loading.BrokenPlugin("bad", "bad_module: ImportError: no libfoo")
+    monkeypatch.setattr(loading, "installed", lambda: ([], [broken]))
+    status, _, err = command("check", "toy.yaml")
+    assert status == 0
+    assert err == "warning: plugin 'bad' is left out: bad_module: ImportError: no libfoo\n"

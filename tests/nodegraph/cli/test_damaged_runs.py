@@ -1,0 +1,162 @@
+"""A run whose files are not as it wrote them is told: the file, the key, and what to do."""
+
+from __future__ import annotations
+
+import copy
+import gzip
+import json
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nodegraph import NodegraphError
+from nodegraph.report.files import read_study
+from nodegraph.runs.saved_run import FinishedRun
+
+Command = Callable[..., tuple[int, str, str]]
+Place = tuple[str | int, ...]
+OTHERS: tuple[Any, ...] = (None, 7, "odd", [], {}, [7], {"odd": 7})
+READERS = (
+    ("archive", "ran", "--out", "new.zip"),
+    ("export", "ran", "fill", "--at", "fill=hold,length=1", "--out", "new.raw", "--store", "kept"),
+    ("diff", "whole", "ran", "--store", "kept"),
+    ("diff", "ran", "whole", "--store", "kept"),
+    ("why", "toy.yaml", "fill", "--run", "ran", "--store", "kept"),
+)
+
+
+@pytest.fixture
+def ran(command: Command) -> Path:
+    """A run with a step of every kind, whole and to be damaged."""
+    more = "  never: {use: fill.strict, in: a}\nskip: [{fill: strict, length: 1}]\n"
+    Path("toy.yaml").write_text(Path("toy.yaml").read_text() + more)
+    Path("toys.py").write_text(Path("toys.py").read_text().replace("x < -9:", "x > 4:"))
+    assert command("run", "toy.yaml", "--store", "kept", "--out", "whole")[0] == 0
+    shutil.copytree("whole", "ran")
+    return Path("ran")
+
+
+def places(data: Any, at: Place = ()) -> Iterator[Place]:
+    """Yield every place in plain data, of lists only the first and the last member."""
+    if at:
+        yield at
+    if isinstance(data, dict):
+        for key, one in data.items():
+            yield from places(one, (*at, key))
+    elif isinstance(data, list):
+        for index in sorted({0, len(data) - 1} if data else ()):
+            yield from places(data[index], (*at, index))
+
+
+def changed(data: Any, at: Place) -> Iterator[Any]:
+    """Yield data without what is at a place, and with something else there."""
+    for other in (..., *OTHERS):
+        made = copy.deepcopy(data)
+        inner = made
+        for key in at[:-1]:
+            inner = inner[key]
+        if other is ...:
+            del inner[at[-1]]
+        else:
+            inner[at[-1]] = other
+        yield made
+
+
+def read_by(command: Command, readers: Iterable[tuple[str, ...]]) -> str:
+    """Give commands that read the run; return what they say on stderr."""
+    said = ""
+    for words in readers:
+        status, _, err = command(*words, nodes=words[0] == "why")
+        assert "mistake of the program" not in err, (words, err)
+        assert status in (0, 1, 2)
+        said += err
+        for new in Path().glob("new.*"):
+            new.unlink()
+    return said
+
+
+def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
+    whole = json.loads((ran / "run.json").read_text())
+    assert "again" not in read_by(command, READERS)
+    for at in places(whole):
+        for count, data in enumerate(changed(whole, at)):
+            (ran / "run.json").write_text(json.dumps(data))
+            try:
+                FinishedRun(ran)
+            except NodegraphError as error:
+                told = str(error)
+                assert told.startswith(("ran/run.json cannot be read (", "ran/run.json is of")), (
+                    told
+                )
+                assert told.endswith("run the graph again"), told
+            else:
+                read_by(command, READERS if count < 3 else ())
+
+
+@pytest.mark.parametrize(
+    ("key", "at"),
+    [
+        ("nodes", "nodes: field required"),
+        ("command", "command: field required"),
+        ("counts", "counts: field required"),
+        ("folder", "folder: field required"),
+    ],
+)
+def test_the_key_that_lacks_is_named(command: Command, ran: Path, key: str, at: str) -> None:
+    data = json.loads((ran / "run.json").read_text())
+    del data[key]
+    (ran / "run.json").write_text(json.dumps(data))
+    for words in READERS:
+        status, _, err = command(*words, nodes=words[0] == "why")
+        assert status == 2
+        assert f"ran/run.json cannot be read ({at}); run the graph again" in err
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        ({"node": "nowhere"}, "steps.0: no node 'nowhere'"),
+        ({"use": "fill.hold"}, "steps.0: 'a' has no method 'fill.hold'"),
+        ({"labels": {"length": 1}}, "steps.0: its labels are not those of 'a'"),
+        ({"state": "odd"}, "steps.0.state: input should be 'done'"),
+        ({"inputs": {"x": {"step": 99, "output": "x"}}}, "steps.0: inputs.x: no step 99"),
+        ({"key": "../../odd"}, "steps.0.key: string should match pattern"),
+    ],
+)
+def test_steps_that_fit_nothing_else_are_told(ran: Path, step: dict[str, Any], said: str) -> None:
+    data = json.loads((ran / "run.json").read_text())
+    data["steps"][0] |= step
+    (ran / "run.json").write_text(json.dumps(data))
+    with pytest.raises(NodegraphError) as caught:
+        FinishedRun(ran)
+    assert said in str(caught.value)
+
+
+def test_what_is_no_record_at_all_is_told(command: Command, ran: Path) -> None:
+    for text in ("", "[]", "7", "[" * 100_000, '{"format": 99}', "\0"):
+        (ran / "run.json").write_text(text)
+        assert "run the graph again" in read_by(command, READERS[:1])
+
+
+def test_a_study_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
+    whole = json.loads(gzip.decompress((ran / "study.json.gz").read_bytes()))
+    readers = (
+        ("archive", "ran", "--out", "new.zip"),
+        ("cite", "ran"),
+        ("report", "ran", "whole", "--out", "new.html"),
+    )
+    for at in places(whole):
+        for count, data in enumerate(changed(whole, at)):
+            (ran / "study.json.gz").write_bytes(gzip.compress(json.dumps(data).encode()))
+            try:
+                read_study(ran)
+            except NodegraphError as error:
+                told = str(error)
+                assert told.startswith("ran/study.json.gz cannot be read ("), told
+                assert told.endswith("); run the graph again"), told
+            else:
+                # below that, it is one text or another in a page
+                read_by(command, readers if len(at) == 1 and count < 4 else ())

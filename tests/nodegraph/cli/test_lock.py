@@ -1,0 +1,206 @@
+"""``lock`` writes a small text that says everything, in which nothing is of one machine."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from nodegraph.cli.main import main
+from nodegraph.lock.lockfile import read_lock
+
+from . import frozen
+
+ANYTHING = "np.random.default_rng().random() / 1e6"
+Locked = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def locked(capsys: pytest.CaptureFixture[str]) -> Locked:
+    """Write the study, and lock it; return exit status, output and errors."""
+    frozen.write_study()
+
+    def call(*words: str, graph: str = "study.yaml") -> tuple[int, str, str]:
+        more = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
+        status = main(["lock", graph, *more, *words])
+        return status, *capsys.readouterr()
+
+    return call
+
+
+def test_a_lock_lies_beside_the_graph_and_says_everything(locked: Locked) -> None:
+    status, out, _ = locked()
+    assert status == 0
+    assert out.splitlines()[0] == "10 steps: 10 done"
+    assert re.fullmatch(r"study\.lock \([\d.]+ KB\)", out.splitlines()[1])
+    data = read_lock(Path("study.lock")).data
+    assert data["graph"] == "study.yaml"
+    assert data["axes"] == {"length": [2, 5], "fill": ["mean", "shift"]}
+    assert data["methods"]["cut"]["settings"] == {"length": "$length"}
+    assert data["methods"]["fill=mean"]["use"] == "fill.mean"
+    assert data["files"].keys() == {"numbers.txt"}
+    assert "numpy" in data["versions"]
+    assert "SHIFT" in data["code"]["study"]
+    assert data["conclusions"] == {"order": ["mean < shift"]}
+    assert data["tables"]["order"].splitlines()[0] == "fill,mean"
+    assert data["text"] == {"study.yaml": frozen.GRAPH}
+    assert data["tolerance"] == 1e-9
+
+
+def test_every_combination_has_a_result_with_its_digest(locked: Locked) -> None:
+    locked()
+    lock = read_lock(Path("study.lock"))
+    assert {group: list(steps) for group, steps in lock.results.items()} == {
+        "sheet": ["only"],
+        "cut": ["2", "5"],
+        "fill=mean": ["2", "5"],
+        "fill=shift": ["2", "5"],
+        "order": ["only"],
+        "picture": ["only"],
+        "written": ["only"],
+    }
+    assert lock.results["sheet"]["only"].digest
+    assert lock.results["sheet"]["only"].projections is not None
+    assert not lock.results["picture"]["only"].digest
+    assert lock.results["picture"]["only"].opaque
+    assert lock.parts["fill=mean"]["output.cells"]["5"].shape == (frozen.ROWS, 3)
+
+
+def test_the_same_study_gives_the_same_lock_wherever_it_lies(
+    locked: Locked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    locked()
+    text = Path("study.lock").read_text()
+    assert str(tmp_path) not in text
+    there = tmp_path / "elsewhere" / "deep"
+    shutil.copytree(tmp_path, there, ignore=shutil.ignore_patterns("kept", "elsewhere"))
+    monkeypatch.chdir(there)
+    assert locked("--jobs", "1")[0] == 0
+    assert Path("study.lock").read_text() == text
+
+
+def test_an_edit_of_the_graph_shows_in_few_lines(locked: Locked) -> None:
+    locked()
+    before = Path("study.lock").read_text().splitlines()
+    frozen.edit("study.yaml", "use: toy.cut, in: sheet", "in: sheet, use: toy.cut")
+    locked()
+    after = Path("study.lock").read_text().splitlines()
+    changed = [one for one in difflib.ndiff(before, after) if one[:2] in ("- ", "+ ")]
+    assert [one[2:].split(":")[0].strip() for one in changed] == ["checksum"] * 2 + ["cut"] * 2
+
+
+def test_choices_are_part_of_a_lock(locked: Locked) -> None:
+    locked("--axis", "length=3", "--only", "fill=mean", "--out", "less.lock")
+    data = read_lock(Path("less.lock")).data
+    assert data["choices"] == {"axis": {"length": [3]}, "only": {"fill": ["mean"]}}
+    assert data["axes"] == {"length": [3], "fill": ["mean"]}
+
+
+def test_the_texts_of_graphs_that_it_uses_are_part_of_a_lock(locked: Locked) -> None:
+    Path("inner.yaml").write_text(frozen.INNER)
+    Path("study.yaml").write_text(frozen.OUTER)
+    assert locked()[0] == 0
+    assert read_lock(Path("study.lock")).data["text"]["inner.yaml"] == frozen.INNER
+
+
+def test_what_fails_or_is_refused_is_part_of_a_lock(locked: Locked) -> None:
+    frozen.edit("study.yaml", "[2, 5]", "[2, 12, 99]")
+    fails = (
+        "if len(sheet.cells) == np.isnan(sheet.cells).sum(): raise ValueError('empty')\n    if np."
+    )
+    frozen.edit("study.py", "if np.", fails)
+    status, out, err = locked()
+    assert status == 1
+    assert "1 refused, 1 failed" in out
+    assert "some steps failed: the lock holds that they did" in err
+    steps = read_lock(Path("study.lock")).results["fill=shift"]
+    assert steps["12"].ended == "refused: a gap of 12.0 cells"
+    assert steps["99"].ended == "failed"
+
+
+def test_a_file_that_is_no_lock_is_left_alone(locked: Locked) -> None:
+    status, _, err = locked("--out", "study.py")
+    assert status == 2
+    assert "study.py is there and is no lock; name another file with --out" in err
+    assert Path("study.py").read_text() == frozen.NODES
+
+
+def test_a_place_that_cannot_be_written_is_told_before_anything_runs(locked: Locked) -> None:
+    status, _, err = locked("--out", "study.py/x.lock")
+    assert status == 2
+    assert "study.py/x.lock: cannot be written: study.py is a file, and no folder" in err
+    assert not Path("calls.txt").exists()
+
+
+def test_results_that_an_audit_found_to_be_one_of_several_are_told(locked: Locked) -> None:
+    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
+    words = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
+    assert main(["audit", "study.yaml", *words]) == 1
+    _, out, _ = locked()
+    told = "1 results are not stored: read.sheet: an audit found that it gives another answer"
+    assert told in out
+
+
+def test_a_damaged_lock_is_written_again(locked: Locked) -> None:
+    locked()
+    text = Path("study.lock").read_text()
+    Path("study.lock").write_bytes(text.replace("\n", "\r\n")[:500].encode())
+    assert locked()[0] == 0
+    assert Path("study.lock").read_text() == text
+
+
+def test_a_graph_that_names_a_place_of_one_machine_is_refused(
+    locked: Locked, tmp_path: Path
+) -> None:
+    path = tmp_path / "numbers.txt"
+    frozen.edit("study.yaml", "file: numbers.txt", f"file: {path}")
+    status, _, err = locked()
+    assert status == 2
+    assert f"sheet: path: {path} is a path of this machine, which a lock must not hold" in err
+    assert "write it as seen from the graph file, or give it with --set" in err
+    assert not Path("calls.txt").exists()
+
+
+def test_a_graph_without_a_title_may_be_named_by_its_whole_path(
+    locked: Locked, tmp_path: Path
+) -> None:
+    frozen.edit("study.yaml", "title: A frozen toy\n", "")
+    assert locked(graph=str(tmp_path / "study.yaml"))[0] == 0
+    text = Path("study.lock").read_text()
+    assert "title: study.yaml\n" in text
+    assert str(tmp_path) not in text
+
+
+def test_a_text_with_a_place_of_this_machine_is_refused(locked: Locked, tmp_path: Path) -> None:
+    frozen.edit("study.yaml", "A frozen toy", f"As in {tmp_path / 'notes.txt'}")
+    status, _, err = locked()
+    assert status == 2
+    assert f"the lock would hold the path {tmp_path}/ of this machine: title: As in" in err
+    assert not Path("study.lock").exists()
+
+
+def test_a_label_that_is_a_place_of_one_machine_is_refused(locked: Locked, tmp_path: Path) -> None:
+    frozen.edit("study.yaml", "path: $file", "path: $source")
+    frozen.edit("study.yaml", "inputs: {file: numbers.txt}\n", "")
+    frozen.edit("study.yaml", "[2, 5]}", "[2, 5], source: [numbers.txt]}")
+    path = tmp_path / "numbers.txt"
+    status, _, err = locked("--axis", f"source={path}")
+    assert status == 2
+    assert f"axis source: the label {path} is a path of this machine" in err
+    assert "give the axis names: {name: path}" in err
+
+
+def test_a_file_that_the_command_names_is_called_by_how_it_lies_to_the_graph(
+    locked: Locked, tmp_path: Path
+) -> None:
+    Path("data").mkdir()
+    frozen.write_numbers("data/mine.txt")
+    assert locked("--set", f"file={tmp_path / 'data' / 'mine.txt'}")[0] == 0
+    data = read_lock(Path("study.lock")).data
+    assert data["choices"] == {"set": {"file": "data/mine.txt"}}
+    assert data["inputs"] == {"file": "data/mine.txt"}
+    assert data["files"].keys() == {"data/mine.txt"}

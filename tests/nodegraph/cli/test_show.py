@@ -1,0 +1,68 @@
+"""``nodes`` and ``show`` tell what is installed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from nodegraph.plugin import loading
+from nodegraph.plugin.loading import Plugin
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+def test_nodes_are_listed(command: Command) -> None:
+    status, out, _ = command("nodes")
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == [
+        "fill.hold", "fill.strict", "toy.cut", "toy.number", "toy.sum",
+    ]  # fmt: skip
+    assert command("nodes", "fill")[1] == command("nodes", "fill.*")[1]
+    assert command("nodes", "toy")[1].count("\n") == 3
+    status, out, err = command("nodes", "fil")
+    assert (status, out) == (2, "")
+    assert "no family 'fil'; did you mean 'fill'" in err
+    status, _, err = command("nodes", "fill.hold")
+    assert (status, "`nodegraph show fill.hold` shows it" in err) == (2, True)
+    status, _, err = command("nodes", "fill.hodl")
+    assert (status, "no node 'fill.hodl'; did you mean 'fill.hold'" in err) == (2, True)
+    assert command("nodes", nodes=False)[0] == 0
+
+
+def test_a_node_is_shown(command: Command) -> None:
+    status, out, _ = command("show", "toy.cut")
+    assert status == 0
+    assert out.startswith("toy.cut    plugin toys\n\nin   x: float\nout  gappy: float\n")
+    assert "truth: Truth[float]" in out
+    assert "length   3        frames  whole number >= 1  Of the gap." in out
+    assert out.endswith("cite: nothing\n")
+    assert "hold2001 (no BibTeX entry is installed)" in command("show", "fill.hold")[1]
+    assert command("show", "toys:toy.cut")[1] == out
+    status, _, err = command("show", "toy.cutt")
+    assert status == 2
+    assert "did you mean 'toy.cut'" in err
+
+
+def test_an_example_is_shown_that_may_stand_in_a_graph(command: Command) -> None:
+    _, out, _ = command("show", "toy.cut")
+    example = "toy: {use: toy.cut, in: x, with: {length: 3}}"
+    assert f"\n\nexample, among the nodes of a graph:\n  {example}\n\ncite:" in out
+    text = (
+        "Examples\n    --------\n    Of five:\n\n        gaps: {use: toy.cut, with: {length: 5}}\n"
+    )
+    toys = Path("toys.py")
+    toys.write_text(toys.read_text().replace("Of the gap.\n", f"Of the gap.\n\n    {text}"))
+    _, out, _ = command("show", "toy.cut")
+    assert "gaps: {use: toy.cut, with: {length: 5}}" in out
+    assert "\nexample, among the nodes of a graph:\n" not in out
+
+
+def test_the_example_of_a_node_that_two_plugins_have_names_its_own(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = Plugin("other", loading.from_file(Path("toys.py")).module)
+    monkeypatch.setattr(loading, "installed", lambda: ([other], []))
+    _, out, _ = command("show", "other:toy.number")
+    assert "\n  toy: {use: 'other:toy.number', with: {start: 1.0}}\n" in out

@@ -1,0 +1,460 @@
+"""``verify`` tells rounding from change, and names what changed, where and by how much."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from nodegraph.cli.main import main
+
+from . import frozen
+
+TAKEN = """\
+from nodegraph import node
+@node("fill.mean")
+def mean(sheet: float) -> float: return sheet
+@node("fill.shift")
+def shift(sheet: float) -> float: return sheet
+@node("toy.cut")
+def cut(sheet: float) -> float: return sheet
+"""
+# far beyond the tolerance between any two calls, and too little to turn the order of the means
+ANYTHING = "np.random.default_rng().random() / 1e3"
+Verified = Callable[..., tuple[int, str, str]]
+STORE = ("--store", "kept", "--executor", "serial")
+SHIFTED = "fill(length=2, fill=shift) and 1 more of fill=shift"
+
+
+@pytest.fixture
+def verified(capsys: pytest.CaptureFixture[str]) -> Verified:
+    """Write the study and lock it; return a way to verify it."""
+    frozen.write_study()
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 0
+    capsys.readouterr()
+
+    def call(
+        *words: str, plugin: str = "study.py", lock: str = "study.lock"
+    ) -> tuple[int, str, str]:
+        more = ["--plugin", plugin] if plugin else []
+        status = main(["verify", lock, *more, *STORE, *words])
+        return status, *capsys.readouterr()
+
+    return call
+
+
+def lock_again(*words: str) -> None:
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE, *words]) == 0
+
+
+def sign_again(lock: str = "study.lock") -> None:
+    """Give an edited lock the checksum of what stands in it now."""
+    head, _, rest = Path(lock).read_text().partition("checksum: ")
+    body = rest.partition("\n")[2]
+    checksum = hashlib.sha256(body.encode()).hexdigest()
+    Path(lock).write_text(f"{head}checksum: {checksum}\n{body}")
+
+
+@pytest.fixture
+def drifting(verified: Verified, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], list[str]]:
+    """Verify where the sheet is read otherwise though no code changed; give what is printed."""
+
+    def call(size: str) -> list[str]:
+        monkeypatch.setenv("DRIFT", size)
+        status, out, _ = verified("--rerun")
+        assert status == int(out.startswith("diverged"))
+        return out.splitlines()
+
+    return call
+
+
+def test_an_untouched_study_is_identical(verified: Verified) -> None:
+    status, out, _ = verified()
+    assert status == 0
+    assert out == "identical: study.lock: 10 of 10 results identical\n"
+
+
+def test_stored_results_are_used_unless_it_is_to_run_again(verified: Verified) -> None:
+    verified()
+    assert Path("calls.txt").read_text() == "read "
+    assert verified("--rerun")[1].startswith("identical")
+    assert Path("calls.txt").read_text() == "read read "
+
+
+def test_rounding_is_within_tolerance(drifting: Callable[[str], list[str]]) -> None:
+    first, *rest = drifting("1e-12")
+    assert first.startswith("within tolerance: study.lock: 1 of 10 results identical, 9 within")
+    assert "beyond" not in first
+    assert rest == []
+
+
+def test_a_file_of_drifted_numbers_has_drifted(
+    verified: Verified,
+    drifting: Callable[[str], list[str]],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    frozen.edit("study.py", "(sorted(order.means))", "(f'{one!r}' for one in order.means.values())")
+    assert verified()[1].startswith("diverged")
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 0
+    capsys.readouterr()
+    first, *_ = drifting("1e-12")
+    assert first.startswith("within tolerance: study.lock: 0 of 10 results identical, 10 within")
+
+
+def test_a_conclusion_that_rounding_turns_is_told_with_the_verdict(
+    verified: Verified, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frozen.edit("study.py", '[" < ".join(sorted(one.means, key=one.means.get))]',
+                "[f'{one.means[\"mean\"] * 1e12 % 10:.0f}']")  # fmt: skip
+    lock_again()
+    monkeypatch.setenv("DRIFT", "4e-12")
+    status, out, _ = verified("--rerun")
+    assert status == 1
+    lines = out[out.index("within") :].splitlines()
+    assert lines[0].startswith("within tolerance, but conclusions changed: study.lock: 1 of 10")
+    assert [one.split(": ")[:2] for one in lines[1:]] == [["order", "no longer"], ["order", "now"]]
+
+
+def test_a_node_that_an_audit_found_to_give_no_one_answer_is_told(verified: Verified) -> None:
+    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
+    assert main(["audit", "study.yaml", "--plugin", "study.py", *STORE]) == 1
+    verified()
+    lock_again()
+    told = "read.sheet: an audit found that it gives another answer in a second call"
+    for words in ((), ("--rerun",)):
+        status, out, _ = verified(*words)
+        assert status == 0
+        assert f"1 results are not stored: {told}" in out
+        first = out.splitlines()[out.splitlines().index("first: sheet") + 1].strip()
+        assert first.startswith(
+            "code, settings, files and libraries are the same, and an audit found that it gives"
+        )
+
+
+def test_more_than_rounding_that_no_change_explains_keeps_the_conclusions(
+    drifting: Callable[[str], list[str]],
+) -> None:
+    first, *rest = drifting("1e-6")
+    assert first.startswith("same conclusions: study.lock: ")
+    assert rest[1] == "first: sheet"
+    assert "another processor, or it does not give one answer" in rest[2]
+    assert rest[-1] == "all conclusions are the same (1)"
+
+
+def test_what_turns_a_conclusion_has_diverged(drifting: Callable[[str], list[str]]) -> None:
+    first, *rest = drifting("100000")
+    assert first.startswith("diverged: study.lock: ")
+    assert "order: no longer: mean < shift" in rest
+    assert "order: now: shift < mean" in rest
+
+
+def test_an_edited_constant_is_named_with_its_node_and_where_results_differ(
+    verified: Verified,
+) -> None:
+    frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
+    shutil.rmtree("kept")
+    status, out, _ = verified()
+    lines = out.splitlines()
+    assert status == 1
+    assert lines[0].startswith("diverged: study.lock: 6 of 10 results identical, 4 beyond")
+    assert lines[2] == f"first: {SHIFTED}"
+    assert lines[3] == "    code: study:SHIFT was edited"
+    assert lines[4].startswith("    by ")
+    assert "times their usual size (root mean square, fill(length=5, fill=shift) most)" in lines[4]
+    assert lines[5] == "    output.cells: differs in rows 0 to 1, of column left"
+    assert "what follows from that: order (1), picture (1)" in lines
+    assert "all conclusions are the same (1)" in lines
+    assert any(
+        one.startswith("order: 1 of 2 rows are others; most of all mean of") for one in lines
+    )
+
+
+def test_how_far_it_is_off_is_about_as_far_as_it_is(verified: Verified) -> None:
+    frozen.edit("study.py", "1000.0 + SHIFT", "1000.0 + SHIFT + 100.0")
+    line = next(one for one in verified()[1].splitlines() if one.startswith("    by "))
+    assert 0.03 < float(line.split()[1]) < 0.3  # of numbers that are 1001 each, and some smaller
+
+
+def test_locked_values_that_are_stored_are_compared_one_by_one(verified: Verified) -> None:
+    frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
+    lines = verified()[1].splitlines()
+    assert lines[2] == f"first: {SHIFTED}"
+    assert lines[5] == "    output: value.cells[0, 0]: 1001.0 and 1001.5 (2 such places)"
+
+
+def test_an_edit_without_effect_is_none(verified: Verified) -> None:
+    frozen.edit("study.py", "1000.0 + SHIFT", "SHIFT + 1000.0")
+    assert verified()[1].startswith("identical: ")
+
+
+def test_a_file_with_another_content_is_named(verified: Verified) -> None:
+    frozen.write_numbers(first=0.75)
+    status, out, _ = verified()
+    lines = out.splitlines()
+    assert status == 1
+    assert lines[1] == "    the content of numbers.txt is another"
+    assert lines[3:5] == ["first: sheet", "    path: the content of numbers.txt is another"]
+
+
+def test_a_file_that_is_gone_may_lie_elsewhere(verified: Verified) -> None:
+    Path("there").mkdir()
+    shutil.move("numbers.txt", "there/moved.txt")
+    status, out, err = verified()
+    assert (status, out) == (2, "")
+    assert "the graph in study.lock cannot be run here" in err
+    assert "numbers.txt" in err
+    assert "where it lies by now: --set file=FILE" in err
+    status, out, _ = verified("--set", "file=there/moved.txt")
+    assert (status, out) == (0, "identical: study.lock: 10 of 10 results identical\n")
+
+
+def test_a_file_that_the_command_names_lies_where_the_command_is_given(
+    verified: Verified, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "there").mkdir()
+    shutil.move("numbers.txt", "there/moved.txt")
+    monkeypatch.chdir("there")
+    words = {"plugin": "../study.py", "lock": "../study.lock"}
+    status, out, _ = verified("--set", "file=moved.txt", **words)
+    assert (status, out.split(":")[0]) == (0, "identical")
+    monkeypatch.chdir(tmp_path)
+    status, _, err = verified("--set", "file=moved.txt")
+    assert status == 2
+    assert f"moved.txt was looked for in {tmp_path}; where it lies by now: --set file=FILE" in err
+    (tmp_path / "moved.txt").mkdir()
+    monkeypatch.chdir("there")
+    assert verified("--set", "file=moved.txt", **words)[0] == 0
+
+
+def test_a_word_is_none_of_a_file_of_that_name(verified: Verified) -> None:
+    frozen.edit("study.yaml", "file: numbers.txt", "file: numbers.txt, word: a")
+    frozen.edit("study.yaml", "length: $length", "length: $length, word: $word")
+    frozen.edit("study.py", "length: int = 3", "length: int = 3, word: str")
+    frozen.edit("study.py", "cells[:length, 0]", "cells[:len(word), 0]")
+    lock_again("--set", "word=data")
+    Path("data").mkdir()
+    status, out, _ = verified("--set", "word=data")
+    assert status == 0
+    assert "identical: study.lock: 10 of 10" in out
+
+
+def test_the_locked_text_is_verified_whatever_the_graph_file_says(verified: Verified) -> None:
+    frozen.edit("study.yaml", "[2, 5]", "[3]")
+    status, out, err = verified()
+    assert (status, out) == (0, "identical: study.lock: 10 of 10 results identical\n")
+    assert "study.yaml has another text than the lock, whose text is verified" in err
+    Path("study.yaml").unlink()
+    status, out, err = verified()
+    assert (status, out) == (0, "identical: study.lock: 10 of 10 results identical\n")
+    assert "study.yaml is gone; the text in the lock is verified" in err
+
+
+def test_the_locked_texts_of_graphs_that_it_uses_are_verified(verified: Verified) -> None:
+    Path("inner.yaml").write_text(frozen.INNER)
+    Path("outer.yaml").write_text(frozen.OUTER)
+    assert main(["lock", "outer.yaml", "--plugin", "study.py", *STORE]) == 0
+    frozen.edit("inner.yaml", "fill.mean", "fill.shift")
+    status, out, err = verified(lock="outer.lock")
+    assert status == 0
+    assert "identical: outer.lock: 5 of 5 results identical\n" in out
+    assert "inner.yaml has another text than the lock, whose text is verified" in err
+
+
+def test_a_family_that_has_grown_is_taken_as_it_was(verified: Verified) -> None:
+    more = "\n".join(
+        ['@node("fill.other")', "def other(x: float) -> float:", "    return x", "@hookimpl", ""]
+    )
+    text = Path("study.py").read_text().replace("@hookimpl\n", more, 1)
+    Path("study.py").write_text(text.replace("mean, shift, rank", "mean, other, shift, rank"))
+    assert verified()[1] == "identical: study.lock: 10 of 10 results identical\n"
+
+
+@pytest.mark.parametrize("alternatives", ["fill.*", "[fill.mean, fill.shift]"])
+@pytest.mark.parametrize("words", [(), ("--only", "fill=mean")])
+def test_a_plugin_that_claims_a_name_of_the_study_changes_nothing(
+    verified: Verified, words: tuple[str, ...], alternatives: str
+) -> None:
+    frozen.edit("study.yaml", "fill.*", alternatives)
+    lock_again(*words)
+    Path("taken.py").write_text(TAKEN)
+    status, out, err = verified("--plugin", "taken.py")
+    assert (status, err.count("claimed")) == (0, 0)
+    assert "identical: study.lock: " in out
+
+
+def test_namesakes_that_were_told_apart_then_are_now(verified: Verified) -> None:
+    fills = TAKEN.partition('@node("toy')[0].replace("float", "Sheet")
+    Path("taken.py").write_text(f"from study import Sheet\n{fills}")
+    lock_again("--plugin", "taken.py", "--only", "fill=study:mean")
+    Path("third.py").write_text(TAKEN)
+    assert verified("--plugin", "taken.py", "--plugin", "third.py")[0] == 0
+
+
+def test_a_plugin_that_is_absent_is_named(verified: Verified) -> None:
+    status, out, err = verified(plugin="")
+    assert (status, out) == (2, "")
+    assert "study.lock needs what is not installed:" in err
+    assert "plugin study is absent; name the file that has it: --plugin study.py: read.sheet" in err
+
+
+def test_a_node_that_its_plugin_lacks_is_named(verified: Verified) -> None:
+    frozen.edit("study.py", '"fill.shift"', '"fill.renamed"')
+    status, _, err = verified()
+    assert status == 2
+    assert "plugin study is there, and has no such node: fill.shift" in err
+
+
+def test_a_refusal_is_a_result(verified: Verified) -> None:
+    frozen.edit("study.py", "sum() > 8", "sum() > 4")
+    status, out, _ = verified()
+    lines = out.splitlines()
+    assert status == 1
+    assert lines[2] == "first: fill(length=5, fill=shift)"
+    assert "    was done, now refused: a gap of 5.0 cells" in lines
+
+
+def test_what_failed_then_and_now_is_counted_as_such(verified: Verified) -> None:
+    frozen.edit("study.py", "if np.", "if SHIFT: raise ValueError('never')\n    if np.")
+    frozen.edit("study.yaml", "in: fill}", "in: {from: fill, at: {fill: shift, length: 2}}}")
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 1
+    status, out, _ = verified()
+    assert status == 0
+    ended = "10 of 10 results identical (of these 2 failed and 3 were skipped, as then)"
+    assert f"identical: study.lock: {ended}\n" in out
+
+
+def test_a_picture_drawn_otherwise_is_no_other_result(verified: Verified) -> None:
+    frozen.edit("study.py", '"grey"', '"blue"')
+    status, out, _ = verified()
+    assert status == 0
+    assert out.splitlines() == [
+        "identical: study.lock: 10 of 10 results identical",
+        "    drawn otherwise from the same numbers: picture (1)",
+    ]
+
+
+def test_a_file_with_other_bytes_is_another_result(verified: Verified) -> None:
+    frozen.edit("study.py", 'ENDING = "!"', 'ENDING = "?"')
+    status, out, _ = verified()
+    lines = out.splitlines()
+    assert status == 1
+    assert lines[2:5] == [
+        "first: written",
+        "    code: study:ENDING was edited",
+        "    its files have other bytes",
+    ]
+
+
+def test_a_writer_that_was_edited_is_found_though_what_it_writes_has_drifted(
+    verified: Verified, drifting: Callable[[str], list[str]]
+) -> None:
+    frozen.edit("study.py", 'ENDING = "!"', 'ENDING = "?"')
+    assert "first: written" in drifting("1e-12")
+
+
+def test_values_that_cannot_be_stored_are_not_compared(verified: Verified) -> None:
+    frozen.edit("study.py", "return Drawing(f", "return Other(f")
+    frozen.edit("study.py", "class Drawing:", "class Other:\n    def __init__(self, text):\n"
+                "        self.text = text\n\n\nclass Drawing:")  # fmt: skip
+    frozen.edit("study.py", "-> Drawing", "-> object")
+    assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 0
+    status, out, _ = verified()
+    assert status == 0
+    assert "cannot be stored, so not compared: picture (1)" in out
+
+
+def test_a_lock_may_be_verified_from_any_folder(
+    verified: Verified, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("inner").mkdir()
+    monkeypatch.chdir("inner")
+    status, out, _ = verified(plugin="../study.py", lock="../study.lock")
+    assert (status, out) == (0, "identical: ../study.lock: 10 of 10 results identical\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("tolerance: 1e-09", "tolerance: 1e-01", "is not as it was written"),
+        ("nodegraph_lock: 1", "nodegraph_lock: 2", "a lock of format 2, and this program reads 1"),
+        ("# end of the lock", "", "the lock is cut off"),
+        ("nodegraph_lock", "nodegraph", "this is no lock"),
+    ],
+)
+def test_a_lock_that_is_not_as_it_was_written_is_refused(
+    verified: Verified, old: str, new: str, said: str
+) -> None:
+    frozen.edit("study.lock", old, new)
+    status, out, err = verified()
+    assert (status, out) == (2, "")
+    assert said in err
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("# end of the lock\n", "# end of the lock\n\n"),
+        ("checksum: ", "<<<<<<< ours\nchecksum: 12\n=======\nchecksum: "),
+        ("checksum: ", "checksum: 0"),
+    ],
+)
+def test_a_whole_lock_that_was_edited_is_not_cut_off(
+    verified: Verified, old: str, new: str
+) -> None:
+    frozen.edit("study.lock", old, new)
+    status, out, err = verified()
+    assert (status, out) == (2, "")
+    assert "study.lock: the lock is not as it was written" in err
+
+
+def test_a_mark_that_an_editor_sets_before_the_text_changes_nothing(verified: Verified) -> None:
+    path = Path("study.lock")
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert verified()[0] == 0
+    lock_again()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("removed: {}", "taken: {}", "removed: field required"),
+        ("removed: {}", "removed: {fill: 3}", "removed.fill: "),
+        ("choices: {}", "choices: {set: [3]}", "choices.set: "),
+        ("choices: {}", "choices: {only: {fill: mean}}", "choices.only.fill: "),
+        ("  length: [2, 5]", "  length: 2", "axes.length: "),
+        ("    use: toy.cut\n", "", "methods.cut.use: field required"),
+        ("use: toy.cut\n", "use: [toy.cut]\n", "methods.cut.use: "),
+        ("  cut:\n    use", "  cut: 4\n  more:\n    use", "methods.cut: "),
+        ("parts:\n", "parts: 4\nrest:\n", "parts: "),
+        ("text:\n", "text: {}\nrest:\n", "text: "),
+        ("text:\n", "text: {study.yaml: 3}\nrest:\n", "text.study.yaml: "),
+        ("tolerance: 1e-09", "tolerance: much", "tolerance: "),
+        ("tolerance: 1e-09", "tolerance: -1e-09", "tolerance: "),
+        ("tolerance: 1e-09", "tolerance: .inf", "tolerance: "),
+        ("results:\n", "results: {sheet: {steps: {only: a b c}}}\nrest:\n",
+         "results.sheet.steps.only: "),
+    ],
+)  # fmt: skip
+def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_right(
+    verified: Verified, old: str, new: str, said: str
+) -> None:
+    path = Path("study.lock")
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    sign_again()
+    status, out, err = verified()
+    assert (status, out) == (2, "")
+    assert f"study.lock: this is no lock as this program writes them: {said}" in err
+
+
+@pytest.mark.parametrize(
+    ("lock", "said"), [("nothing.lock", "no such file"), ("study.yaml", "this is no lock")]
+)
+def test_what_is_no_lock_is_said_to_be_none(verified: Verified, lock: str, said: str) -> None:
+    status, _, err = verified(lock=lock)
+    assert status == 2
+    assert f"{lock}: {said}; `nodegraph lock GRAPH` writes" in err

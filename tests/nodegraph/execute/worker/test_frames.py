@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator
+from io import BufferedReader, BufferedWriter
+
+import numpy as np
+import pytest
+
+from nodegraph.execute.call import Outcome
+from nodegraph.execute.worker.protocol import OUTCOME, Answer, Question, read_frames, write_frames
+
+Pipe = tuple[BufferedReader, BufferedWriter]
+
+
+@pytest.fixture
+def pipe() -> Iterator[Pipe]:
+    read, write = os.pipe()
+    with os.fdopen(read, "rb") as reader, os.fdopen(write, "wb") as writer:
+        yield reader, writer
+
+
+def test_frames_arrive_as_they_were_and_cannot_be_written_to(pipe: Pipe) -> None:
+    reader, writer = pipe
+    array = np.random.default_rng(0).normal(size=200_000)  # far more than a pipe holds
+    sent = [b"", b"head", array.view(np.uint8).data]
+    sending = threading.Thread(target=write_frames, args=(writer, sent))
+    sending.start()
+    got = read_frames(reader)
+    sending.join()
+    assert [bytes(one) for one in got] == [bytes(one) for one in sent]
+    assert all(isinstance(one, memoryview) and one.readonly for one in got)
+
+
+@pytest.mark.parametrize("sent", [b"", b"\x02", b"\x01\0\0\0" + b"\x09\0\0\0\0\0\0\0" + b"short"])
+def test_an_end_in_the_middle_is_no_message(pipe: Pipe, sent: bytes) -> None:
+    reader, writer = pipe
+    writer.write(sent)
+    writer.close()
+    with pytest.raises(EOFError):
+        read_frames(reader)
+
+
+def test_letters_say_the_same_after_the_way() -> None:
+    question = Question(b"around", b"where", b"[1]", (b"x", b"yz"))
+    assert Question.from_frames(question.frames()) == Question(
+        b"around", b"where", b"[1]", [b"x", b"yz"]
+    )
+    said = Outcome("failed", (), "nö", "trace\n", ("a", "b"), 1.5, "failed")
+    answer = Answer.from_frames(Answer(OUTCOME, said, "numpy 1.0", b"[2]", (b"x",)).frames())
+    assert answer == Answer(OUTCOME, said, "numpy 1.0", b"[2]", [b"x"])

@@ -1,0 +1,110 @@
+"""The nodes that are installed: what they reach is theirs, and does not depend on the asking."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph.fingerprint import Code, Reached
+from nodegraph.plugin.registry import Registry, default_registry
+
+ROOT = Path(__file__).parents[3]
+MACHINE = {
+    "nodegraph.errors",
+    "nodegraph.plugin.hook_types",
+    "nodegraph.node.ports",
+    "nodegraph.node.values",
+}
+
+
+def followed(registry: Registry) -> set[str]:
+    return {"nodegraph"} | {plugin.module.__name__ for plugin in registry.loaded}
+
+
+@pytest.fixture(scope="module")
+def functions() -> dict[str, Callable[..., Any]]:
+    return {one.full_name: one.node.function for one in default_registry()}
+
+
+@pytest.fixture(scope="module")
+def code() -> Code:
+    return Code(followed(default_registry()))
+
+
+@pytest.fixture(scope="module")
+def answers(code: Code, functions: dict[str, Callable[..., Any]]) -> dict[str, Reached]:
+    return {name: code.of(function) for name, function in functions.items()}
+
+
+@pytest.fixture(scope="module")
+def remembered(code: Code, answers: dict[str, Reached]) -> dict[str, Any]:
+    return code.remembered()
+
+
+def test_every_node_is_stable(answers: dict[str, Reached]) -> None:
+    assert answers
+    assert not {name: one.unstable for name, one in answers.items() if one.unstable}
+
+
+def test_of_the_machine_only_what_a_plugin_uses_counts(answers: dict[str, Reached]) -> None:
+    """An edit of the machine leaves results as they are, unless nodes call what was edited."""
+    reached = {
+        unit.partition(":")[0]
+        for one in answers.values()
+        for unit in one.units
+        if unit.startswith(("nodegraph.", "nodegraph:"))
+    }
+    assert reached <= MACHINE
+
+
+def test_every_version_is_known(answers: dict[str, Reached]) -> None:
+    assert all("unknown" not in one.versions.values() for one in answers.values())
+
+
+def test_a_fill_reaches_its_kernel_and_no_other_fill(answers: dict[str, Reached]) -> None:
+    reached = answers["fill:fill.muscle"]
+    assert "nodegraph_fill.stepwise_kernel:_weigh_muscle" in reached.units
+    assert "nodegraph_mocap.recording:Trajectories" in reached.units
+    assert not [unit for unit in reached.units if unit.startswith("nodegraph_fill.guenter")]
+    assert {"numpy", "numba", "python"} <= set(reached.versions)
+
+
+@settings(max_examples=10, deadline=None)
+@given(data=st.data())
+def test_the_order_of_asking_does_not_count(
+    functions: dict[str, Callable[..., Any]],
+    answers: dict[str, Reached],
+    remembered: dict[str, Any],
+    data: st.DataObject,
+) -> None:
+    code = Code(followed(default_registry()), remembered)
+    for name in data.draw(st.permutations(sorted(functions))):
+        assert code.of(functions[name]) == answers[name]
+
+
+def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
+    script = (
+        "from nodegraph.fingerprint import Code\n"
+        "from nodegraph.plugin.registry import default_registry\n"
+        "registry = default_registry()\n"
+        "names = {'nodegraph'} | {one.module.__name__ for one in registry.loaded}\n"
+        "print(Code(names).of(registry.find('compare.table').node.function).digest)"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
+        ).stdout.strip()
+        for seed in ("1", "2")
+    }
+    assert found == {answers["compare:compare.table"].digest}

@@ -1,0 +1,170 @@
+"""A key holds for what was read, also when files change while a run goes on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from nodegraph import Across, InputFile, NodegraphError, hookimpl, node
+from nodegraph.execute import Event, Run
+from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.loading import Plugin
+
+RunOf = Callable[..., Run]
+TEXT = "nodes: {a: {use: read.file, with: {path: one.txt}}, b: {use: fill.hold, in: a}}"
+
+
+def write(path: Path, content: str) -> Callable[[Event], None]:
+    """Return a listener that writes a file when the first step starts."""
+
+    def hear(event: Event) -> None:
+        if event.kind == "started" and event.node == "a":
+            path.write_text(content)
+
+    return hear
+
+
+def test_nothing_is_kept_of_a_file_that_changed_while_it_was_read(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    path, store = tmp_path / "one.txt", tmp_path / "store"
+    path.write_text("1")
+    changed = run_of(TEXT, store=store, listeners=[write(path, "50")])
+    assert changed["b"].value == 51
+    assert changed.recall is not None
+    assert dict(changed.recall.not_kept) == {
+        "a file changed while it was read": 1,
+        "they are made of results that are not stored": 1,
+    }
+    path.write_text("1")
+    assert run_of(TEXT, store=store)["b"].value == 2
+
+
+@node("read.last")
+def read_last(*, path: InputFile) -> float:
+    number = float(path.read_text())
+    path.unlink()
+    return number
+
+
+def test_a_file_that_goes_while_it_is_read_costs_the_result_and_not_the_run(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    (tmp_path / "one.txt").write_text("1")
+    text = TEXT.replace("read.file", "read.last")
+    run = run_of(text, store=tmp_path / "store", more=[read_last])
+    assert (run["b"].value, run.counts()["done"]) == (2, 2)
+
+
+@node("read.many")
+def read_many(*, path: InputFile) -> np.ndarray:
+    return np.full(3000, float(path.read_text()))
+
+
+@node("sum.many")
+def sum_many(many: np.ndarray) -> float:
+    return float(many.sum())
+
+
+def test_a_value_is_not_computed_again_of_another_file(run_of: RunOf, tmp_path: Path) -> None:
+    path, store, said = tmp_path / "one.txt", tmp_path / "store", list[str]()
+    path.write_text("1")
+    text = TEXT.replace("read.file", "read.many").replace("fill.hold", "sum.many")
+    run = run_of(text, store=store, say=said.append, more=[read_many, sum_many])
+    [blob] = store.glob("*/blobs/*/*")
+    blob.unlink()
+    path.write_text("50")
+    for _ in range(2):
+        with pytest.raises(NodegraphError, match="a file that it is made of has changed"):
+            run["a"].at()
+    assert (run["b"].value, len(said)) == (3000, 1)
+    path.write_text("1")
+    assert run["a"].value[0] == 1
+
+
+class Picture:
+    """What only a stand-in is kept of."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+
+PICTURES = Storage(Picture, lambda one: one.text, lambda text: Picture("stand-in"), faithful=False)
+TIMES: Counter[float] = Counter()
+
+
+@node("read.shaky")
+def shaky(*, start: float) -> float:
+    TIMES[start] += 1
+    if start == 2 and TIMES[start] == 2:
+        raise ValueError("just this once")
+    return start
+
+
+@node("sum.all")
+def sum_all(parts: Across[float]) -> float:
+    return sum(value for _, value in parts)
+
+
+@node("picture.draw")
+def draw(number: float) -> Picture:
+    return Picture(f"{number:g}")
+
+
+@node("picture.label")
+def label(picture: Picture, *, unit: str) -> str:
+    return picture.text + unit
+
+
+def test_a_result_is_kept_for_what_was_gathered_and_not_for_what_was_expected(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    text = """
+        axes: {start: [1, 2]}
+        nodes:
+          a: {use: read.shaky, with: {start: $start}}
+          b: {use: sum.all, in: a}
+          c: {use: picture.draw, in: b}
+          d: {use: picture.label, in: c, with: {unit: mm}}
+        """
+    module = SimpleNamespace(__name__="pictures", nodegraph_storages=hookimpl(lambda: [PICTURES]))
+    more = {
+        "more": [shaky, sum_all, draw, label],
+        "plugins": [Plugin("pictures", module)],
+        "store": tmp_path,
+    }
+    TIMES.clear()
+    first = run_of(text, **more)
+    assert first.recall is not None
+    for name, at in (("a", (2,)), ("b", ())):
+        key = first.recall.keys.of[first.plan.cells[name][at]]
+        next(tmp_path.rglob(f"{key[2:]}.json")).unlink()
+    text = text.replace("mm", "cm")
+    assert run_of(text, **more)["d"].value == "1cm"
+    assert run_of(text, **more)["d"].value == "3cm"
+
+
+@node("labels.told")
+def labels_told(parts: Across[float]) -> str:
+    return ", ".join(str(label) for label in parts.labels("parts"))
+
+
+def test_a_node_knows_labels_that_it_does_not_gather_and_its_key_knows_them_too(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    text = """
+        axes: {start: [10, 20]}
+        nodes:
+          a: {use: read.shaky, with: {start: $start}}
+          b: {use: labels.told, in: {parts: {"20": {from: a, at: {start: 20}}}}}
+        """
+    more = {"more": [shaky, labels_told], "store": tmp_path}
+    TIMES.clear()
+    assert run_of(text, **more)["b"].value == "10, 20"
+    assert run_of(text.replace("20]", "20, 30]"), **more)["b"].value == "10, 20, 30"
+    assert TIMES[20] == 1

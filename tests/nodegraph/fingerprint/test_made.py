@@ -1,0 +1,364 @@
+"""What a function was made with counts as its source does, by value."""
+
+from __future__ import annotations
+
+import linecache
+import os
+import sys
+import threading
+from collections import namedtuple
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from functools import partial, wraps
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodegraph.fingerprint import Code, Reached
+
+from .conftest import Folder
+
+Function = Callable[..., Any]
+
+
+class Kind(Enum):
+    ONE = 1
+    TWO = 2
+
+
+class Pair(NamedTuple):
+    left: Any
+    right: Any
+
+
+@dataclass(frozen=True)
+class Rule:
+    weight: float
+    parts: tuple[Any, ...] = ()
+
+
+def over(value: Any) -> Function:
+    def inner(x: Any) -> Any:
+        return x, value
+
+    return inner
+
+
+def with_default(value: Any) -> Function:
+    def inner(x: Any = value, *, y: Any = value) -> Any:
+        return x, y
+
+    return inner
+
+
+def near(x: float) -> float:
+    return x + 1
+
+
+def far(x: float) -> float:
+    return x + 2
+
+
+CODE = Code([])
+
+
+def of(function: Any) -> Reached:
+    return CODE.of(function)
+
+
+@pytest.mark.parametrize("make", [over, with_default, lambda value: partial(near, value)])
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (1, 2),
+        (1, True),
+        (1, 1.0),
+        (0.0, -0.0),
+        ("a", b"a"),
+        ((1, 2), [1, 2]),
+        ((1, 2), (2, 1)),
+        ({"a": 1}, {"a": 2}),
+        ({1, 2}, {1, 3}),
+        (np.arange(6.0).reshape(2, 3), np.arange(6.0).reshape(3, 2)),
+        (np.zeros(2), np.zeros(2, dtype=np.int64)),
+        (np.float64(1), np.float32(1)),
+        (np.array([{}, 1], dtype=object), np.array([{}, 2], dtype=object)),
+        (Kind.ONE, Kind.TWO),
+        (Pair(1, 2), Pair(1, 3)),
+        (Rule(1.0), Rule(2.0)),
+        (Path("a"), Path("b")),
+        (near, far),
+        (over(1), over(2)),
+        ((over(1), over(2)), (over(2), over(1))),
+        (partial(near, 1), partial(near, 2)),
+        (partial(near), partial(far)),
+        (np.mean, np.median),
+        (np.add, np.subtract),
+        (np, np.linalg),
+        (int, float),
+        (len, sum),
+        ("a".join, "b".join),
+        (Rule(1.0).__eq__, Rule(2.0).__eq__),
+    ],
+)
+def test_values_are_told_apart(make: Callable[[Any], Function], one: Any, other: Any) -> None:
+    first, second = of(make(one)), of(make(other))
+    assert not first.unstable
+    assert first.digest == of(make(one)).digest
+    assert first.digest != second.digest
+
+
+@given(
+    st.recursive(
+        st.none() | st.integers() | st.floats() | st.text() | st.binary() | st.booleans(),
+        lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner) | st.tuples(inner),
+        max_leaves=8,
+    )
+)
+def test_equal_values_have_one_digest(value: Any) -> None:
+    again = eval(repr(value), {"nan": float("nan"), "inf": float("inf")})
+    assert of(over(value)).digest == of(over(again)).digest
+
+
+def test_a_set_has_no_order() -> None:
+    assert of(over({"a", "b", "c"})).digest == of(over({"c", "b", "a"})).digest
+
+
+def test_the_units_of_what_was_made() -> None:
+    assert set(of(with_default(1)).units) == {
+        f"{__name__}:with_default.<locals>.inner[x]",
+        f"{__name__}:with_default.<locals>.inner[y]",
+        f"{__name__}:with_default",
+        f"{__name__}:Function",
+    }
+    assert f"{__name__}:near" in of(over(near)).units
+    assert f"{__name__}:Rule" in of(over(Rule(1.0))).units
+    assert of(over(np.mean)).versions["numpy"] == np.__version__
+
+
+@pytest.mark.parametrize("function", [os.path.join, namedtuple, np.mean])
+def test_functions_of_libraries_count_by_version(function: Any) -> None:
+    reached = of(over(function))
+    assert not reached.unstable
+    theirs = {unit for unit in reached.units if not unit.startswith(f"{__name__}:")}
+    assert theirs <= {f"{function.__module__}:{function.__qualname__}"}
+
+
+def test_functions_of_libraries_as_nodes() -> None:
+    assert set(of(np.linalg.norm).versions) == {"python", "numpy"}
+    assert of(namedtuple).units.keys() == {"collections:namedtuple"}
+    assert not of(partial(np.nanmedian)).unstable  # its defaults are no plain values
+    digests = {of(one).digest for one in (namedtuple, wraps, np.mean, np.median, os.path.join)}
+    assert len(digests) == 5
+
+
+def test_a_module_that_was_made_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    def held(number: int) -> Reached:
+        module = ModuleType("by_hand")
+        monkeypatch.setitem(sys.modules, "by_hand", module)
+        exec(f"class Shape:\n def area(self): return {number}", vars(module))
+        exec(f"def near(x): return {number}", vars(module))
+        return of(over((module.Shape, module.near)))
+
+    assert held(1).digest == held(1).digest
+    assert held(1).digest != held(2).digest
+
+
+def test_a_function_that_holds_itself() -> None:
+    def make(limit: int) -> Function:
+        def inner(x: int) -> int:
+            return inner(x - 1) if x > limit else limit
+
+        return inner
+
+    assert of(make(1)).digest == of(make(1)).digest
+    assert of(make(1)).digest != of(make(2)).digest
+
+
+@pytest.mark.parametrize("value", [threading.Lock(), object(), np.random.default_rng(0), iter(())])
+def test_what_has_no_digest_makes_a_function_unstable(value: Any) -> None:
+    name = type(value).__qualname__
+    for function in (over(value), over([{"deep": value}]), partial(near, value)):
+        assert f"holds a {name}, of which no digest can be made" in of(function).unstable
+    assert f"{__name__}:over.<locals>.inner[value] holds" in of(over(value)).unstable
+
+
+def test_what_is_nested_too_deeply() -> None:
+    deep: list[Any] = []
+    for _ in range(5000):
+        deep = [deep]
+    assert "nested too deeply" in of(over(deep)).unstable
+
+
+def test_a_wrapped_function_and_its_wrapper(folder: Folder) -> None:
+    text = """
+        from functools import wraps
+
+        def checked(limit):
+            def decorate(function):
+                @wraps(function)
+                def wrapper(x):
+                    return function(x) + {wrapper}
+                return wrapper
+            return decorate
+
+        def quietly(function):
+            def wrapper(x):
+                return function(x) - {wrapper}
+            return wrapper
+
+        @checked(1)
+        def fill(x):
+            return x * {function}
+
+        def bare(x):
+            return x * {function}
+
+        made = checked(2)(bare)
+        quiet = quietly(bare)
+    """
+    texts = {
+        name: text.format(**{"wrapper": 1, "function": 1} | edit)
+        for name, edit in {
+            "now": {},
+            "wrapper": {"wrapper": 2},
+            "function": {"function": 2},
+        }.items()
+    }
+    for name, wrapper, function in [
+        ("fills:fill", "fills:checked", "fills:fill"),
+        ("fills:made", "fills:checked", "fills:bare"),
+        ("fills:quiet", "fills:quietly", "fills:bare"),
+    ]:
+        folder.write({"fills.py": texts["now"]})
+        assert folder.changes(name, {"fills.py": texts["wrapper"]}) == {wrapper}
+        folder.write({"fills.py": texts["now"]})
+        assert folder.changes(name, {"fills.py": texts["function"]}) == {function}
+
+
+def test_a_wrapper_made_by_hand() -> None:
+    def decorate(function: Function, extra: int) -> Function:
+        @wraps(function)
+        def wrapper(x: int) -> int:
+            return int(function(x)) + extra
+
+        return wrapper
+
+    assert of(decorate(over(1), 1)).digest != of(decorate(over(2), 1)).digest
+    assert of(decorate(over(1), 1)).digest != of(decorate(over(1), 2)).digest
+
+
+def test_lambdas_are_found_by_their_lines(folder: Folder) -> None:
+    text = "first = lambda x: x + 1\nsecond = lambda x: x + {}\n"
+    folder.write({"fills.py": text.format(2)})
+    assert set(folder.reached("fills:first").units) == {"fills:first"}
+    assert not folder.changes("fills:first", {"fills.py": text.format(3)})
+    assert folder.changes("fills:second", {"fills.py": text.format(4)}) == {"fills:second"}
+
+
+def test_functions_made_in_a_loop(folder: Folder) -> None:
+    folder.write({"fills.py": "made = []\nfor k in 1, 2:\n    made.append(lambda x, k=k: x + k)"})
+    folder.write({"first.py": "from fills import made\none, two = made"})
+    one, two = folder.reached("first:one"), folder.reached("first:two")
+    assert one.digest != two.digest
+    assert not one.unstable
+
+
+def run(text: str, **names: Any) -> dict[str, Any]:
+    made: dict[str, Any] = {"__name__": "__main__", **names}
+    exec(compile(text, "<string>", "exec", dont_inherit=True), made)
+    return made
+
+
+def test_a_function_without_source() -> None:
+    text = "LIMIT = {}\ndef near(x): return x + LIMIT\ndef fill(x): return near(x) in {{'a', {}}}"
+    reached = of(run(text.format(1, 2))["fill"])
+    assert set(reached.units) == {
+        "__main__:LIMIT",
+        "__main__:fill (compiled)",
+        "__main__:near (compiled)",
+    }
+    assert reached.digest == of(run("\n# why\n" + text.format(1, 2))["fill"]).digest
+    assert reached.digest != of(run(text.format(2, 2))["fill"]).digest
+    assert reached.digest != of(run(text.format(1, 3))["fill"]).digest
+
+
+def in_cell(text: str, name: str, **names: Any) -> dict[str, Any]:
+    """Run a text as a notebook does, which keeps it for tracebacks."""
+    linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
+    made: dict[str, Any] = {"__name__": "__main__", **names}
+    exec(compile(text, name, "exec", dont_inherit=True), made)
+    return made
+
+
+def test_a_function_of_a_cell() -> None:
+    text = (
+        "import numpy as np\nfrom nodegraph import node\nLIMIT = 1\n\n"
+        "class Shape:\n    sides = 3\n    def area(self): return LIMIT\n\n"
+        "def near(x): return np.sum(x) + {}\n\n"
+        "@node('fill.cell', cite='{}')\n"
+        "def fill(x: int) -> int:\n    '''{}'''\n    return near(x) + LIMIT + Shape().area()\n"
+    )
+
+    def made(*parts: Any) -> Reached:
+        return of(in_cell(text.format(*parts), "<cell 1>")["fill"])
+
+    reached = made(1, "a", "Doc.")
+    assert set(reached.units) == {
+        "__main__:LIMIT",
+        "__main__:Shape",
+        "__main__:Shape.area (cell)",
+        "__main__:fill (cell)",
+        "__main__:near (cell)",
+    }
+    assert set(reached.versions) == {"python", "numpy"}
+    assert not reached.unstable
+    assert made(1, "b", "Other.").digest == reached.digest
+    assert made(2, "a", "Doc.").digest != reached.digest
+
+
+def test_a_class_of_a_prompt() -> None:
+    text = (
+        "from dataclasses import dataclass\n@dataclass\nclass Shape:\n"
+        "    sides: int = {}\n    def area(self): return {}\n"
+        "    @property\n    def rim(self): return 1\n    @staticmethod\n    def of(): return {}\n"
+        "def fill(x: int) -> int: return Shape().area()\n"
+    )
+    first = of(run(text.format(1, 1, 1))["fill"])
+    assert not first.unstable
+    assert of(run(text.format(1, 1, 1))["fill"]).digest == first.digest
+    for other in ((2, 1, 1), (1, 2, 1), (1, 1, 2)):
+        assert of(run(text.format(*other))["fill"]).digest != first.digest
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "from typing import NamedTuple\nclass Shape(NamedTuple):\n sides: int = {}",
+        "from collections import namedtuple\nShape = namedtuple('Shape', 'sides', defaults=[{}])",
+        "from enum import Enum\nclass Shape(Enum):\n SIDES = {}",
+        "from dataclasses import *\n@dataclass(slots=True)\nclass Shape:\n s: int = {}",
+        "class Base:\n sides = {}\nclass Shape(Base): pass",
+        "from nodegraph import Value\nclass Shape(Value):\n sides = {}",
+    ],
+)
+def test_kinds_of_classes_of_a_prompt(text: str) -> None:
+    def made(number: int) -> Reached:
+        names = run(text.format(number) + "\ndef fill(x: int) -> Shape: return Shape(x)")
+        return of(names["fill"])
+
+    assert not made(1).unstable
+    assert made(1).digest == made(1).digest
+    assert made(1).digest != made(2).digest
+
+
+def test_one_function_is_looked_at_once() -> None:
+    function = over(1)
+    assert of(function) is of(function)
+    assert of(over(1)) is not of(function)

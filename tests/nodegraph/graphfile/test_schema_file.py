@@ -1,0 +1,471 @@
+"""Schema and loader agree on whole graph files."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
+from pydantic import Field
+
+from nodegraph import Across, InputFile, Unit, node
+from nodegraph.graphfile import nodes as node_spec
+from nodegraph.graphfile import reader
+from nodegraph.graphfile.schema import graph_schema
+from nodegraph.graphfile.yaml_text import read_yaml
+from nodegraph.plugin.registry import Registry
+
+ROOT = Path(__file__).parents[3]
+Count = Annotated[int, Field(ge=1), Unit("frames")]
+
+
+@node("read.number")
+def read_number(*, start: float = 1.0) -> float:
+    """Give a number."""
+    raise AssertionError
+
+
+@node("read.file")
+def read_file(*, path: InputFile) -> float:
+    raise AssertionError
+
+
+@node("fill.hold", cite="hold2001")
+def hold(recording: float, *, max_gap: Count | None = None) -> float:
+    """Hold on.
+
+    Parameters
+    ----------
+    recording
+        What has gaps.
+    """
+    raise AssertionError
+
+
+@node("fill.scale")
+def scale(
+    recording: float, *, max_gap: Count | None = None, power: Annotated[float, Field(gt=0)] = 2.0
+) -> float:
+    raise AssertionError
+
+
+@node("strict.order")
+def order(
+    recording: float, *, max_gap: Count | None = None, order: Annotated[int, Field(ge=0)]
+) -> float:
+    raise AssertionError
+
+
+@node("smooth.hold")
+def smooth(recording: float, *, ends: Literal["keep", "cut"] = "keep") -> float:
+    raise AssertionError
+
+
+@node("join.two")
+def join(first: float, second: float, third: float | None = None) -> float:
+    raise AssertionError
+
+
+@node("join.all")
+def join_all(parts: Across[float], beside: float | None = None, *, names: list[str] = []) -> float:  # noqa: B006
+    raise AssertionError
+
+
+@node("any.thing")
+def anything(*, a: Any = None, b: Any = None, c: Any = None) -> float:
+    raise AssertionError
+
+
+NODES = (
+    read_number, read_file, hold, scale, order, smooth, join, join_all, anything,
+)  # fmt: skip
+
+
+def graph(**nodes: Any) -> dict[str, Any]:
+    """Return a good graph with these nodes among others."""
+    return {
+        "nodegraph": 1,
+        "title": "Toys",
+        "notes": None,
+        "inputs": {"start": 3, "gap": 5},
+        "axes": {"i": [1, 2, 3], "w": {"a": {"x": 1}, "b": {"x": 2}}, "k": {"count": 2}},
+        "nodes": {
+            "n0": {"use": "read.number", "with": {"start": "$start"}},
+            "n1": {
+                "use": "any.thing",
+                "with": {"a": "$i", "b": ["$w.x", {"y": "$gap"}], "c": "$k"},
+            },
+            "n2": {"use": "join.two", "in": {"first": "n0", "second": "n1"}},
+            **nodes,
+        },
+        "skip": [{"i": 1, "w": ["a", "b"]}],
+        "known": ["n0", "n1.output"],
+        "outputs": {"out": "n2"},
+        "report": ["n2", {"from": "n1", "at": {"i": 1}}],
+    }
+
+
+GOOD: dict[str, dict[str, Any]] = {
+    "reference": {"use": "fill.hold", "in": "n0"},
+    "port": {"use": "toys:fill.hold", "in": "n0.output", "with": {"max_gap": 3}},
+    "fixed": {"use": "fill.hold", "in": {"from": "n1", "at": {"i": 1, "w": "b"}}, "with": None},
+    "by name": {"use": "fill.hold", "in": {"recording": {"from": "n0"}}, "with": {}},
+    "required": {"use": "strict.order", "in": "n0", "with": {"order": "$i"}},
+    "field": {"use": "strict.order", "in": "n0", "with": {"order": "$w.x", "max_gap": None}},
+    "file": {"use": "read.file", "with": {"path": "a.txt"}},
+    "no ports": {"use": "read.number", "in": {}, "over": []},
+    "optional port": {"use": "join.two", "in": {"first": "n0", "second": "n0", "third": "n1"}},
+    "gathers": {"use": "join.all", "in": "n1", "over": ["i", "w"]},
+    "stages": {"use": "join.all", "in": {"parts": {"a": "n0", "b": {"from": "n1"}}}},
+    "list": {"in": "n0", "alternatives": ["fill.hold", "toys:fill.scale", "pass"]},
+    "list of family": {"in": "n0", "alternatives": ["fill.*", "pass"], "with": {"max_gap": 1}},
+    "required of family": {"in": "n0", "alternatives": "strict.*", "with": {"order": 1}},
+    "required of own family": {
+        "in": "n0", "alternatives": {"strict.*": {"with": {"order": 1}}, "hold": "fill.hold"}
+    },
+    "family": {"in": "n0", "alternatives": "smooth.*", "with": {"ends": "cut"}},
+    "labels": {
+        "in": "n0",
+        "alternatives": {
+            "a": {"use": "fill.hold"},
+            "b": "fill.scale",
+            "c": {"use": "strict.order", "in": {"recording": "n1"}, "with": {"order": 3}},
+            "pass": None,
+        },
+        "with": {"max_gap": "$gap"},
+    },
+    "own setting": {
+        "in": "n0",
+        "alternatives": {
+            "a": {"use": "strict.order", "with": {"order": 2}},
+            "b": {"use": "strict.order", "with": {"max_gap": 4}},
+        },
+        "with": {"order": 1},
+    },
+    "own settings replace": {
+        "in": "n0",
+        "alternatives": {
+            "a": {"use": "fill.hold", "with": {"max_gap": 2}},
+            "b": {"use": "fill.scale", "with": {"max_gap": 4}},
+        },
+        "with": {"max_gap": "nothing that anybody reads"},
+    },
+    "family and label": {
+        "in": "n0",
+        "alternatives": {"smooth.*": None, "scale": {"use": "fill.scale", "with": {"power": 3}}},
+    },
+    "family in part replaced": {
+        "in": "n0",
+        "alternatives": {"fill.*": {}, "hold": {"use": "strict.order", "with": {"order": 3}}},
+        "with": {"max_gap": 3},
+    },
+    "two families with one label": {
+        "in": "n0",
+        "alternatives": {"smooth.*": {}, "fill.*": {}},
+        "with": {"max_gap": 3},
+    },
+    "family in a list, replaced": {
+        "in": "n0",
+        "alternatives": ["smooth.*", "fill.hold"],
+        "with": {"max_gap": 3},
+    },
+    "all replaced": {
+        "in": "n0",
+        "alternatives": {"smooth.*": {}, "hold": {"use": "fill.scale"}},
+        "with": {"power": 3},
+    },
+    "family with settings": {
+        "in": "n0",
+        "alternatives": {"fill.*": {"with": {"max_gap": 3}, "in": "n1"}, "other": "fill.hold"},
+    },
+    "shared port": {
+        "alternatives": {"a": {"use": "fill.hold", "in": "n0"}, "b": {"use": "fill.scale"}},
+        "in": {"recording": "n1"},
+    },
+    "passing": {
+        "in": "n0",
+        "alternatives": {"fill.*": {}, "without": {"use": "pass"}},
+        "with": {"max_gap": 1},
+    },
+}  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def judge(judge_of: Any) -> Any:
+    return judge_of(NODES)
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_both_take_good_nodes(name: str, judge: Any) -> None:
+    data = graph(one=GOOD[name])
+    assert not judge.mistakes(data)
+    assert not judge.refusals(data)
+
+
+TOP: dict[str, dict[str, Any]] = {
+    "unknown key": {"node": {}}, "number": {"nodegraph": 2}, "no number": {"nodegraph": None},
+    "no nodes": {"nodes": {}}, "nodes null": {"nodes": None}, "nodes list": {"nodes": []},
+    "title": {"title": ["a"]}, "notes": {"notes": {"a": 1}}, "inputs": {"inputs": ["a"]},
+    "axis empty": {"axes": {"a": []}}, "axis null": {"axes": {"a": None}},
+    "axis text": {"axes": {"a": "b"}}, "axis of lists": {"axes": {"a": [[1]]}},
+    "empty label": {"axes": {"a": [""]}}, "label twice": {"axes": {"a": [1, 1]}},
+    "count": {"axes": {"a": {"count": 0}}}, "count text": {"axes": {"a": {"count": "x"}}},
+    "range": {"axes": {"a": {"range": [1, 2]}}}, "range text": {"axes": {"a": {"range": "x"}}},
+    "name": {"axes": {"1a": [1]}}, "input name": {"inputs": {"a-b": 1}},
+    "node name": {"nodes": {"a b": {"use": "read.number"}}},
+    "skip": {"skip": {"i": 1}}, "skip empty": {"skip": [{}]},
+    "skip label": {"skip": [{"i": [[1]]}]},
+    "known": {"known": "n0"}, "known form": {"known": ["a.b.c"]}, "requires": {"requires": "numpy"},
+    "requires list": {"requires": [["numpy"]]}, "outputs": {"outputs": ["n0"]},
+    "output form": {"outputs": {"a": 3}}, "report": {"report": [1]},
+    "report key": {"report": [{"from": "n0", "att": {}}]},
+    "report from": {"report": [{"at": {}}]},
+    "report label": {"report": [{"from": "n0", "at": [1]}]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOP)
+def test_both_refuse_what_cannot_stand_at_the_top(name: str, judge: Any) -> None:
+    data = {**graph(), **TOP[name]}
+    assert judge.mistakes(data)
+    assert judge.refusals(data)
+
+
+@pytest.mark.parametrize(
+    "axis", [{"count": "a", "range": "b"}, {"range": [1, 3, 1]}, {1: "a"}, [True, 1.5, "a"]]
+)
+def test_both_take_good_axes(axis: Any, judge: Any) -> None:
+    data = json.loads(json.dumps({**graph(), "axes": {**graph()["axes"], "k": axis}}))
+    assert not judge.mistakes(data)
+    assert not judge.refusals(data)
+
+
+NODES_BAD: dict[str, Any] = {
+    "null": None,
+    "neither": {"in": "n0"},
+    "both": {"use": "fill.hold", "alternatives": ["fill.hold"], "in": "n0"},
+    "unknown key": {"use": "read.number", "width": {}},
+    "misspelt": {"use": "fill.hodl", "in": "n0"},
+    "plugin": {"use": "others:fill.hold", "in": "n0"},
+    "family as use": {"use": "fill.*", "in": "n0"},
+    "pass as use": {"use": "pass", "in": "n0"},
+    "use null": {"use": None},
+    "use number": {"use": 3},
+    "setting": {"use": "fill.hold", "in": "n0", "with": {"max_gp": 3}},
+    "setting of none": {"use": "join.two", "in": {"first": "n0", "second": "n0"}, "with": {"a": 1}},
+    "bound": {"use": "fill.hold", "in": "n0", "with": {"max_gap": 0}},
+    "type": {"use": "fill.hold", "in": "n0", "with": {"max_gap": "three"}},
+    "choice": {"use": "smooth.hold", "in": "n0", "with": {"ends": "kept"}},
+    "with list": {"use": "fill.hold", "in": "n0", "with": ["max_gap"]},
+    "required": {"use": "strict.order", "in": "n0"},
+    "required null": {"use": "strict.order", "in": "n0", "with": None},
+    "file": {"use": "read.file", "with": {"path": 3}},
+    "not fed": {"use": "fill.hold"},
+    "not fed null": {"use": "fill.hold", "in": None},
+    "second not fed": {"use": "join.two", "in": "n0"},
+    "second not fed by name": {"use": "join.two", "in": {"first": "n0"}},
+    "second not fed fixed": {"use": "join.two", "in": {"from": "n0"}},
+    "port": {"use": "fill.hold", "in": {"recordin": "n0"}},
+    "no port": {"use": "read.number", "in": "n0"},
+    "port null": {"use": "fill.hold", "in": {"recording": None}},
+    "plain port gathers": {"use": "fill.hold", "in": {"recording": {"a": "n0"}}},
+    "reference": {"use": "fill.hold", "in": "n0.a.b"},
+    "reference number": {"use": "fill.hold", "in": 3},
+    "from from": {"use": "fill.hold", "in": {"from": {"from": "n0"}}},
+    "at null": {"use": "fill.hold", "in": {"from": "n0", "at": None}},
+    "at list": {"use": "fill.hold", "in": {"from": "n1", "at": {"i": [1]}}},
+    "stages empty": {"use": "join.all", "in": {"parts": {}}},
+    "over": {"use": "fill.hold", "in": "n0", "over": ["i"]},
+    "over null": {"use": "join.all", "in": "n0", "over": None},
+    "over text": {"use": "join.all", "in": "n0", "over": "i"},
+    "empty list": {"in": "n0", "alternatives": []},
+    "empty labels": {"in": "n0", "alternatives": {}},
+    "alternatives null": {"in": "n0", "alternatives": None},
+    "alternatives text": {"in": "n0", "alternatives": "fill.hold"},
+    "unknown family": {"in": "n0", "alternatives": "fil.*"},
+    "unknown family label": {"in": "n0", "alternatives": {"fil.*": {}}},
+    "unknown in list": {"in": "n0", "alternatives": ["fill.hold", "fill.hodl"]},
+    "number in list": {"in": "n0", "alternatives": ["fill.hold", 3]},
+    "only pass": {"in": "n0", "alternatives": ["pass"]},
+    "unknown in labels": {"in": "n0", "alternatives": {"a": {"use": "fill.hodl"}}},
+    "unknown text": {"in": "n0", "alternatives": {"a": "fill.hodl"}},
+    "label null": {"in": "n0", "alternatives": {"a": None}},
+    "label without use": {"in": "n0", "alternatives": {"a": {"with": {}}}},
+    "label key": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "over": []}}},
+    "family use": {"in": "n0", "alternatives": {"smooth.*": {"use": "fill.hold"}}},
+    "family text": {"in": "n0", "alternatives": {"smooth.*": "fill.hold"}},
+    "own setting": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "with": {"power": 1}}}},
+    "own bound": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "with": {"max_gap": 0}}}},
+    "own port": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "in": {"first": "n0"}}}},
+    "shared setting": {
+        "in": "n0", "alternatives": ["fill.hold", "fill.scale"], "with": {"power": 1}
+    },
+    "shared bound": {"in": "n0", "alternatives": ["fill.hold"], "with": {"max_gap": 0}},
+    "shared bound beside own": {
+        "in": "n0",
+        "alternatives": {"a": {"use": "fill.scale", "with": {"power": 2}}},
+        "with": {"max_gap": 0},
+    },
+    "shared port": {"in": {"first": "n0"}, "alternatives": ["fill.hold", "fill.scale"]},
+    "shared to no port": {"in": "n0", "alternatives": ["read.number"]},
+    "shared of family": {"in": "n0", "alternatives": "smooth.*", "with": {"max_gap": 1}},
+    "bound of family": {"in": "n0", "alternatives": "smooth.*", "with": {"ends": "kept"}},
+    "family's own": {"in": "n0", "alternatives": {"smooth.*": {"with": {"max_gap": 1}}}},
+    "family's choice": {"in": "n0", "alternatives": {"smooth.*": {"with": {"ends": "kept"}}}},
+    "family's port": {"in": "n0", "alternatives": {"smooth.*": {"in": {"first": "n0"}}}},
+    "required of list": {"in": "n0", "alternatives": ["strict.order"]},
+    "required of family": {"in": "n0", "alternatives": "strict.*"},
+    "required of label": {"in": "n0", "alternatives": {"a": {"use": "strict.order"}}, "with": {}},
+    "setting of pass by use": {
+        "in": "n0", "alternatives": {"a": "fill.hold", "b": {"use": "pass", "with": {"x": 1}}}
+    },
+    "setting of pass": {"in": "n0", "alternatives": {"a": "fill.hold", "pass": {"with": {"x": 1}}}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NODES_BAD)
+def test_both_refuse_a_node_that_cannot_be(name: str, judge: Any) -> None:
+    data = graph(one=NODES_BAD[name])
+    assert judge.mistakes(data)
+    assert judge.refusals(data)
+
+
+@pytest.mark.parametrize(
+    "use", ["./clean.yaml", "clean.yml", "../a b/c.yaml"], ids=["here", "yml", "elsewhere"]
+)
+def test_a_graph_file_takes_any_setting_and_port(use: str, judge: Any) -> None:
+    one = {"use": use, "in": {"x": "n0"}, "with": {"factor": 1.5}}
+    forms: list[Any] = [{"a": one, "b": "fill.hold"}, ["fill.hold", use], {"a": use, "fill.*": {}}]
+    assert not judge.refusals(graph(one=one))
+    for alternatives in forms:
+        node = {"in": "n0", "alternatives": alternatives, "with": {"max_gap": 3}}
+        assert not judge.refusals(graph(one=node))
+    assert not judge.refusals(graph(one={"alternatives": [use], "with": {"any": 1}}))
+
+
+def test_the_keys_are_those_that_the_loader_reads(judge: Any) -> None:
+    assert set(judge.schema["properties"]) == set(reader._KEYS)
+    assert set(judge.schema["$defs"]["node"]["properties"]) == set(node_spec._NODE_KEYS)
+    assert set(judge.schema["$defs"]["method of"]["properties"]) == set(node_spec._METHOD_KEYS)
+
+
+def _places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Yield where something stands in a graph, down to each word."""
+    yield path
+    if isinstance(value, (dict, list)):
+        for key, one in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _places(one, (*path, key))
+
+
+ODD: list[Any] = [
+    None, 0, 1, 3, -1, 1.5, True, "", "x", "n0", "$i", "$start", "$none", "fill.hold", "fill.*",
+    "pass", "smooth.hold", "strict.order", [], ["n0"], ["fill.hold"], {}, {"a": 1}, {"from": "n0"},
+    {"use": "fill.scale"}, {"a": "fill.hold"}, {"max_gap": 0}, {"order": 1},
+    {"max_gap": 3, "power": 1}, {"recording": "n0"}, {"a": {"use": "strict.order"}},
+]  # fmt: skip
+KEYS = (
+    "use", "in", "with", "alternatives", "over", "from", "at", "recording", "max_gap", "power",
+    "order", "ends", "pass", "fill.*", "smooth.*", "hold", "scale", "i", "count", "range", "x",
+)  # fmt: skip
+
+
+@st.composite
+def damaged(draw: st.DrawFn) -> dict[str, Any]:
+    """Return a good graph of one or two more nodes in which up to three things are changed."""
+    chosen = draw(st.lists(st.sampled_from(sorted(GOOD)), min_size=1, max_size=2))
+    data = graph(**{f"more{i}": copy.deepcopy(GOOD[one]) for i, one in enumerate(chosen)})
+    for _ in range(draw(st.integers(1, 3))):
+        more = [("nodes", name) for name in data["nodes"] if name.startswith("more")]
+        start = draw(st.sampled_from([(), *more, *more, *more]))
+        here: Any = data
+        for key in start:
+            here = here[key]
+        path = (*start, *draw(st.sampled_from(list(_places(here)))))
+        if path and path != ("nodes",):
+            _change(draw, data, path)
+    return data
+
+
+def _change(draw: st.DrawFn, data: Any, path: tuple[Any, ...]) -> None:
+    holder = data
+    for key in path[:-1]:
+        holder = holder[key]
+    kind = draw(st.sampled_from(["replace", "remove", "rename", "add"]))
+    if kind == "remove" and (isinstance(holder, list) or len(path) > 1):
+        del holder[path[-1]]
+    elif kind == "rename" and isinstance(holder, dict):
+        holder[draw(st.sampled_from(KEYS))] = holder.pop(path[-1])
+    elif kind == "add" and isinstance(holder[path[-1]], dict):
+        holder[path[-1]][draw(st.sampled_from(KEYS))] = copy.deepcopy(draw(st.sampled_from(ODD)))
+    else:
+        holder[path[-1]] = copy.deepcopy(draw(st.sampled_from(ODD)))
+
+
+@settings(max_examples=400, deadline=None)
+@given(data=damaged())
+def test_no_graph_that_the_loader_takes_is_refused(data: dict[str, Any], judge: Any) -> None:
+    refusals = judge.refusals(data)
+    if refusals:
+        assert judge.mistakes(data), refusals
+
+
+def _graphs() -> Iterator[tuple[str, str]]:
+    for path in [*ROOT.glob("graphs/*.yaml"), *ROOT.glob("tests/language/*.yaml")]:
+        yield path.name, path.read_text(encoding="utf-8")
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for number, text in enumerate(re.findall(r"```yaml\n(nodegraph: .*?)```", readme, re.DOTALL)):
+        yield f"README.md {number}", text
+
+
+@pytest.fixture(scope="module")
+def installed() -> Any:
+    return graph_schema(Registry.installed())
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("name", "text"), list(_graphs()), ids=lambda one: one[:20])
+def test_every_graph_of_the_repository_is_good(name: str, text: str, installed: Any) -> None:
+    data = json.loads(json.dumps(read_yaml(text, name).plain()))
+    errors = [one.message for one in Draft202012Validator(installed).iter_errors(data)]
+    assert errors == []
+
+
+def test_the_schema_of_what_is_installed_is_valid_and_the_same_each_time(installed: Any) -> None:
+    Draft202012Validator.check_schema(installed)
+    again = graph_schema(Registry.installed())
+    assert json.dumps(again) == json.dumps(installed)
+    assert len(json.dumps(installed, separators=(",", ":"))) < 500_000
+
+
+def test_a_node_has_its_summary_ports_and_citation(judge: Any) -> None:
+    names = judge.schema["$defs"]["node name"]["oneOf"]
+    (found,) = [one for one in names if one.get("const") == "fill.hold"]
+    assert found["title"] == "fill.hold"
+    assert found["description"].split("\n\n") == [
+        "Hold on.", "In: recording: float.", "Out: output: float.", "Plugin: toys. Cite: hold2001.",
+    ]  # fmt: skip
+    port = judge.schema["$defs"]["fill.hold"]["properties"]["in"]["else"]["properties"]["recording"]
+    assert (port["title"], port["description"]) == ("recording: float", "What has gaps.")
+
+
+def test_a_name_that_two_plugins_claim_needs_its_plugin(judge_of: Any) -> None:
+    judge = judge_of([read_number, hold])
+    judge.registry._add_nodes("my-own", "", [hold])
+    for use, good in (("fill.hold", False), ("toys:fill.hold", True), ("my-own:fill.hold", True)):
+        data = {
+            "nodegraph": 1,
+            "nodes": {"a": {"use": "read.number"}, "b": {"use": use, "in": "a"}},
+        }
+        assert (not judge.refusals(data)) is good
+        assert (not judge.mistakes(data)) is good
+    both = {"in": "a", "alternatives": "fill.*", "with": {"max_gap": 0}}
+    data = {"nodegraph": 1, "nodes": {"a": {"use": "read.number"}, "b": both}}
+    assert judge.refusals(data)
+    assert judge.mistakes(data)

@@ -1,0 +1,269 @@
+"""Whatever a setting's type is, no value that the loader takes is refused."""
+
+from __future__ import annotations
+
+import datetime
+import decimal
+import enum
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import BaseModel, BeforeValidator, Field, Strict
+
+from nodegraph import InputFile, Unit, node
+from nodegraph.graphfile.node_schema import or_variable
+
+
+class Colour(enum.Enum):
+    RED = "red"
+    BLUE = "blue"
+
+
+class Pair(NamedTuple):
+    p: int
+    q: float = 1.0
+
+
+@dataclass(frozen=True)
+class Bounds:
+    p: int
+    q: float | None = None
+
+
+class Lenient(BaseModel):
+    p: int
+
+
+def listed(value: Any) -> Any:
+    return [value] if isinstance(value, int) else value
+
+
+TYPES: dict[str, Any] = {
+    "whole": int,
+    "bounded": Annotated[int, Field(ge=1, le=9)],
+    "number": float,
+    "open": Annotated[float, Field(gt=0, lt=1)],
+    "unbounded": Annotated[float, Field(lt=float("inf"))],
+    "multiple": Annotated[float, Field(multiple_of=0.1)],
+    "truth": bool,
+    "text": str,
+    "short": Annotated[str, Field(min_length=1, max_length=2)],
+    "pattern": Annotated[str, Field(pattern="^(auto|[+-][xyz])$")],
+    "digits": Annotated[str, Field(pattern=r"^\d+$")],
+    "flags": Annotated[str, Field(pattern="(?i)^a$")],
+    "choice": Literal["a", "b"],
+    "mixed": Literal["a", 1, 2],
+    "always": Literal[True],
+    "enum": Colour,
+    "optional": int | None,
+    "either": Annotated[int, Field(ge=1)] | Literal["ring"] | None,
+    "numbers": float | int,
+    "list": list[int],
+    "some": Annotated[list[str], Field(min_length=1, max_length=2)],
+    "nested": list[list[Annotated[float, Field(ge=0)]]],
+    "pair": tuple[int, float],
+    "many": tuple[str, ...],
+    "set": set[int],
+    "few": Annotated[frozenset[int], Field(max_length=1)],
+    "sequence": Sequence[int],
+    "iterable": Iterable[int],
+    "mapping": dict[str, Annotated[int, Field(ge=0)]],
+    "by_number": Mapping[int, float],
+    "by_choice": dict[Literal["p", "q"], int],
+    "by_pattern": dict[Annotated[str, Field(pattern="^p")], int],
+    "record": Bounds,
+    "records": list[Bounds] | Bounds,
+    "named_tuple": Pair,
+    "model": Lenient,
+    "models": list[Lenient] | Lenient,
+    "date": datetime.date,
+    "moment": datetime.datetime,
+    "span": datetime.timedelta,
+    "decimal": decimal.Decimal,
+    "path": Path,
+    "file": InputFile | None,
+    "before": Annotated[list[int], BeforeValidator(listed)],
+    "lax": Annotated[int, Strict(False)],
+    "any": Any,
+    "class": range,
+    "call": Callable[[int], int],
+}
+WORDS = (
+    "", "a", "b", "p", "q", "auto", "+x", "A", "ring", "red", "1", "12", "1.5", "٣", "x\n", "$",
+    "$5", "$v", "$w.x", "2020-01-01", "2020-01-01 10:00", "P1D", "1:00:00", "true", "null", "a.txt",
+)  # fmt: skip
+SCALARS = (None, True, False, -1, 0, 1, 2, 10, 0.3, 0.5, 1.0, 3.0, -1.5, 1e30, *WORDS)
+VALUES = st.recursive(
+    st.sampled_from(SCALARS),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.sampled_from(["p", "q", "x", "1"]), inner, max_size=2)
+    ),
+    max_leaves=4,
+)
+
+
+def setting_of(kind: Any, default: Any = ...) -> Callable[..., Any]:
+    """Return a node whose one setting has this type."""
+
+    def make(*, value: Any = default) -> float:
+        raise AssertionError
+
+    make.__annotations__ = {"value": kind, "return": float}
+    if default is ...:
+        make.__kwdefaults__ = None
+    return node("toy.set")(make)
+
+
+@node("toy.any")
+def anything(*, value: Any, other: Any) -> float:
+    """Use the input and the axis, which the loader wants used."""
+    raise AssertionError
+
+
+def graph(value: Any, given: Any = 1) -> dict[str, Any]:
+    return {
+        "nodegraph": 1,
+        "inputs": {"v": given},
+        "axes": {"w": {"a": {"x": 1}}},
+        "nodes": {
+            "used": {"use": "toy.any", "with": {"value": "$v", "other": "$w.x"}},
+            "a": {"use": "toy.set", "with": {"value": value}},
+        },
+    }
+
+
+@pytest.fixture(scope="session")
+def judge(judge_of: Any) -> Any:
+    return lru_cache(maxsize=None)(lambda name: judge_of([anything, setting_of(TYPES[name])]))
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_no_plain_value_that_the_loader_takes_is_refused(name: str, judge: Any) -> None:
+    for one in SCALARS:
+        for value in (one, [one], [one, one], {"p": one}):
+            data = graph(value)
+            if judge(name).refusals(data):
+                assert judge(name).mistakes(data), value
+
+
+@pytest.mark.parametrize("name", TYPES)
+@settings(max_examples=15, deadline=None)
+@given(value=VALUES, held=VALUES)
+def test_no_value_that_the_loader_takes_is_refused(
+    name: str, judge: Any, value: Any, held: Any
+) -> None:
+    data = graph(value, held)
+    if judge(name).refusals(data):
+        assert judge(name).mistakes(data)
+
+
+REFUSED = [
+    ("whole", "a"), ("whole", 1.5), ("whole", True), ("whole", None), ("whole", "$5"),
+    ("bounded", 0), ("bounded", 10), ("number", "1"), ("open", 0), ("open", 1.0), ("truth", 1),
+    ("text", 5), ("short", "abc"), ("pattern", "xyz"), ("choice", "c"), ("mixed", 3),
+    ("enum", "green"), ("optional", "a"), ("either", 0), ("either", "rings"), ("list", 1),
+    ("list", [1, "a"]), ("some", []), ("some", ["a", "b", "a"]), ("nested", [[-1]]), ("pair", [1]),
+    ("set", ["a"]), ("mapping", {"p": -1}), ("record", {"q": 1}), ("record", {"p": 1, "z": 1}),
+    ("path", 1), ("file", 5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value"), REFUSED)
+def test_both_refuse_a_value_that_does_not_fit(name: str, value: Any, judge: Any) -> None:
+    assert judge(name).refusals(graph(value))
+    assert judge(name).mistakes(graph(value))
+
+
+GOOD = [
+    ("whole", 3), ("number", 3), ("number", 1e-3), ("choice", "a"), ("either", "ring"),
+    ("list", [1, 2]), ("pair", [1, 2.5]), ("mapping", {"p": 1}), ("record", {"p": 1}),
+    ("file", "a.txt"), ("optional", None), ("numbers", 5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value"), GOOD)
+def test_both_take_a_value_that_fits(name: str, value: Any, judge: Any) -> None:
+    assert not judge(name).refusals(graph(value))
+    assert not judge(name).mistakes(graph(value))
+
+
+VARIABLES = [
+    ("whole", "$v", 3), ("whole", "$w.x", 1), ("choice", "$v", "a"), ("pattern", "$v", "auto"),
+    ("list", ["$v", 2], 1), ("nested", [["$v"]], 1), ("pair", [1, "$v"], 2.5),
+    ("mapping", {"p": "$v"}, 3), ("record", {"p": "$w.x"}, 0), ("records", [{"p": "$v"}], 3),
+    ("truth", "$v", True), ("either", "$v", None), ("list", "$v", [1]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value", "held"), VARIABLES)
+def test_a_variable_may_stand_for_a_value_and_for_any_part_of_it(
+    name: str, value: Any, held: Any, judge: Any
+) -> None:
+    assert not judge(name).refusals(graph(value, held))
+    assert not judge(name).mistakes(graph(value, held))
+
+
+@pytest.mark.parametrize(
+    ("pattern", "kept"),
+    [
+        ("^(auto|[+-][xyz])$", True), (r"^a\.b(?:c)+$", True), (r"^\d+$", False), ("(?i)a", False),
+        ("^(?P<x>a)$", False), ("[a-z&&[^b]]", False), ("[[:alpha:]]", False), (r"\-", False),
+    ],
+)  # fmt: skip
+def test_only_patterns_that_every_dialect_reads_alike_are_told(pattern: str, kept: bool) -> None:
+    found = or_variable({"type": "string", "pattern": pattern})
+    assert (found == {"type": "string"}) is not kept
+    assert (pattern in str(found).replace("\\\\", "\\")) is kept
+
+
+def test_infinity_is_a_number(judge: Any) -> None:
+    assert not judge("number").refusals(graph(float("inf")))
+
+
+@node("toy.told")
+def told(
+    *,
+    gap: Annotated[int, Field(ge=1), Unit("frames")] = 15,
+    bound: float = float("inf"),
+    names: tuple[str, ...] = ("x",),
+    path: InputFile,
+) -> float:
+    """Tell.
+
+    Parameters
+    ----------
+    gap
+        Length of ``each`` gap.
+    """
+    raise AssertionError
+
+
+def test_each_setting_has_its_unit_meaning_kind_and_default(judge_of: Any) -> None:
+    found = judge_of([told]).schema["$defs"]["toy.told"]["properties"]["with"]["properties"]
+    text = "Length of each gap. Whole number >= 1, in frames. Default: 15."
+    assert found["gap"]["description"] == text
+    assert found["gap"]["default"] == 15
+    assert found["gap"]["minimum"] == 1
+    assert found["names"]["default"] == ["x"]
+    assert found["path"]["description"] == "Path. Required."
+    assert "default" not in found["bound"], "JSON has no infinity"
+    assert found["bound"]["description"] == "Number. Default: inf."
+
+
+def test_a_setting_that_no_file_can_hold_is_left_to_the_loader(judge_of: Any) -> None:
+    judge = judge_of([anything, setting_of(range | None, None)])
+    found = judge.schema["$defs"]["toy.set"]["properties"]["with"]["properties"]["value"]
+    assert found == {"description": "Value or null. Default: null.", "default": None}
+
+
+def test_an_error_names_the_one_thing_that_is_wrong(judge: Any) -> None:
+    assert judge("bounded").refusals(graph(0)) == [
+        "$.nodes.a.with.value: 0 is less than the minimum of 1"
+    ]

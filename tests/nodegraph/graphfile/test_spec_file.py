@@ -1,0 +1,224 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph import GraphError
+from nodegraph.errors import Place
+from nodegraph.graphfile import GraphSpec, read_graph_file, read_graph_text
+from nodegraph.graphfile.spec import Gathering, Reference, Variable
+
+GOOD = """\
+nodegraph: 1
+title: A title
+notes: |
+  Some *notes*.
+inputs: {recording: a.c3d, factor: 1.5}
+axes:
+  trial: {count: 2}
+  actor: {ME: {rec: me.c3d}, MB: {rec: mb.c3d}}
+nodes:
+  capture: {use: read.file, with: {path: $recording, pair: [$trial, {deep: $actor.rec}]}}
+  fill:
+    in: {first: capture.gappy, stages: {before: capture, after: {from: fill.x, at: {trial: 0}}}}
+    over: [trial]
+    alternatives: {fill.*: {}, strong: {use: fill.scale, with: {power: 3}}, short: fill.x, pass: {}}
+skip: [{trial: 0, fill: [strong, pass]}]
+known: [capture, capture.gappy]
+requires: [numpy>=1.0]
+outputs: {filled: fill}
+report: [fill]
+"""
+
+
+def read(text: str) -> GraphSpec:
+    return read_graph_text(text, "t.yaml", Path())
+
+
+def mistakes(text: str) -> list[str]:
+    try:
+        return [str(one) for one in read(text).problems]
+    except GraphError as error:
+        return [str(one) for one in error.problems]
+
+
+def test_everything_that_a_file_says_is_read() -> None:
+    spec = read(GOOD)
+    assert not spec.problems
+    assert (spec.title, spec.notes) == ("A title", "Some *notes*.\n")
+    assert {name: one.value for name, one in spec.inputs.items()} == {
+        "recording": "a.c3d",
+        "factor": 1.5,
+    }
+    assert spec.axes["actor"].labels == ("ME", "MB")
+    assert [str(one) for one in spec.known] == ["capture", "capture.gappy"]
+    assert spec.requires == (("numpy>=1.0", Place("t.yaml", 17, 12)),)
+    assert spec.skip[0].labels == {"trial": (0,), "fill": ("strong", "pass")}
+    assert str(spec.outputs["filled"]) == str(spec.report[0]) == "fill"
+
+
+def test_a_variable_stands_wherever_it_is_a_whole_value() -> None:
+    written = read(GOOD).nodes["capture"].settings
+    path = written["path"].value
+    assert (path.name, path.field, path.place) == ("recording", "", Place("t.yaml", 10, 42))
+    assert [str(one) for one in written["pair"].variables()] == ["$actor.rec", "$trial"]
+    text = GOOD.replace("$recording", "a$recording")
+    assert not isinstance(read(text).nodes["capture"].settings["path"].value, Variable)
+
+
+def test_a_reference_has_every_form() -> None:
+    fed = read(GOOD).nodes["fill"].wiring
+    assert fed["first"] == Reference("capture", "gappy", Place("t.yaml", 12, 17))
+    stages = fed["stages"]
+    assert isinstance(stages, Gathering)
+    assert stages.sources["after"].at == {"trial": 0}
+
+
+def test_alternatives_have_every_form() -> None:
+    node = read(GOOD).nodes["fill"]
+    assert [(one.label, one.use) for one in node.methods] == [
+        ("", "fill.*"),
+        ("strong", "fill.scale"),
+        ("short", "fill.x"),
+        ("pass", "pass"),
+    ]
+    listed = read("nodegraph: 1\nnodes: {a: {alternatives: [x.a, p:x.b, pass]}}").nodes["a"]
+    assert [one.label for one in listed.methods] == ["a", "p:b", "pass"]
+    family = read("nodegraph: 1\nnodes: {a: {alternatives: x.*}}").nodes["a"]
+    assert [one.use for one in family.methods] == ["x.*"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "said"),
+    [
+        ("nodegraph: 1", "nodegraph: 2", "1:12", "reads format 1, not 2"),
+        ("nodegraph: 1\n", "", "1:1", "the format's number is missing"),
+        ("title: A title", "title: [a]", "2:8", "'title' must be text"),
+        ("title: A title", "titel: A title", "2:1", "unknown key 'titel'"),
+        ("inputs: {recording: a.c3d, factor: 1.5}", "inputs: [a]", "5:9", "must be a mapping"),
+        ("factor: 1.5", "2x: 1.5", "5:28", "'2x' cannot be a name"),
+        ("factor: 1.5", "trial: 1.5", "7:3", "'trial' is a name in 'axes' and in 'inputs'"),
+        ("factor: 1.5", "fill: 1.5", "11:3", "'fill' is a name in 'nodes' and in 'inputs'"),
+        ("{count: 2}", "{count: -2}", "7:18", "count must be a whole number"),
+        ("use: read.file", "use: [read.file]", "10:18", "'use' names a node"),
+        ("use: read.file", "sue: read.file", "10:13", "unknown key 'sue'"),
+        ("{path: $recording, pair: [$trial, {deep: $actor.rec}]}", "x", "10:35", "'with' is a map"),
+        ("capture.gappy,", "capture.gappy.x,", "12:17", "'capture.gappy.x' is not a reference"),
+        ("capture.gappy,", "5,", "12:17", "5 is not a reference"),
+        ("at: {trial: 0}", "at: {trial: [0]}", "12:84", "'at' is {axis: label}"),
+        ("at: {trial: 0}", "att: {trial: 0}", "12:80", "unknown key 'att'"),
+        ("over: [trial]", "over: trial", "13:11", "'over' is a list"),
+        ("fill.*: {}", "fill.*: {use: x.y}", "14:29", "unknown key 'use'"),
+        ("use: fill.scale, with", "with", "14:40", "alternative 'strong' has no 'use'"),
+        ("use: fill.scale", "use: 5", "14:46", "'use' names a node"),
+        ("short: fill.x", "short: [fill.x]", "14:84", "'short' must be a mapping"),
+        ("skip: [{trial: 0, fill: [strong, pass]}]", "skip: {trial: 0}", "15:7", "must be a list"),
+        ("{trial: 0, fill: [strong, pass]}", "trial", "15:8", "an item of 'skip'"),
+        ("known: [capture, ", "known: [capture.a.b, ", "16:9", "is not a reference"),
+        ("report: [fill]", "report: fill", "19:9", "'report' must be a list"),
+        ("    alternatives: {", "    use: x.y\n    alternatives: {", "12:5", "has both 'use' and"),
+    ],
+)
+def test_what_may_not_stand_there_is_told_at_its_place(
+    old: str, new: str, place: str, said: str
+) -> None:
+    assert old in GOOD
+    found = [one for one in mistakes(GOOD.replace(old, new)) if said in one]
+    assert [one.partition(": ")[0] for one in found] == [f"t.yaml:{place}"]
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "said"),
+    [
+        ("", "1:1", "a graph file is a mapping"),
+        ("- a\n", "1:1", "a graph file is a mapping"),
+        ("just words", "1:1", "a graph file is a mapping"),
+        ("nodegraph: 1", "1:1", "no 'nodes'"),
+        ("nodegraph: 1\nnodes:", "2:1", "no 'nodes'"),
+        ("nodegraph: 1\nnodes: {}", "2:1", "no 'nodes'"),
+        ("nodegraph: 1\nnodes: {a: ~}", "2:12", "node 'a' must be a mapping"),
+        ("nodegraph: 1\nnodes: {a: {}}", "2:12", "needs 'use' or 'alternatives'"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: {}}}", "2:27", "has no alternative"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: []}}", "2:27", "has no alternative"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: x.a}}", "2:27", "has no alternative"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: 5}}", "2:27", "has no alternative"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: [x.a, y.a]}}", "2:33", "'a' is used twice"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: [x.a, [y]]}}", "2:33", "is a node's name"),
+        ("nodegraph: 1\nnodes: {a: {use: x.*}}", "2:18", "'x.*' stands only among alternatives"),
+        (
+            "nodegraph: 1\nnodes: {a: {use: x.y, in: {p: {1: b, '1': c}}}}",
+            "2:38",
+            "label '1' is used twice",
+        ),
+        ("nodegraph: 1\nnodes: {a: {use: x.y, in: {p: {}}}}", "2:31", "needs 'from'"),
+        ("nodegraph: 1\nnodes: {a: {use: x.y, in: [b]}}", "2:27", "is not a reference"),
+        ("nodegraph: 1\nnodes: {a: {use: x.y, in: {from: {a: b}}}}", "2:34", "another 'from'"),
+    ],
+)
+def test_a_small_file_is_told_its_one_mistake(text: str, place: str, said: str) -> None:
+    found = mistakes(text)
+    assert len(found) == 1, found
+    assert found[0].startswith(f"t.yaml:{place}: ")
+    assert said in found[0]
+
+
+def test_a_missing_file_names_one_that_is_there(tmp_path: Path) -> None:
+    (tmp_path / "fill.yaml").write_text(GOOD)
+    with pytest.raises(GraphError, match=r"fil\.yaml: no such graph file\n.*did you mean 'fill"):
+        read_graph_file(tmp_path / "fil.yaml")
+    with pytest.raises(GraphError, match="no such graph file"):
+        read_graph_file(tmp_path / "nowhere" / "fill.yaml")
+
+
+@pytest.mark.parametrize("content", [b"\x89PNG\r\n\x1a\n\0\0", bytes(range(256)), b"\xff\xfea\0"])
+def test_a_binary_file_cannot_be_read(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "binary.yaml"
+    path.write_bytes(content)
+    with pytest.raises(GraphError, match=r"binary\.yaml: cannot be read"):
+        read_graph_file(path)
+
+
+def test_a_folder_cannot_be_read(tmp_path: Path) -> None:
+    with pytest.raises(GraphError, match=r"is a folder\n.*there is none"):
+        read_graph_file(tmp_path)
+    (tmp_path / "fill.yaml").write_text(GOOD)
+    with pytest.raises(GraphError, match=r"is a folder\n.*name the graph file in it: fill\.yaml"):
+        read_graph_file(tmp_path)
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "bom.yaml"
+    path.write_text(GOOD, encoding="utf-8-sig")
+    assert not read_graph_file(path).problems
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(
+        st.tuples(st.floats(0, 1, exclude_max=True), st.integers(1, 255), st.integers(0, 3)),
+        min_size=1,
+        max_size=4,
+    )
+)
+def test_a_damaged_file_is_read_or_refused_and_nothing_else(
+    damage: list[tuple[float, int, int]],
+) -> None:
+    data = bytearray(GOOD.encode())
+    for share, byte, kind in damage:
+        at = int(share * len(data))
+        if kind == 0:
+            data[at] ^= byte
+        elif kind == 1:
+            del data[at : at + byte]
+        elif kind == 2:
+            data[at:at] = bytes([byte])
+        else:
+            lines = data.splitlines(keepends=True)
+            del lines[int(share * len(lines))]
+            data = bytearray(b"".join(lines))
+        data = data or bytearray(b" ")
+    for one in mistakes(bytes(data).decode("utf-8", "replace")):
+        assert one.startswith("t.yaml:")

@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import pytest
+
+from nodegraph.plugin.bibliography import bibtex_of, references
+
+ONE = "@book{one2001, author={A. One}, title={First things}, publisher={P}, year={2001}}"
+TWO = "@book{two2002, author={B. Two}, title={Second things}, publisher={P}, year={2002}}"
+
+
+def test_entries_come_as_they_were_asked_for() -> None:
+    found = references([f"{ONE}\n{TWO}"], ["two2002", "one2001", "two2002"])
+    assert list(found) == ["two2002", "one2001"]
+    assert "Second things" in found["two2002"]
+    assert "First things" in found["one2001"]
+
+
+def test_a_key_that_nobody_ships_stands_for_itself() -> None:
+    assert references([ONE], ["nobody"]) == {"nobody": "nobody (no BibTeX entry is installed)"}
+    assert references([], []) == {}
+
+
+def test_the_first_plugin_with_a_key_counts() -> None:
+    other = ONE.replace("First", "Other")
+    assert "First things" in references([ONE, other], ["one2001"])["one2001"]
+
+
+def test_bibtex_that_cannot_be_read_is_left_out_with_a_warning() -> None:
+    with pytest.warns(UserWarning, match="BibTeX"):
+        found = references(["@book{broken", TWO], ["two2002"])
+    assert "Second things" in found["two2002"]
+
+
+def test_the_source_of_entries_is_sorted_and_can_be_read_again() -> None:
+    source = bibtex_of([f"{TWO}\n{ONE}"], ["two2002", "one2001", "nobody", "two2002"])
+    assert source.index("one2001") < source.index("two2002")
+    assert source.count("@book") == 2
+    assert references([source], ["two2002"]) == references([TWO], ["two2002"])
+    assert bibtex_of([ONE], ["nobody"]) == ""

@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from nodegraph import NodegraphError
+from nodegraph.execute import Event
+from nodegraph.runs.folder import RunFolder
+
+
+def finished(path: Path, content: bytes = b"x") -> RunFolder:
+    folder = RunFolder(path, "nodegraph: 1\n")
+    folder.hear(Event("planned", 0.0, detail={"steps": 1}))
+    folder.finish({"report.html": content, "tables/t.csv": b"a,b"}, {"format": 1})
+    return folder
+
+
+def names(path: Path) -> list[str]:
+    return sorted(str(one.relative_to(path)) for one in path.rglob("*") if one.is_file())
+
+
+def test_a_run_writes_graph_events_files_and_record(tmp_path: Path) -> None:
+    path = tmp_path / "runs" / "fill"
+    assert finished(path).moved is None
+    assert names(path) == ["events.jsonl", "graph.yaml", "report.html", "run.json", "tables/t.csv"]
+    assert (path / "graph.yaml").read_text() == "nodegraph: 1\n"
+    assert json.loads((path / "run.json").read_text()) == {"format": 1}
+    (line,) = (path / "events.jsonl").read_text().splitlines()
+    assert json.loads(line) == {"event": "planned", "seconds": 0.0, "steps": 1}
+
+
+def test_an_event_is_written_as_it_happens(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "run", "")
+    folder.hear(Event("started", 1.0, 3, "a", {"k": 1}))
+    assert '"started"' in (tmp_path / "run" / "events.jsonl").read_text()
+    folder.finish({}, {})
+
+
+def test_a_finished_run_is_moved_aside_and_never_lost(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    for content in (b"first", b"second", b"third"):
+        folder = finished(path, content)
+    assert folder.moved is not None
+    assert (path / "report.html").read_bytes() == b"third"
+    kept = {(one / "report.html").read_bytes() for one in tmp_path.iterdir()}
+    assert kept == {b"first", b"second", b"third"}
+
+
+def test_a_run_that_was_interrupted_makes_room(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    RunFolder(path, "old")._events.close()
+    assert finished(path).moved is None
+    assert (path / "graph.yaml").read_text() == "nodegraph: 1\n"
+    assert [one.name for one in tmp_path.iterdir()] == ["run"]
+
+
+def test_a_file_of_the_user_in_an_interrupted_run_is_never_lost(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    RunFolder(path, "old")._events.close()
+    (path / "thesis.txt").write_text("years of work")
+    finished(path)
+    assert [one.read_text() for one in tmp_path.rglob("thesis.txt")] == ["years of work"]
+
+
+def test_an_empty_folder_is_used(tmp_path: Path) -> None:
+    assert finished(tmp_path).moved is None
+    assert (tmp_path / "run.json").is_file()
+
+
+def test_what_is_no_run_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "thesis.txt").write_text("years of work")
+    with pytest.raises(NodegraphError, match="something that is not a run; name another folder"):
+        RunFolder(tmp_path, "")
+    with pytest.raises(NodegraphError, match="not a run"):
+        RunFolder(tmp_path / "thesis.txt", "")
+    assert names(tmp_path) == ["thesis.txt"]
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(NodegraphError, match="the run cannot be written there"):
+        RunFolder(tmp_path / "file" / "run", "")
+
+
+def test_a_run_that_cannot_begin_leaves_the_earlier_one_where_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    finished(path, b"first")
+    folder = RunFolder(path, "nodegraph: 1\n")
+    folder.hear(Event("planned", 0.0))
+    folder.abandon()
+    assert [one.name for one in tmp_path.iterdir()] == ["run"]
+    assert (path / "report.html").read_bytes() == b"first"
+
+
+def test_a_run_that_has_begun_is_not_undone(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    folder = RunFolder(path, "nodegraph: 1\n")
+    folder.hear(Event("done", 0.0, 0, "a"))
+    folder.abandon()
+    assert (path / "events.jsonl").is_file()
+
+
+def test_graphs_that_are_used_lie_where_they_are_looked_for(tmp_path: Path) -> None:
+    used = {"parts/inner.yaml": "inner", "../outside.yaml": "not here"}
+    RunFolder(tmp_path / "run", "outer", used)._events.close()
+    assert (tmp_path / "run" / "parts" / "inner.yaml").read_text() == "inner"
+    assert not (tmp_path / "outside.yaml").exists()
+
+
+def test_a_run_that_is_going_on_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    going = RunFolder(path, "first")
+    going.hear(Event("planned", 0.0, detail={"steps": 1}))
+    with pytest.raises(NodegraphError, match="another run is writing there; name another folder"):
+        RunFolder(path, "second")
+    assert (path / "graph.yaml").read_text() == "first"
+    going.finish({"report.html": b"x"}, {})
+    assert len((path / "events.jsonl").read_text().splitlines()) == 1
+    assert finished(path).moved is not None
+
+
+def test_what_a_run_came_to_lies_in_its_folder_whatever_a_node_did_to_the_working_directory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = RunFolder(Path("runs/fill"), "")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    folder.finish({"report.html": b"x"}, {"format": 1})
+    assert {"report.html", "run.json"} <= set(names(tmp_path / "runs" / "fill"))
+    assert not names(tmp_path / "elsewhere")

@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+from nodegraph.execute import Run
+from nodegraph.runs.record import record
+
+TEXT = """
+title: A toy
+inputs: {start: -3}
+axes: {k: [1, 2], actor: {ME: 5, MB: 6}}
+nodes:
+  a: {use: read.number, with: {start: $start}}
+  gaps: {use: gaps.cut, in: a, with: {length: $actor, seed: $k}}
+  fill: {in: gaps, alternatives: {hold: fill.hold, strict: strict.positive}}
+  bad: {use: strict.fails, in: a}
+  table: {use: compare.table, in: fill}
+  x: {use: fill.hold, in: {from: gaps, at: {k: 2, actor: ME}}}
+skip: [{k: 2, actor: MB}]
+known: [a]
+"""
+
+
+def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -> None:
+    run = run_of(TEXT)
+    said = record(run, "nodegraph run toy.yaml")
+    assert json.loads(json.dumps(said)) == said
+    assert (said["title"], said["inputs"], said["known"]) == ("A toy", {"start": -3}, ["a"])
+    assert said["axes"]["actor"] == ["ME", "MB"]
+    assert said["nodes"]["fill"] == {
+        "axes": ["k", "actor", "fill"],
+        "gathered": [],
+        "methods": {
+            "hold": {"use": "fill.hold", "plugin": "toys", "outputs": ["output"]},
+            "strict": {"use": "strict.positive", "plugin": "toys", "outputs": ["output"]},
+        },
+    }
+    counts = {state: count for state, count in said["counts"].items() if count}
+    assert counts == {"done": 8, "refused": 3, "failed": 1}
+    assert len(said["steps"]) == 12  # x is one of the cells of fill
+    also = [other for one in said["steps"] for other in one.get("also", ())]
+    assert also == [{"node": "x", "labels": {}}]
+    steps = {(one["node"], *one["labels"].values()): one for one in said["steps"]}
+    gaps = steps["gaps", 1, "MB"]
+    assert gaps["settings"] == {"length": 6, "seed": 1}
+    assert gaps["inputs"] == {"recording": {"step": steps["a",]["step"], "output": "output"}}
+    assert gaps["state"] == "done"
+    assert steps["bad",]["reason"] == "-3.0 is negative"
+    assert steps["bad",]["place"].startswith("conftest.py:")
+    assert "ValueError" in steps["bad",]["trace"]
+    assert len(steps["table",]["inputs"]["scores"]) == 6
+    assert {
+        "node": "gaps",
+        "labels": {"k": 2, "actor": "MB"},
+        "reason": "skip: k = 2, actor = MB",
+    } in said["skipped"]
+    assert said["versions"]["python"]
+    assert said["versions"]["numpy"]
+
+
+def test_what_was_left_out_is_recorded(run_of: Callable[..., Run]) -> None:
+    said = record(run_of(TEXT, only={"actor": ("MB",)}), "")
+    assert [one["node"] for one in said["left_out"]] == ["x"]

@@ -1,0 +1,26 @@
+"""What feeds a combination tells whether a difference begins with it."""
+
+from __future__ import annotations
+
+from nodegraph.runs.diff import Spread
+
+
+def test_a_difference_begins_where_nothing_above_differs_and_where_a_step_is_another() -> None:
+    spread: Spread[str] = Spread()
+    spread.add("first", "a", 0, (), changed=False)
+    spread.add("fed by it", "b", 1, (0,), changed=False)
+    spread.add("fed by it, and edited", "c", 2, (1,), changed=True)
+    spread.add("fed by others", "d", 4, (3,), changed=False)
+    spread.add("fed by one that follows", "b", 5, (3, 1), changed=False)
+    assert spread.origins == ["first", "fed by it, and edited", "fed by others"]
+    assert spread.followers == {"b": 2}
+    assert spread.beyond == 5
+    assert spread.reaches([3, 2])
+    assert not spread.reaches([3])
+
+
+def test_a_step_that_stands_for_two_combinations_does_not_feed_itself() -> None:
+    spread: Spread[str] = Spread()
+    spread.add("one", "a", 1, (0,), changed=False)
+    spread.add("other", "a", 1, (0,), changed=False)
+    assert spread.origins == ["one", "other"]

@@ -1,0 +1,257 @@
+"""Least squares within bounds, beside SciPy and beside every choice of bound weights."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_blendshapes.solve import bounded, kernel, search_kernel
+from nodegraph_blendshapes.solve.bounded import are_least, inwards, least_squares, noise
+from tests.plugins.nodegraph_blendshapes.solve.statements import (
+    Matrix,
+    by_scipy,
+    least_norm,
+    left,
+    squares,
+)
+
+INF = float("inf")
+BOUNDS = [(0.0, 1.0), (-0.5, 1.0), (-1.0, 0.0), (0.0, INF), (-INF, INF)]
+FINITE = BOUNDS[:4]
+
+
+def problem(
+    seed: int, shapes: int, coordinates: int, *, targets: int = 4, noise: float = 0.5
+) -> tuple[Matrix, Matrix]:
+    """Columns, and targets that weights beyond the bounds too would explain but for noise."""
+    random = np.random.default_rng(seed)
+    columns = random.normal(0, 3, (shapes, coordinates))
+    weights = random.uniform(-0.7, 1.7, (targets, shapes))
+    return columns, weights @ columns + random.normal(0, noise, (targets, coordinates))
+
+
+def near(columns: Matrix, apart: float, seed: int = 0) -> Matrix:
+    """The columns, and two more that lie so near to the first two."""
+    random = np.random.default_rng(seed)
+    return np.vstack([columns, columns[:2] + apart * random.normal(size=columns[:2].shape)])
+
+
+def as_given(columns: Matrix, targets: Matrix) -> search_kernel.Given:
+    """What was not turned."""
+    return search_kernel.Given(columns, targets, np.eye(columns.shape[1]))
+
+
+@pytest.mark.parametrize(("low", "high"), BOUNDS)
+@given(seed=st.integers(0, 10**6), shapes=st.integers(1, 12), more=st.integers(0, 20))
+@settings(max_examples=25, deadline=None)
+def test_as_scipy(low: float, high: float, seed: int, shapes: int, more: int) -> None:
+    columns, targets = problem(seed, shapes, shapes + more)
+    made = least_squares(columns, targets, low, high)
+    assert not made.unsolved.any()
+    assert not made.unshared.any()
+    assert left(columns, targets, made.weights, low, high) <= 1e-10
+    assert made.weights.min() >= low
+    assert made.weights.max() <= high
+    theirs = by_scipy(columns, targets, low, high)
+    if np.linalg.cond(columns) < 1e4:
+        np.testing.assert_allclose(made.weights, theirs, rtol=0, atol=1e-7)
+    for target, ours, other in zip(targets, made.weights, theirs, strict=True):
+        assert (
+            squares(columns, target, ours) <= squares(columns, target, other) * (1 + 1e-10) + 1e-20
+        )
+
+
+@pytest.mark.parametrize(("low", "high"), FINITE)
+@pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6, 1e-9, 1e-12, 0.0])
+def test_columns_that_hardly_differ(low: float, high: float, apart: float) -> None:
+    columns, targets = problem(3, 8, 20, targets=30)
+    columns = near(columns, apart)
+    made = least_squares(columns, targets, low, high)
+    assert not made.unsolved.any()
+    assert left(columns, targets, made.weights, low, high) <= 1e-10
+    theirs = by_scipy(columns, targets, low, high)
+    for target, ours, other in zip(targets, made.weights, theirs, strict=True):
+        assert (
+            squares(columns, target, ours) <= squares(columns, target, other) * (1 + 1e-10) + 1e-20
+        )
+
+
+def test_large_weights_that_cancel_leave_no_more_than_rounding() -> None:
+    """Rounding of the weights themselves leaves about 1e-16 of the sum of ``|weight| |column|``."""
+    worst, largest = 0.0, 0.0
+    for seed in range(40):
+        columns, targets = problem(seed, 8, 24, targets=1)
+        columns = near(columns, 1e-6, seed + 1000)
+        made = least_squares(columns, targets, -1e12, 1e12).weights
+        worst = max(worst, left(columns, targets, made, -1e12, 1e12))
+        largest = max(largest, float(np.abs(made).max()))
+    assert largest > 2e5
+    assert worst <= 1e-10
+
+
+@pytest.mark.parametrize(("low", "high"), BOUNDS)
+@given(seed=st.integers(0, 10**6), shapes=st.integers(2, 5), noise=st.sampled_from([0.0, 0.5]))
+@settings(max_examples=25, deadline=None)
+def test_ties_have_the_least_norm(
+    low: float, high: float, seed: int, shapes: int, noise: float
+) -> None:
+    columns, targets = problem(seed, shapes, max(1, shapes - 2), targets=3, noise=noise)
+    made = least_squares(columns, targets, low, high)
+    assert not made.unsolved.any()
+    assert left(columns, targets, made.weights, low, high) <= 1e-10
+    for target, told, ours in zip(targets, ~made.unshared, made.weights, strict=True):
+        shortest = least_norm(columns, ours, low, high)
+        assert ours @ ours <= (shortest @ shortest) * (1 + 1e-7) + 1e-9 or not told
+        assert squares(columns, target, ours) <= squares(columns, target, shortest) + 1e-7
+    assert np.count_nonzero(made.unshared) <= 1
+
+
+@pytest.mark.parametrize(("low", "high"), BOUNDS)
+def test_identical_columns_share(low: float, high: float) -> None:
+    columns, targets = problem(1, 10, 40, targets=50)
+    columns = np.vstack([columns, columns[:3]])
+    made = least_squares(columns, targets, low, high)
+    np.testing.assert_allclose(made.weights[:, :3], made.weights[:, 10:], rtol=0, atol=1e-9)
+    assert not made.unshared.any()
+    if np.isinf(high):  # two that may be any number are as one
+        alone = least_squares(columns[:10], targets, low, high).weights
+        np.testing.assert_allclose(2 * made.weights[:, :3], alone[:, :3], rtol=0, atol=1e-9)
+
+
+def test_fewer_coordinates_than_columns() -> None:
+    columns, targets = problem(2, 40, 15, targets=60)
+    for low, high in BOUNDS:
+        made = least_squares(columns, targets, low, high)
+        assert not made.unsolved.any()
+        assert not made.unshared.any()
+        assert left(columns, targets, made.weights, low, high) <= 1e-10
+
+
+@pytest.mark.parametrize(("low", "high"), BOUNDS)
+def test_a_face_at_rest_has_no_weights(low: float, high: float) -> None:
+    columns, targets = problem(0, 9, 4)
+    targets[1:3] = 0.0
+    made = least_squares(columns, targets, low, high)
+    np.testing.assert_array_equal(made.weights[1:3], 0.0)
+    columns, targets = problem(0, 4, 9)
+    targets[1:3] = 0.0
+    np.testing.assert_allclose(least_squares(columns, targets, low, high).weights[1:3], 0.0)
+
+
+def test_no_columns_and_no_targets() -> None:
+    assert least_squares(np.zeros((0, 4)), np.ones((3, 4)), 0.0, 1.0).weights.shape == (3, 0)
+    columns, targets = problem(0, 4, 9, targets=0)
+    for low, high in BOUNDS:
+        assert least_squares(columns, targets, low, high).weights.shape == (0, 4)
+        assert least_squares(near(columns, 0.0), targets, low, high).weights.shape == (0, 6)
+
+
+@pytest.mark.parametrize("apart", [1.0, 0.0])
+@pytest.mark.parametrize(("low", "high"), FINITE)
+def test_targets_do_not_know_of_each_other(low: float, high: float, apart: float) -> None:
+    columns, targets = problem(4, 12, 30, targets=40)
+    columns = near(columns, apart)
+    together = least_squares(columns, targets, low, high).weights
+    backwards = least_squares(columns, targets[::-1], low, high).weights[::-1]
+    alone = [least_squares(columns, one[None], low, high).weights[0] for one in targets]
+    np.testing.assert_allclose(together, backwards, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(together, alone, rtol=0, atol=1e-11)
+
+
+def test_the_conditions_by_hand() -> None:
+    columns, targets = np.array([[2.0, 0.0], [0.0, 3.0]]), np.array([[5.0, -6.0]])
+    weights = np.array([[1.0, 0.0]])
+    # the gradient is 2 (2 - 5) = -6 at the upper bound, 3 (0 + 6) = 18 at the lower: both push out
+    np.testing.assert_array_equal(inwards(columns, targets, weights, 0.0, 1.0), [[0.0, 0.0]])
+    np.testing.assert_array_equal(inwards(columns, targets, weights, 0.0, 2.0), [[-6.0, 0.0]])
+    np.testing.assert_array_equal(inwards(columns, targets, weights, -1.0, 1.0), [[0.0, 18.0]])
+    size = np.hypot(5.0, 6.0) + 2.0
+    np.testing.assert_allclose(noise(columns, targets, weights), [[2 * size, 3 * size]])
+    assert are_least(columns, targets, weights, 0.0, 1.0).all()
+    assert not are_least(columns, targets, weights, 0.0, 2.0).any()
+
+
+@pytest.mark.parametrize(("low", "high"), FINITE)
+def test_what_block_pivoting_leaves_the_search_finds(
+    monkeypatch: pytest.MonkeyPatch, low: float, high: float
+) -> None:
+    columns, targets = problem(5, 12, 30, targets=20)
+    expected = least_squares(columns, targets, low, high).weights
+    monkeypatch.setattr(bounded, "_ROUNDS", 1)
+    made = least_squares(columns, targets, low, high)
+    np.testing.assert_allclose(made.weights, expected, rtol=0, atol=1e-12)
+    assert not made.unsolved.any()
+
+
+def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    columns, targets = problem(5, 12, 30, targets=20)
+    targets[7] = 0.0
+    monkeypatch.setattr(bounded, "_ROUNDS", 1)
+    monkeypatch.setattr(bounded, "_FREED", 0)
+    made = least_squares(columns, targets, 0.0, 1.0)
+    assert made.unsolved.tolist() == [frame != 7 for frame in range(20)]
+    np.testing.assert_array_equal(np.isnan(made.weights).all(axis=1), made.unsolved)
+    np.testing.assert_array_equal(made.weights[7], 0.0)
+
+
+def test_shares_that_cannot_be_told_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    columns, targets = problem(6, 6, 12, targets=10)
+    columns = near(columns, 0.0)
+    told = least_squares(columns, targets, 0.0, 1.0)
+
+    def never(projector: Matrix, weights: Matrix, *bounds: Matrix) -> tuple[Matrix, Matrix]:
+        return np.zeros_like(weights), np.zeros(len(weights), dtype=bool)
+
+    monkeypatch.setattr(bounded, "_least", never)
+    made = least_squares(columns, targets, 0.0, 1.0)
+    assert made.unshared.any()
+    assert left(columns, targets, made.weights, 0.0, 1.0) <= 1e-10
+    same = ~made.unshared
+    np.testing.assert_array_equal(made.weights[same], told.weights[same])
+
+
+@given(seed=st.integers(0, 10**6), high=st.sampled_from([1.0, INF]))
+@settings(max_examples=25, deadline=None)
+def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
+    columns, targets = problem(seed, 7, 15)
+    lengths = np.linalg.norm(columns, axis=1)
+    theirs = by_scipy(columns, targets, 0.0, high)
+    made = np.empty_like(theirs)
+    one = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, high)
+    kernel.bounded(one, targets, targets @ columns.T, 200, made)
+    np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
+    free = np.empty(made.shape, dtype=bool)
+    searched = search_kernel.Squares(columns, lengths, 0.0, high)
+    search_kernel.search(searched, targets, as_given(columns, targets), 100, made, free)
+    np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
+    np.testing.assert_array_equal(free, (made > 0.0) & (made < high))
+
+
+def test_exchanging_one_at_a_time_ends_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Murty's rule alone, as when exchanging many at a time goes round in circles."""
+    monkeypatch.setattr(kernel, "_ROUNDS", -1)
+    compiled: Any = kernel._exchange
+    columns, targets = problem(8, 6, 10, targets=10)
+    lengths = np.linalg.norm(columns, axis=1)
+    squares_of = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, 1.0)
+    for target in targets:
+        work = kernel._new_work(squares_of)
+        compiled.py_func(squares_of, columns @ target, work, float(np.linalg.norm(target)), 500)
+        expected = by_scipy(columns, target[None], 0.0, 1.0)[0]
+        np.testing.assert_allclose(work.weights, expected, rtol=0, atol=1e-10)
+
+
+def test_searches_that_are_cut_short_stay_within_the_bounds() -> None:
+    columns, targets = problem(9, 8, 16)
+    lengths = np.linalg.norm(columns, axis=1)
+    made, free = np.empty((4, 8)), np.empty((4, 8), dtype=bool)
+    for most in range(4):
+        few = search_kernel.Squares(columns, lengths, 0.0, 1.0)
+        search_kernel.search(few, targets, as_given(columns, targets), most, made, free)
+        assert made.min() >= 0.0
+        assert made.max() <= 1.0
+        assert np.count_nonzero(made, axis=1).max() <= most

@@ -1,0 +1,106 @@
+"""A quadratic function over frames that hang together, beside its whole matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from nodegraph_blendshapes.solve.chain import Chain
+from nodegraph_blendshapes.solve.interior import interior
+
+INF = float("inf")
+BOUNDS = [(0.0, 1.0), (-0.5, 1.0), (0.0, INF)]
+
+
+def chain(low: float = 0.0, high: float = 1.0, *, smoothness: float = 2.0, seed: int = 0) -> Chain:
+    """Seven frames of four weights in three pieces, with three grams."""
+    random = np.random.default_rng(seed)
+    columns = random.normal(size=(3, 4, 9))
+    return Chain(
+        grams=columns @ columns.transpose(0, 2, 1),
+        which=np.array([0, 0, 1, 0, 2, 2, 0]),
+        coupled=np.array([False, True, True, False, True, False, True]),
+        linear=random.normal(0, 5, (7, 4)),
+        low=low,
+        high=high,
+        smoothness=smoothness,
+    )
+
+
+def whole(given: Chain) -> NDArray[np.float64]:
+    """The matrix H, an entry at a time."""
+    frames, count = given.linear.shape
+    made = np.zeros((frames, count, frames, count))
+    for frame in range(frames):
+        made[frame, :, frame] = given.grams[given.which[frame]]
+    for frame in map(int, np.flatnonzero(given.coupled)):
+        for k in range(count):
+            made[frame, k, frame, k] += given.smoothness
+            made[frame - 1, k, frame - 1, k] += given.smoothness
+            made[frame, k, frame - 1, k] -= given.smoothness
+            made[frame - 1, k, frame, k] -= given.smoothness
+    return made.reshape(frames * count, -1)
+
+
+def expected(given: Chain) -> NDArray[np.float64]:
+    """The least by SciPy, of the squares that have this matrix."""
+    root = np.linalg.cholesky(whole(given)).T
+    target = np.linalg.solve(root.T, given.linear.ravel())
+    bounds = (given.low, given.high)
+    return lsq_linear(root, target, bounds, "bvls", 1e-15, max_iter=500).x.reshape(7, 4)
+
+
+def test_gradient_and_division() -> None:
+    given = chain()
+    weights = np.random.default_rng(1).normal(size=(7, 4))
+    plain = (whole(given) @ weights.ravel()).reshape(7, 4) - given.linear
+    np.testing.assert_allclose(given.gradient(weights), plain, rtol=0, atol=1e-12)
+    diagonal = np.random.default_rng(2).uniform(0, 3, (7, 4))
+    solved = np.linalg.solve(whole(given) + np.diag(diagonal.ravel()), weights.ravel())
+    made = given.divided(diagonal)(weights)
+    np.testing.assert_allclose(made, solved.reshape(7, 4), rtol=0, atol=1e-11)
+    assert given.size == np.abs(given.linear).max()
+    assert given.scale >= np.linalg.eigvalsh(whole(given)).max() / 4
+
+
+@pytest.mark.parametrize(("low", "high"), [*BOUNDS, (-INF, INF)])
+@pytest.mark.parametrize("seed", range(5))
+def test_exchanging_finds_the_least(low: float, high: float, seed: int) -> None:
+    given = chain(low, high, seed=seed)
+    made = given.exchanged(np.full((7, 4), 0.25))
+    assert made is not None
+    np.testing.assert_allclose(made, expected(given), rtol=0, atol=1e-9)
+    left = given.inwards(made, given.gradient(made))
+    assert np.abs(left).max() <= 1e-13 * given.size
+
+
+@pytest.mark.parametrize(("low", "high"), BOUNDS)
+@pytest.mark.parametrize("seed", range(5))
+def test_the_least_from_within(low: float, high: float, seed: int) -> None:
+    given = chain(low, high, seed=seed)
+    made = interior(given)
+    np.testing.assert_allclose(made, expected(given), rtol=0, atol=1e-8)
+    assert made.min() >= low
+    assert made.max() <= high
+    np.testing.assert_array_equal(made == low, expected(given) <= low + 1e-12)
+
+
+@pytest.mark.parametrize("high", [1.0, INF])
+def test_from_within_where_a_bound_holds_nothing_back(high: float) -> None:
+    """The least is at the bound, and would be without it."""
+    given = chain(0.0, high)
+    weights = np.random.default_rng(3).uniform(0.2, 0.8, (7, 4))
+    weights[::2, 1] = 0.0
+    linear = (whole(given) @ weights.ravel()).reshape(7, 4)
+    given = Chain(**{**vars(given), "linear": linear})
+    made = interior(given)
+    left = given.inwards(made, given.gradient(made))
+    assert np.abs(left).max() <= 1e-9 * given.size
+    np.testing.assert_allclose(made, weights, rtol=0, atol=1e-8)
+
+
+def test_circles_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("nodegraph_blendshapes.solve.chain._ROUNDS", 1)
+    assert chain().exchanged(np.full((7, 4), 0.25)) is None

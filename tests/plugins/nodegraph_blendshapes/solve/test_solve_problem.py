@@ -1,0 +1,75 @@
+"""Matching a recording with a model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nodegraph import Refusal
+from nodegraph_blendshapes.solve.problem import SEEN, Problem, moves
+from tests.plugins.nodegraph_blendshapes.solve.statements import at, face
+
+VALUES = np.random.default_rng(0).uniform(0, 1, (5, 3))
+
+
+def test_markers_are_matched_by_name_in_the_model_s_order() -> None:
+    model, recording, _ = face(VALUES)
+    shuffled = recording.keep(["m5", "m0", "m3"])
+    problem = Problem.of(shuffled, model)
+    assert problem.markers == ("m0", "m3", "m5")
+    for number, marker in enumerate(problem.markers):
+        place = model.markers.index(marker)
+        expected = recording.positions[:, place] - model.neutral[place]
+        np.testing.assert_array_equal(problem.offsets[:, number], expected)
+        np.testing.assert_array_equal(problem.shapes[:, number], model.shapes[:, place])
+    assert problem.notes == (
+        "5 of 8 markers of the model are left out, as only the model has them: m1, m2, m4, m6, m7",
+    )
+
+
+def test_a_marker_that_only_the_recording_has_is_told() -> None:
+    model, recording, _ = face(VALUES)
+    few = replace(
+        model, markers=model.markers[1:], neutral=model.neutral[1:], shapes=model.shapes[:, 1:]
+    )
+    assert Problem.of(recording, few).notes == (
+        "1 of 8 markers of the recording are left out, as only the recording has them: m0",
+    )
+
+
+def test_half_a_millimetre_is_seen_and_less_is_not() -> None:
+    shapes = np.zeros((3, 4, 3))
+    shapes[0, 2] = [0.3, 0.0, 0.4]
+    shapes[1, 2] = [0.3, 0.0, 0.399]
+    assert SEEN == 0.5
+    assert moves(shapes).tolist() == [True, False, False]
+    assert moves(shapes[:, :0]).tolist() == [False] * 3
+
+
+def test_a_shape_whose_markers_are_never_present_is_not_seen() -> None:
+    model, recording, _ = face(VALUES)
+    shapes = model.shapes.copy()
+    shapes[1, 1:] = 0.1
+    positions = recording.positions.copy()
+    positions[:, 0] = np.nan
+    gone = at(recording, positions)
+    problem = Problem.of(gone, replace(model, shapes=shapes))
+    assert problem.seen.tolist() == [True, False, True]
+    assert problem.notes == (
+        "1 of 3 shapes move no marker of the recording by 0.5 mm and cannot be seen; their weight "
+        "is 0: s1",
+    )
+
+
+def test_what_cannot_be_matched_is_named() -> None:
+    model, recording, _ = face(VALUES)
+    other = replace(recording, markers=tuple(f"x{number}" for number in range(8)))
+    with pytest.raises(ValueError, match="no marker in common: the recording has x0, x1"):
+        Problem.of(other, model)
+    with pytest.raises(ValueError, match="the model has no shapes"):
+        Problem.of(recording, replace(model, shapes=model.shapes[:0], names=()))
+    nowhere = at(recording, np.full_like(recording.positions, np.nan))
+    with pytest.raises(Refusal, match="needs a frame in which a marker of the model is present"):
+        Problem.of(nowhere, model)

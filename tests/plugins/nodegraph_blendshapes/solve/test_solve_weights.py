@@ -1,0 +1,217 @@
+"""The node: what it returns, what it says, and what it does not take."""
+
+from __future__ import annotations
+
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph import get_node
+from nodegraph.node.decorator import node_of
+from nodegraph.testing import check_node
+from nodegraph_blendshapes.solve import bounded
+from nodegraph_blendshapes.solve.weights import Explained, solve_weights
+from nodegraph_mocap import BlendshapeModel, Trajectories
+from tests.plugins.nodegraph_blendshapes.solve.statements import at, face, least_norm, posed
+
+FRAMES = 20
+VALUES = np.random.default_rng(0).uniform(0, 1, (FRAMES, 4))
+
+
+def quietly(recording: Trajectories, model: BlendshapeModel, **settings: Any) -> Explained:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return solve_weights(recording, model, **settings)
+
+
+def test_ports_and_settings_are_as_promised() -> None:
+    found = node_of(solve_weights)
+    assert found is not None
+    assert found.name == "solve.weights"
+    ports = [str(port) for port in found.inputs]
+    assert ports == ["recording: Trajectories", "model: BlendshapeModel"]
+    assert [str(port) for port in found.outputs] == ["weights: Weights", "residuals: Table"]
+    defaults = {name: one.default for name, one in found.settings.items()}
+    assert defaults == {"bounds": (0.0, 1.0), "ridge": 0.0, "smoothness": 0.0}
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{}, {"bounds": "nonnegative"}, {"bounds": "none", "ridge": 0.5}, {"smoothness": 2.0}],
+)
+def test_it_keeps_its_promises(settings: dict[str, Any]) -> None:
+    check_node(get_node("solve.weights"), settings=settings)
+
+
+@pytest.mark.parametrize("bounds", [(0.0, 1.0), (-0.2, 1.5), "nonnegative", "none"])
+def test_weights_come_back(bounds: Any) -> None:
+    model, recording, weights = face(VALUES)
+    made = solve_weights(recording, model, bounds=bounds)
+    np.testing.assert_allclose(made.weights.values, VALUES, rtol=0, atol=1e-12)
+    assert (made.weights.names, made.weights.rate) == (weights.names, weights.rate)
+    assert made.residuals["rms"].max() < 1e-12
+    assert made.residuals.attrs["notes"] == []
+
+
+def test_one_frame() -> None:
+    model, recording, _ = face(VALUES)
+    made = solve_weights(at(recording, recording.positions[:1]), model)
+    np.testing.assert_allclose(made.weights.values, VALUES[:1], rtol=0, atol=1e-12)
+    assert len(made.residuals) == 1
+
+
+def test_clipped_least_squares_are_worse() -> None:
+    """Two shapes that are nearly the same, where clipping throws away what the other would do."""
+    model, _, _ = face(VALUES)
+    shapes = model.shapes.copy()
+    shapes[1] = shapes[0] + 0.02 * shapes[1]
+    model = replace(model, shapes=shapes)
+    recording = posed(model, VALUES, noise=0.3)
+    clipped = np.clip(solve_weights(recording, model, bounds="none").weights.values, 0.0, 1.0)
+    apart = recording.positions - posed(model, clipped).positions
+    rms = np.sqrt(np.square(apart).sum(axis=2).mean(axis=1))
+    ours = solve_weights(recording, model).residuals["rms"]
+    assert (ours <= rms + 1e-12).all()
+    assert rms.mean() > 1.5 * ours.mean()
+
+
+def test_the_table_beside_plain_loops() -> None:
+    model, _, _ = face(VALUES)
+    noisy = posed(model, np.random.default_rng(1).uniform(-0.5, 1.5, (FRAMES, 4)), noise=1.0)
+    positions = noisy.positions.copy()
+    positions[3, [0, 5]] = positions[8] = np.nan
+    made = quietly(at(noisy, positions), model)
+    values, table = made.weights.values, made.residuals
+    for frame in range(FRAMES):
+        row = table.iloc[frame]
+        apart = {}
+        for place, marker in enumerate(model.markers):
+            there = model.neutral[place].copy()
+            for shape in range(4):
+                there += values[frame, shape] * model.shapes[shape, place]
+            distance = float(np.linalg.norm(positions[frame, place] - there))
+            if np.isfinite(distance):
+                apart[marker] = distance
+        assert (row["frame"], row["markers"], row["missing"]) == (frame, len(apart), 8 - len(apart))
+        assert row["at_low"] == sum(value == 0.0 for value in values[frame])
+        assert row["at_high"] == sum(value == 1.0 for value in values[frame])
+        if apart:
+            squares = [one**2 for one in apart.values()]
+            assert row["rms"] == pytest.approx(np.sqrt(sum(squares) / len(squares)), rel=1e-12)
+            assert row["max"] == pytest.approx(max(apart.values()), rel=1e-12)
+            assert row["worst"] == max(apart, key=lambda marker: apart[marker])
+        else:
+            assert np.isnan(row[["rms", "max"]].astype(float)).all()
+            assert row["worst"] == ""
+    assert table["at_low"].sum() > 0
+    assert table["at_high"].sum() > 0
+
+
+def test_everything_that_is_left_out_is_told() -> None:
+    model, recording, _ = face(VALUES)
+    shapes = model.shapes.copy()
+    shapes[1, 1:] = 0.0
+    shapes[3] = 0.1
+    model = replace(model, shapes=shapes)
+    positions = posed(model, VALUES).positions.copy()
+    positions[2:5, 0] = positions[9] = np.nan
+    recording = replace(at(recording, positions), markers=(*model.markers[:7], "other"))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        made = solve_weights(recording, model)
+    notes = [str(one.message) for one in told]
+    assert notes == [
+        "1 of 8 markers of the recording are left out, as only the recording has them: other",
+        "1 of 8 markers of the model are left out, as only the model has them: m7",
+        "1 of 4 shapes move no marker of the recording by 0.5 mm and cannot be seen; their weight "
+        "is 0: s3",
+        "in 3 of 20 frames the markers by which a shape moves 0.5 mm are missing; its weight there "
+        "is 0: s1 (3)",
+        "1 of 20 frames have none of the model's markers, and no weights; the first is frame 9",
+    ]
+    assert made.residuals.attrs["notes"] == [f"{note}." for note in notes]
+    assert (made.weights.values[:, 3][np.arange(FRAMES) != 9] == 0.0).all()
+    assert (made.weights.values[2:5, 1] == 0.0).all()
+
+
+def test_identical_shapes_share_and_ties_have_the_least_norm() -> None:
+    model, recording, _ = face(VALUES, markers=1)
+    made = solve_weights(recording, model)
+    columns = model.shapes.reshape(4, -1)
+    for values in made.weights.values:
+        shortest = least_norm(columns, values, 0.0, 1.0)
+        assert values @ values == pytest.approx(shortest @ shortest, rel=1e-7)
+
+
+def test_what_could_not_be_found_or_told_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, _, _ = face(VALUES)
+    recording = posed(model, 2.0 * VALUES - 0.5, noise=0.5)
+    monkeypatch.setattr(bounded, "_ROUNDS", 1)
+    monkeypatch.setattr(bounded, "_FREED", 0)
+    with pytest.warns(UserWarning, match=r"in \d+ of 20 frames the weights of least squares could"):
+        made = solve_weights(recording, model)
+    lost = np.isnan(made.weights.values).all(axis=1)
+    assert lost.any()
+    np.testing.assert_array_equal(lost, np.isnan(made.residuals["rms"]))
+    monkeypatch.undo()
+    monkeypatch.setattr(
+        bounded, "_least", lambda _, weights, *__: (weights, np.zeros(len(weights), bool))
+    )
+    twin = replace(
+        model, shapes=np.concatenate([model.shapes, model.shapes]), names=tuple("abcdefgh")
+    )
+    with pytest.warns(
+        UserWarning, match=r"of 20 frames several weights are as good, and the least"
+    ):
+        solve_weights(recording, twin)
+
+
+def test_halves_and_threads_give_what_the_whole_gives() -> None:
+    model, _, _ = face(np.random.default_rng(2).uniform(-0.5, 1.5, (FRAMES, 9)), markers=6)
+    recording = posed(model, np.random.default_rng(3).uniform(-0.5, 1.5, (400, 9)), noise=0.5)
+    whole = solve_weights(recording, model).weights.values
+    halves = [
+        solve_weights(at(recording, recording.positions[part]), model).weights.values
+        for part in (slice(0, 123), slice(123, 400))
+    ]
+    np.testing.assert_allclose(np.concatenate(halves), whole, rtol=0, atol=1e-12)
+    with ThreadPoolExecutor(4) as pool:
+        at_once = list(pool.map(lambda _: solve_weights(recording, model).weights.values, range(8)))
+    for one in at_once:
+        np.testing.assert_array_equal(one, whole)
+
+
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        ({"bounds": (1.0, 0.0)}, "bounds must be two numbers"),
+        ({"bounds": (0.2, 1.0)}, "bounds must be two numbers"),
+        ({"bounds": "some"}, "bounds must be two numbers"),
+        ({"ridge": -1.0}, "ridge must be from 0 to 1e\\+12 mm\\^2, got -1"),
+        ({"smoothness": float("inf")}, "smoothness must be from 0 to 1e\\+12 mm"),
+        ({"smoothness": float("nan")}, "smoothness must be from 0 to 1e\\+12 mm"),
+    ],
+)
+def test_nonsense_settings_are_named(settings: dict[str, Any], text: str) -> None:
+    model, recording, _ = face(VALUES)
+    with pytest.raises(ValueError, match=text):
+        solve_weights(recording, model, **settings)
+
+
+def test_no_common_marker() -> None:
+    model, recording, _ = face(VALUES)
+    other = replace(recording, markers=tuple("abcdefgh"))
+    with pytest.raises(ValueError, match="no marker in common: the recording has a, b, c"):
+        solve_weights(other, model)
+
+
+def test_no_shape_is_seen() -> None:
+    model, recording, _ = face(VALUES)
+    for settings in ({}, {"smoothness": 1.0}, {"bounds": "none"}):
+        with pytest.warns(UserWarning, match="4 of 4 shapes move no marker"):
+            made = solve_weights(recording, replace(model, shapes=0.01 * model.shapes), **settings)
+        np.testing.assert_array_equal(made.weights.values, 0.0)

@@ -1,0 +1,174 @@
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import nodegraph_compare
+from nodegraph import Absent, Across
+from nodegraph.node.decorator import node_of
+from nodegraph_compare.importance.node import REST, importance
+
+NAN = np.nan
+
+
+def study(make: Any, trials: int = 4, lengths: tuple[int, ...] = (5, 45)) -> Any:
+    entries = [
+        (
+            {"trial": trial, "length": length, "fill": fill},
+            pd.DataFrame({"gap": [0, 1], "rmse": make(trial, length, fill) + np.array([0.0, 2.0])}),
+        )
+        for trial in range(trials)
+        for length in lengths
+        for fill in ("lin", "cubic", "akima")
+    ]
+    return Across(("trial", "length", "fill"), tuple(entries))
+
+
+def by_source(made: Any) -> Any:
+    return made.table.set_index("source")
+
+
+def test_an_axis_that_does_everything_explains_everything() -> None:
+    found = by_source(importance(study(lambda trial, length, fill: float(length))))
+    assert found.loc["length", "eta squared"] == pytest.approx(1.0)
+    assert found.loc["length", "partial eta squared"] == pytest.approx(1.0)
+    assert found.loc["length", "variance"] == pytest.approx(400.0)
+    assert found.drop("length")["eta squared"].to_numpy() == pytest.approx(0.0)
+    assert found.index.tolist() == [
+        "trial", "length", "fill", "trial x length", "trial x fill", "length x fill", REST,
+    ]  # fmt: skip
+
+
+def test_shares_add_up_and_the_rest_has_no_partial_share() -> None:
+    random = np.random.default_rng(0)
+    made = importance(study(lambda trial, length, fill: random.gamma(2)))
+    found = by_source(made)
+    assert found["eta squared"].sum() == pytest.approx(1.0)
+    assert np.isnan(found.loc[REST, "partial eta squared"])
+    rest = found.loc[REST, "variance"]
+    alone = found.loc["fill", "variance"]
+    assert found.loc["fill", "partial eta squared"] == pytest.approx(alone / (alone + rest))
+    assert made.table.attrs["answer"][0].startswith("Share of the variance of rmse: ")
+
+
+def test_winners_change_with_what_turns_them() -> None:
+    def rmse(trial: int, length: int, fill: str) -> float:
+        if length == 5:
+            return {"cubic": 1.0, "lin": 2.0, "akima": 3.0}[fill]
+        return {"cubic": 9.0, "lin": 8.0, "akima": 8.5}[fill] + trial
+
+    made = importance(study(rmse))
+    found = by_source(made)
+    assert found.loc["length", "winner changes"] == 1.0
+    assert found.loc["trial", "winner changes"] == 0.0
+    assert np.isnan(found.loc["fill", "winner changes"])
+    assert made.table.attrs["answer"][1] == (
+        "From one label to another, the best fill changes 0% of the time with trial, 100% of the "
+        "time with length."
+    )
+    higher = by_source(importance(study(rmse), better="higher"))
+    assert higher.loc["length", "winner changes"] == 1.0
+    nobody = by_source(importance(study(rmse), better="none"))
+    assert nobody["winner changes"].isna().all()
+
+
+def test_two_factors_leave_their_interaction_as_the_rest() -> None:
+    random = np.random.default_rng(1)
+    made = importance(
+        study(lambda trial, length, fill: random.gamma(2)), factors=("length", "fill")
+    )
+    found = by_source(made)
+    assert found.index.tolist() == ["length", "fill", "length x fill"]
+    assert np.isnan(found.loc["length x fill", "partial eta squared"])
+    assert found["eta squared"].sum() == pytest.approx(1.0)
+
+
+def test_one_axis_takes_the_unit_of_the_rows_as_the_other_factor() -> None:
+    tables = {
+        name: pd.DataFrame({"gap": [0, 1], "rmse": [place, place + 2.0]})
+        for place, name in enumerate("ab")
+    }
+    found = by_source(importance(Across.of(tables, axis="fill")))
+    assert found.index.tolist() == ["gap", "fill", "gap x fill"]
+    assert found["variance"].tolist() == [1.0, 0.25, 0.0]
+
+
+def test_missing_cells_cost_labels_and_are_told() -> None:
+    whole = study(lambda trial, length, fill: trial + length + len(fill))
+    kept = tuple(
+        one for one in whole.entries if one[0]["fill"] != "akima" or one[0]["length"] == 45
+    )
+    absent = (Absent({"trial": 0, "length": 5, "fill": "akima"}, "refused", "too short"),)
+    with pytest.warns(UserWarning, match=r"4 of 24 cells have no number; fill: left out akima"):
+        made = importance(Across(whole.axes, kept, absent))
+    assert by_source(made).loc["fill", "labels"] == 2
+    assert any("too short" in note for note in made.table.attrs["notes"])
+
+
+def test_a_row_without_a_number_makes_its_cell_missing() -> None:
+    scores = study(lambda trial, length, fill: NAN if trial == 2 and fill == "lin" else trial)
+    with pytest.warns(UserWarning, match=r"2 of 24 cells have no number; trial: left out 2"):
+        made = importance(scores)
+    assert by_source(made).loc["trial", "labels"] == 3
+
+
+def test_a_constant_metric_explains_nothing() -> None:
+    made = importance(study(lambda trial, length, fill: 1.0))
+    assert "the same in all combinations" in made.table.attrs["answer"][0]
+    assert made.table["eta squared"].isna().all()
+    assert by_source(made).loc["length", "winner changes"] == 0.0
+
+
+@pytest.mark.parametrize("values", [[], [NAN, NAN]])
+def test_nothing_is_left(values: list[float]) -> None:
+    table = pd.DataFrame({"gap": range(len(values)), "rmse": np.array(values, dtype=float)})
+    scores = Across.of({"a": table, "b": table}, axis="fill")
+    if values:
+        with pytest.warns(UserWarning, match="cells have no number"):
+            made = importance(scores)
+    else:
+        made = importance(scores)
+    assert made.table.attrs["answer"] == [
+        "no full table of combinations is left; nothing can be said."
+    ]
+    made.figure.savefig(io.BytesIO(), format="svg")
+
+
+def test_bars_are_the_shares_the_largest_on_top() -> None:
+    random = np.random.default_rng(2)
+    made = importance(study(lambda trial, length, fill: length / 10 + random.gamma(2)))
+    (axis,) = made.figure.axes
+    shares = sorted(made.table["eta squared"], reverse=True)
+    assert [bar.get_width() for bar in axis.patches] == pytest.approx(shares)  # type: ignore[attr-defined]
+    assert axis.get_yticklabels()[0].get_text() == "length"
+    assert axis.yaxis.get_inverted()
+
+
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ({"compare": "length", "factors": ("fill", "trial")}, "'length' is no factor; factors are"),
+        ({"factors": ("fill", "fill")}, "twice: fill, fill"),
+        ({"factors": ("fill", "name")}, "no axis or column 'name'"),
+    ],
+)
+def test_mistakes_are_named(chosen: Any, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        importance(study(lambda trial, length, fill: 1.0), **chosen)
+
+
+def test_too_many_cells_are_refused() -> None:
+    table = pd.DataFrame({name: np.arange(300.0) for name in ("a", "b", "c", "rmse")})
+    with pytest.raises(ValueError, match=r"cells are more than .*; labels: a 300, b 300, c 300"):
+        importance(Across.of({"x": table}, axis="f"), metric="rmse", factors=("a", "b", "c"))
+
+
+def test_the_node_and_its_citations() -> None:
+    described = node_of(importance)
+    assert described is not None
+    shipped = nodegraph_compare.nodegraph_bibtex()
+    assert all(f"{{{key}," in shipped for key in described.cite)

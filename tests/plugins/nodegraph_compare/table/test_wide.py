@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nodegraph import Across
+from nodegraph_compare.table.node import table
+from nodegraph_tables.renderers import render_table
+
+NAN = np.nan
+
+
+def study(**chosen: Any) -> Any:
+    """Scores of two methods at two lengths on three markers, eight trials."""
+    random = np.random.default_rng(3)
+    entries = []
+    for trial in range(8):
+        for length in (5, 45):
+            for fill, more in (("lin", 0.0), ("cubic", 1.0 if length == 45 else -1.0)):
+                rmse = 3 + more + random.uniform(size=3)
+                labels = {"trial": trial, "length": length, "fill": fill}
+                rows = pd.DataFrame({"marker": ["jaw", "chin", "brow"], "rmse": rmse})
+                rows.attrs["units"] = {"rmse": "mm"}
+                entries.append((labels, rows))
+    return Across(("trial", "length", "fill"), tuple(entries)), chosen
+
+
+def laid_out(**chosen: Any) -> Any:
+    scores, settings = study(**chosen)
+    return table(scores, **settings).table
+
+
+def long(**chosen: Any) -> Any:
+    return laid_out(**chosen).set_index([*chosen["within"], "fill"])
+
+
+def test_a_row_per_trajectory_and_a_column_per_method() -> None:
+    made = laid_out(rows=("marker",), columns=("fill",), blocks=("trial", "length"))
+    parts = ["lin", "lin low", "lin high", "cubic", "cubic low", "cubic high"]
+    assert list(made.columns) == ["marker", "blocks", *parts]
+    assert made["marker"].tolist() == ["jaw", "chin", "brow"]
+    assert made["blocks"].tolist() == [16] * 3
+    plain = long(within=("marker",), compare="fill", blocks=("trial", "length"))
+    for row in made.to_dict("records"):
+        for fill in ("lin", "cubic"):
+            assert row[fill] == plain.loc[(row["marker"], fill), "mean"]
+            assert row[f"{fill} high"] == plain.loc[(row["marker"], fill), "high"]
+
+
+def test_methods_down_the_side_and_lengths_along_the_top() -> None:
+    made = laid_out(rows=("fill",), columns=("length",))
+    assert made["fill"].tolist() == ["lin", "cubic"]
+    assert [name for name in made if " " not in name[8:]] == ["fill", "length 5", "length 45"]
+    # the best of a group, here a column, is marked
+    assert made.attrs["best"] == {"length 5": [1], "length 45": [0]}
+    assert "blocks" not in made
+    assert any("Every mean is over 24 blocks." in note for note in made.attrs["notes"])
+
+
+def test_the_best_of_each_row_is_marked_at_the_better_end() -> None:
+    chosen: Any = {"rows": ("length",), "columns": ("fill",)}
+    assert laid_out(**chosen).attrs["best"] == {"lin": [1], "cubic": [0]}
+    assert laid_out(**chosen, better="higher").attrs["best"] == {"lin": [0], "cubic": [1]}
+    assert laid_out(**chosen, better="none").attrs["best"] == {"lin": [], "cubic": []}
+
+
+def test_what_is_named_nowhere_stands_in_the_rows() -> None:
+    made = laid_out(within=("length",), columns=("fill",))
+    assert made["length"].tolist() == [5, 45]
+    assert list(made.columns[:3]) == ["length", "blocks", "lin"]
+
+
+def test_rows_alone_put_the_rest_along_the_top() -> None:
+    assert list(laid_out(rows=("length",), compare="fill").columns[:3]) == [
+        "length",
+        "blocks",
+        "lin",
+    ]
+
+
+def test_several_names_along_the_top() -> None:
+    made = laid_out(rows=("marker",), columns=("length", "fill"), blocks=("trial",))
+    heads = [name for name in made.attrs["cells"]]
+    assert heads == ["length 5, lin", "length 5, cubic", "length 45, lin", "length 45, cubic"]
+    assert made.attrs["best"]["length 5, cubic"] == [0, 1, 2]
+
+
+def test_a_baseline_adds_the_p_of_each_cell() -> None:
+    chosen: Any = {"blocks": ("trial", "marker"), "baseline": "lin"}
+    made = laid_out(rows=("length",), columns=("fill",), **chosen)
+    plain = long(within=("length",), compare="fill", **chosen)
+    assert made["cubic p"].tolist() == [plain.loc[(length, "cubic"), "p"] for length in (5, 45)]
+    assert made["lin p"].isna().all()
+    assert "\N{DAGGER}" in render_table(made, "t").text
+    without = laid_out(rows=("length",), columns=("fill",), **chosen, test="none")
+    assert "cubic p" not in without
+
+
+def test_a_reader_sees_a_column_per_method_and_the_file_has_every_digit() -> None:
+    made = laid_out(rows=("length",), columns=("fill",))
+    shown = render_table(made, "t")
+    assert shown.text.splitlines()[0].split() == ["length", "blocks", "lin", "cubic"]
+    header, first = shown.files[".csv"].decode().splitlines()[:2]
+    assert header.startswith("length,blocks,lin,lin low,lin high,cubic")
+    assert float(first.split(",")[2]) == made["lin"][0]
+    assert made.attrs["title"] == "Mean rmse (mm) by fill within length"
+
+
+def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
+    scores, _ = study()
+    kept = [one for one in scores.entries if (one[0]["length"], one[0]["fill"]) != (45, "cubic")]
+    made = table(Across(scores.axes, tuple(kept)), rows=("length",), columns=("fill",)).table
+    assert made["lin"].notna().all()
+    assert made["cubic"].isna().tolist() == [False, True]
+    # what stands alone is better than nothing
+    assert made.attrs["best"] == {"lin": [], "cubic": [0]}
+
+
+def test_labels_that_would_name_two_columns_alike_are_told_apart() -> None:
+    scores = Across.of(
+        {
+            name: pd.DataFrame({"gap": range(4), "rmse": [1.0, 2.0, 3.0, place]})
+            for place, name in enumerate(("a", "a low", "gap", "blocks"))
+        },
+        axis="fill",
+    )
+    made = table(scores, rows=("gap",), columns=("fill",)).table
+    assert len(set(made.columns)) == len(made.columns)
+    assert "fill 'a low'" in made
+
+
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ({"rows": ("fill",), "columns": ("fill",)}, "rows and columns share a name: fill"),
+        ({"rows": ("trial",), "columns": ("fill",), "blocks": ("trial",)}, "share a name: trial"),
+        ({"rows": ("nothing",), "columns": ("fill",)}, "no axis or column 'nothing'"),
+    ],
+)
+def test_mistakes_of_a_layout_are_named(chosen: Any, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        laid_out(**chosen)

@@ -1,0 +1,358 @@
+"""Studies on a Dask cluster: on one of the run's own, and on one that others have started."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import IO, Any
+
+import pytest
+from distributed import Client, LocalCluster
+
+from nodegraph.errors import NodegraphError
+from nodegraph.execute import HowToRun, Run
+from nodegraph.execute.events import Event
+from nodegraph.execute.worker.protocol import Surroundings
+from nodegraph.plugin.registry import Registry
+from nodegraph_dask import cluster as cluster_module
+from nodegraph_dask.worker import no_logs
+
+OWN = HowToRun("dask", 2)
+
+
+class Others:
+    """A scheduler that others have started, and workers to be added to it."""
+
+    def __init__(self, cluster: Any) -> None:
+        self._cluster = cluster
+        self._workers: list[subprocess.Popen[bytes]] = []
+        self.how = HowToRun("dask", scheduler=cluster.scheduler_address)
+
+    def add(self, *, path: str = "", without: str = "", wait: bool = True) -> None:
+        """Start a worker with another folder of modules, or without one."""
+        folders = [path, *(one for one in sys.path if one != without)]
+        there = os.pathsep.join(filter(None, folders))
+        words = ["worker", self.how.scheduler, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        started = subprocess.Popen(
+            [sys.executable, "-P", "-m", "dask", *words],
+            env={**os.environ, "PYTHONPATH": there},
+            stderr=subprocess.DEVNULL,
+        )
+        self._workers.append(started)
+        if wait:
+            with Client(self._cluster, set_as_default=False) as client:  # type: ignore[no-untyped-call]
+                client.wait_for_workers(len(self._workers), timeout=60)
+
+    def end(self) -> None:
+        """End all workers."""
+        for worker in self._workers:
+            worker.kill()
+            worker.wait()
+
+
+@contextmanager
+def started_by_others() -> Iterator[Others]:
+    with no_logs():
+        options = {"host": "127.0.0.1", "dashboard_address": ":0"}
+        with LocalCluster(n_workers=0, **options) as cluster:  # type: ignore[no-untyped-call]
+            others = Others(cluster)
+            try:
+                yield others
+            finally:
+                others.end()
+
+
+@pytest.fixture
+def others() -> Iterator[Others]:
+    """A scheduler without workers."""
+    with started_by_others() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def two_workers() -> Iterator[HowToRun]:
+    """A cluster of two workers that serves several runs."""
+    with started_by_others() as found:
+        found.add(wait=False)
+        found.add()
+        yield found.how
+
+
+def test_results_are_those_of_one_step_after_the_other(
+    same_as_serial: Callable[[HowToRun], bool], made_here: list[str], two_workers: HowToRun
+) -> None:
+    assert same_as_serial(two_workers)
+    assert made_here.count("pass") == 2 * 4
+    assert made_here.count("away.mean") == 4
+
+
+def test_a_large_value_is_sent_once(
+    study: Callable[..., Run], two_workers: HowToRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent: list[int] = []
+    scatter = Client.scatter
+
+    def count(client: Client, arrays: list[Any], **options: Any) -> Any:
+        sent.extend(one.nbytes for one in arrays)
+        return scatter(client, arrays, **options)  # type: ignore[no-untyped-call]
+
+    monkeypatch.setattr(Client, "scatter", count)
+    text = """
+        axes: {length: [1, 2, 3, 4, 5, 6, 7, 8]}
+        nodes:
+          a: {use: away.pair, with: {rows: 6000}}
+          b: {use: away.cut, in: a, with: {length: $length, at: [5]}}
+          c: {use: away.size, in: a}
+        """
+    run = study(text, two_workers)
+    assert run.counts()["done"] == 10
+    assert sent == 2 * [6000 * 18 * 8]
+
+
+def test_calls_that_read_files_are_made_here(
+    study: Callable[..., Run], two_workers: HowToRun, tmp_path: Path
+) -> None:
+    (tmp_path / "input.txt").write_text("here")
+    text = "nodes: {a: {use: away.file_pid, with: {path: input.txt}}, b: {use: away.pid}}"
+    run = study(text, two_workers)
+    assert run["a"].value == os.getpid()
+    assert run["b"].value != os.getpid()
+
+
+VERSION = """
+from nodegraph import node
+
+@node("edited.version")
+def version(*, k: int = 0) -> str:
+    return "{}"
+"""
+
+
+def test_a_plugin_file_goes_along_as_it_is_now(
+    study: Callable[..., Run], two_workers: HowToRun, tmp_path: Path
+) -> None:
+    file, text = tmp_path / "edited.py", "nodes: {a: {use: edited.version}}"
+    file.write_text(VERSION.format("first"))
+    first = study(text, two_workers, nodes=Registry.installed([file]))["a"].value
+    file.write_text(VERSION.format("second"))
+    second = study(text, two_workers, nodes=Registry.installed([file]))["a"].value
+    assert (first, second) == ("first", "second")
+
+
+def acme(folder: Path, version: str, code: str = "return 1") -> str:
+    """Install a plugin into a folder of its own, as pip does, and return the folder."""
+    about = folder / f"acme-{version}.dist-info"
+    about.mkdir(parents=True)
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: acme\nVersion: {version}\n")
+    (about / "entry_points.txt").write_text("[nodegraph]\nacme = acme_nodes\n")
+    (folder / "acme_nodes.py").write_text(
+        "from nodegraph import hookimpl, node\n"
+        '@node("acme.one")\n'
+        f"def one(*, k: int = 0) -> int:\n    {code}\n"
+        "@hookimpl\n"
+        "def nodegraph_nodes(): return [one]\n"
+    )
+    return str(folder)
+
+
+@pytest.fixture
+def acme_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Registry]:
+    """The registry of a process in which acme 0.1 is installed."""
+    monkeypatch.syspath_prepend(acme(tmp_path / "here", "0.1"))
+    yield Registry.installed()
+    sys.modules.pop("acme_nodes", None)
+
+
+MANY = "axes: {k: {count: 40}}\nnodes: {a: {use: acme.one, with: {k: $k}}}"
+
+
+def reasons(run: Run) -> set[str]:
+    return {outcome.reason for _, outcome in run.settled("failed")}
+
+
+def test_a_worker_that_lacks_the_plugin_is_named(
+    study: Callable[..., Run], others: Others, tmp_path: Path, acme_here: Registry
+) -> None:
+    others.add(path=str(tmp_path / "here"))
+    others.add(without=str(tmp_path / "here"))
+    run = study(MANY, others.how, nodes=acme_here)
+    assert run.counts()["done"] > 0
+    (said,) = reasons(run)
+    assert said.startswith("worker tcp://127.0.0.1:")
+    assert said.endswith(
+        " has no plugin 'acme', which brings acme.one; install it there (acme 0.1)"
+    )
+
+
+def test_a_worker_with_another_version_is_named(
+    study: Callable[..., Run], others: Others, tmp_path: Path, acme_here: Registry
+) -> None:
+    others.add(path=acme(tmp_path / "there", "0.2"), without=str(tmp_path / "here"))
+    run = study(MANY, others.how, nodes=acme_here)
+    (said,) = reasons(run)
+    assert said.endswith(" has acme 0.2, here it is acme 0.1, for acme.one")
+    assert run.counts()["failed"] == 40
+
+
+def test_a_worker_that_has_not_heard_of_an_edit_is_named(
+    study: Callable[..., Run], others: Others, tmp_path: Path, acme_here: Registry
+) -> None:
+    others.add()
+    assert study(MANY, others.how, nodes=acme_here).counts()["done"] == 40
+    file = tmp_path / "here" / "acme_nodes.py"
+    file.write_text(file.read_text().replace("return 1", "return 2"))
+    (said,) = reasons(study(MANY, others.how, nodes=acme_here))
+    assert "has other code of acme_nodes than here, for acme.one; install the same" in said
+
+
+def test_other_versions_are_told_once(
+    study: Callable[..., Run],
+    registry: Registry,
+    two_workers: HowToRun,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    here = replace(Surroundings.of(registry, with_code=True), python="3.9", numpy="1.0")
+    monkeypatch.setattr(Surroundings, "of", lambda *_, **__: here)
+    text = "axes: {k: {count: 9}}\nnodes: {a: {use: away.pid, with: {mark: $k}}}"
+    said = r"worker tcp://.* has Python .*, here it is 3\.9; numpy .*, here it is 1\.0: results may"
+    with pytest.warns(UserWarning, match=said) as told:
+        run = study(text, two_workers)
+    assert len(told) == 1
+    assert run.counts()["done"] == 9
+
+
+def test_two_thousand_steps_end_complete_though_a_worker_is_killed(
+    study: Callable[..., Run], tmp_path: Path
+) -> None:
+    mark = tmp_path / "killed"
+    text = """
+        inputs: {mark: ""}
+        axes: {k: {count: 1999}}
+        nodes:
+          x: {use: away.number}
+          a: {use: away.killed_once, in: x, with: {mark: $mark, number: $k, at: 700}}
+        """
+    run = study(text, OWN, mark=str(mark))
+    assert mark.exists()
+    assert run.counts() == {**run.counts(), "done": 2000, "failed": 0}
+    assert [value for _, value in run["a"]] == [7 + k for k in range(1999)]
+
+
+def test_a_node_that_kills_its_worker_fails_alone(study: Callable[..., Run]) -> None:
+    text = """
+        axes: {k: {count: 20}}
+        nodes:
+          x: {use: away.pid, with: {mark: $k}}
+          bad: {use: away.killed, in: {from: x, at: {k: 3}}}
+          good: {use: away.warns, in: x}
+        """
+    run = study(text, OWN)
+    assert reasons(run) == {"2 workers that computed it died of it"}
+    assert run.counts() == {**run.counts(), "done": 40, "failed": 1}
+
+
+def test_a_value_that_is_lost_with_its_worker_is_sent_again(
+    study: Callable[..., Run], tmp_path: Path
+) -> None:
+    text = """
+        inputs: {mark: ""}
+        axes: {k: {count: 12}}
+        nodes:
+          big: {use: away.pair, with: {rows: 20000}}
+          x: {use: away.number}
+          dies: {use: away.killed_once, in: x, with: {mark: $mark}}
+          size: {use: away.also_size, in: {pair: big, x: dies}, with: {k: $k}}
+        """
+    run = study(text, HowToRun("dask", 1), mark=str(tmp_path / "killed"))
+    assert {value for _, value in run["size"]} == {20000 * 36 * 8}
+
+
+def test_a_run_waits_for_a_worker(study: Callable[..., Run], others: Others) -> None:
+    def add(event: Event) -> None:
+        if event.kind == "started" and event.node == "a":
+            others.add(wait=False)
+
+    run = study("nodes: {a: {use: away.number}}", others.how, listeners=[add])
+    assert run["a"].value == 7
+
+
+def test_a_run_ends_when_there_is_no_worker_for_long(
+    study: Callable[..., Run], others: Others, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_module, "WAIT", 0.0)
+    text = """
+        nodes:
+          a: {use: away.number}
+          b: {use: away.for_ever, in: a, with: {alive: /dev/null}}
+        """
+    seen: list[str] = []
+
+    def end(event: Event) -> None:
+        seen.append(f"{event.node} {event.kind}")
+        if event.kind == "done":
+            others.end()
+
+    others.add()
+    with pytest.raises(NodegraphError, match=r"the Dask cluster at tcp://.* has had no worker"):
+        study(text, others.how, listeners=[end])
+    assert "a done" in seen
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("tcp://127.0.0.1:1", "no Dask scheduler answers at tcp://127.0.0.1:1; start one with"),
+        ("127.0.0.1:99999999", "no Dask scheduler answers at 127.0.0.1:99999999"),
+        ("cluster", "'cluster' is not the address of a Dask scheduler; write it as tcp://"),
+        ("xyz://127.0.0.1:1", "'xyz://127.0.0.1:1' is not the address of a Dask scheduler"),
+    ],
+)
+def test_an_address_at_which_nobody_answers(
+    study: Callable[..., Run], address: str, said: str
+) -> None:
+    with pytest.raises(NodegraphError, match=said):
+        study("nodes: {a: {use: away.number}}", HowToRun("dask", scheduler=address))
+
+
+def test_an_address_at_which_something_else_listens(study: Callable[..., Run]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        how = HowToRun("dask", scheduler=f"tcp://127.0.0.1:{silent.getsockname()[1]}")
+        with pytest.raises(NodegraphError, match="no Dask scheduler answers at tcp://127"):
+            study("nodes: {a: {use: away.number}}", how)
+
+
+def test_dask_must_be_installed(study: Callable[..., Run], monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [one for one in sys.modules if one.startswith("nodegraph") and "dask" in one]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(NodegraphError, match=r"pip install 'nodegraph\[dask\]'"):
+        study("nodes: {a: {use: away.number}}", OWN)
+
+
+def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Popen[str]]) -> None:
+    nodes = "{x: {use: away.pid}, a: {use: script.own, in: x}, b: {use: away.prints, in: a}}"
+    said, complained = script(nodes, "dask").communicate(timeout=60)
+    assert (said, complained) == ("3\n", "noise\n")
+
+
+def test_ctrl_c_ends_a_script_with_its_workers(
+    script: Callable[..., subprocess.Popen[str]],
+    fifo: Callable[[str], Path],
+    listen: Callable[..., IO[str]],
+) -> None:
+    alive = fifo("alive")
+    nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
+    parent = script(nodes, "dask")
+    with listen(alive, parent) as opened:
+        opened.readline()
+        parent.send_signal(signal.SIGINT)
+        _, complained = parent.communicate(timeout=60)
+        assert opened.read() == ""
+    assert complained.endswith("KeyboardInterrupt\n")

@@ -1,0 +1,354 @@
+from __future__ import annotations
+
+import os
+import random
+import struct
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
+
+from nodegraph_files import c3d_bytes, read_c3d, write_c3d
+from nodegraph_mocap import Trajectories
+
+Build = Callable[..., Path]
+Samples = NDArray[np.float64]
+Damaged = Callable[[bytes, random.Random], bytes]
+
+
+def read_by_the_library(path: Path) -> tuple[Samples, list[str]]:
+    import ezc3d
+
+    found = ezc3d.c3d(str(path))
+    labels: list[str] = found["parameters"]["POINT"]["LABELS"]["value"]
+    return found["data"]["points"][:3].transpose(2, 1, 0), labels
+
+
+@pytest.mark.parametrize("processor", [84, 85, 86], ids=["Intel", "DEC", "MIPS"])
+@pytest.mark.parametrize("scale", [-1.0, 0.125], ids=["floats", "integers"])
+@pytest.mark.parametrize("analog", [0, 5])
+def test_every_kind_of_number_is_read(
+    build_c3d: Build, samples: Samples, processor: int, scale: float, analog: int
+) -> None:
+    samples[4, 1, 3] = -1
+    stored = samples if scale < 0 else samples / np.array([scale, scale, scale, 1])
+    path = build_c3d(stored, processor=processor, scale=scale, analog=analog)
+    recording = read_c3d(path)
+    expected = np.where(samples[..., 3:] < 0, np.nan, samples[..., :3])
+    np.testing.assert_array_equal(recording.positions, expected)
+    assert recording.rate == 60.0
+
+
+@pytest.mark.parametrize("processor", [84, 85], ids=["Intel", "DEC"])
+def test_integers_read_as_the_library_reads_them(
+    build_c3d: Build, samples: Samples, processor: int
+) -> None:
+    samples[4, 1, 3] = -1
+    path = build_c3d(np.round(samples), processor=processor, scale=0.1)
+    expected, _ = read_by_the_library(path)
+    np.testing.assert_allclose(read_c3d(path).positions, expected, rtol=1e-6)
+
+
+def test_a_negative_residual_is_missing_and_a_missing_sample_gets_one(
+    gappy: Trajectories, tmp_path: Path
+) -> None:
+    import ezc3d
+
+    write_c3d(gappy, tmp_path / "gappy.c3d")
+    found = ezc3d.c3d(str(tmp_path / "gappy.c3d"))
+    residuals = found["data"]["meta_points"]["residuals"][0].T
+    np.testing.assert_array_equal(residuals == -1, ~gappy.present)
+    content = (tmp_path / "gappy.c3d").read_bytes()
+    start = (struct.unpack("<H", content[16:18])[0] - 1) * 512
+    raw = np.frombuffer(content, "<f4", count=6 * 3 * 4, offset=start).reshape(6, 3, 4)
+    assert (raw[~gappy.present] == [0, 0, 0, -1]).all()
+
+
+@pytest.mark.parametrize(
+    ("residual", "missing"), [(-1, True), (-0.5, True), (0, False), (9, False)]
+)
+def test_a_residual_tells_whether_a_sample_is_missing(
+    build_c3d: Build, samples: Samples, residual: float, missing: bool
+) -> None:
+    samples[7, 2, 3] = residual
+    assert read_c3d(build_c3d(samples)).present[7, 2] != missing
+
+
+def test_zeros_are_missing_unless_told_otherwise(build_c3d: Build, samples: Samples) -> None:
+    samples[3, 1] = samples[5, 1] = 0
+    path = build_c3d(samples)
+    with pytest.warns(UserWarning, match=r"^2 samples are at exactly.*frame 3, marker number 2"):
+        read = read_c3d(path)
+    assert not read.present[[3, 5], 1].any()
+    assert read_c3d(path, zeros_missing=False).present.all()
+
+
+@pytest.mark.parametrize(
+    ("value", "told"), [(np.nan, "2 samples lack a coordinate"), (np.inf, "2 samples are infinite")]
+)
+def test_broken_samples_are_missing_and_counted(
+    build_c3d: Build, samples: Samples, value: float, told: str
+) -> None:
+    samples[3, 1, 0] = samples[4, 2, 2] = value
+    with pytest.warns(UserWarning, match=told):
+        read = read_c3d(build_c3d(samples))
+    assert np.count_nonzero(~read.present) == 2
+
+
+def test_a_nan_that_gives_an_alarm_is_counted_like_another(
+    build_c3d: Build, samples: Samples
+) -> None:
+    path = build_c3d(samples)
+    content = bytearray(path.read_bytes())
+    start = len(content) - samples.size * 4
+    content[start : start + 4] = struct.pack("<I", 0x7F80_0001)
+    path.write_bytes(content)
+    with pytest.warns(UserWarning, match="1 samples lack a coordinate") as told:
+        assert not read_c3d(path).present[0, 0]
+    assert len(told) == 1
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1), ("m", 1000), ("cm", 10), ("INCHES", 25.4)])
+def test_units_become_millimetres(
+    build_c3d: Build, samples: Samples, unit: str, factor: float
+) -> None:
+    read = read_c3d(build_c3d(samples, UNITS=unit))
+    np.testing.assert_array_equal(read.positions, samples[..., :3] * factor)
+
+
+@pytest.mark.parametrize(("unit", "told"), [("furlong", "'furlong' is unknown"), (None, "no unit")])
+def test_an_unknown_unit_is_told_and_taken_as_millimetres(
+    build_c3d: Build, samples: Samples, unit: str | None, told: str
+) -> None:
+    with pytest.warns(UserWarning, match=told):
+        read = read_c3d(build_c3d(samples, UNITS=unit))
+    np.testing.assert_array_equal(read.positions, samples[..., :3])
+
+
+def test_labels_go_on_in_further_parameters(build_c3d: Build, samples: Samples) -> None:
+    read = read_c3d(build_c3d(samples, ["x"], LABELS2=["y"], LABELS3=["z"]))
+    assert read.markers == ("x", "y", "z")
+
+
+@pytest.mark.parametrize(
+    ("labels", "names", "told"),
+    [
+        (["a", "b", "a"], ("a", "b", "a_3"), "1 markers had no label, or another's: 'a' is now"),
+        (["a", "", "b"], ("a", "unnamed_2", "b"), "1 markers had no label"),
+        (["a"], ("a", "unnamed_2", "unnamed_3"), "2 markers had no label"),
+        ([], ("unnamed_1", "unnamed_2", "unnamed_3"), "3 markers had no label"),
+        (["a", "b", "c", "d"], ("a", "b", "c"), "1 labels beyond the 3 markers were left out: d"),
+    ],
+)
+def test_labels_that_do_not_fit_the_points_are_told(
+    build_c3d: Build, samples: Samples, labels: list[str], names: tuple[str, ...], told: str
+) -> None:
+    with pytest.warns(UserWarning, match=told) as said:
+        assert read_c3d(build_c3d(samples, labels)).markers == names
+    assert len(said) == 1
+
+
+def test_a_subject_is_taken_off_unless_there_are_two(build_c3d: Build, samples: Samples) -> None:
+    assert read_c3d(build_c3d(samples, ["A:x", "A:y", "A:z"])).markers == ("x", "y", "z")
+    two = ("A:x", "A:y", "B:x")
+    assert read_c3d(build_c3d(samples, list(two))).markers == two
+
+
+def test_labels_of_old_programs_are_latin(build_c3d: Build, samples: Samples) -> None:
+    read = read_c3d(build_c3d(samples, ["né".encode("latin-1"), "ñ", "b"]))
+    assert read.markers == ("né", "ñ", "b")
+
+
+def test_a_rate_reads_as_it_was_meant(build_c3d: Build, samples: Samples) -> None:
+    assert read_c3d(build_c3d(samples, rate=59.94)).rate == 59.94
+
+
+@pytest.mark.parametrize("rate", [0.0, -60.0, float("inf"), float("nan")])
+def test_a_rate_that_is_none_is_refused(build_c3d: Build, samples: Samples, rate: float) -> None:
+    with pytest.raises(ValueError, match=r"built\.c3d.*rate"):
+        read_c3d(build_c3d(samples, rate=rate))
+
+
+@pytest.mark.parametrize("shape", [(0, 3, 4), (20, 0, 4)])
+def test_a_file_without_samples_is_refused(build_c3d: Build, shape: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match=r"built\.c3d.*it holds 0 frames|of 0 points"):
+        read_c3d(build_c3d(np.zeros(shape)))
+
+
+def test_a_huge_announcement_takes_no_memory(
+    build_c3d: Build, samples: Samples, peak_memory: Callable[[], int]
+) -> None:
+    huge = struct.pack("<HHHH", 0xFFFF, 0, 1, 0xFFFE)
+    path = build_c3d(samples, USED=0xFFFF, FRAMES=0xFFFE, header={2: huge})
+    with pytest.raises(ValueError, match=r"65534 frames.*65535 points.*cut short"):
+        read_c3d(path)
+    full = {8: b"\xff\xff"}
+    path = build_c3d(samples, LONG_FRAMES=2.0**30, trial=(1, 2**30), FRAMES=0xFFFF, header=full)
+    with pytest.raises(ValueError, match=r"1073741824 frames.*cut short"):
+        read_c3d(path)
+    assert peak_memory() < 2_000_000
+
+
+def test_more_frames_than_sixteen_bits_count(build_c3d: Build) -> None:
+    long = np.zeros((70_000, 1, 4))
+    long[:, 0, 0] = np.arange(1, 70_001)
+    for told in ({"LONG_FRAMES": 70_000.0}, {"FRAMES": 70_000.0}, {"trial": (1, 70_000)}):
+        read = read_c3d(build_c3d(long, **told))
+        assert read.frames == 70_000
+        assert read.positions[-1, 0, 0] == 70_000
+    with pytest.raises(ValueError, match="65535 frames, the most that its counter can hold"):
+        read_c3d(build_c3d(long))
+
+
+@pytest.mark.parametrize("content", [b"", b"\2", b"\2\x50", b"hello, this is text", bytes(5000)])
+def test_what_is_no_c3d_file_is_refused(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "no.c3d"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"no\.c3d: not a readable C3D"):
+        read_c3d(path)
+
+
+def test_a_file_cut_short_anywhere_is_refused(build_c3d: Build, samples: Samples) -> None:
+    whole = len(build_c3d(samples).read_bytes())
+    for length in [*range(0, 1200, 7), *range(1200, whole, 331), whole - 1]:
+        with pytest.raises(ValueError, match="not a readable C3D recording"):
+            read_c3d(build_c3d(samples, cut=length))
+
+
+KINDS: dict[str, dict[str, Any]] = {
+    "Intel, floats": {},
+    "Intel, integers": {"scale": 0.125, "analog": 2},
+    "DEC, floats": {"processor": 85, "analog": 1},
+    "MIPS, integers": {"processor": 86, "scale": 0.125},
+    "frames of the trial": {"trial": (1, 20)},
+}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("kind", KINDS)
+def test_damaged_bytes_give_a_recording_or_a_value_error(
+    build_c3d: Build, samples: Samples, kind: str, damaged: Damaged, peak_memory: Callable[[], int]
+) -> None:
+    path = build_c3d(samples, **KINDS[kind])
+    good = path.read_bytes()
+    chance = random.Random(kind)
+    refused = []
+    for _ in range(600):
+        path.write_bytes(damaged(good, chance))
+        try:
+            read_c3d(path)
+        except ValueError as error:
+            refused.append(str(error))
+    assert 100 < len(refused) < 550
+    assert all(f"{path}: not a readable C3D recording" in message for message in refused)
+    assert peak_memory() < 20_000_000
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(tail=st.binary(max_size=3000), start=st.integers(0, 5))
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_random_bytes_are_refused(tmp_path: Path, tail: bytes, start: int) -> None:
+    path = tmp_path / "random.c3d"
+    path.write_bytes(bytes([start, 0x50]) + tail)
+    with pytest.raises(ValueError, match="not a readable C3D recording"):
+        read_c3d(path)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.data())
+def test_a_written_recording_reads_back(data: Any) -> None:
+    import tempfile
+
+    frames, markers = data.draw(st.tuples(st.integers(1, 5), st.integers(1, 4)))
+    numbers = st.floats(-1e6, 1e6, width=32).filter(bool)
+    positions = data.draw(arrays.arrays(np.float64, (frames, markers, 3), elements=numbers))
+    positions[data.draw(arrays.arrays(np.bool_, (frames, markers)))] = np.nan
+    recording = Trajectories(
+        positions=positions,
+        markers=tuple(f"m{index}" for index in range(markers)),
+        rate=data.draw(st.sampled_from([24.0, 29.97, 59.94, 120.0, 1000.0])),
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "it.c3d"
+        write_c3d(recording, path)
+        again = read_c3d(path)
+    np.testing.assert_array_equal(again.positions, recording.positions)
+    assert (again.markers, again.rate) == (recording.markers, recording.rate)
+
+
+def test_many_and_long_names_survive_or_are_refused(tmp_path: Path) -> None:
+    def named(count: int, width: int) -> Trajectories:
+        names = tuple(f"{index:0{width}d}" for index in range(count))
+        return Trajectories(positions=np.ones((1, count, 3)), markers=names, rate=60)
+
+    for count, width in ((255, 8), (256, 8), (600, 20), (2, 127)):
+        write_c3d(named(count, width), tmp_path / "names.c3d")
+        assert read_c3d(tmp_path / "names.c3d").markers == named(count, width).markers
+    for count, width in ((1, 128), (2000, 100)):
+        with pytest.raises(ValueError, match="C3D cannot"):
+            c3d_bytes(named(count, width))
+
+
+@pytest.mark.parametrize("name", ["", " ", " a", "a ", "a\0", "a\nb", "\u2003", "\ud800"])
+def test_a_name_that_the_file_would_change_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match="cannot keep the marker name"):
+        c3d_bytes(Trajectories(positions=np.ones((1, 1, 3)), markers=(name,), rate=60))
+
+
+@pytest.mark.parametrize("shape", [(0, 1, 3), (1, 0, 3), (2**24 + 1, 1, 3)])
+def test_what_the_format_cannot_count_is_refused(shape: tuple[int, int, int]) -> None:
+    names = tuple("m" * shape[1])
+    positions = np.broadcast_to(1.0, shape)
+    with pytest.raises(ValueError, match="C3D holds 1 to 16777216 frames"):
+        c3d_bytes(Trajectories(positions=positions, markers=names, rate=60))
+
+
+def test_what_32_bits_cannot_hold_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    for value, rate in ((1e39, 60), (-1e39, 60), (1, 1e39), (1, 1e-39)):
+        positions = np.full((2, 1, 3), np.nan)
+        positions[1] = value
+        recording = Trajectories(positions=positions, markers=("m",), rate=rate)
+        with pytest.raises(ValueError, match="32-bit"):
+            write_c3d(recording, tmp_path / "it.c3d")
+        assert not (tmp_path / "it.c3d").exists()
+
+
+def test_writing_takes_little_memory(peak_memory: Callable[[], int]) -> None:
+    markers = tuple(f"m{number}" for number in range(50))
+    recording = Trajectories(positions=np.ones((4000, 50, 3)), markers=markers, rate=60)
+    before = peak_memory()
+    write_c3d(recording, Path(os.devnull))
+    assert peak_memory() - before < recording.positions.nbytes
+
+
+def test_reading_takes_little_memory_beyond_the_recording(
+    tmp_path: Path, peak_memory: Callable[[], int]
+) -> None:
+    markers = tuple(f"m{number}" for number in range(50))
+    positions = np.ones((8000, 50, 3))
+    positions[::3, 4] = np.nan
+    write_c3d(Trajectories(positions=positions, markers=markers, rate=60), tmp_path / "it.c3d")
+    held = tracemalloc.get_traced_memory()[0]
+    tracemalloc.reset_peak()
+    read = read_c3d(tmp_path / "it.c3d")
+    assert peak_memory() - held < 1.6 * read.positions.nbytes
+
+
+def test_the_same_recording_gives_the_same_bytes(gappy: Trajectories) -> None:
+    assert c3d_bytes(gappy) == c3d_bytes(gappy)
+
+
+def test_reading_prints_nothing(
+    build_c3d: Build, samples: Samples, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(ValueError, match="cut short"):
+        read_c3d(build_c3d(samples, cut=-100))
+    read_c3d(build_c3d(samples))
+    assert capfd.readouterr() == ("", "")

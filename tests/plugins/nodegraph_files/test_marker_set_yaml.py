@@ -1,0 +1,150 @@
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodegraph_files import marker_set_text, read_marker_set
+from nodegraph_files.marker_set import marker_set_of, plain_marker_set
+from nodegraph_mocap import MarkerSet
+
+Write = Callable[[str], Path]
+Damaged = Callable[[bytes, random.Random], bytes]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def written(text: str) -> Path:
+        path = tmp_path / "markers.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return written
+
+
+def test_every_part_is_read(write: Write) -> None:
+    text = "markers: [a, b, c]\npairs:  # left, right\n  - [a, b]\nmidline: [c]\nstable: [c]\n"
+    assert read_marker_set(write(text + "edges: [[a, c], [b, c]]\n")) == MarkerSet(
+        markers=("a", "b", "c"),
+        pairs=(("a", "b"),),
+        midline=("c",),
+        stable=("c",),
+        edges=(("a", "c"), ("b", "c")),
+    )
+
+
+def test_names_stay_the_texts_that_they_are(write: Write) -> None:
+    names = ("no", "1e3", "0x1", "007", "null", "~", "yes", "1_0", "2001-01-01", "12:30:00")
+    assert read_marker_set(write(f"markers: [{', '.join(names)}]\n")).markers == names
+
+
+def test_a_part_may_be_empty(write: Write) -> None:
+    assert read_marker_set(write("markers: [a]\nmidline:\nedges: []\n")) == MarkerSet(
+        markers=("a",)
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "must be a mapping with 'markers', and may have pairs, midline, stable, edges"),
+        ("[a, b]", "must be a mapping"),
+        ("pairs: []", "must be a mapping with 'markers'"),
+        ("markers: [a]\npears: []", "unknown key 'pears'; there is markers, pairs, midline"),
+        ("markers: [a]\nstable: [a]\nmarkers: [b]", "line 3: 'markers' again, after line 1"),
+        ("markers: a", "'markers' must be a list"),
+        ("markers: {a: b}", "'markers' must be a list"),
+        ("markers: [[a]]", "'markers' must be a list of names, not"),
+        ("markers: ['']", "'markers' must be a list of names, not ''"),
+        ("markers: [a, a]", "listed twice: a"),
+        ("markers: [a]\nmidline: [b]", "midline names unknown markers: b"),
+        ("markers: [a, b]\npairs: [a, b]", "'pairs' must be a list of two names each, not 'a'"),
+        ("markers: [a, b]\nedges: [[a, b, a]]", "'edges' must be a list of two names each"),
+        ("markers: [a, b]\npairs: [[a, [b]]]", "'pairs' must be a list of two names each"),
+        ("markers: [a", "line 1"),
+        ("? [a]\n: b", ""),
+        ("markers: [a]\n---\nmarkers: [b]", "single document"),
+        ("[" * 100_000, "recursion"),
+        ("markers: &x [*x]", "recursive"),
+    ],
+)
+def test_what_is_no_marker_set_is_refused(write: Write, text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"(?s)markers\.yaml: not a marker set: .*{told}"):
+        read_marker_set(write(text))
+
+
+def test_aliases_cannot_grow_beyond_bounds(write: Write) -> None:
+    lines = ["- &a0 [a, b]", *(f"- &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 30))]
+    with pytest.raises(ValueError, match="must be a list of two names") as refused:
+        read_marker_set(write("markers: [a, b]\npairs:\n" + "\n".join(lines)))
+    assert len(str(refused.value)) < 1000
+
+
+EVERY_PART = (
+    "markers: [a, b, c]\npairs:\n  - [a, b]\nmidline: [c]\nstable: &s [c]\nedges: [[a, c]]\n"
+)
+
+
+@pytest.mark.parametrize("letters", [False, True], ids=["bytes", "letters"])
+def test_a_damaged_file_gives_a_marker_set_or_a_value_error(
+    tmp_path: Path, letters: bool, damaged: Damaged, peak_memory: Callable[[], int]
+) -> None:
+    path = tmp_path / "markers.yaml"
+    chance = random.Random(6)
+    refused = []
+    for _ in range(500):
+        content = damaged(EVERY_PART.encode(), chance)
+        if letters:
+            content = bytes(
+                byte
+                if byte == 10 or 32 <= byte < 127
+                else chance.choice(b"abc[]{}&*!?|>#%:,-'\"\n")
+                for byte in content
+            )
+        path.write_bytes(content)
+        try:
+            read_marker_set(path)
+        except ValueError as error:
+            refused.append(str(error))
+    assert 250 < len(refused) < 500
+    assert all(f"{path}: not a marker set" in message for message in refused)
+    assert peak_memory() < 20_000_000
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "markers.yaml"
+    path.write_bytes(b"\xff\xfe\0\0")
+    with pytest.raises(ValueError, match=r"markers\.yaml: not a marker set"):
+        read_marker_set(path)
+
+
+@st.composite
+def marker_sets(draw: Any) -> MarkerSet:
+    texts = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=8)
+    names = draw(st.lists(texts, min_size=1, max_size=6, unique=True))
+    some = st.lists(st.sampled_from(names), max_size=4).map(tuple)
+    couples = st.lists(st.tuples(*[st.sampled_from(names)] * 2), max_size=4).map(tuple)
+    return MarkerSet(
+        markers=tuple(names),
+        pairs=draw(couples),
+        midline=draw(some),
+        stable=draw(some),
+        edges=draw(couples),
+    )
+
+
+@settings(max_examples=150, deadline=None)
+@given(marker_sets())
+def test_a_text_reads_back_equal(marker_set: MarkerSet) -> None:
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "markers.yaml"
+        path.write_text(marker_set_text(marker_set), encoding="utf-8")
+        assert read_marker_set(path) == marker_set
+    assert marker_set_of(plain_marker_set(marker_set)) == marker_set

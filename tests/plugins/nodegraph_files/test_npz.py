@@ -1,0 +1,179 @@
+from __future__ import annotations
+
+import random
+import tracemalloc
+import zipfile
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph_files import npz_bytes, read_npz, write_npz
+from nodegraph_mocap import MarkerSet, Origin, Trajectories
+
+Damaged = Callable[[bytes, random.Random], bytes]
+ARRAYS: dict[str, Any] = {"positions": np.ones((4, 2, 3)), "markers": ["a", "b"], "rate": 60.0}
+
+
+def saved(folder: Path, **changed: Any) -> Path:
+    path = folder / "take.npz"
+    np.savez(path, **{name: x for name, x in (ARRAYS | changed).items() if x is not None})
+    return path
+
+
+def test_everything_reads_back_equal(gappy: Trajectories, tmp_path: Path) -> None:
+    origin = gappy.origin.copy()
+    origin[0] = Origin.FILLED
+    origin[1, 2] = Origin.REPAIRED
+    recording = Trajectories(
+        positions=gappy.positions,
+        markers=gappy.markers,
+        rate=59.94,
+        origin=origin,
+        sigma=np.arange(18.0).reshape(6, 3),
+        marker_set=MarkerSet(markers=("a", "é"), pairs=(("a", "é"),), stable=("é",)),
+    )
+    write_npz(recording, tmp_path / "it.npz")
+    again = read_npz(tmp_path / "it.npz")
+    for name in ("positions", "origin", "sigma"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(recording, name))
+    for name in ("markers", "rate", "marker_set"):
+        assert getattr(again, name) == getattr(recording, name)
+
+
+def test_what_is_not_known_stays_unknown(gappy: Trajectories, tmp_path: Path) -> None:
+    write_npz(gappy, tmp_path / "it.npz")
+    again = read_npz(tmp_path / "it.npz")
+    assert again.sigma is None
+    assert again.marker_set is None
+    np.testing.assert_array_equal(again.origin, gappy.origin)
+
+
+def test_the_same_recording_gives_the_same_bytes(gappy: Trajectories) -> None:
+    assert npz_bytes(gappy) == npz_bytes(gappy)
+
+
+@pytest.mark.parametrize("lacking", list(ARRAYS))
+def test_an_array_that_lacks_is_told_with_those_there_are(tmp_path: Path, lacking: str) -> None:
+    there = ", ".join(name for name in ARRAYS if name != lacking)
+    with pytest.raises(ValueError, match=rf"take\.npz.*no array {lacking}; there is {there}"):
+        read_npz(saved(tmp_path, **{lacking: None}))
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"positions": np.ones((4, 2))}, r"positions must be \(frames, markers, 3\), got \(4, 2\)"),
+        ({"positions": np.ones((4, 3, 3))}, r"\(frames, 2 markers, 3\)"),
+        ({"positions": np.ones((4, 2, 3), dtype=complex)}, "'positions' is of type complex128"),
+        ({"positions": np.full((4, 2, 3), "a")}, "'positions' is of type"),
+        ({"markers": [1, 2]}, "'markers' is of type int64"),
+        ({"markers": ["a", "a"]}, "named twice: a"),
+        ({"rate": [1.0, 2.0]}, ""),
+        ({"rate": 0.0}, "rate must be a positive number"),
+        ({"rate": "60"}, "'rate' is of type"),
+        ({"origin": np.zeros((4, 2), dtype=np.uint8)}, "origin must call"),
+        ({"origin": np.ones((4, 2))}, "'origin' is of type float64"),
+        ({"sigma": np.ones(4)}, r"sigma must be \(4, 2\)"),
+        ({"marker_set": "{"}, ""),
+        ({"marker_set": '{"markers": ["a"], "pears": []}'}, "unknown key 'pears'"),
+        ({"marker_set": "[" * 100_000}, ""),
+        ({"positions": np.array([None])}, "'positions' is of type object"),
+        ({"markers": np.array([None, None])}, "'markers' is of type object"),
+        ({"sigma": np.array([None])}, "'sigma' is of type object"),
+    ],
+)
+def test_wrong_arrays_are_refused(tmp_path: Path, changed: dict[str, Any], told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.npz: not a readable NPZ recording: .*{told}"):
+        read_npz(saved(tmp_path, **changed))
+
+
+def test_an_archive_that_does_not_tell_origins_is_read_like_any_file(tmp_path: Path) -> None:
+    positions = np.ones((4, 2, 3))
+    positions[1, 0] = 0
+    path = saved(tmp_path, positions=positions)
+    with pytest.warns(UserWarning, match="1 samples are at exactly"):
+        assert np.count_nonzero(~read_npz(path).present) == 1
+    assert read_npz(path, zeros_missing=False).present.all()
+
+
+def test_an_archive_that_tells_origins_keeps_its_zeros(tmp_path: Path) -> None:
+    origin = np.ones((4, 2), dtype=np.uint8)
+    path = saved(tmp_path, positions=np.zeros((4, 2, 3)), origin=origin)
+    assert read_npz(path).present.all()
+
+
+def test_what_else_an_archive_holds_is_not_read(
+    tmp_path: Path, peak_memory: Callable[[], int]
+) -> None:
+    path = saved(tmp_path, other=np.zeros(10_000_000), more=np.array([None]))
+    before = peak_memory()
+    assert read_npz(path).frames == 4
+    assert peak_memory() == before
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_reading_takes_little_memory_beyond_the_recording(
+    tmp_path: Path, save: Any, peak_memory: Callable[[], int]
+) -> None:
+    markers = [f"m{number}" for number in range(50)]
+    save(tmp_path / "it.npz", positions=np.ones((8000, 50, 3)), markers=markers, rate=60.0)
+    held = tracemalloc.get_traced_memory()[0]
+    tracemalloc.reset_peak()
+    read = read_npz(tmp_path / "it.npz")
+    assert peak_memory() - held < 1.6 * read.positions.nbytes
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_damaged_archive_gives_a_recording_or_a_value_error(
+    gappy: Trajectories, tmp_path: Path, damaged: Damaged, peak_memory: Callable[[], int]
+) -> None:
+    good = npz_bytes(gappy)
+    chance = random.Random(5)
+    refused = [
+        told for _ in range(500) if (told := refusal(tmp_path / "take.npz", damaged(good, chance)))
+    ]
+    assert 250 < len(refused) < 500
+    assert all(f"{tmp_path}/take.npz: not a readable NPZ" in message for message in refused)
+    assert peak_memory() < 20_000_000
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_damaged_array_gives_a_recording_or_a_value_error(
+    gappy: Trajectories, tmp_path: Path, damaged: Damaged, peak_memory: Callable[[], int]
+) -> None:
+    """The archive is sound, and its sums are right, but an array inside it is damaged."""
+    with zipfile.ZipFile(BytesIO(npz_bytes(gappy))) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    chance = random.Random(7)
+    refused = []
+    for _ in range(500):
+        which = chance.choice(list(members))
+        target = BytesIO()
+        with zipfile.ZipFile(target, "w") as archive:
+            for name, content in members.items():
+                made = as_text(damaged(content, chance)) if name == which else content
+                archive.writestr(name, made)
+        refused.append(refusal(tmp_path / "take.npz", target.getvalue()))
+    assert 250 < sum(map(bool, refused)) < 500
+    assert all(f"{tmp_path}/take.npz: not a readable NPZ" in one for one in refused if one)
+    assert peak_memory() < 20_000_000
+
+
+def as_text(content: bytes) -> bytes:
+    """Return an array's file whose header is text again, which stood there before the damage."""
+    header = bytes(byte if 32 <= byte < 127 else 0x30 + byte % 10 for byte in content[10:127])
+    return content[:10] + header + content[127:]
+
+
+def refusal(path: Path, content: bytes) -> str:
+    """Return why a file is refused, or nothing."""
+    path.write_bytes(content)
+    try:
+        read_npz(path)
+    except ValueError as error:
+        return str(error)
+    return ""

@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nodegraph.testing import check_node
+from nodegraph_files import npz_bytes, read_live_link
+from nodegraph_files.weights import read_weights
+from nodegraph_mocap import Trajectories
+
+DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
+TABLE = "Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,1,0.25\n00:00:00:02.000,1,0.5\n"
+
+
+def test_the_node_keeps_its_promises(tmp_path: Path) -> None:
+    path = tmp_path / "weights.csv"
+    path.write_text(TABLE)
+    check_node(read_weights, settings={"path": path})
+
+
+@pytest.mark.parametrize("name", ["it.csv", "it.txt", "it"])
+def test_the_content_tells_the_form(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_text(TABLE.upper())
+    read = read_weights(path=path)
+    assert (read.names, read.rate) == (("JAWOPEN",), 60)
+    assert read.values.tolist() == [[0.25], [0.5]]
+
+
+def test_a_folder_gives_its_weights(tmp_path: Path) -> None:
+    (tmp_path / "weights.csv").write_text(TABLE)
+    assert read_weights(path=tmp_path).frames == 2
+
+
+def test_a_folder_without_weights_says_what_is_there(tmp_path: Path) -> None:
+    (tmp_path / "other.csv").write_text(TABLE)
+    with pytest.raises(ValueError, match=r"holds no weights\.csv; there is other\.csv"):
+        read_weights(path=tmp_path)
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="no such file"):
+        read_weights(path=tmp_path / "weights.csv")
+
+
+def test_weights_that_are_all_missing_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "weights.csv"
+    path.write_text("Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,0\n00:00:00:02.000,0\n")
+    with (
+        pytest.warns(UserWarning, match="2 frames have no weights"),
+        pytest.warns(UserWarning, match="every weight is missing"),
+    ):
+        assert np.isnan(read_weights(path=path).values).all()
+
+
+def test_a_recording_is_refused(tmp_path: Path, gappy: Trajectories) -> None:
+    path = tmp_path / "it.npz"
+    path.write_bytes(npz_bytes(gappy))
+    with pytest.raises(ValueError, match=r"it\.npz: not a table of text"):
+        read_weights(path=path)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+def test_a_real_take_is_read() -> None:
+    path = DATA / "livelink" / "actor_a_60fps.csv"
+    np.testing.assert_array_equal(read_weights(path=path).values, read_live_link(path).values)

@@ -1,0 +1,345 @@
+from __future__ import annotations
+
+import random
+import string
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from nodegraph_files import csv_bytes, read_csv, read_trc, trc_bytes, write_csv, write_trc
+from nodegraph_mocap import Trajectories
+
+Write = Callable[[str], Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def written(text: str) -> Path:
+        path = tmp_path / "take.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", ", "])
+@pytest.mark.parametrize("form", ["{}.{}", "{}_{}", "{}:{}", "{} {}", "{}.{} (mm)", "{}.{} [mm]"])
+@pytest.mark.parametrize("axes", ["XYZ", "xyz", "ZYX"])
+def test_the_ways_to_name_columns(write: Write, separator: str, form: str, axes: str) -> None:
+    names = [form.format(marker, axis) for marker in ("lip.l", "a_b") for axis in axes]
+    numbers = {"x": (1, 4), "y": (2, 5), "z": (3, 6)}
+    cells = [str(numbers[axis.lower()][marker]) for marker in range(2) for axis in axes]
+    read = read_csv(write(f"# rate: 60\n{separator.join(names)}\n{separator.join(cells)}\n"))
+    assert read.markers == ("lip.l", "a_b")
+    assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]]]
+    assert read.rate == 60
+
+
+@pytest.mark.parametrize("comment", ["# rate: 59.94", "#Rate=59.94", "# rate: 59.94 Hz"])
+def test_the_rate_of_a_comment(write: Write, comment: str) -> None:
+    assert read_csv(write(f"a.x,a.y,a.z\n{comment}\n1,2,3\n")).rate == 59.94
+
+
+def test_the_rate_of_a_time_column(write: Write) -> None:
+    rows = "".join(f"{frame / 60},1,2,3\n" for frame in range(50))
+    assert read_csv(write(f"Time (s),a.x,a.y,a.z\n{rows}")).rate == 60
+    with pytest.warns(UserWarning, match=r"lasts 0\.816667 s, by the line '# rate' 1\.63333 s"):
+        assert read_csv(write(f"# rate: 30\ntime,a.x,a.y,a.z\n{rows}")).rate == 30
+
+
+@pytest.mark.parametrize("column", ["frame", "time"])
+def test_dropped_frames_are_told(write: Write, column: str) -> None:
+    rows = "".join(f"{frame},1,2,3\n" for frame in (0, 1, 2, 5, 6, 7, 7, 8))
+    with pytest.warns(UserWarning, match=f"2 of 7 steps of the column '{column}' are irregular"):
+        read = read_csv(write(f"# rate: 1\n{column},a.x,a.y,a.z\n{rows}"))
+    assert read.frames == 8
+
+
+@pytest.mark.parametrize("lead", ["", "frame,", "seconds,"])
+def test_without_a_rate_the_message_says_what_to_add(write: Write, lead: str) -> None:
+    path = write(f"{lead}a.x,a.y,a.z\n{'1,' * bool(lead)}1,2,3\n")
+    with (
+        pytest.raises(ValueError, match=r"take\.csv: no rate; add a line '# rate: 60'"),
+        pytest.warns(UserWarning, match="left out") if lead == "seconds," else _quiet(),
+    ):
+        read_csv(path)
+
+
+def _quiet() -> Any:
+    import contextlib
+
+    return contextlib.nullcontext()
+
+
+@pytest.mark.parametrize("rate", ["0", "-1", "fast", "nan", "inf"])
+def test_a_rate_that_is_none_is_refused(write: Write, rate: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv:1: rate '{rate}' is not"):
+        read_csv(write(f"# rate: {rate}\na.x,a.y,a.z\n1,2,3\n"))
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1), ("m", 1000), ("cm", 10), ("inch", 25.4)])
+def test_units_become_millimetres(write: Write, unit: str, factor: float) -> None:
+    read = read_csv(write(f"# rate: 60\n# unit: {unit}\na.x,a.y,a.z\n1,2,3\n"))
+    assert read.positions.tolist() == [[[factor, 2 * factor, 3 * factor]]]
+
+
+def test_an_unknown_unit_is_refused_with_those_there_are(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:2: unit 'px'; there is um, mm, cm"):
+        read_csv(write("# rate: 60\n# unit: px\na.x,a.y,a.z\n1,2,3\n"))
+
+
+@pytest.mark.parametrize("cell", ["", " ", "nan", "NaN", "NA", "null"])
+def test_an_empty_cell_is_missing(write: Write, cell: str) -> None:
+    read = read_csv(write(f"# rate: 60\na.x,a.y,a.z\n{cell},{cell},{cell}\n1,2,3\n"))
+    assert read.present.tolist() == [[False], [True]]
+
+
+def test_partly_missing_infinite_and_zero_samples_are_told(write: Write) -> None:
+    path = write("# rate: 60\na.x,a.y,a.z\n1,,3\n1,2,3\ninf,2,3\n0,0,0\n")
+    with pytest.warns(UserWarning, match="count as missing") as told:
+        read = read_csv(path)
+    assert len(told) == 3
+    assert read.present[:, 0].tolist() == [False, True, False, False]
+
+
+def test_zeros_may_be_positions(write: Write) -> None:
+    path = write("# rate: 60\na.x,a.y,a.z\n0,0,0\n")
+    assert read_csv(path, zeros_missing=False).present.all()
+
+
+@pytest.mark.parametrize("cell", ["one", "1_000", "1e", "0x1", "#N/A", "1.2.3"])
+def test_text_for_a_number_is_told_with_its_place(write: Write, cell: str) -> None:
+    path = write(f"# rate: 60\n\na.x,a.y,a.z\n1,2,3\n1,{cell},3\n")
+    with pytest.raises(ValueError, match=r"take\.csv:5:2: '.*' is not a number \(column a\.y\)"):
+        read_csv(path)
+
+
+@pytest.mark.parametrize(("row", "count"), [("1,2", 2), ("1,2,3,4", 4)])
+def test_a_ragged_row_is_told_with_its_line(write: Write, row: str, count: int) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv:4: {count} cells, but 3 columns"):
+        read_csv(write(f"# rate: 60\na.x,a.y,a.z\n1,2,3\n{row}\n"))
+
+
+def test_a_coordinate_without_a_column_is_told(write: Write) -> None:
+    with pytest.raises(ValueError, match="marker 'lip' has no column for Y, Z"):
+        read_csv(write("# rate: 60\na.x,a.y,a.z,lip_x\n1,2,3,4\n"))
+
+
+def test_a_column_twice_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:2:4: the column 'a\.X' is there twice"):
+        read_csv(write("# rate: 60\na.x,a.y,a.z,a.X\n1,2,3,4\n"))
+
+
+def test_columns_that_are_no_coordinates_are_told(write: Write) -> None:
+    with pytest.warns(UserWarning, match="1 columns are no coordinates and were left out: note"):
+        read_csv(write("# rate: 60\nframe,a.x,a.y,a.z,note\n0,1,2,3,4\n"))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", ": no frames: the file is empty"),
+        ("\n \n", ": no frames: the file is empty"),
+        ("# rate: 60\n", ": no frames: the file is empty or holds only comments"),
+        ("# rate: 60\na.x,a.y,a.z\n", ": no frames follow line 2"),
+        (
+            "# rate: 60\nfoo,bar\n1,2\n",
+            r":2: no columns NAME\.X, NAME\.Y, NAME\.Z; there is foo, bar",
+        ),
+    ],
+)
+def test_what_is_no_recording_is_refused(write: Write, text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+        read_csv(write(text))
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes("a.x,a.y,a.z\n1,2,3\n".encode("utf-16-le"))
+    with pytest.raises(ValueError, match=r"take\.csv: not a table of text: line 1 holds a zero"):
+        read_csv(path)
+
+
+def test_files_of_other_systems(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes("\ufeff# rate: 60\r\na.x,a.y,a.z\r\n1,2,3\r\n\r\n".encode())
+    assert read_csv(path).positions.tolist() == [[[1, 2, 3]]]
+
+
+def test_quoted_cells(write: Write) -> None:
+    read = read_csv(write('# rate: 60\n"a,b.x","a,b.y","a,b.z"\n"1",2,"3"\n'))
+    assert read.markers == ("a,b",)
+    assert read.positions.tolist() == [[[1, 2, 3]]]
+
+
+NAMES = st.text(string.ascii_letters + '.,;_" #éß', min_size=1, max_size=6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_what_is_written_reads_back_equal(data: Any) -> None:
+    names = data.draw(
+        st.lists(NAMES.filter(lambda name: name == name.strip()), min_size=1, unique=True)
+    )
+    frames = data.draw(st.integers(1, 4))
+    numbers = st.floats(allow_nan=False, allow_infinity=False).filter(bool)
+    positions = data.draw(arrays.arrays(np.float64, (frames, len(names), 3), elements=numbers))
+    positions[data.draw(arrays.arrays(np.bool_, (frames, len(names))))] = np.nan
+    rate = data.draw(st.floats(1e-3, 1e5))
+    recording = Trajectories(positions=positions, markers=tuple(names), rate=rate)
+    with tempfile.TemporaryDirectory() as folder:
+        write_csv(recording, Path(folder) / "it.csv")
+        again = read_csv(Path(folder) / "it.csv")
+    np.testing.assert_array_equal(again.positions, recording.positions)
+    assert (again.markers, again.rate) == (recording.markers, recording.rate)
+
+
+@pytest.mark.parametrize("name", ["", " a", "a\n", "a\x00", "\u2028"])
+def test_a_name_that_cannot_stand_in_a_line_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match="cannot keep the marker name"):
+        csv_bytes(Trajectories(positions=np.ones((1, 1, 3)), markers=(name,), rate=60))
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_damaged_text_gives_a_recording_or_a_value_error(
+    gappy: Trajectories, tmp_path: Path
+) -> None:
+    good = csv_bytes(gappy)
+    path = tmp_path / "take.csv"
+    chance = random.Random(4)
+    refused = []
+    for _ in range(600):
+        content = bytearray(good[: chance.choice([len(good), chance.randrange(len(good))])])
+        for _ in range(3):
+            if content:
+                content[chance.randrange(len(content))] = chance.randrange(256)
+        path.write_bytes(content)
+        try:
+            read_csv(path)
+        except ValueError as error:
+            refused.append(str(error))
+    assert len(refused) > 200
+    assert all("take.csv" in message for message in refused)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "tsv", "txt", "dat"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "NO_OF_FRAMES\t1\nFREQUENCY\t60\nMARKER_NAMES\ta\n1\t2\t3\n",
+        "Format Version,1.23,Export Frame Rate,60,Length Units,Millimeters\n\n"
+        ",,Marker,Marker,Marker\n,,a,a,a\n,,1,1,1\n,,Position,Position,Position\nFrame,Time,X,Y,Z\n0,0,1,2,3\n",
+        "Trajectories\n60\n,,a,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3\n",
+        "# rate: 60\nframe,marker,x,y,z\n0,a,1,2,3\n",
+        "# rate: 60\n,a,a,a\n,x,y,z\n0,1,2,3\n",
+        "# rate: 60\na.x,a.y,a.z\n1,2,3\n",
+    ],
+)
+def test_the_content_tells_the_form_whatever_the_suffix(
+    tmp_path: Path, suffix: str, text: str
+) -> None:
+    path = tmp_path / f"take.{suffix}"
+    path.write_text(text)
+    read = read_csv(path)
+    assert (read.markers, read.rate) == (("a",), 60)
+    assert read.positions.tolist() == [[[1, 2, 3]]]
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_texts_of_other_systems(tmp_path: Path, encoding: str, end: str) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes(end.join(["# rate: 60", "é.x,é.y,é.z", "1,2,3", ""]).encode(encoding))
+    assert read_csv(path).positions.tolist() == [[[1, 2, 3]]]
+
+
+def test_semicolons_and_decimal_commas(write: Write) -> None:
+    with pytest.warns(UserWarning, match="commas count as decimal points, in 4 cells"):
+        read = read_csv(write("# rate: 60\ntime;a.x;a.y;a.z\n0,0;1,5;2,25;-3,125\n"))
+    assert read.positions.tolist() == [[[1.5, 2.25, -3.125]]]
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("1,500;2,250;3,125", r":3:1: '1,500' may be 1\.500 or 1500"),
+        ("1.500,5;2;3", r":3:1: '1\.500,5' is not a number"),
+        ("1,5;2.5;3", r":3:2: '2\.5' has a dot"),
+        ("1,5;2;3;4,5", r":3: 4 cells, but 3 columns"),
+    ],
+)
+def test_a_comma_that_may_mean_two_things_is_refused(write: Write, row: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+        read_csv(write(f"# rate: 60\na.x;a.y;a.z\n{row}\n"))
+
+
+def test_decimal_commas_between_commas_are_too_many_cells(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:3: 6 cells, but 3 columns have names"):
+        read_csv(write("# rate: 60\na.x,a.y,a.z\n1,5,2,5,3,5\n"))
+
+
+def test_thousands_in_quotes_are_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:3:2: '1,500\.5' is not a number"):
+        read_csv(write('# rate: 60\na.x,a.y,a.z\n1,"1,500.5",3\n'))
+
+
+def test_a_marker_without_a_name_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:2:4: the column '\.x' names no marker"):
+        read_csv(write("# rate: 60\na.x,a.y,a.z,.x,.y,.z\n1,2,3,4,5,6\n"))
+
+
+def test_a_column_without_a_name_is_left_out_aloud(write: Write) -> None:
+    with pytest.warns(UserWarning, match="1 columns .* left out: column 1"):
+        assert read_csv(write("# rate: 60\n,a.x,a.y,a.z\n0,1,2,3\n")).frames == 1
+
+
+def test_data_of_two_dimensions_are_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:2: 2 markers have X and Y and no Z"):
+        read_csv(write("# rate: 60\na.x,a.y,b.x,b.y\n1,2,3,4\n"))
+
+
+def test_times_in_milliseconds(write: Write) -> None:
+    rows = "".join(f"{round(frame * 1000 / 60)},1,2,3\n" for frame in range(50))
+    assert read_csv(write(f"time (ms),a.x,a.y,a.z\n{rows}")).rate == 60
+
+
+def test_a_subject_that_all_share_is_taken_off(write: Write) -> None:
+    header = ",".join(f"Ann:{marker}.{axis}" for marker in ("lip", "nose") for axis in "xyz")
+    assert read_csv(write(f"# rate: 60\n{header}\n1,2,3,4,5,6\n")).markers == ("lip", "nose")
+
+
+def test_a_comment_may_stand_anywhere(write: Write) -> None:
+    read = read_csv(write("a.x,a.y,a.z\n1,2,3\n# unit: m\n4,5,6\n# rate: 60"))
+    assert read.positions.tolist() == [[[1000, 2000, 3000]], [[4000, 5000, 6000]]]
+
+
+def test_a_very_wide_table(write: Write) -> None:
+    count = 20_000
+    header = ",".join(f"m{marker}.{axis}" for marker in range(count) for axis in "xyz")
+    read = read_csv(write(f"# rate: 60\n{header}\n{','.join(map(str, range(1, 3 * count + 1)))}\n"))
+    assert read.positions[0, -1].tolist() == [3 * count - 2, 3 * count - 1, 3 * count]
+
+
+def test_a_line_of_a_million_cells_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:3: 1000001 cells, but 3 columns have names"):
+        read_csv(write(f"# rate: 60\na.x,a.y,a.z\n{',' * 1_000_000}\n"))
+
+
+def test_a_row_of_nothing_but_gaps_is_a_frame(write: Write) -> None:
+    read = read_csv(write("# rate: 60\na.x\ta.y\ta.z\n1\t2\t3\n\t\t\n4\t5\t6\n"))
+    assert read.present[:, 0].tolist() == [True, False, True]
+
+
+def test_what_one_form_holds_the_other_keeps(gappy: Trajectories, tmp_path: Path) -> None:
+    write_csv(gappy, tmp_path / "it.csv")
+    write_trc(read_csv(tmp_path / "it.csv"), tmp_path / "it.trc")
+    again = read_trc(tmp_path / "it.trc")
+    assert csv_bytes(again) == csv_bytes(gappy)
+    assert trc_bytes(again) == trc_bytes(gappy)

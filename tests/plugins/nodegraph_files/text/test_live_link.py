@@ -1,0 +1,258 @@
+from __future__ import annotations
+
+import random
+import tempfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from nodegraph_files import read_live_link
+
+Write = Callable[[str], Path]
+Damaged = Callable[[bytes, random.Random], bytes]
+HEADER = "Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft"
+ROTATIONS = [
+    f"{what}{axis}" for what in ("Head", "LeftEye", "RightEye") for axis in ("Yaw", "Pitch", "Roll")
+]
+
+
+def timecode(count: float, per_second: int = 60) -> str:
+    """Return the timecode of a count since midnight."""
+    seconds, rest = divmod(count, per_second)
+    minutes, second = divmod(int(seconds), 60)
+    hour, minute = divmod(minutes, 60)
+    return f"{hour % 24:02}:{minute:02}:{second:02}:{rest:06.3f}"
+
+
+def table(counts: Iterable[float], per_second: int = 60) -> str:
+    """Return a file with a frame at each count; its first weight says which row it is."""
+    rows = [f"{timecode(at, per_second)},2,{row / 1e4},0.5" for row, at in enumerate(counts)]
+    return "\n".join([HEADER, *rows, ""])
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def written(text: str) -> Path:
+        path = tmp_path / "take.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", ",,\n", "\n\n"])
+def test_weights_have_the_names_of_their_columns(write: Write, end: str) -> None:
+    read = read_live_link(write(table([10, 11]).replace("\n", end)))
+    assert read.names == ("JawOpen", "EyeBlinkLeft")
+    assert read.values.tolist() == [[0, 0.5], [0.0001, 0.5]]
+    assert read.rate == 60
+
+
+def test_rotations_are_no_weights(write: Write) -> None:
+    header = ",".join([HEADER, *ROTATIONS[:4], "TongueOut", *ROTATIONS[4:]])
+    numbers = ",".join(["0.1", "0.2", *["9"] * 4, "0.3", *["9"] * 5])
+    rows = "".join(f"{timecode(at)},12,{numbers}\n" for at in (1, 2))
+    read = read_live_link(write(f"{header}\n{rows}"))
+    assert read.names == ("JawOpen", "EyeBlinkLeft", "TongueOut")
+    assert read.values.tolist() == [[0.1, 0.2, 0.3]] * 2
+
+
+@pytest.mark.parametrize(
+    ("step", "per_second", "rate"),
+    [(1, 60, 60), (2, 60, 30), (2.5, 60, 24), (1, 30, 30), (1, 24, 24), (1, 25, 25), (2, 120, 60)],
+)
+@pytest.mark.parametrize("first", [0.0, 37.867])
+def test_the_step_of_the_timecode_is_the_rate(
+    write: Write, step: float, per_second: int, rate: float, first: float
+) -> None:
+    counts = [first % per_second + step * row for row in range(3 * per_second)]
+    read = read_live_link(write(table(counts, per_second)))
+    assert read.rate == rate
+    assert read.frames == len(counts)
+
+
+def test_sixty_counts_make_a_second_where_the_take_does_not_tell(write: Write) -> None:
+    assert read_live_link(write(table([3, 4, 5]))).rate == 60
+    assert read_live_link(write(table([3, 5, 7]))).rate == 30
+    with pytest.warns(UserWarning, match="skips 14 frames in 1 gaps"):
+        assert read_live_link(write(table([44, 45, 60, 61]))).rate == 60
+
+
+@pytest.mark.parametrize("step", [1, 2])
+@pytest.mark.filterwarnings("error")
+def test_a_clock_that_drifts_drops_nothing(write: Write, step: int) -> None:
+    counts = [7.867 + 0.9998 * step * row for row in range(12000)]
+    read = read_live_link(write(table(counts)))
+    assert (read.frames, read.rate) == (12000, 60 / step)
+
+
+@pytest.mark.filterwarnings("error")
+def test_midnight_is_no_step_back(write: Write) -> None:
+    last = 24 * 3600 * 60
+    read = read_live_link(write(table([last - 2, last - 1, 0, 1])))
+    assert (read.frames, read.rate) == (4, 60)
+
+
+def test_frames_that_the_timecode_skips_are_missing(write: Write) -> None:
+    path = write(table([57, 58, 59, 61, 62, 66, 67]))
+    told = r"skips 4 frames in 2 gaps, the first after 00:00:00:59\.000"
+    with pytest.warns(UserWarning, match=told):
+        read = read_live_link(path)
+    assert read.frames == 11
+    assert np.flatnonzero(np.isnan(read.values).all(axis=1)).tolist() == [3, 6, 7, 8]
+    assert (read.values[[0, 1, 2, 4, 5, 9, 10], 0] * 1e4).tolist() == pytest.approx(range(7))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.data())
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_every_row_comes_to_the_frame_of_its_timecode(data: Any) -> None:
+    step = data.draw(st.sampled_from([1, 2]))
+    frames = data.draw(st.integers(80, 200))
+    dropped = data.draw(st.sets(st.integers(1, frames - 2), max_size=12))
+    kept = [frame for frame in range(frames) if frame not in dropped]
+    first = data.draw(st.integers(0, 24 * 3600 * 60))
+    shake = data.draw(arrays.arrays(np.float64, len(kept), elements=st.floats(0, 0.2)))
+    counts = [first + step * frame + more for frame, more in zip(kept, shake, strict=True)]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "take.csv"
+        path.write_text(table([at % (24 * 3600 * 60) for at in counts]))
+        read = read_live_link(path)
+    assert read.frames == frames
+    assert np.flatnonzero(~np.isnan(read.values[:, 0])).tolist() == kept
+
+
+def test_frames_without_a_face_are_missing_and_told(write: Write) -> None:
+    text = f"{HEADER}\n00:00:00:01.000,2,0.1,0.2\n00:00:00:02.000,0\n00:00:00:03.000,0,,\n"
+    with pytest.warns(UserWarning, match="2 frames have no weights, as no face.* is line 3"):
+        read = read_live_link(write(text))
+    assert np.isnan(read.values).tolist() == [[False] * 2, [True] * 2, [True] * 2]
+
+
+def test_single_weights_that_lack_are_told(write: Write) -> None:
+    text = f"{HEADER}\n00:00:00:01.000,2,,0.2\n00:00:00:02.000,2,0.1,NaN\n"
+    with pytest.warns(UserWarning, match="2 single weights are missing"):
+        read = read_live_link(write(text))
+    assert np.isnan(read.values).tolist() == [[True, False], [False, True]]
+
+
+def test_a_count_that_is_not_that_of_the_columns_is_told(write: Write) -> None:
+    with pytest.warns(UserWarning, match="BlendShapeCount says 61, but 2 columns follow it"):
+        assert read_live_link(write(table([1, 2]).replace(",2,", ",61,"))).frames == 2
+
+
+def test_frames_too_close_are_told(write: Write) -> None:
+    with pytest.warns(UserWarning, match="1 frames follow less than half a frame after"):
+        read = read_live_link(write(table([1, 2, 2, 3, 4])))
+    assert read.frames == 5
+
+
+def test_a_single_frame_tells_no_rate(write: Write) -> None:
+    with pytest.warns(UserWarning, match="a single frame tells no rate; 60 Hz is assumed"):
+        read = read_live_link(write(table([5])))
+    assert (read.frames, read.rate) == (1, 60)
+
+
+@pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "#N/A"])
+@pytest.mark.parametrize("column", [2, 3, 4])
+def test_text_for_a_number_is_told_with_its_place(write: Write, cell: str, column: int) -> None:
+    row = ["00:00:00:01.000", "2", "0.1", "0.2"]
+    row[column - 1] = cell
+    with pytest.raises(ValueError, match=rf"take\.csv:2:{column}: '{cell}' is not a number"):
+        read_live_link(write(f"{HEADER}\n{','.join(row)}\n"))
+
+
+def test_an_infinite_weight_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:2:4: the weight EyeBlinkLeft is infinite"):
+        read_live_link(write(f"{HEADER}\n00:00:00:01.000,2,0.1,inf\n"))
+
+
+@pytest.mark.parametrize("row", ["00:00:00:01.000,2,0.1", "00:00:00:01.000,2,0.1,0.2,0.3"])
+def test_a_ragged_row_is_told_with_its_line(write: Write, row: str) -> None:
+    count = row.count(",") + 1
+    with pytest.raises(ValueError, match=rf"take\.csv:2: {count} cells, but 4 columns"):
+        read_live_link(write(f"{HEADER}\n{row}\n"))
+
+
+@pytest.mark.parametrize("written", ["", "1", "00:00:01.000", "00:00:00:x", "-1:00:00:01", "1e5"])
+def test_what_is_no_timecode_is_refused(write: Write, written: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv:2:1: '{written}' is no timecode"):
+        read_live_link(write(f"{HEADER}\n{written},2,0.1,0.2\n"))
+
+
+def test_a_timecode_that_goes_back_is_refused(write: Write) -> None:
+    told = r"take\.csv:4:1: the timecode goes back from 00:00:00:12\.000 to 00:00:00:11\.000"
+    with pytest.raises(ValueError, match=told):
+        read_live_link(write(table([10, 12, 11, 13])))
+
+
+def test_a_timecode_that_stands_still_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match="the timecode stands still"):
+        read_live_link(write(table([10, 10, 10])))
+
+
+def test_a_leap_of_hours_is_refused_before_it_takes_memory(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.csv:5:1: the timecode skips 1295999 frames, but"):
+        read_live_link(write(table([0, 1, 2, 2 + 6 * 3600 * 60, 3 + 6 * 3600 * 60])))
+
+
+@pytest.mark.parametrize("count", ["60", "72.5", "500"])
+def test_a_count_that_does_not_tell_the_second_is_refused(write: Write, count: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv: the timecode counts to {count}, and not"):
+        read_live_link(write(f"{HEADER}\n00:00:00:{count},2,0.1,0.2\n"))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "no Live Link Face file: it begins with ''"),
+        ("frame,a.x\n", "no Live Link Face file: it begins with 'frame,a.x'"),
+        (f"{HEADER}\n", "no frames follow"),
+        ("Timecode,BlendShapeCount\n00:00:00:01,0\n", "no columns of weights"),
+        ("Timecode,BlendShapeCount,HeadYaw\n00:00:00:01,1,0\n", "no columns of weights"),
+        ("Timecode,BlendShapeCount,,a\n00:00:00:01,1,0,0\n", "a column has no name"),
+        ("Timecode,BlendShapeCount,a,a\n00:00:00:01,2,0,0\n", "columns: named twice: a"),
+    ],
+)
+def test_what_is_no_recording_is_refused(write: Write, text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv: {told}"):
+        read_live_link(write(text))
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes(table([1, 2]).encode("utf-16-le"))
+    with pytest.raises(ValueError, match=r"take\.csv: not a table of text"):
+        read_live_link(path)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("letters", [False, True], ids=["bytes", "letters"])
+def test_damaged_text_gives_weights_or_a_value_error(
+    tmp_path: Path, letters: bool, damaged: Damaged, peak_memory: Callable[[], int]
+) -> None:
+    good = table(range(50, 70)).encode()
+    path = tmp_path / "take.csv"
+    chance = random.Random(4)
+    refused = []
+    for _ in range(500):
+        content = damaged(good, chance)
+        if letters:
+            content = bytes(
+                byte if byte == 10 or 32 <= byte < 127 else chance.choice(b"0123456789:;,.-e\n")
+                for byte in content
+            )
+        path.write_bytes(content)
+        try:
+            read_live_link(path)
+        except ValueError as error:
+            refused.append(str(error))
+    assert 250 < len(refused) < 500
+    assert all(f"{path}" in message for message in refused)
+    assert peak_memory() < 20_000_000

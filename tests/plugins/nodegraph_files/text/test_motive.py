@@ -1,0 +1,178 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph_files import read_csv
+
+Written = Callable[[str], Path]
+FACTS = {
+    "Format Version": "1.23",
+    "Take Name": "Take 1",
+    "Capture Frame Rate": "240.000000",
+    "Export Frame Rate": "120.000000",
+    "Total Exported Frames": "2",
+    "Length Units": "Meters",
+    "Coordinate Space": "Global",
+}
+MARKER = ("Marker", "Face:lip", "Position", "XYZ")
+LOOSE = ("Marker", "Unlabeled 1189", "Position", "XYZ")
+EXPECTED = ("Rigid Body Marker", "Face:lip", "Position", "XYZ")
+TURNED = ("Rigid Body", "Head", "Rotation", "XYZW")
+MOVED = ("Rigid Body", "Head", "Position", "XYZ")
+ERROR = ("Rigid Body", "Head", "Mean Marker Error", " ")
+
+
+def motive(
+    *groups: tuple[str, str, str, str],
+    words: bool = False,
+    without: tuple[str, ...] = (),
+    lead: str = "Frame,Time (Seconds)",
+    rows: tuple[str, ...] | None = None,
+    **facts: Any,
+) -> str:
+    """Return an export in which the columns of these groups count from 1 in the first frame."""
+    columns = [(*group[:3], axis.strip()) for group in groups for axis in group[3]]
+    said = {**FACTS, **{name.replace("_", " "): value for name, value in facts.items()}}
+    blanks = "," * lead.count(",")
+    lines = [",".join(f"{name},{value}" for name, value in said.items() if value is not None), ""]
+    for place, word in enumerate(("Type", "Name", "", "Axis")):
+        if word == "Axis":
+            lines.append(",".join([lead, *(column[3] for column in columns)]))
+        elif word not in without:
+            first = f",{word}{blanks[1:]}" if words and word else blanks
+            lines.append(",".join([first, *(column[place] for column in columns)]))
+        if word == "Name":
+            lines.append(
+                ",".join([f",ID{blanks[1:]}" if words else blanks, *["A1"] * len(columns)])
+            )
+    numbers = [str(number) for number in range(1, len(columns) + 1)]
+    times = "0.008333,10:00:00:00" if "TimeCode" in lead else "0.008333"
+    made = (
+        ",".join(["0", times.replace("8333", "0000"), *numbers]),
+        ",".join(["1", times, *numbers]),
+    )
+    return "\n".join([*lines, *(made if rows is None else rows), ""])
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("words", [False, True])
+@pytest.mark.parametrize(
+    ("unit", "millimetres"), [("Meters", 1000), ("Centimeters", 10), ("Millimeters", 1)]
+)
+def test_markers_are_read(written: Written, words: bool, unit: str, millimetres: float) -> None:
+    read = read_csv(written(motive(MARKER, LOOSE, words=words, Length_Units=unit)))
+    assert read.markers == ("Face:lip", "Unlabeled 1189")
+    assert read.rate == 120
+    np.testing.assert_allclose(read.positions[1], np.array([[1, 2, 3], [4, 5, 6]]) * millimetres)
+
+
+def test_only_measured_markers_are_read_the_others_counted(written: Written) -> None:
+    path = written(motive(TURNED, MOVED, ERROR, EXPECTED, MARKER, Length_Units="Millimeters"))
+    with pytest.warns(UserWarning, match="11 columns .*: 8 of Rigid Body, 3 of Rigid Body Marker"):
+        read = read_csv(path)
+    assert read.markers == ("lip",)
+    assert read.positions[0].tolist() == [[12, 13, 14]]
+
+
+def test_without_a_row_of_types_what_turns_is_no_marker(written: Written) -> None:
+    path = written(motive(TURNED, MOVED, MARKER, without=("Type",), Length_Units="Millimeters"))
+    with pytest.warns(UserWarning, match="7 columns hold no measured marker"):
+        read = read_csv(path)
+    assert read.positions[0].tolist() == [[8, 9, 10]]
+
+
+def test_a_column_of_timecodes_is_left_out(written: Written) -> None:
+    path = written(motive(MARKER, words=True, lead="Frame,Time (Seconds),TimeCode"))
+    with pytest.warns(UserWarning, match="1 columns .*: 1 of TimeCode"):
+        assert read_csv(path).positions[0, 0].tolist() == [1000, 2000, 3000]
+
+
+def test_empty_cells_are_missing(written: Written) -> None:
+    read = read_csv(written(motive(MARKER, rows=("0,0,,,", "1,0.008333,1,2,3"))))
+    assert read.present.tolist() == [[False], [True]]
+
+
+def test_names_that_repeat_get_their_own(written: Written) -> None:
+    with pytest.warns(UserWarning, match="'lip' is now 'lip_2'"):
+        assert read_csv(written(motive(MARKER, MARKER))).markers == ("lip", "lip_2")
+
+
+def test_an_export_in_utf_16(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes(motive(MARKER).replace("\n", "\r\n").encode("utf-16"))
+    assert read_csv(path).markers == ("lip",)
+
+
+def test_an_export_saved_again_with_semicolons_and_decimal_commas(written: Written) -> None:
+    text = motive(
+        MARKER, Export_Frame_Rate="120", rows=("0,0.000000,0.25,0.5,1",), Total_Exported_Frames="1"
+    )
+    with pytest.warns(UserWarning, match="commas count as decimal points, in 3 cells"):
+        read = read_csv(written(text.replace(",", ";").replace(".", ",")))
+    assert read.positions.tolist() == [[[250, 500, 1000]]]
+
+
+def test_the_rate_of_capture_where_there_is_no_other(written: Written) -> None:
+    rows = ("0,0,1,2,3", "1,0.004167,1,2,3")
+    assert read_csv(written(motive(MARKER, rows=rows, Export_Frame_Rate=None))).rate == 240
+
+
+def test_metres_are_assumed_aloud(written: Written) -> None:
+    with pytest.warns(UserWarning, match="no Length Units in the header; metres are assumed"):
+        assert read_csv(written(motive(MARKER, Length_Units=None))).positions[0, 0, 0] == 1000
+
+
+def test_a_header_that_lies_is_corrected_aloud(written: Written) -> None:
+    with pytest.warns(UserWarning, match="says 1000000000000 frames, the file holds 2"):
+        assert read_csv(written(motive(MARKER, Total_Exported_Frames="1" + "0" * 12))).frames == 2
+
+
+@pytest.mark.parametrize(
+    ("facts", "told"),
+    [
+        ({"Export_Frame_Rate": "fast"}, r":1:8: Export Frame Rate 'fast' is not a positive number"),
+        ({"Export_Frame_Rate": "0"}, r":1:8: Export Frame Rate '0' is not"),
+        (
+            {"Export_Frame_Rate": None, "Capture_Frame_Rate": None},
+            ": no Export Frame Rate or Capture Frame Rate; add a line '# rate: 60'",
+        ),
+        ({"Length_Units": "Furlongs"}, r":1:12: Length Units 'Furlongs'; there is um, mm"),
+    ],
+)
+def test_a_header_that_does_not_suffice_is_refused(
+    written: Written, facts: dict[str, Any], told: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+        read_csv(written(motive(MARKER, **facts)))
+
+
+def test_a_take_without_markers_is_refused(written: Written) -> None:
+    with pytest.raises(ValueError, match=r":7: no columns of type Marker; there is Rigid Body$"):
+        read_csv(written(motive(TURNED, MOVED)))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (motive(MARKER, rows=()), ": no frames follow line 7"),
+        (motive(MARKER).replace("Frame,Time", "Picture,Time"), ": no row 'Frame, Time"),
+        (
+            motive(("Marker", "lip", "Position", "XZ")),
+            ":7:3: the columns of marker 'lip' are not X, Y",
+        ),
+        (
+            motive(MARKER, rows=("0,0,1,two,3",)),
+            r":8:4: 'two' is not a number \(column Face:lip Y\)",
+        ),
+        (motive(MARKER, rows=("0,0,1,2,3,4",)), ":8: 6 cells, but 5 columns"),
+        (motive(MARKER, without=("Name",)).replace(",,A1,A1,A1\n", ""), ":5: no row of names"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+        read_csv(written(text))

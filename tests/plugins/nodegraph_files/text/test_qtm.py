@@ -1,0 +1,178 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph_files import read_csv
+
+Written = Callable[[str], Path]
+ROWS = ("1 2 3 4 5 6", "7 8 9 10 11 12")
+
+
+def qtm(*rows: str, extra: tuple[str, ...] = (), **facts: Any) -> str:
+    """Return an export whose tabs are written as spaces; a fact that is None is left out."""
+    said: dict[str, Any] = {
+        "NO_OF_FRAMES": str(len(rows)),
+        "NO_OF_CAMERAS": "8",
+        "NO_OF_MARKERS": "2",
+    }
+    said |= {
+        "FREQUENCY": "100",
+        "DESCRIPTION": "--",
+        "TIME_STAMP": "2022-06-03,",
+        "DATA_INCLUDED": "3D",
+    }
+    said |= {"MARKER_NAMES": "lip nose"}
+    told = [f"{name} {value}" for name, value in {**said, **facts}.items() if value is not None]
+    return "\n".join([*told, *extra, *rows, ""]).replace(" ", "\t")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "extra",
+    [
+        (),
+        ("TRAJECTORY_TYPES Measured Measured",),
+        ("lip~X lip~Y lip~Z nose~X nose~Y nose~Z",),
+        ("TRAJECTORY_TYPES Measured Measured", "lip~X lip~Y lip~Z nose~X nose~Y nose~Z"),
+    ],
+)
+@pytest.mark.parametrize("end", ["", "\t"])
+def test_what_stands_in_the_cells_is_read(
+    written: Written, extra: tuple[str, ...], end: str
+) -> None:
+    text = qtm(*(row + end for row in ROWS), extra=extra).replace("~", " ")
+    read = read_csv(written(text))
+    assert read.markers == ("lip", "nose")
+    assert read.rate == 100
+    assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("extra", [(), ("Frame Time lip~X lip~Y lip~Z nose~X nose~Y nose~Z",)])
+def test_frames_may_begin_with_their_number_and_time(
+    written: Written, extra: tuple[str, ...]
+) -> None:
+    rows = [f"{frame} {frame / 100} {row}" for frame, row in enumerate(ROWS, 1)]
+    read = read_csv(written(qtm(*rows, extra=extra).replace("~", " ")))
+    assert read.positions[1].tolist() == [[7, 8, 9], [10, 11, 12]]
+
+
+def test_numbers_and_times_that_contradict_the_header_are_told(written: Written) -> None:
+    text = qtm(*(f"{2 * frame} {frame / 60} {ROWS[0]}" for frame in range(300)))
+    with (
+        pytest.warns(UserWarning, match="299 of 299 steps of the frame number are not 1"),
+        pytest.warns(UserWarning, match=r"lasts 4\.98333 s, by FREQUENCY 2\.99 s"),
+    ):
+        assert read_csv(written(text)).rate == 100
+
+
+def test_events_and_facts_of_other_versions_do_no_harm(written: Written) -> None:
+    text = qtm(*ROWS, FILE_VERSION="2.0.0", EVENT="start 1 0.01").split("\n")
+    text.insert(0, text.pop(next(i for i, line in enumerate(text) if "FILE_V" in line)))
+    text.insert(3, "EVENT\tstop\t2\t0.02")
+    assert read_csv(written("\n".join(text))).frames == 2
+
+
+def test_zeros_empty_cells_and_null_are_missing(written: Written) -> None:
+    path = written(qtm("0.000 0.000 0.000 1 2 3", "1 2 3   ", "NULL NULL NULL NaN NaN NaN"))
+    with pytest.warns(UserWarning, match=r"1 samples are at exactly \(0, 0, 0\)"):
+        read = read_csv(path)
+    assert read.present.tolist() == [[False, True], [True, False], [False, False]]
+    assert read_csv(path, zeros_missing=False).present[0].all()
+
+
+def test_a_trajectory_that_was_filled_is_told(written: Written) -> None:
+    path = written(qtm(*ROWS, extra=("TRAJECTORY_TYPES Mixed Gap-filled",)))
+    with pytest.warns(UserWarning, match=r"2 trajectories .*: lip \(Mixed\), nose \(Gap-filled\)"):
+        read_csv(path)
+
+
+def test_a_subject_that_all_share_is_taken_off(written: Written) -> None:
+    assert read_csv(written(qtm(*ROWS, MARKER_NAMES="A:lip A:nose"))).markers == ("lip", "nose")
+
+
+@pytest.mark.filterwarnings("error")
+def test_counts_may_lack(written: Written) -> None:
+    assert read_csv(written(qtm(*ROWS, NO_OF_FRAMES="2.0", NO_OF_MARKERS=None))).frames == 2
+
+
+@pytest.mark.parametrize(
+    ("fact", "said", "told"),
+    [
+        ("NO_OF_FRAMES", "1000000000000", "says 1000000000000 frames, the file holds 2"),
+        ("NO_OF_MARKERS", "22", "says 22 markers, the file holds 2"),
+    ],
+)
+def test_a_header_that_lies_is_corrected_aloud(
+    written: Written, fact: str, said: str, told: str
+) -> None:
+    with pytest.warns(UserWarning, match=told):
+        assert read_csv(written(qtm(*ROWS, **dict[str, Any]({fact: said})))).positions.shape == (
+            2,
+            2,
+            3,
+        )
+
+
+@pytest.mark.parametrize(
+    ("names", "told", "markers"),
+    [
+        ("lip", "1 markers had no label", ("lip", "unnamed_2")),
+        ("lip nose chin", "1 labels beyond the 2 markers were left out: chin", ("lip", "nose")),
+        ("lip lip", "'lip' is now 'lip_2'", ("lip", "lip_2")),
+    ],
+)
+def test_names_that_are_not_as_many_as_columns_are_told(
+    written: Written, names: str, told: str, markers: tuple[str, ...]
+) -> None:
+    with pytest.warns(UserWarning, match=told):
+        assert read_csv(written(qtm(*ROWS, MARKER_NAMES=names))).markers == markers
+
+
+@pytest.mark.parametrize(
+    ("facts", "told"),
+    [
+        ({"DATA_INCLUDED": "2D"}, r":7:2: DATA_INCLUDED is '2D'; only 3D data"),
+        ({"FREQUENCY": "EXT"}, r":4:2: FREQUENCY 'EXT' is not a positive number; add a line"),
+        ({"FREQUENCY": "0"}, r":4:2: FREQUENCY '0' is not a positive number"),
+        ({"FREQUENCY": None}, r": no FREQUENCY in the header; add a line '# rate: 60'"),
+        ({"MARKER_NAMES": None}, r": no names follow MARKER_NAMES"),
+        ({"MARKER_NAMES": ""}, r": no names follow MARKER_NAMES"),
+    ],
+)
+def test_a_header_that_does_not_suffice_is_refused(
+    written: Written, facts: dict[str, Any], told: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+        read_csv(written(qtm(*ROWS, **facts)))
+
+
+def test_a_rate_may_be_added(written: Written) -> None:
+    assert read_csv(written("# rate: 60\n" + qtm(*ROWS, FREQUENCY="EXT"))).rate == 60
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ((), ": no frames follow line 8"),
+        (("1 2 3 4",), ":9: 4 coordinates make no whole number of markers; MARKER_NAMES has 2"),
+        (("1 2 3 4 5 6", "1 2 3 4 5 x"), ":10:6: 'x' is not a number"),
+        (("1 2 3 4 5 6", "1 2 3 4 5 6 7"), ":10: 7 cells, but 6 columns"),
+    ],
+)
+def test_rows_that_are_wrong_are_told_with_their_place(
+    written: Written, rows: tuple[str, ...], told: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+        read_csv(written(qtm(*rows)))
+
+
+def test_a_row_that_ends_early_is_told(written: Written) -> None:
+    with pytest.warns(UserWarning, match="1 rows end before the last of 6 columns"):
+        read = read_csv(written(qtm("1 2 3 4 5 6", "1 2 3")))
+    np.testing.assert_array_equal(read.present, [[True, True], [True, False]])

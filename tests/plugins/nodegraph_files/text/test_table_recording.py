@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nodegraph_files.text.table import read_table
+from nodegraph_files.text.table_recording import known_rate, recording_of, told_rate, told_scale
+
+Written = Callable[[str], Path]
+
+
+def test_coordinates_become_positions_of_markers() -> None:
+    table = np.array([[1, 2, 3, 4, 5, 6], [np.nan] * 3 + [0.0] * 3])
+    read = recording_of(table, ["s:a", "s:b"], rate=60, millimetres=10, zeros_missing=False)
+    assert read.markers == ("a", "b")
+    assert read.present.tolist() == [[True, True], [False, True]]
+    assert read.positions[0].tolist() == [[10, 20, 30], [40, 50, 60]]
+    assert table[0, 0] == 1
+
+
+def test_what_comments_tell(written: Written) -> None:
+    table = read_table(written("# rate: 50\n# units: cm\na,b\n"))
+    assert (told_rate(table), told_scale(table)) == (50, 10)
+    bare = read_table(written("a,b\n"))
+    assert (told_rate(bare), told_scale(bare)) == (None, 1)
+
+
+@pytest.mark.parametrize("said", ["0", "-5", "nan", "fast"])
+def test_a_rate_that_is_none_is_refused_with_its_line(written: Written, said: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv:2: rate '{said}' is not a positive"):
+        told_rate(read_table(written(f"a,b\n# rate: {said}\n")))
+
+
+def test_a_rate_of_uneven_times_is_told(written: Written) -> None:
+    bare = read_table(written("a,b\n"))
+    with pytest.warns(UserWarning, match="no whole steps apart; by the median step .* 2 Hz"):
+        assert known_rate(bare, np.array([0, 0.5, 1, 1.5, 2.2])) == 2
+    with pytest.raises(ValueError, match=r"take\.csv: no rate; add a line '# rate: 60'"):
+        known_rate(bare, None)

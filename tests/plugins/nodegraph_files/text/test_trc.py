@@ -1,0 +1,373 @@
+from __future__ import annotations
+
+import random
+import string
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from nodegraph_files import read_trc, trc_bytes, write_trc
+from nodegraph_files.text import table
+from nodegraph_mocap import Trajectories
+
+DATA = Path(__file__).parents[4] / ".." / "shared" / "data"
+REAL = DATA / "vicon" / "comma_separated_truncated.trc"
+Write = Callable[..., Path]
+
+
+def trc(
+    rows: Sequence[str] = ("1 0.00 1 2 3 4 5 6", "2 0.01 7 8 9 10 11 12"),
+    names: str = "Frame# Time lip   nose  ",
+    axes: str = "  X1 Y1 Z1 X2 Y2 Z2",
+    **facts: str | None,
+) -> str:
+    """Return a TRC file whose tabs are written as spaces; a fact that is None is left out."""
+    said = {"DataRate": "100", "CameraRate": "100", "NumFrames": str(len(rows))}
+    said |= {"NumMarkers": "2", "Units": "mm"}
+    told = {key: value for key, value in {**said, **facts}.items() if value is not None}
+    header = ["PathFileType 4 (X/Y/Z) it.trc", " ".join(told), " ".join(told.values())]
+    return "\n".join([*header, names, axes, "", *rows, ""]).replace(" ", "\t")
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def written(text: str) -> Path:
+        path = tmp_path / "take.trc"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("separator", ["\t", ",", ", "])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\n\n"])
+def test_what_stands_in_the_cells_is_read(write: Write, separator: str, end: str) -> None:
+    read = read_trc(write(trc().replace("\t", separator).replace("\n", end)))
+    assert read.markers == ("lip", "nose")
+    assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
+    assert read.rate == 100
+
+
+@pytest.mark.parametrize(
+    ("unit", "millimetres"),
+    [("mm", 1), ("m", 1000), ("cm", 10), ("in", 25.4), ("Meters", 1000), ("inches", 25.4)],
+)
+def test_units_become_millimetres(write: Write, unit: str, millimetres: float) -> None:
+    read = read_trc(write(trc(Units=unit)))
+    np.testing.assert_allclose(read.positions[0, 0], np.array([1, 2, 3]) * millimetres)
+
+
+@pytest.mark.parametrize(("unit", "told"), [(None, "no unit"), ("", "no unit"), ("px", "'px'")])
+def test_millimetres_are_assumed_aloud(write: Write, unit: str | None, told: str) -> None:
+    with pytest.warns(UserWarning, match=f"{told}.*millimetres are assumed"):
+        assert read_trc(write(trc(Units=unit))).positions[0, 0].tolist() == [1, 2, 3]
+
+
+def test_empty_cells_are_missing(write: Write) -> None:
+    read = read_trc(write(trc(["1 0.00    4 5 6", "2 0.01 7 8 9   "])))
+    assert read.present.tolist() == [[False, True], [True, False]]
+
+
+def test_a_frame_of_nothing_but_gaps_is_a_frame(write: Write) -> None:
+    read = read_trc(write(trc(["1 0.00 1 2 3 4 5 6", "2 0.01      ", "3 0.02 1 2 3 4 5 6"])))
+    assert read.present[:, 0].tolist() == [True, False, True]
+
+
+def test_zeros_are_missing_unless_told_otherwise(write: Write) -> None:
+    path = write(trc(["1 0.00 0 0 0 4 5 6"]))
+    with pytest.warns(UserWarning, match=r"1 samples are at exactly \(0, 0, 0\)"):
+        assert read_trc(path).present.tolist() == [[False, True]]
+    assert read_trc(path, zeros_missing=False).present.all()
+
+
+def test_partly_missing_and_infinite_samples_are_told(write: Write) -> None:
+    with pytest.warns(UserWarning, match="count as missing") as told:
+        read = read_trc(write(trc(["1 0.00 1  3 inf 5 6"])))
+    assert len(told) == 2
+    assert not read.present.any()
+
+
+@pytest.mark.parametrize(
+    ("fact", "said", "told"),
+    [
+        ("NumFrames", "652", "says 652 frames, the file holds 2"),
+        ("NumFrames", "1", "says 1 frames, the file holds 2"),
+        ("NumFrames", "999999999999999999", "says 9{18} frames, the file holds 2"),
+        ("NumFrames", "-1", "says -1 frames, the file holds 2"),
+        ("NumFrames", "many", "says many frames, the file holds 2"),
+        ("NumFrames", "", "says no number of frames, the file holds 2"),
+        ("NumMarkers", "3", "says 3 markers, the file holds 2"),
+        ("NumMarkers", "999999999999", "says 9{12} markers, the file holds 2"),
+    ],
+)
+def test_a_header_that_lies_is_corrected_aloud(
+    write: Write, fact: str, said: str, told: str
+) -> None:
+    with pytest.warns(UserWarning, match=told):
+        read = read_trc(write(trc(**{fact: said})))
+    assert read.positions.shape == (2, 2, 3)
+
+
+def test_counts_that_are_no_whole_numbers_by_their_writing_only(write: Write) -> None:
+    assert read_trc(write(trc(NumFrames="2.0", NumMarkers="2.0"))).frames == 2
+
+
+@pytest.mark.parametrize("rate", [None, "", "0", "0.0", "-60", "nan", "inf", "fast", "1_0"])
+def test_a_rate_is_needed(write: Write, rate: str | None) -> None:
+    with pytest.raises(ValueError, match=r"take\.trc: DataRate must be a positive number"):
+        read_trc(write(trc(DataRate=rate)))
+
+
+@pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "1,5,2", "#N/A"])
+@pytest.mark.parametrize("column", [1, 2, 3, 8])
+def test_text_for_a_number_is_told_with_its_place(write: Write, cell: str, column: int) -> None:
+    row = ["2", "0.01", "7", "8", "9", "10", "11", "12"]
+    row[column - 1] = cell
+    with pytest.raises(ValueError, match=rf"take\.trc:8:{column}: '{cell}' is not a number"):
+        read_trc(write(trc(["1 0.00 1 2 3 4 5 6", " ".join(row)])))
+
+
+def test_a_lone_quote_above_the_frames_does_no_harm(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(table, "_cell_by_cell", None)  # which would read them in any case
+    read = read_trc(write(trc(names='Frame# Time "lip   nose  ')))
+    assert (read.markers, read.frames) == (('"lip', "nose"), 2)
+
+
+def test_decimal_commas_are_read_aloud(write: Write) -> None:
+    with pytest.warns(UserWarning, match=r"commas count as decimal points, in 8 cells"):
+        read = read_trc(write(trc(["1 0,00 1,5 2,5 3,25 4,5 5,5 6,5", "2 0,01 1 1 1 1 1 1"])))
+    assert read.positions[0].tolist() == [[1.5, 2.5, 3.25], [4.5, 5.5, 6.5]]
+
+
+def test_a_comma_beside_dots_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.trc:7:2: '0\.00' has a dot, but '1,5' \(.*:7:3\)"):
+        read_trc(write(trc(["1 0.00 1,5 2 3 4 5 6"])))
+
+
+def test_labels_that_lack_or_repeat_get_their_own(write: Write) -> None:
+    with pytest.warns(UserWarning, match="2 markers had no label, or another's"):
+        read = read_trc(
+            write(
+                trc(
+                    ["1 0 1 2 3 4 5 6 7 8 9"],
+                    "Frame# Time lip   lip     ",
+                    "  X1 Y1 Z1 X2 Y2 Z2 X3 Y3 Z3",
+                    NumMarkers="3",
+                )
+            )
+        )
+    assert read.markers == ("lip", "lip_2", "unnamed_3")
+
+
+def test_a_subject_that_all_share_is_taken_off(write: Write) -> None:
+    assert read_trc(write(trc(names="Frame# Time A:lip   A:nose  "))).markers == ("lip", "nose")
+
+
+def test_more_names_than_columns_are_told(write: Write) -> None:
+    with pytest.warns(UserWarning, match="1 labels beyond the 2 markers were left out: chin"):
+        read = read_trc(write(trc(names="Frame# Time lip   nose   chin  ")))
+    assert read.markers == ("lip", "nose")
+
+
+def test_more_columns_than_names_are_told(write: Write) -> None:
+    with pytest.warns(UserWarning, match="1 markers had no label.*'unnamed_2'"):
+        assert read_trc(write(trc(names="Frame# Time lip  "))).markers == ("lip", "unnamed_2")
+
+
+def test_a_name_out_of_place_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.trc:4:4: the name 'nose' is out of place"):
+        read_trc(write(trc(names="Frame# Time lip nose")))
+
+
+@pytest.mark.parametrize(
+    ("axes", "told"),
+    [
+        ("  X1 Y1 Z1 X2 Z2 Y2", ":5:7: 'Z2' where Y2 is expected"),
+        ("  X1 Y1 Z1 X2 Y2", ":5: 5 columns X1, Y1, Z1, ... make no whole number"),
+        ("  X1 Y1 Z1  Y2 Z2", ":5:6: '' where X2 is expected"),
+        ("X1 Y1 Z1", ":5:1: 'X1' where an empty cell is expected"),
+        ("1 0.00 1 2 3 4 5 6", ":5:1: '1' where an empty cell is expected"),
+    ],
+)
+def test_columns_out_of_place_are_refused(write: Write, axes: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.trc{told}"):
+        read_trc(write(trc(axes=axes)))
+
+
+def test_a_row_longer_than_the_columns_is_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.trc:7: 9 cells, but 8 columns"):
+        read_trc(write(trc(["1 0 1 2 3 4 5 6 7"])))
+    assert read_trc(write(trc(["1 0 1 2 3 4 5 6  "]))).present.all()
+
+
+def test_a_row_that_ends_early_is_told(write: Write) -> None:
+    path = write(trc(["1 0.00 1 2 3", "2 0.01 7 8 9 10 11 12"]))
+    with pytest.warns(UserWarning, match="1 rows end before the last of 8 columns.* line 7"):
+        assert read_trc(path).present.tolist() == [[True, False], [True, True]]
+
+
+def test_a_number_in_which_the_file_ends_is_not_believed(write: Write) -> None:
+    whole = trc(["1 0.00 1 2 3 4 5 6", "2 0.01 7 8 9.25"]).rstrip("\n")
+    with (
+        pytest.warns(UserWarning, match="1 rows end before the last of 8 columns"),
+        pytest.warns(UserWarning, match="1 samples lack a coordinate"),
+    ):
+        read = read_trc(write(whole[:-1]))
+    assert read.present.tolist() == [[True, True], [False, False]]
+
+
+def test_a_file_without_a_last_line_end_is_whole(write: Write) -> None:
+    assert read_trc(write(trc().rstrip("\n"))).present.all()
+
+
+@pytest.mark.parametrize(
+    ("numbers", "uneven"), [((1, 2, 4), 1), ((1, 1, 2), 1), ((3, 2, 1), 2), ((90, 91, 92), 0)]
+)
+@pytest.mark.filterwarnings("error")
+def test_frame_numbers_that_skip_are_told(
+    write: Write, numbers: tuple[int, ...], uneven: int
+) -> None:
+    rows = [f"{number} {row / 100} 1 2 3 4 5 6" for row, number in enumerate(numbers)]
+    path = write(trc(rows))
+    if uneven:
+        with pytest.warns(UserWarning, match=f"{uneven} of 2 steps of Frame# are not 1"):
+            assert read_trc(path).frames == 3
+    else:
+        assert read_trc(path).frames == 3
+
+
+def test_times_that_contradict_the_rate_are_told(write: Write) -> None:
+    rows = [f"{frame} {frame / 60:.2f} 1 2 3 4 5 6" for frame in range(300)]
+    assert read_trc(write(trc(rows, DataRate="60"))).rate == 60
+    with pytest.warns(UserWarning, match=r"lasts 4\.98 s, by DataRate 2\.99 s; DataRate counts"):
+        assert read_trc(write(trc(rows, DataRate="100"))).rate == 100
+
+
+def test_no_frames_are_refused(write: Write) -> None:
+    with pytest.raises(ValueError, match=r"take\.trc: no frames .* NumFrames says 652"):
+        read_trc(write(trc([], NumFrames="652")))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "no TRC file: it begins with ''"),
+        ("a.x,a.y,a.z\n1,2,3\n", "no TRC file: it begins with 'a.x,a.y,a.z'"),
+        ("PathFileType 4\n", r":1: neither tabs nor commas"),
+        ("PathFileType\t4\n\n\n\n\n\n", "the header ends after 1 of 5 lines"),
+    ],
+)
+def test_what_is_no_recording_is_refused(write: Write, text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.trc:? ?{told}"):
+        read_trc(write(text))
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "take.trc"
+    path.write_bytes(trc().encode("utf-16-le"))
+    with pytest.raises(
+        ValueError, match=r"take\.trc: not a table of text: line 1 holds a zero byte"
+    ):
+        read_trc(path)
+
+
+def test_a_text_in_utf_16_says_so_itself(tmp_path: Path) -> None:
+    path = tmp_path / "take.trc"
+    path.write_bytes(trc().replace("lip", "é").encode("utf-16"))
+    assert read_trc(path).markers == ("é", "nose")
+
+
+NAMES = st.text(string.ascii_letters + '.,;_" #éß', min_size=1, max_size=6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_what_is_written_reads_back_equal(data: Any) -> None:
+    names = data.draw(
+        st.lists(NAMES.filter(lambda name: name == name.strip()), min_size=1, unique=True)
+    )
+    frames = data.draw(st.integers(1, 4))
+    numbers = st.floats(allow_nan=False, allow_infinity=False).filter(bool)
+    positions = data.draw(arrays.arrays(np.float64, (frames, len(names), 3), elements=numbers))
+    positions[data.draw(arrays.arrays(np.bool_, (frames, len(names))))] = np.nan
+    rate = data.draw(st.floats(1e-3, 1e5))
+    recording = Trajectories(positions=positions, markers=tuple(names), rate=rate)
+    with tempfile.TemporaryDirectory() as folder:
+        write_trc(recording, Path(folder) / "it.trc")
+        again = read_trc(Path(folder) / "it.trc")
+    np.testing.assert_array_equal(again.positions, recording.positions)
+    assert (again.markers, again.rate) == (recording.markers, recording.rate)
+
+
+def test_what_is_written_is_the_form_that_others_read(gappy: Trajectories) -> None:
+    lines = [line.split("\t") for line in trc_bytes(gappy).decode().split("\n")]
+    facts = dict(zip(lines[1], lines[2], strict=True))
+    assert lines[0][:3] == ["PathFileType", "4", "(X/Y/Z)"]
+    assert (facts["DataRate"], facts["NumFrames"], facts["NumMarkers"]) == ("59.94", "6", "3")
+    assert facts["Units"] == "mm"
+    assert lines[3] == ["Frame#", "Time", "a", "", "", "b c", "", "", "é", "", ""]
+    assert lines[4] == ["", "", "X1", "Y1", "Z1", "X2", "Y2", "Z2", "X3", "Y3", "Z3"]
+    assert lines[5] == [""]
+    assert [row[0] for row in lines[6:12]] == ["1", "2", "3", "4", "5", "6"]
+    assert lines[8][5:8] == ["", "", ""]
+    assert float(lines[7][1]) == pytest.approx(1 / 59.94)
+    assert float(lines[7][4]) == gappy.positions[1, 0, 2]
+
+
+@pytest.mark.parametrize("name", ["", " a", "a\n", "a\tb", "a\x00", "\u2028"])
+def test_a_name_that_cannot_stand_in_a_cell_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match="TRC cannot keep the marker name"):
+        trc_bytes(Trajectories(positions=np.ones((1, 1, 3)), markers=(name,), rate=60))
+
+
+@pytest.mark.parametrize("shape", [(0, 2, 3), (3, 0, 3)])
+def test_nothing_is_not_written(shape: tuple[int, int, int]) -> None:
+    names = ("a", "b")[: shape[1]]
+    with pytest.raises(ValueError, match=f"not {shape[0]} of {shape[1]}"):
+        trc_bytes(Trajectories(positions=np.ones(shape), markers=names, rate=60))
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_damaged_text_gives_a_recording_or_a_value_error(
+    gappy: Trajectories, tmp_path: Path
+) -> None:
+    good = trc_bytes(gappy)
+    path = tmp_path / "take.trc"
+    chance = random.Random(4)
+    refused = []
+    for _ in range(600):
+        content = bytearray(good[: chance.choice([len(good), chance.randrange(len(good))])])
+        for _ in range(3):
+            if content:
+                content[chance.randrange(len(content))] = chance.randrange(256)
+        path.write_bytes(content)
+        try:
+            read_trc(path)
+        except ValueError as error:
+            refused.append(str(error))
+    assert len(refused) > 200
+    assert all("take.trc" in message for message in refused)
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the recordings are not here")
+def test_a_real_file_with_commas_that_was_cut_short() -> None:
+    with pytest.warns(UserWarning, match="the header says 652 frames, the file holds 93") as told:
+        read = read_trc(REAL)
+    assert len(told) == 1
+    rows = [line.split(",") for line in REAL.read_text().splitlines()]
+    assert read.positions.shape == (93, 51, 3)
+    assert read.rate == 100
+    assert read.markers == tuple(cell for cell in rows[3][2:] if cell)
+    one_by_one = [[float(cell or "nan") for cell in row[2:]] for row in rows[-93:]]
+    there = read.present
+    np.testing.assert_array_equal(read.positions[there], np.reshape(one_by_one, (93, 51, 3))[there])
+    assert there.sum() > 0.9 * there.size

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+
+from nodegraph_mocap.player.data import MOST_STEPS, Blob, held
+from tests.plugins.nodegraph_mocap.player.unpacked import Read
+
+REACH = 1000.0
+SHAPES = array_shapes(min_dims=2, max_dims=2, min_side=0, max_side=9)
+NUMBERS = arrays(np.float64, SHAPES, elements=st.floats(-REACH, REACH) | st.just(np.nan))
+
+
+@settings(deadline=None)
+@given(NUMBERS, st.sampled_from([0.01, 0.5, 1e-4]))
+def test_numbers_come_back_to_half_a_step(values: np.ndarray, step: float) -> None:
+    blob = Blob()
+    told, steps = blob.steps(values, step)
+    read = Read(blob.packed({}))
+    back = read.steps(told)
+    assert np.array_equal(back, steps)
+    known = ~np.isnan(values)
+    assert np.all(np.abs(back * step - values)[known] <= step / 2 * (1 + 1e-6))
+
+
+@settings(deadline=None)
+@given(st.lists(st.sampled_from([MOST_STEPS, -MOST_STEPS, 0, 1]), min_size=1, max_size=12))
+def test_the_farthest_numbers_come_back_beside_the_farthest_others(given: list[int]) -> None:
+    values = np.array([given], dtype=np.float64)
+    blob = Blob()
+    first, like = blob.steps(-values, 1.0)
+    second, _ = blob.steps(values, 1.0, like)
+    read = Read(blob.packed({}))
+    assert np.array_equal(read.steps(second, read.steps(first)), values)
+
+
+def test_several_arrays_lie_where_the_head_says() -> None:
+    blob = Blob()
+    places = [blob.small(np.arange(count, dtype=np.uint8)) for count in (1, 2, 3, 5)]
+    told = blob.exact(np.array([0.5, np.pi]))
+    read = Read(blob.packed({"label": "\u00e9</script>"}))
+    for place, count in zip(places, (1, 2, 3, 5), strict=True):
+        assert read.small(place, count).tolist() == list(range(count))
+    assert read.exact(told) == pytest.approx([0.5, np.pi], rel=1e-7)
+    assert all(place % 4 == 0 for place in (*places, told["at"]))
+    assert read.head == {"label": "\u00e9</script>"}
+
+
+def test_equal_things_make_equal_bytes() -> None:
+    def made() -> bytes:
+        blob = Blob()
+        blob.steps(np.linspace(0, 1, 50).reshape(5, 10), 0.01)
+        return blob.packed({"one": 1})
+
+    assert made() == made()
+
+
+def test_rows_like_others_cost_next_to_nothing() -> None:
+    rows = np.random.default_rng(0).normal(0, 50, (180, 400)).cumsum(axis=1)
+    alone, twice = Blob(), Blob()
+    alone.steps(rows, 0.01)
+    _, like = twice.steps(rows, 0.01)
+    twice.steps(rows, 0.01, like)
+    assert len(twice.packed({})) < 1.01 * len(alone.packed({}))
+
+
+def test_what_is_missing_repeats_what_was_before() -> None:
+    row = [[np.nan, 1.0, np.nan, np.nan, 3.0, np.nan], [np.nan] * 6]
+    assert held(np.array(row)).tolist() == [[0, 1, 1, 1, 3, 3], [0] * 6]

@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph_mocap import Animation, Origin, Panel, Playback, Trajectories
+from nodegraph_mocap.player.data import error_scale, packed, step_of
+from nodegraph_mocap.specimens import animations, recordings
+from tests.plugins.nodegraph_mocap.player.unpacked import Read
+
+
+def panel(shown: Any, label: str = "one", radius: float = 100.0) -> Panel:
+    axes = np.eye(3)
+    return Panel(
+        label=label, shown=shown, centre=np.zeros(3), right=axes[0], up=axes[1], radius=radius
+    )
+
+
+def playback(*shown: Any, truth: Any = None) -> Playback:
+    known = None if truth is None else panel(truth, "truth")
+    return Playback(panels=tuple(panel(one) for one in shown), truth=known)
+
+
+@pytest.mark.parametrize("name", recordings())
+def test_every_sample_comes_back_to_a_hundredth_of_a_millimetre(name: str) -> None:
+    recording = recordings()[name]
+    read = Read.of(playback(recordings()["complete"], recording, recording))
+    for place in (1, 2):
+        told = read.head["panels"][place]
+        assert tuple(told["markers"]) == recording.markers
+        assert (told["frames"], told["rate"]) == (recording.frames, recording.rate)
+        assert np.array_equal(read.origin(place), recording.origin)
+        error = np.abs(read.positions(place) - recording.positions)
+        assert np.array_equal(np.isnan(error), np.isnan(recording.positions))
+        assert np.nanmax(error, initial=0.0) <= 0.005 + 1e-9
+
+
+def test_equal_recordings_are_told_once() -> None:
+    noise = np.random.default_rng(0).normal(0, 30, (200, 60, 3))
+    markers = tuple(f"m{one}" for one in range(60))
+    recording = Trajectories(positions=noise, markers=markers, rate=60.0)
+    changed = noise.copy()
+    changed[50:60, 7] += 1.0
+    fills = [replace(recording, positions=changed) for _ in range(9)]
+    alone = len(packed(playback(recording)))
+    assert len(packed(playback(recording, *fills))) < 1.15 * alone
+
+
+def test_a_long_study_stays_small() -> None:
+    rng = np.random.default_rng(1)
+    frames, markers = 1590, 60
+    paths = 150 * np.sin(
+        np.linspace(0, 40, frames)[:, None, None] + rng.uniform(0, 6, (markers, 3))
+    )
+    names = tuple(f"m{one}" for one in range(markers))
+    noisy = [
+        Trajectories(positions=paths + rng.normal(0, 0.1, paths.shape), markers=names, rate=60.0)
+        for _ in range(10)
+    ]
+    assert len(packed(playback(*noisy))) * 4 / 3 < 7e6
+
+
+def test_a_head_that_several_share_is_told_once() -> None:
+    first, second = animations()["complete"], animations()["gaps"]
+    read = Read.of(playback(first, second))
+    (head,) = read.head["heads"]
+    assert [one["head"] for one in read.head["panels"]] == [0, 0]
+    vertices = read.steps(head["vertices"]).reshape(-1, 3) * head["vertices"]["step"]
+    assert np.abs(vertices - first.head.vertices).max() <= 0.005 + 1e-9
+    morphs = read.steps(head["morphs"]).reshape(first.head.morphs.shape) * head["morphs"]["step"]
+    assert np.abs(morphs - first.head.morphs).max() <= 0.005 + 1e-9
+    assert np.array_equal(read.steps(head["faces"]).reshape(-1, 3), first.head.faces)
+    other = replace(second, head=replace(second.head, vertices=second.head.vertices + 1))
+    assert [one["head"] for one in Read.of(playback(first, other)).head["panels"]] == [0, 1]
+
+
+@pytest.mark.parametrize("name", animations())
+def test_weights_and_motion_come_back(name: str) -> None:
+    animation: Animation = animations()[name]
+    read = Read.of(playback(animation))
+    (told,) = read.head["panels"]
+    known = np.isfinite(animation.morph_weights)
+    assert np.array_equal(read.small(told["known"], animation.frames), known.all(axis=1))
+    weights = read.steps(told["weights"]).T * told["weights"]["step"]
+    assert np.abs(weights - animation.morph_weights)[known].max() <= 5.1e-5
+    motion = animation.head_motion
+    assert (told["motion"] is None) == (motion is None)
+    if motion is not None:
+        twelve = read.exact(told["motion"]).reshape(-1, 12)
+        scaled = motion.scales[:, None, None] * motion.rotations
+        assert twelve[:, :9] == pytest.approx(scaled.reshape(-1, 9), abs=1e-6)
+        assert twelve[:, 9:] == pytest.approx(motion.translations, rel=1e-6)
+
+
+def test_edges_and_the_truth_are_matched_by_name() -> None:
+    truth = recordings()["complete"]
+    shown = truth.keep(["lip_right", "nose", "lip_left"])
+    renamed = replace(shown, markers=("lip_right", "new", "lip_left"), marker_set=None)
+    read = Read.of(playback(shown, renamed, truth=truth))
+    known, one, other = read.head["panels"]
+    assert known["truth"] is None
+    assert [truth.markers[place] for place in one["truth"]] == list(shown.markers)
+    assert other["truth"][1] == -1
+    assert {tuple(sorted(shown.markers[end] for end in edge)) for edge in one["edges"]} == {
+        ("lip_left", "lip_right")
+    }
+    assert other["edges"] == []
+
+
+def test_it_opens_where_most_samples_were_made() -> None:
+    whole = recordings()["filled, repaired and with sigma"]
+    assert Read.of(playback(recordings()["complete"], whole)).head["start"] == 10 / 60
+    assert Read.of(playback(recordings()["gaps"])).head["start"] == 0.0
+    nowhere = recordings()["complete"].keep(["lip_right"])
+    assert Read.of(playback(whole, truth=nowhere)).head["start"] == 30 / 60
+
+
+def test_a_head_alone_starts_where_it_moves_most() -> None:
+    moved = animations()["complete"]
+    sizes = np.abs(moved.morph_weights).sum(axis=1)
+    start = Read.of(playback(moved)).head["start"]
+    assert sizes[round(start * moved.rate)] == sizes.max() > 0
+    still = replace(moved, weights=replace(moved.weights, values=0 * moved.weights.values))
+    assert Read.of(playback(still)).head["start"] == 0.0
+
+
+def test_the_colours_end_above_nearly_all_errors() -> None:
+    truth = recordings()["complete"]
+    made = np.zeros(truth.origin.shape, bool)
+    made[5:25, 2] = True
+    moved = truth.positions + made[..., None] * np.array([0.0, 3.1, 0.0])
+    filled = truth.with_samples(moved, changed=made, origin=Origin.FILLED)
+    assert error_scale(playback(filled, truth=truth)) == 5.0
+    assert (
+        error_scale(playback(replace(truth, positions=truth.positions + 0.3), truth=truth)) == 1.0
+    )
+    assert error_scale(playback(truth, truth=truth)) == 1.0
+    assert error_scale(playback(filled)) == 1.0
+    assert error_scale(playback(animations()["complete"], truth=truth)) == 1.0
+
+
+def test_tiny_things_are_told_more_finely() -> None:
+    face = recordings()["complete"]
+    assert step_of([panel(face)]) == 0.01
+    assert step_of([panel(face, radius=1.0)]) == pytest.approx(1e-4)
+    assert step_of([panel(face, radius=1.0), panel(face)]) == 0.01
+
+
+def test_a_sample_out_of_reach_is_told_as_missing() -> None:
+    face = recordings()["complete"]
+    far = face.positions.copy()
+    far[3, 2] = 1e9
+    read = Read.of(playback(replace(face, positions=far)))
+    assert read.origin(0)[3, 2] == Origin.MISSING
+    assert np.count_nonzero(read.origin(0) == Origin.MISSING) == 1

@@ -1,0 +1,509 @@
+"""The player in a browser: what is drawn is what the data say, and what is pressed happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph.report import Section, Study, page
+from nodegraph_mocap import Animation, HeadMotion, Origin, Panel, Playback, Trajectories
+from nodegraph_mocap.player.page import render_playback
+from nodegraph_mocap.specimens import FRAMES, animations, recordings
+from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+
+RIGHT, UP = np.array([0.6, 0.0, -0.8]), np.array([0.0, 1.0, 0.0])
+AXES = np.stack([RIGHT, UP, np.cross(RIGHT, UP)])
+CENTRE = np.array([3.0, 15.0, 60.0])
+RADIUS = 110.0
+COLOURS = {Origin.MEASURED: "#2a86c8", Origin.FILLED: "#e0453c", Origin.REPAIRED: "#d98a00"}
+PLAYER = "document.querySelectorAll('figure.playback')[%d].playback"
+FIRST = PLAYER % 0
+STAGE = "figure.playback .stage"
+CANVAS = "figure.playback canvas"
+HOSTILE = "<img src=x onerror=\"document.title='ran'\">"
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    with opened(tmp_path_factory.mktemp("profile")) as made:
+        yield made
+
+
+@pytest.fixture(autouse=True)
+def nothing_complains(request: pytest.FixtureRequest) -> Iterator[None]:
+    made: Tab = request.getfixturevalue("tab")
+    made.said.clear()
+    made.prefer()
+    yield
+    assert made.said == []
+
+
+def panel(shown: Trajectories | Animation, label: str = "one") -> Panel:
+    return Panel(label=label, shown=shown, centre=CENTRE, right=RIGHT, up=UP, radius=RADIUS)
+
+
+def written(folder: Path, *playbacks: Playback) -> Path:
+    sections = tuple(Section(str(n), render_playback(one, "x")) for n, one in enumerate(playbacks))
+    file = folder / "report.html"
+    file.write_text(page(Study("A title", sections=sections)), encoding="utf-8")
+    return file
+
+
+def show(tab: Tab, folder: Path, *shown: Panel, truth: Panel | None = None, **size: Any) -> None:
+    tab.show(written(folder, Playback(panels=shown, truth=truth)), **size)
+
+
+def moved_by_hand() -> Trajectories:
+    """Return a recording of every origin, which moves enough to be seen."""
+    face = recordings()["filled, repaired and with sigma"]
+    sway = np.linspace(0, 20, FRAMES)[:, None, None] * np.array([1.0, 0.5, 0.0])
+    return replace(face, positions=face.positions + sway)
+
+
+def projected(points: NDArray[np.float64], size: float, turn: float = 0.0) -> Any:
+    """Return (..., 3) dots of points in a picture, the camera turned about the picture's up."""
+    about = Rotation.from_rotvec(turn * UP).as_matrix()
+    seen = (points - CENTRE) @ about.T @ AXES.T * size / (2 * RADIUS)
+    return seen * [1, -1, 1] + [size / 2, size / 2, 0]
+
+
+def dots(state: dict[str, Any], place: int = 0) -> NDArray[np.float64]:
+    found = state["panels"][place]["dots"]
+    return np.array([np.nan if one is None else one for one in found], float).reshape(-1, 3)
+
+
+def pixel(tab: Tab, x: float, y: float, place: int = 0) -> tuple[int, ...]:
+    """Return red, green, blue and opacity of a canvas at a dot."""
+    # from a copy, as the browser complains of much reading from what is drawn for eyes
+    return tuple(
+        tab.value(
+            "(() => { const copy = new OffscreenCanvas(1, 1);"
+            "const pen = copy.getContext('2d', { willReadFrequently: true });"
+            f"pen.drawImage(document.querySelectorAll('canvas')[{place}], {-int(x)}, {-int(y)});"
+            "return Array.from(pen.getImageData(0, 0, 1, 1).data); })()"
+        )
+    )
+
+
+def rgb(colour: str) -> tuple[int, ...]:
+    return (*bytes.fromhex(colour[1:]), 255)
+
+
+def until(tab: Tab, condition: str) -> None:
+    """Wait, frame by frame of the browser, until something holds."""
+    tab.value(
+        f"new Promise((done) => {{ const look = () => ({condition}) ? done(true) "
+        ": requestAnimationFrame(look); look(); })"
+    )
+
+
+@pytest.mark.parametrize("frame", [0, 12, 22, FRAMES - 1])
+def test_markers_are_drawn_where_and_as_they_are(tab: Tab, tmp_path: Path, frame: int) -> None:
+    face = replace(moved_by_hand(), marker_set=None)
+    show(tab, tmp_path, panel(face))
+    tab.value(f"{FIRST}.seek({frame})")
+    state = tab.value(f"{FIRST}.state")
+    assert (state["tick"], state["panels"][0]["frame"]) == (frame, frame)
+    drawn = dots(state)
+    expected = projected(face.positions[frame], state["panels"][0]["size"])
+    assert np.array_equal(np.isnan(drawn), np.isnan(expected))
+    assert np.nanmax(np.abs(drawn - expected)) < 0.05
+    for marker, (x, y, _) in enumerate(drawn):
+        if np.isfinite(x):
+            assert pixel(tab, x, y) == rgb(COLOURS[Origin(face.origin[frame, marker])])
+
+
+def test_edges_are_drawn_where_both_ends_are(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    gap = face.with_samples(
+        np.where(np.arange(10)[:, None] == 4, np.nan, face.positions),
+        changed=np.arange(10)[None] == np.full((FRAMES, 1), 4),
+        origin=Origin.MISSING,
+    )
+    show(tab, tmp_path, panel(face), panel(gap))
+    drawn = dots(tab.value(f"{FIRST}.state"))
+    lips = [face.markers.index(name) for name in ("lip_left", "lip_right")]
+    x, y = drawn[lips, :2].mean(axis=0)
+    assert pixel(tab, x, y, 0)[3] > 100
+    assert pixel(tab, x, y, 1) == (0, 0, 0, 0)
+
+
+def test_the_truth_is_a_circle_and_errors_have_colours(tab: Tab, tmp_path: Path) -> None:
+    truth = replace(recordings()["complete"], marker_set=None)
+    made = np.zeros(truth.origin.shape, bool)
+    made[:, 6] = True
+    moved = truth.positions + made[..., None] * np.array([0.0, 12.0, 0.0])
+    filled = truth.with_samples(moved, changed=made, origin=Origin.FILLED)
+    show(tab, tmp_path, panel(filled, "guess"), truth=panel(truth, "truth"))
+    state = tab.value(f"{FIRST}.state")
+    assert [one["label"] for one in state["panels"]] == ["truth", "guess"]
+    there, guess = dots(state, 0)[6], dots(state, 1)[6]
+    halfway = (there + guess) / 2
+    assert pixel(tab, halfway[0], halfway[1], 1)[3] > 0  # the line from where it should be
+    tab.click("figure.playback input[type=checkbox]")
+    tab.value(f"{FIRST}.state")
+    assert pixel(tab, halfway[0], halfway[1], 1)[3] == 0
+    tab.value(
+        "{ const one = document.querySelectorAll('.playback select')[1]; "
+        "one.value = 'error'; one.dispatchEvent(new Event('change')); }"
+    )
+    tab.value(f"{FIRST}.state")
+    assert pixel(tab, guess[0], guess[1], 1) == (206, 86, 122, 255)
+    assert pixel(tab, dots(state, 1)[0, 0], dots(state, 1)[0, 1], 1) == (42, 134, 200, 255)
+    assert "20 mm and more" in tab.value("document.querySelector('.legend').textContent")
+    told = tab.value("document.querySelectorAll('.told')[1].textContent")
+    assert told == "9 captured, 1 recovered; 1 compared: mean error 12.00 mm, largest 12.00 mm"
+
+
+def test_trails_show_where_markers_came_from(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(replace(moved_by_hand(), marker_set=None)))
+    tab.value(f"{FIRST}.seek(0)")
+    x, y, _ = dots(tab.value(f"{FIRST}.state"))[7]
+    tab.value(f"{FIRST}.seek(25)")
+    tab.value(f"{FIRST}.state")
+    assert pixel(tab, x, y) == (0, 0, 0, 0)
+    tab.click("figure.playback input[type=checkbox]")
+    tab.value(f"{FIRST}.state")
+    assert pixel(tab, x, y)[3] > 0
+
+
+def head() -> Animation:
+    whole = animations()["complete"]
+    turns = Rotation.from_euler("y", np.linspace(0, 0.5, FRAMES)[:, None]).as_matrix()
+    motion = HeadMotion(
+        rotations=turns, translations=np.full((FRAMES, 3), 2.0), scales=np.full(FRAMES, 0.9)
+    )
+    return replace(whole, head_motion=motion)
+
+
+@pytest.mark.parametrize("frame", [0, 17])
+def test_a_head_is_posed_as_its_weights_and_motion_say(
+    tab: Tab, tmp_path: Path, frame: int
+) -> None:
+    whole = head()
+    still = replace(whole, head_motion=None)
+    show(tab, tmp_path, panel(whole), panel(still))
+    tab.value(f"{FIRST}.seek({frame})")
+    state = tab.value(f"{FIRST}.state")
+    size = state["panels"][0]["size"]
+    posed = whole.head.vertices + np.einsum(
+        "k,kvi->vi", whole.morph_weights[frame], whole.head.morphs
+    )
+    motion = whole.head_motion
+    assert motion is not None
+    turned = 0.9 * posed @ motion.rotations[frame].T + 2.0
+    assert np.abs(dots(state, 0) - projected(turned, size)).max() < 0.1
+    assert np.abs(dots(state, 1) - projected(posed, size)).max() < 0.1
+    corners = dots(state, 1)[whole.head.faces]
+    for x, y, _ in corners.mean(axis=1):
+        assert pixel(tab, x, y, 1)[3] == 255
+    x, y = corners[..., :2].max(axis=(0, 1)) + 5
+    assert pixel(tab, x, y, 1) == (0, 0, 0, 0)
+
+
+def test_the_nearest_triangle_is_seen_and_lit_from_the_front(tab: Tab, tmp_path: Path) -> None:
+    towards = AXES[2]
+    corners = np.array([[-40, -40, 0], [40, -40, 0], [0, 40, 0]]) @ AXES + CENTRE
+    vertices = np.concatenate([corners, corners + 30 * towards, corners - 30 * towards])
+    whole = animations()["complete"]
+    inside_out = [[3, 5, 4]]  # as seen from the front it turns the other way
+    for faces, bright in (([[0, 1, 2], *inside_out, [6, 7, 8]], False), ([[6, 7, 8]], True)):
+        flat = replace(
+            whole.head,
+            vertices=vertices,
+            faces=np.array(faces),
+            morphs=np.zeros((3, 9, 3)),
+            marker_vertices=np.arange(9)[: len(whole.head.markers)],
+            markers=whole.head.markers[:9],
+        )
+        show(tab, tmp_path, panel(replace(whole, head=flat)))
+        state = tab.value(f"{FIRST}.state")
+        x, y, _ = dots(state)[:3].mean(axis=0)
+        red, _, _, opacity = pixel(tab, x, y)
+        assert opacity == 255
+        assert (red > 180) == bright
+
+
+def test_a_frame_without_weights_says_so(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(animations()["gaps"]))
+    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is not None
+    tab.value(f"{FIRST}.seek(0)")
+    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is None
+    assert tab.value("document.querySelector('.told').textContent") == "weights are missing"
+    tab.value(f"{FIRST}.seek(5)")
+    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is not None
+
+
+def test_play_goes_on_and_pause_stops(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(recordings()["complete"]))
+    assert not tab.value(f"{FIRST}.state.playing")  # nothing moves by itself
+    button = "document.querySelector('.playback button')"
+    assert tab.value(f"{button}.textContent") == "Play"
+    tab.click(".playback button")
+    until(tab, f"{FIRST}.tick > 3")
+    assert tab.value(f"{button}.textContent") == "Pause"
+    tab.click(".playback button")
+    until(tab, f"{button}.textContent === 'Play'")
+    stopped = tab.value(f"{FIRST}.seconds")
+    tab.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert tab.value(f"{FIRST}.seconds") == stopped
+
+
+def test_the_clock_runs_slower_and_round(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    show(tab, tmp_path, panel(face))
+    passed = f"{{ {FIRST}.seek(0); {FIRST}.last = 0; {FIRST}.advance(80); }}"
+    tab.value(passed)
+    assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.08)
+    tab.value(
+        "{ const one = document.querySelector('.playback select'); "
+        "one.value = '0.1'; one.dispatchEvent(new Event('change')); }"
+    )
+    tab.value(passed)
+    assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.008)
+    tab.value(f"{{ {FIRST}.seconds = 0.66; {FIRST}.last = 0; {FIRST}.advance(100); }}")
+    assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.67 - face.frames / face.rate)
+
+
+def test_who_wants_little_motion_sees_a_take_once(tab: Tab, tmp_path: Path) -> None:
+    tab.prefer(prefers_reduced_motion="reduce")
+    show(tab, tmp_path, panel(recordings()["complete"]))
+    tab.value(f"{FIRST}.seek({FRAMES - 2})")
+    tab.value(f"{FIRST}.play()")
+    until(tab, f"!{FIRST}.playing")
+    assert tab.value(f"{FIRST}.state.tick") == FRAMES - 1
+
+
+def test_the_slider_seeks(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(recordings()["complete"]))
+    tab.click("figure.playback input[type=range]")
+    state = tab.value(f"{FIRST}.state")
+    assert abs(state["tick"] - FRAMES / 2) < 2
+    tab.press("ArrowRight")
+    assert tab.value(f"{FIRST}.state.tick") == state["tick"] + 1
+    clock = tab.value("document.querySelector('.clock').textContent")
+    tick = state["tick"] + 1
+    assert clock == f"frame {tick} of {FRAMES - 1} \u00b7 {tick / 60:.2f} s of 0.67 s"
+
+
+def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    again = np.arange(1200) % FRAMES
+    long = replace(face, positions=face.positions[again], origin=face.origin[again])
+    show(tab, tmp_path, panel(long))
+    where = (
+        "JSON.stringify(document.querySelector('figure.playback input').getBoundingClientRect())"
+    )
+    seen = []
+    for tick in (0, 8, 111, 1199):
+        tab.value(f"{FIRST}.seek({tick})")
+        assert tab.value(f"{FIRST}.state.tick") == tick
+        seen.append(tab.value(where))
+    assert len(set(seen)) == 1
+
+
+def test_one_clock_drives_other_rates_and_lengths(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    half = replace(face, positions=face.positions[::2], origin=face.origin[::2], rate=30.0)
+    short = recordings()["two frames"]
+    show(tab, tmp_path, panel(half), panel(face), panel(short))
+    for tick, frames in ((0, [0, 0, 0]), (1, [0, 1, 1]), (7, [3, 7, 1]), (39, [19, 39, 1])):
+        tab.value(f"{FIRST}.seek({tick})")
+        state = tab.value(f"{FIRST}.state")
+        assert [one["frame"] for one in state["panels"]] == frames
+    told = tab.value("[...document.querySelectorAll('.told')].map((one) => one.textContent)")
+    assert told == ["10 captured", "10 captured", "ended after 0.03 s"]
+
+
+def test_the_frames_of_a_thinned_take_keep_their_numbers(tab: Tab, tmp_path: Path) -> None:
+    thin = replace(recordings()["complete"], rate=20.0)
+    tab.show(written(tmp_path, Playback(panels=(panel(thin),), every=3)))
+    tab.value(f"{FIRST}.seek(4)")
+    tab.value(f"{FIRST}.state")
+    assert "frame 12 of 117" in tab.value("document.querySelector('.clock').textContent")
+
+
+@pytest.mark.parametrize("name", ["one frame", "all missing", "one marker"])
+def test_odd_recordings_are_shown(tab: Tab, tmp_path: Path, name: str) -> None:
+    show(tab, tmp_path, panel(recordings()[name]), panel(animations()["one frame"]))
+    drawn = dots(tab.value(f"{FIRST}.state"))
+    assert np.array_equal(np.isfinite(drawn[:, 0]), recordings()[name].present[0])
+    told = tab.value("document.querySelector('.told').textContent")
+    counts = np.bincount(recordings()[name].origin[0], minlength=2)
+    expected = [(counts[1], "captured"), (counts[0], "missing")]
+    assert told == ", ".join(f"{count} {word}" for count, word in expected if count)
+
+
+def test_all_panels_turn_together_by_a_drag(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    show(tab, tmp_path, panel(face), panel(face, "other"))
+    width = tab.value("document.querySelector('canvas').clientWidth")
+    tab.drag(CANVAS, width / 4, 0)
+    state = tab.value(f"{FIRST}.state")
+    assert tab.value(f"{FIRST}.camera.yaw") == pytest.approx(np.pi / 4, abs=0.02)
+    turn = tab.value(f"{FIRST}.camera.yaw")
+    expected = projected(face.positions[0], state["panels"][0]["size"], turn)
+    for place in (0, 1):
+        assert np.abs(dots(state, place) - expected).max() < 0.1
+    nose = face.markers.index("nose")
+    tab.value(f"{FIRST}.look(() => ({{ ...{FIRST}.camera, yaw: 0 }}))")
+    front = dots(tab.value(f"{FIRST}.state"))
+    assert expected[nose, 0] > front[nose, 0]  # what is near goes with the hand
+
+
+def test_a_drag_down_shows_the_top(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    show(tab, tmp_path, panel(face))
+    nose = face.markers.index("nose")
+    before = dots(tab.value(f"{FIRST}.state"))
+    tab.drag(CANVAS, 0, 50)
+    after = dots(tab.value(f"{FIRST}.state"))
+    assert after[nose, 1] > before[nose, 1]
+
+
+def test_fingers_turn_move_and_enlarge(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(recordings()["complete"]), touch=True)
+    tab.swipe(CANVAS, iter([[(0.0, 0.0)], [(30.0, 0.0)], [(60.0, 0.0)]]))
+    assert tab.value(f"{FIRST}.camera.yaw") > 0.2
+    yaw = tab.value(f"{FIRST}.camera.yaw")
+    apart: list[list[tuple[float, float]]] = [
+        [(-20 - reach, 5.0), (20 + reach + 10, 5.0)] for reach in (0.0, 10.0, 20.0)
+    ]
+    tab.swipe(CANVAS, iter(apart))
+    camera = tab.value(f"{FIRST}.camera")
+    assert camera["zoom"] == pytest.approx(90 / 50, rel=0.02)
+    assert camera["yaw"] == yaw
+
+
+def test_everything_can_be_done_with_keys(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(recordings()["complete"]))
+    tab.value(f"document.querySelector({STAGE!r}).focus()")
+
+    def now(what: str) -> Any:
+        return tab.value(f"{FIRST}.state.{what}")
+
+    tab.press("ArrowRight")
+    tab.press("ArrowRight")
+    tab.press("ArrowLeft")
+    assert now("tick") == 1
+    tab.press("End")
+    assert now("tick") == FRAMES - 1
+    tab.press("Home")
+    assert now("tick") == 0
+    tab.press("ArrowRight", shift=True)
+    tab.press("ArrowDown", shift=True)
+    tab.press("+", shift=True)
+    camera = tab.value(f"{FIRST}.camera")
+    assert camera["yaw"] > 0
+    assert camera["pitch"] > 0
+    assert camera["zoom"] == 1.25
+    tab.press("0")
+    assert tab.value(f"{FIRST}.camera") == {"yaw": 0, "pitch": 0, "zoom": 1, "x": 0, "y": 0}
+    tab.press(" ")
+    assert now("playing")
+    tab.press(" ")
+    assert not now("playing")
+
+
+def test_every_control_has_a_name(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    show(tab, tmp_path, panel(face), panel(head(), "head"), truth=panel(face, "truth"))
+    tree = tab.send("Accessibility.getFullAXTree")["nodes"]
+    named = {
+        (one["role"]["value"], one["name"]["value"])
+        for one in tree
+        if "name" in one and not one.get("ignored")
+    }
+    controls = {"button", "slider", "checkbox", "combobox"}
+    assert {name for role, name in named if role in controls} >= {
+        *("Play", "One frame back", "One frame on", "Frame", "Speed", "Colour", "Truth", "Trails"),
+        *("Smaller", "Larger", "From the front"),
+    }
+    assert all(name for role, name in named if role in controls)
+    assert {("image", "one"), ("image", "head"), ("image", "truth")} <= {
+        ("image" if role == "img" else role, name) for role, name in named
+    }
+
+
+def test_labels_with_markup_are_text(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    named = replace(face, markers=(HOSTILE, *face.markers[1:]), marker_set=None)
+    show(tab, tmp_path, panel(named, HOSTILE), panel(face, "</template><b>x"))
+    assert tab.value("document.querySelector('.playback .name').textContent") == HOSTILE
+    assert tab.value("document.querySelectorAll('main img, main b').length") == 0
+    assert tab.value("document.title") == "A title"
+
+
+def test_each_of_several_playbacks_plays_for_itself(tab: Tab, tmp_path: Path) -> None:
+    one = Playback(panels=(panel(recordings()["complete"]),))
+    tab.show(written(tmp_path, one, one))
+    tab.value(f"{PLAYER % 1}.seek(7)")
+    ticks = [tab.value(f"{PLAYER % place}.state.tick") for place in (0, 1)]
+    assert ticks == [0, 7]
+    assert tab.value("document.querySelectorAll('.controls').length") == 2
+
+
+@pytest.mark.parametrize("width", [360, 1400])
+def test_nothing_is_wider_than_the_page(tab: Tab, tmp_path: Path, width: int) -> None:
+    face = recordings()["complete"]
+    shown = [panel(face, f"a rather long label of method {one}") for one in range(5)]
+    show(tab, tmp_path, *shown, truth=panel(face, "truth"), width=width, height=800)
+    assert tab.value("document.documentElement.scrollWidth") <= width
+    figure = "document.querySelector('figure.playback')"
+    assert tab.value(f"{figure}.scrollWidth <= {figure}.clientWidth + 1")
+    sizes = tab.value("[...document.querySelectorAll('canvas')].map((one) => one.clientWidth)")
+    assert min(sizes) > 140
+
+
+def test_the_clock_stays_in_reach_of_every_picture(tab: Tab, tmp_path: Path) -> None:
+    face = recordings()["complete"]
+    show(tab, tmp_path, *(panel(face, f"method {one}") for one in range(9)), width=390, height=600)
+    tab.middle(".playback .panel:last-child canvas")
+    assert tab.value("scrollY") > 400
+    assert 0 <= tab.value("document.querySelector('.time').getBoundingClientRect().top") < 20
+    assert tab.value("document.querySelector('.clock').ariaLive") == "off"
+
+
+def test_paper_gets_the_colours_of_paper_and_no_controls(tab: Tab, tmp_path: Path) -> None:
+    tab.prefer(prefers_color_scheme="dark")
+    show(tab, tmp_path, panel(recordings()["complete"]))
+    face = recordings()["complete"]
+    lips = [face.markers.index(name) for name in ("lip_left", "lip_right")]
+    x, y = dots(tab.value(f"{FIRST}.state"))[lips, :2].mean(axis=0)
+    dark = pixel(tab, x, y)
+    tab.value("dispatchEvent(new Event('beforeprint'))")
+    assert pixel(tab, x, y)[:3] > dark[:3]
+    tab.value("dispatchEvent(new Event('afterprint'))")
+    tab.send("Emulation.setEmulatedMedia", media="print")
+    assert tab.value("getComputedStyle(document.querySelector('.options')).display") == "none"
+    assert tab.value("document.querySelector('.clock').offsetHeight") > 0
+    assert tab.value("document.querySelector('canvas').offsetHeight") > 100
+    tab.send("Emulation.setEmulatedMedia", media="")
+
+
+def test_data_that_cannot_be_read_say_so(tab: Tab, tmp_path: Path) -> None:
+    file = written(tmp_path, Playback(panels=(panel(recordings()["complete"]),)))
+    text = file.read_text(encoding="utf-8")
+    start = text.index("<template>") + len("<template>")
+    file.write_text(text[:start] + "!" + text[start:], encoding="utf-8")
+    tab.show(file)
+    told = tab.value("document.querySelector('figure.playback').textContent")
+    assert told.startswith("This playback cannot be shown: ")
+
+
+def test_the_page_beside_the_report_plays(tab: Tab, tmp_path: Path) -> None:
+    whole = render_playback(Playback(panels=(panel(head(), "head"),)), "heads")
+    file = tmp_path / "heads.html"
+    file.write_bytes(whole.files[".html"])
+    tab.show(file)
+    tab.value(f"{FIRST}.seek(3)")
+    assert tab.value(f"{FIRST}.state")["panels"][0]["frame"] == 3

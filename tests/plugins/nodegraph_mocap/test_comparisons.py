@@ -1,0 +1,127 @@
+"""Recordings are told apart by frames and markers, tables by rows and columns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from pandas import DataFrame
+
+from nodegraph.plugin.registry import default_registry
+from nodegraph.runs.diff import told_apart
+from nodegraph_mocap import Mask, Origin, StoredFigure, Trajectories, Weights
+
+MARKERS = ("brow", "nose", "chin")
+TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
+
+
+def told(one: Any, other: Any) -> tuple[str, ...]:
+    return told_apart(one, other, default_registry().comparisons)
+
+
+def moved(frames: slice, marker: int, by: float) -> Trajectories:
+    positions = TAKE.positions.copy()
+    positions[frames, marker, 0] += by
+    positions[frames.start, marker, 0] += by
+    return replace(TAKE, positions=positions)
+
+
+def test_what_is_the_same_is_not_told() -> None:
+    table = DataFrame({"a": [1.0, np.nan], "b": ["x", None]})
+    assert told(TAKE, replace(TAKE)) == told(table, table.copy()) == ()
+
+
+def test_moved_samples_have_frames_markers_and_millimetres() -> None:
+    assert told(TAKE, moved(slice(4, 9), 2, 0.25)) == (
+        "5 samples (frames 4 to 8; chin) moved, by up to 0.5 mm (frame 4, chin)",
+    )
+
+
+def test_the_order_of_markers_alone_moves_nothing() -> None:
+    assert told(TAKE, TAKE.keep(MARKERS[::-1])) == ("markers in another order",)
+
+
+def test_missing_samples_and_origins_are_told() -> None:
+    hole = TAKE.positions.copy()
+    hole[3, 1] = np.nan
+    assert told(TAKE, Trajectories(positions=hole, markers=MARKERS, rate=60.0))[0] == (
+        "1 sample (frame 3; nose) present in one and missing in the other"
+    )
+    origin = TAKE.origin.copy()
+    origin[:2] = Origin.FILLED
+    assert told(TAKE, replace(TAKE, origin=origin)) == (
+        "6 samples (frames 0 to 1; brow, nose, chin) of another origin",
+    )
+
+
+def test_other_lengths_rates_and_markers_are_told() -> None:
+    shorter = Trajectories(positions=TAKE.positions[:5], markers=MARKERS, rate=30.0)
+    assert told(TAKE, shorter) == ("rate was 60 Hz, now 30 Hz", "had 20 frames, now 5")
+    assert told(TAKE, TAKE.keep(["nose", "chin"])) == ("markers only before: brow",)
+
+
+def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
+    with_sigma = replace(TAKE, sigma=np.ones((20, 3)))
+    assert told(TAKE, with_sigma) == ("value.sigma: NoneType and ndarray",)
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"rmse": [1.0, 2.5, np.nan]}, "rmse: row 1: by up to 0.5 (2, now 2.5)"),
+        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: rows 1, 2: 2.0, now nan"),
+        ({"rmse": [1.0, 2.0]}, "had 3 rows, now 2"),
+        ({"error": [1.0, 2.0, np.nan]}, "columns only before: rmse"),
+    ],
+)
+def test_tables_have_columns_rows_and_sizes(other: dict[str, Any], said: str) -> None:
+    assert told(DataFrame({"rmse": [1.0, 2.0, np.nan]}), DataFrame(other))[0] == said
+
+
+def test_a_table_of_texts_and_its_columns() -> None:
+    one = DataFrame({"take": ["a", "b"], "n": [1, 2]})
+    assert told(one, DataFrame({"take": ["a", "c"], "n": [1, 2]})) == ("take: row 1: b, now c",)
+    assert told(one, one[["n", "take"]])[0] == "columns in another order"
+
+
+def test_masks_and_drawings() -> None:
+    one = Mask(hidden=np.zeros((4, 3), bool), markers=MARKERS)
+    hidden = one.hidden.copy()
+    hidden[2, 0] = True
+    assert told(one, replace(one, hidden=hidden)) == ("1 sample (frame 2; brow) in one mask only",)
+    drawn = StoredFigure(b"<svg/>", b"")
+    assert told(drawn, StoredFigure(b"<svg></svg>", b"")) == ("the drawing is another",)
+
+
+def test_weights_are_told_apart_by_frames_and_shapes() -> None:
+    values = np.zeros((20, 2))
+    weights = Weights(values=values, names=("jawOpen", "smile"), rate=60.0)
+    other = values.copy()
+    other[3:5, 1] = 0.25, 0.5
+    assert told(weights, replace(weights, values=other)) == (
+        "2 samples (frames 3 to 4; smile) of another weight, by up to 0.5 (frame 4, smile)",
+    )
+    assert told(weights, Weights(values=values[:5], names=("jawOpen", "frown"), rate=60.0)) == (
+        "shapes only before: smile",
+        "shapes only now: frown",
+        "had 20 frames, now 5",
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (TAKE, {"positions": (("frame", ()), ("marker", MARKERS))}),
+        (
+            Weights(values=np.zeros((4, 1)), names=("jawOpen",), rate=60.0),
+            {"values": (("frame", ()), ("shape", ("jawOpen",)))},
+        ),
+    ],
+)
+def test_values_are_made_of_frames_and_names(value: Any, expected: dict[str, Any]) -> None:
+    kinds = (one for one in default_registry().comparisons if isinstance(value, one.type))
+    parts = next(kinds).parts
+    assert parts is not None
+    assert parts(value) == expected
