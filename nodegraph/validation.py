@@ -1,4 +1,4 @@
-"""Where data do not have the form they should have, in words."""
+"""The errors of pydantic as text."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
-_OTHERS = re.compile(" or instance of .*")
+_OTHER_TYPES = re.compile(" or instance of .*")
 
 
-def first_misfit(error: ValidationError, data: Any, at: tuple[int | str, ...] = ()) -> str:
-    """Return which key of data is first of another form, and how: ``steps.3.use: field required``.
+def first_error(error: ValidationError, data: Any, at: tuple[int | str, ...] = ()) -> str:
+    """Return the first error of a document with its place: ``steps.3.use: field required``.
 
     Parameters
     ----------
     error
-        What pydantic found.
+        The errors of the document.
     data
-        What it was found in.
+        The document.
     at
-        The keys to the data, where they are a part of other data.
+        The keys to `data`, where it is part of another document.
     """
     first = error.errors(include_url=False)[0]
-    said = _OTHERS.sub("", first["msg"])
+    message = _OTHER_TYPES.sub("", first["msg"])
     place = ".".join([*map(str, at), *_keys(data, first["loc"])])
-    return f"{place or 'all of it'}: {said[:1].lower()}{said[1:]}"
+    return f"{place or 'all of it'}: {message[:1].lower()}{message[1:]}"
 
 
 def _keys(data: Any, location: Iterable[int | str]) -> list[str]:
-    """Return the keys to a place, without what pydantic calls the alternatives of a type."""
+    """Return the keys to a place, without pydantic's names of the members of a union."""
     keys: list[str] = []
     for key in location:
         if isinstance(data, Mapping):

@@ -83,13 +83,13 @@ def test_node_keeps_its_promises_with_each_choice(name: str, setting: str, choic
 
 @pytest.mark.parametrize("name", names())
 def test_node_cites_what_its_plugin_ships(name: str) -> None:
-    told = references(installed().bibtex, found(name).node.cite)
+    told = references(installed().hooks.bibtex, found(name).node.cite)
     absent = [key for key, text in told.items() if text.startswith(f"{key} (")]
     assert not absent, f"no plugin ships a BibTeX entry {', '.join(absent)}"
 
 
 def test_every_contract_says_what_it_promises() -> None:
-    for promised in installed().hooks.hook.nodegraph_contracts():
+    for promised in installed().hooks._manager.hook.nodegraph_contracts():
         for family, contracts in promised.items():
             assert family in installed().families
             assert all((one.__doc__ or "").strip() for one in contracts)

@@ -239,7 +239,7 @@ class _Packing:
         self._graphs = {name: _inside(name) for name in record["included"]}
         taken = {_RUN, _CITATION, PLUGINS, _GRAPHS, README, METADATA, self._graph.name}
         self._inputs = files_read(
-            record, self._origin.folders(), taken, lambda one: bool(registry.place(one))
+            record, self._origin.folders(), taken, lambda one: bool(registry.hooks.place(one))
         )
         self._made = Contents(self._graph.name, study, record, inputs=self._inputs)
 

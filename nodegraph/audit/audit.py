@@ -193,7 +193,7 @@ class _Trial:
             self._drifts[condition] = self._drift(self._repeats.given(other))
 
     def _drift(self, other: Given) -> Drift:
-        comparisons = self._run.plan.graph.registry.comparisons
+        comparisons = self._run.plan.graph.registry.hooks.comparisons
         return drift(self._gave, other, self._ports, comparisons, self._floor)
 
     def _graded(self) -> Audited:

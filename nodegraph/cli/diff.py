@@ -89,7 +89,7 @@ def _values(pair: Pair, run: FinishedRun, registry: Registry, store: Store) -> I
         yield "its values are no longer stored, and cannot be compared"
         return
     for name, before, here in zip(run.outputs(pair.now), one, other, strict=False):
-        said = told_apart(before, here, registry.comparisons)
+        said = told_apart(before, here, registry.hooks.comparisons)
         yield from (f"{name}: {text}" if len(one) > 1 else text for text in said[:MOST])
 
 

@@ -14,7 +14,7 @@ from nodegraph.plugin.registry import Registry
 
 def examples(arguments: Namespace) -> int:
     """List the example graphs, or copy some of them."""
-    there = Registry.installed(arguments.plugin).graphs
+    there = Registry.installed(arguments.plugin).hooks.graphs
     unknown = [name for name in arguments.names if name.removesuffix(".yaml") not in there]
     if unknown:
         raise NodegraphError(f"no example {unknown[0]!r}; {nearest(unknown[0], there)}")

@@ -23,7 +23,7 @@ _SUFFIX = ".template"
 def new(arguments: Namespace) -> int:
     """Write what a template holds, under a name, and say what to do with it."""
     registry = Registry.installed(arguments.plugin)
-    templates = registry.templates
+    templates = registry.hooks.templates
     if arguments.kind not in templates:
         raise NodegraphError(
             f"nothing new of kind {arguments.kind!r}; {nearest(arguments.kind, templates)}"

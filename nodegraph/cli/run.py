@@ -22,7 +22,7 @@ def run(arguments: Namespace) -> int:
     graph, command = graph_of(arguments), command_of(arguments)
     graph = until(graph, arguments.until) if arguments.until else graph
     how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
-    executor_of(how, graph.registry.executors)
+    executor_of(how, graph.registry.hooks.executors)
     folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)
     for line in left_out_lines(graph):
         say(line)

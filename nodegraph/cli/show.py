@@ -34,7 +34,7 @@ def _shown(found: Registered, registry: Registry) -> str:
     parts.append(without_parameters(node.doc))
     if not has_example(node):
         parts.append(_example(found, registry))
-    cited = references(registry.bibtex, node.cite).values()
+    cited = references(registry.hooks.bibtex, node.cite).values()
     parts.append("cite: " + ("\n      ".join(cited) or "nothing"))
     return "\n\n".join(parts)
 

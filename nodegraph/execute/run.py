@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable
 from contextlib import nullcontext
 from typing import Any
@@ -16,7 +17,6 @@ from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import Recall
 from nodegraph.gc_pause import collecting_only_what_is_new
 from nodegraph.plan import Plan
-from nodegraph.plugin.hook_types import brief
 from nodegraph.store import Packer, Store
 
 _UNNEEDED = Outcome("unneeded", reason="what needs it is stored", cause="unneeded")
@@ -47,7 +47,7 @@ def execute(
         Each is called with every `Event`, in this thread.
     """
     how = how or HowToRun()
-    executor = executor_of(how, plan.graph.registry.executors)
+    executor = executor_of(how, plan.graph.registry.hooks.executors)
     teller = Teller(tuple(listeners), plan)
     recall = Recall(plan, store) if store is not None else None
     try:
@@ -58,7 +58,9 @@ def execute(
             plan,
             recall=recall,
             known=known,
-            packer=store.packer if store is not None else Packer(plan.graph.registry.storages),
+            packer=store.packer
+            if store is not None
+            else Packer(plan.graph.registry.hooks.storages),
             keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
             hears=teller,
         )
@@ -86,6 +88,6 @@ def _checked(step: Any, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
         case (int(index), Outcome() as outcome) if 0 <= index < len(plan.steps):
             return index, outcome
     raise NodegraphError(
-        f"executor {how.executor!r} gave {brief(step)} where the index of a step and its "
+        f"executor {how.executor!r} gave {reprlib.repr(step)} where the index of a step and its "
         "outcome are due"
     )

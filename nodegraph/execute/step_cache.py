@@ -38,7 +38,7 @@ def open_store(registry: Registry, folder: Path | None, say: Callable[[str], Non
         Hears what is wrong with the store; runs go on without it.
     """
     packages = followed(registry)
-    packer = Packer(registry.storages, packages.__contains__)
+    packer = Packer(registry.hooks.storages, packages.__contains__)
     return Store(store_folder(folder), packer, say)
 
 

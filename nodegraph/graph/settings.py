@@ -165,7 +165,7 @@ class SettingsReader:
 
     def _file(self, where: str, written: Written, text: str) -> Path | None:
         try:
-            placed = self._registry.place(text)
+            placed = self._registry.hooks.place(text)
         except NodegraphError as error:
             self._problems.add(self._names.place(written), f"{where}: {error}")
             return None

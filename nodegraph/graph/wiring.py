@@ -12,7 +12,7 @@ from nodegraph.graph.methods import Chosen
 from nodegraph.graph.model import Gather, GraphNode, offered
 from nodegraph.graphfile.spec import Gathering, GraphSpec, Reference
 from nodegraph.node.decorator import Node
-from nodegraph.node.ports import Port, misfit
+from nodegraph.node.ports import Port, mismatch
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -101,7 +101,7 @@ class Wirer:
                 there = nearest(written.port, offered(method.node))
                 message = f"{where}: {name} has no output {written.port!r}"
                 self._problems.add(written.place, message, there)
-            elif target is not None and (said := misfit(found, target)):
+            elif target is not None and (said := mismatch(found, target)):
                 self._problems.add(written.place, f"{where}: {name}: {said}")
 
     def _port(self, where: str, name: str, node: Node, place: Place) -> Port | None:

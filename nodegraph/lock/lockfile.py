@@ -19,7 +19,7 @@ from nodegraph.graphfile.yaml_text import read_yaml, scalar
 from nodegraph.lock.provenance import FileNames, account, refuse_paths, relative
 from nodegraph.lock.results import Recorded, Results, cells_of, recorded, said_by, scales
 from nodegraph.lock.sketch import TOLERANCE, Parts
-from nodegraph.validation import first_misfit
+from nodegraph.validation import first_error
 
 _Name = Annotated[str, Field(min_length=1)]
 _Label = str | int | float | bool
@@ -97,7 +97,7 @@ def misfit(data: Any) -> str:
     try:
         _Data.model_validate(data)
     except ValidationError as error:
-        return first_misfit(error, data)
+        return first_error(error, data)
     return ""
 
 

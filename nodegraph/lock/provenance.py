@@ -88,7 +88,7 @@ class FileNames:
 
     def of(self, written: str, path: Path) -> str:
         """Return the name of a file that lies at `path`, and was written so."""
-        return written if self._registry.place(written) else relative(path, self._folder)
+        return written if self._registry.hooks.place(written) else relative(path, self._folder)
 
     def portable(self, value: Any) -> Any:
         """Return plain data in which the files that settings name have those names."""

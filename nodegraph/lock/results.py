@@ -158,7 +158,7 @@ class Results:
     @property
     def comparisons(self) -> tuple[Comparison, ...]:
         """How values are told apart."""
-        return self._run.plan.graph.registry.comparisons
+        return self._run.plan.graph.registry.hooks.comparisons
 
     def ended(self, index: int) -> str:
         """Return how a step ended, if it has no value."""
@@ -286,7 +286,7 @@ class Results:
         return [self._is_opaque(port) for port in self._ports(index)]
 
     def _is_opaque(self, port: Port) -> bool:
-        storages = self._run.plan.graph.registry.storages
+        storages = self._run.plan.graph.registry.hooks.storages
         drawn = next((one for one in storages if issubclass(port.type, one.type)), None)
         return issubclass(port.type, Files) or (drawn is not None and not drawn.faithful)
 
@@ -316,7 +316,7 @@ def said_by(run: Run) -> Iterator[Said]:
         outputs = graph.nodes[node].outputs
         for output in [port] if port else outputs:
             for labels, value in run[f"{node}.{output}"].shown():
-                kind = _kind(value, graph.registry.conclusions)
+                kind = _kind(value, graph.registry.hooks.conclusions)
                 if kind is not None:
                     name = f"{node}.{output}" if len(outputs) > 1 else node
                     full = name_at(name, labels)

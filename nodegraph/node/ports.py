@@ -178,7 +178,7 @@ class Port:
         return f"{self.name}: {text}" + (" | None" if self.optional else "")
 
 
-def misfit(source: Port, target: Port) -> str | None:
+def mismatch(source: Port, target: Port) -> str | None:
     """Return why a source cannot feed a target, or None if it can."""
     if source.truth and not target.truth:
         return f"{source.name!r} gives the truth and {target.name!r} must not see it"

@@ -1,4 +1,4 @@
-"""BibTeX keys -> the entries that plugins ship, and what a reader sees of them."""
+"""BibTeX of plugins: keys, formatted references, and the source of chosen entries."""
 
 from __future__ import annotations
 
@@ -8,38 +8,37 @@ from typing import Any
 
 
 def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
-    """Return the text of each entry; a key that no plugin ships stands for itself.
+    """Return the formatted entry of each key; a key without an entry is its own text.
 
     Parameters
     ----------
     bibtex
-        The BibTeX of each plugin. Where two have an entry of one key, the first counts; one that
-        cannot be read is left out with a warning.
+        The BibTeX of each plugin. If two have an entry of the same key, the first counts; text
+        that cannot be parsed is left out with a warning.
     keys
-        The entries wanted.
     """
     from pybtex import format_from_string
     from pybtex.database import BibliographyData
 
     entries = _entries(bibtex)
     wanted = list(dict.fromkeys(keys))
-    found = [key for key in wanted if key in entries]
+    known = [key for key in wanted if key in entries]
     texts: list[str] = []
-    if found:
-        source = BibliographyData({key: entries[key] for key in found}).to_string("bibtex")
-        text = format_from_string(source, "unsrt", citations=found, output_backend="plaintext")
+    if known:
+        source = BibliographyData({key: entries[key] for key in known}).to_string("bibtex")
+        text = format_from_string(source, "unsrt", citations=known, output_backend="plaintext")
         texts = [line.partition("] ")[2] for line in text.splitlines() if line.startswith("[")]
     missing = {key: f"{key} (no BibTeX entry is installed)" for key in wanted}
-    return missing | dict(zip(found, texts, strict=True))
+    return missing | dict(zip(known, texts, strict=True))
 
 
 def entry_keys(bibtex: Iterable[str]) -> tuple[str, ...]:
-    """Return the keys of all entries; BibTeX that cannot be read is left out with a warning."""
+    """Return the keys of all entries; text that cannot be parsed is left out with a warning."""
     return tuple(_entries(bibtex))
 
 
 def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
-    """Return the BibTeX of the entries wanted, sorted by key; one that nobody ships is left out.
+    """Return the BibTeX of those keys that have an entry, sorted by key.
 
     Parameters
     ----------
@@ -49,8 +48,8 @@ def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
     from pybtex.database import BibliographyData
 
     entries = _entries(bibtex)
-    found = {key: entries[key] for key in sorted(set(keys)) if key in entries}
-    return str(BibliographyData(found).to_string("bibtex")) if found else ""
+    known = {key: entries[key] for key in sorted(set(keys)) if key in entries}
+    return str(BibliographyData(known).to_string("bibtex")) if known else ""
 
 
 def _entries(bibtex: Iterable[str]) -> dict[str, Any]:
@@ -60,9 +59,9 @@ def _entries(bibtex: Iterable[str]) -> dict[str, Any]:
     entries: dict[str, Any] = {}
     for text in bibtex:
         try:
-            found = parse_string(text, "bibtex").entries
+            parsed = parse_string(text, "bibtex").entries
         except PybtexError as error:
             warnings.warn(f"BibTeX of a plugin cannot be read: {error}", stacklevel=3)
             continue
-        entries = {**found, **entries}
+        entries = {**parsed, **entries}
     return entries

@@ -1,38 +1,46 @@
-"""What the hooks of plugins return: how values are shown, kept, told apart and concluded from."""
+"""What the hooks of plugins return: how values are shown, stored, compared and concluded from."""
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from types import NoneType
-from typing import Any
-
-_brief = reprlib.Repr()
-_brief.maxother = 80
-brief = _brief.repr
-"""Returns how anything is written in Python, shortened where it is long."""
-
-_WORDS: Mapping[Any, str] = {
-    bool: "true or false",
-    str: "a text",
-    type: "a type",
-    tuple: "a tuple",
-    Mapping: "a mapping",
-    Callable: "a function",
-    NoneType: "None",
-}
+from functools import cache
+from types import UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 
-def _check(one: Any, **kinds: Any) -> None:
-    """Refuse an object of a hook that has something of another type than is due."""
-    for name, kind in kinds.items():
-        given = getattr(one, name)
-        if not isinstance(given, kind):
-            due = " or ".join(
-                _WORDS[each] for each in (kind if isinstance(kind, tuple) else [kind])
-            )
-            raise TypeError(f"{type(one).__name__}: {name} must be {due}, not {brief(given)}")
+def expect(value: Any, hint: Any) -> Any:
+    """Return a value that is of an annotated type; its items are not looked at.
+
+    Text and mappings are iterable, but never what an ``Iterable`` in a hook means.
+
+    Raises
+    ------
+    TypeError
+        If it is of another type.
+    """
+    hints = get_args(hint) if isinstance(hint, UnionType) else (hint,)
+    kinds = tuple(get_origin(each) or each for each in hints)
+    is_one_item = kinds == (Iterable,) and isinstance(value, (str, bytes, Mapping))
+    if is_one_item or not isinstance(value, kinds):
+        expected = " or ".join(kind.__name__ for kind in kinds)
+        raise TypeError(f"expected {expected}, got {type(value).__name__}")
+    return value
+
+
+def _check_fields(record: Any) -> None:
+    """Raise TypeError, naming the field, if one is not of its annotated type."""
+    kind: type = type(record)
+    for name, hint in _hints(kind).items():
+        try:
+            expect(getattr(record, name), hint)
+        except TypeError as error:
+            raise TypeError(f"{kind.__name__}.{name}: {error}") from None
+
+
+@cache
+def _hints(kind: type) -> Mapping[str, Any]:
+    return get_type_hints(kind)
 
 
 @dataclass(frozen=True)
@@ -42,21 +50,21 @@ class Rendered:
     Attributes
     ----------
     html : str
-        A fragment, complete in itself; what came from users is already escaped.
+        A fragment, complete in itself, in which text from users is escaped.
     text : str
         A few plain lines; empty when the value is a picture.
     files : mapping of suffix to bytes
         For instance ``{".csv": ..., ".tex": ...}``.
     scripts, styles : tuple of str
-        JavaScript and CSS that the fragment needs: each text stands once in a page, however many
-        values bring it. Scripts run in this order when all of the page is there.
+        JavaScript and CSS that the fragment needs. A page has each text once, however many values
+        need it. Scripts run in this order once the page is complete.
 
     Raises
     ------
     TypeError
-        If something is of another type.
+        If a field is of another type.
     ValueError
-        If a script or a style has in it what would end it in a page.
+        If a script or a style contains the tag that would end it in a page.
     """
 
     html: str
@@ -66,15 +74,15 @@ class Rendered:
     styles: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check(self, html=str, text=str, files=Mapping, scripts=tuple, styles=tuple)
+        _check_fields(self)
         for suffix, content in self.files.items():
             if not isinstance(suffix, str) or not isinstance(content, bytes):
-                raise TypeError(f"Rendered: of files, {suffix!r} is not a suffix with its bytes")
-        for kind, texts in (("script", self.scripts), ("style", self.styles)):
+                raise TypeError(f"Rendered.files[{suffix!r}]: expected a suffix and its bytes")
+        for tag, texts in (("script", self.scripts), ("style", self.styles)):
             if not all(isinstance(text, str) for text in texts):
-                raise TypeError(f"Rendered: each of the {kind}s must be a text")
-            if any(f"</{kind}" in text.lower() for text in texts):
-                raise ValueError(f"a {kind} in a page must not contain </{kind}")
+                raise TypeError(f"Rendered.{tag}s: expected a tuple of str")
+            if any(f"</{tag}" in text.lower() for text in texts):
+                raise ValueError(f"Rendered.{tag}s: a {tag} in a page must not contain </{tag}")
 
 
 @dataclass(frozen=True)
@@ -90,40 +98,40 @@ class Renderer:
     Raises
     ------
     TypeError
-        If something is of another type.
+        If a field is of another type.
     """
 
     type: type
     render: Callable[[Any, str], Rendered]
 
     def __post_init__(self) -> None:
-        _check(self, type=type, render=Callable)
+        _check_fields(self)
 
 
 @dataclass(frozen=True)
 class Storage:
-    """How values of one type are kept on disk and sent to other processes, without pickle.
+    """How values of one type are stored on disk and sent to other processes, without pickle.
 
-    Values that derive from `nodegraph.Value`, arrays, numbers, texts, bytes, and tuples, lists and
+    Values that derive from `nodegraph.Value`, arrays, numbers, text, bytes, and tuples, lists and
     mappings of these need none.
 
     Attributes
     ----------
     type : type
     take_apart : callable
-        Returns what the value is made of, as such plain values.
+        Returns the value as a composition of such plain values.
     put_together : callable
         Returns the value again.
     faithful : bool
-        Whether what `put_together` returns is the value itself. If not, it is a stand-in that
-        can be shown, and whoever needs the value has it computed again.
+        Whether `put_together` returns an equal value. If not, it returns a stand-in that can only
+        be shown, and a step that needs the value computes it again.
     lend : callable, optional
-        Returns what one reader gets, where a reader could change the value itself.
+        Returns what each reader gets, where a reader could modify the value itself.
 
     Raises
     ------
     TypeError
-        If something is of another type.
+        If a field is of another type.
     """
 
     type: type
@@ -133,34 +141,33 @@ class Storage:
     lend: Callable[[Any], Any] | None = None
 
     def __post_init__(self) -> None:
-        _check(self, type=type, take_apart=Callable, put_together=Callable, faithful=bool)
-        _check(self, lend=(Callable, NoneType))
+        _check_fields(self)
 
 
 Parts = Mapping[str, tuple[tuple[str, tuple[str, ...]], ...]]
-"""Of each array of a value, by its name: for each of its first axes a word, and names."""
+"""For each array of a value, by its name: for each of its first axes a word, and names."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Says in the words of its field how two values of one type differ.
+    """Describes in the terms of its field how two values of one type differ.
 
     Attributes
     ----------
     type : type
     compare : callable
-        ``compare(one, other)`` yields a sentence per difference, the most telling first; nothing
-        where the two are the same. What has no comparison is compared part by part.
+        ``compare(first, second)`` yields a sentence per difference, the most important first;
+        nothing if the two are the same. Types without a comparison are compared part by part.
     parts : callable, optional
-        ``parts(value)`` returns of a value's arrays, by their names, what their first axes are: a
-        word for one member, and the members' names if they have any, as in
-        ``{"positions": (("frame", ()), ("marker", value.markers))}``. By that a lock can tell
-        where two values differ of which it has only one.
+        ``parts(value)`` returns what the first axes of a value's arrays are, by the arrays' names:
+        a word for one member, and the members' names if they have any, as in
+        ``{"positions": (("frame", ()), ("marker", value.markers))}``. A lock, which stores only
+        digests of parts, names by it where a new value differs.
 
     Raises
     ------
     TypeError
-        If something is of another type.
+        If a field is of another type.
     """
 
     type: type
@@ -168,26 +175,26 @@ class Comparison:
     parts: Callable[[Any], Parts] | None = None
 
     def __post_init__(self) -> None:
-        _check(self, type=type, compare=Callable, parts=(Callable, NoneType))
+        _check_fields(self)
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """Says what readers take from values of one type, as a study quotes it.
+    """States what readers take from values of one type, as a study quotes it.
 
     Attributes
     ----------
     type : type
     conclude : callable
-        Yields a sentence per conclusion that the value supports, such as an order of methods. It
-        has no measured number in it, so that it stays the same while the conclusion does.
+        Yields a sentence per conclusion that the value supports, such as an order of methods,
+        without measured numbers, so that it stays the same while the conclusion does.
     numbers : callable
-        Returns the value's numbers as CSV with a head.
+        Returns the value's numbers as CSV with a header.
 
     Raises
     ------
     TypeError
-        If something is of another type.
+        If a field is of another type.
     """
 
     type: type
@@ -195,7 +202,7 @@ class Conclusion:
     numbers: Callable[[Any], str]
 
     def __post_init__(self) -> None:
-        _check(self, type=type, conclude=Callable, numbers=Callable)
+        _check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -205,16 +212,16 @@ class Tried:
     Attributes
     ----------
     inputs, outputs : mapping of port to value
-        What went in and what came out. An optional port that was left open is absent.
+        An optional port that was left open is absent.
     settings : mapping of setting to value
         All of them, defaults included.
     units : mapping of setting to text
         Of those settings that have one: ``mm``.
     doc : str
-        The node's documentation, in which it may say what it does not promise.
+        The node's documentation, which may exempt the node from a promise.
     again : callable
         Calls the node again with other inputs, ``again(recording=moved)``, and other settings,
-        ``again({"gate": 4.0}, recording=moved)``; returns its outputs, or None where the node
+        ``again({"gate": 4.0}, recording=moved)``; returns its outputs, or None if the node
         refuses these.
     """
 
@@ -227,4 +234,4 @@ class Tried:
 
 
 Contract = Callable[[Tried], Iterable[str]]
-"""A promise of a family: its docstring says it, and it yields whatever breaks it."""
+"""A promise of a family: its docstring states it, and it yields a sentence per violation."""

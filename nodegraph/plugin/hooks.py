@@ -1,7 +1,7 @@
 """Everything that a plugin can add, on one screen.
 
 A plugin is a module, named in the entry point group ``nodegraph``, that implements any of these
-hooks with `hookimpl`. Each is called once, when the plugin is first needed.
+hooks with `hookimpl`. Each is called once, when its result is first needed.
 """
 
 from __future__ import annotations
@@ -12,21 +12,7 @@ from typing import Any
 
 import pluggy
 
-from nodegraph.plugin.hook_types import (
-    Comparison,
-    Conclusion,
-    Contract,
-    Parts,
-    Rendered,
-    Renderer,
-    Storage,
-    Tried,
-)
-
-__all__ = [
-    "GROUP", "Comparison", "Conclusion", "Contract", "Parts", "Rendered", "Renderer", "Storage",
-    "Tried", "hookimpl", "hookspec",
-]  # fmt: skip
+from nodegraph.plugin.hook_types import Comparison, Conclusion, Contract, Renderer, Storage
 
 GROUP = "nodegraph"
 hookspec = pluggy.HookspecMarker(GROUP)
@@ -35,7 +21,7 @@ hookimpl = pluggy.HookimplMarker(GROUP)
 
 @hookspec
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:  # type: ignore[empty-body]
-    """Return the plugin's nodes: functions decorated with `nodegraph.node.decorator`."""
+    """Return the plugin's nodes: functions decorated with `nodegraph.node`."""
 
 
 @hookspec
@@ -50,7 +36,7 @@ def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
 
 @hookspec
 def nodegraph_comparisons() -> Iterable[Comparison]:  # type: ignore[empty-body]
-    """Return how values of the plugin's types are told apart."""
+    """Return how the differences of values of the plugin's types are described."""
 
 
 @hookspec
@@ -60,7 +46,7 @@ def nodegraph_conclusions() -> Iterable[Conclusion]:  # type: ignore[empty-body]
 
 @hookspec
 def nodegraph_storages() -> Iterable[Storage]:  # type: ignore[empty-body]
-    """Return how values of the plugin's types are kept."""
+    """Return how values of the plugin's types are stored."""
 
 
 @hookspec
@@ -70,9 +56,9 @@ def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:  # type: ignore[e
 
 @hookspec
 def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:  # type: ignore[empty-body]
-    """Return, for ``scheme`` in a path ``scheme:name``, what finds the file or folder.
+    """Return, for ``scheme`` in a path ``scheme:name``, a function from name to file or folder.
 
-    The function raises `nodegraph.errors.NodegraphError` for a name that it does not have.
+    The function raises `nodegraph.NodegraphError` for an unknown name.
     """
 
 
@@ -85,19 +71,19 @@ def nodegraph_graphs() -> Iterable[Path]:  # type: ignore[empty-body]
 def nodegraph_templates() -> Mapping[str, Path]:  # type: ignore[empty-body]
     """Return what ``nodegraph new`` writes, by kind: ``plugin``, ``graph``.
 
-    A folder whose files are written with ``{{name}}`` replaced, in their text and in their paths;
-    ``.template`` at the end of a name is taken off.
+    Each is a folder whose files are copied with ``{{name}}`` replaced, in their text and in their
+    paths, and ``.template`` removed from the end of their names.
     """
 
 
 @hookspec
 def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:  # type: ignore[empty-body]
-    """Return what makes small values of the plugin's types, to test nodes on.
+    """Return, for each of the plugin's types, a function that makes small values to test nodes on.
 
-    Each has a name; values of several types that have one name belong together.
+    Each value has a name; values of several types that have the same name belong together.
     """
 
 
 @hookspec
 def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:  # type: ignore[empty-body]
-    """Return what every node of a family promises, whoever wrote it."""
+    """Return what every node of a family promises, third-party nodes included."""

@@ -1,4 +1,4 @@
-"""Finding plugins: by entry point, or from a file that the user named."""
+"""Import plugins: those that are installed, by their entry points, and files that a user names."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class Plugin:
     name : str
         The entry point's name, or the file's name without its suffix.
     module : Any
-        What implements the hooks.
+        The module that implements the hooks.
     distribution : str
         Name and version of the package that installed it; empty for a file.
     digest : str
-        SHA-256 of the file, as it was when it was imported; empty for a package.
+        SHA-256 of the file when it was imported; empty for a package.
     """
 
     name: str
@@ -43,55 +43,55 @@ class Plugin:
 
 @dataclass(frozen=True)
 class BrokenPlugin:
-    """A plugin that could not be used, and why; the others go on without it."""
+    """A plugin that cannot be used, and why; the others go on without it."""
 
     name: str
     reason: str
 
 
-class HookError(NodegraphError):
-    """The hook that gives a plugin's nodes raised something.
+class NodesHookError(NodegraphError):
+    """The hook that returns a plugin's nodes has failed.
 
     Attributes
     ----------
-    said : str
-        What it raised.
+    reason : str
+        The error that it raised.
     line : int
-        Of the plugin's own code, the last that was reached; 0 if none was.
+        The last line of the plugin's own code that was reached; 0 if none was.
     """
 
     def __init__(self, error: BaseException, package: str) -> None:
-        self.said = f"nodegraph_nodes raised {said_by(error)}"
-        file, self.line = _place(error, package)
-        super().__init__(f"{self.said} ({file}:{self.line})" if file else self.said)
+        self.reason = f"nodegraph_nodes raised {error_text(error)}"
+        file, self.line = _last_line(error, package)
+        super().__init__(f"{self.reason} ({file}:{self.line})" if file else self.reason)
 
 
 def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
-    """Import every installed plugin, each by itself, so that a bad one can be named."""
-    good: list[Plugin] = []
+    """Import every installed plugin, and collect those that fail."""
+    plugins: list[Plugin] = []
     broken: list[BrokenPlugin] = []
-    for entry in sorted(entry_points(group=hooks.GROUP), key=lambda one: one.name):
+    for entry in sorted(entry_points(group=hooks.GROUP), key=lambda entry: entry.name):
         try:
-            good.append(Plugin(entry.name, entry.load(), _distribution(entry)))
+            plugins.append(Plugin(entry.name, entry.load(), _distribution(entry)))
         except (Exception, SystemExit) as error:
-            reason = f"{entry.value}: {reason_of(error, _package(entry.module))}"
+            reason = f"{entry.value}: {error_text(error, _top_package(entry.module))}"
             broken.append(BrokenPlugin(entry.name, reason))
-    return good, broken
+    return plugins, broken
 
 
-def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
+def from_file(path: Path, *, known: Container[Node] = ()) -> Plugin:
     """Import one Python file as a plugin.
 
     Parameters
     ----------
     path
-    but
+    known
         Nodes of other plugins, which the file may import to call them: they are not its own.
 
     Raises
     ------
     NodegraphError
-        If the file is not there or does not import.
+        If the file does not exist or does not import.
     """
     if not path.is_file():
         raise NodegraphError(f"{path}: no such plugin file")
@@ -100,111 +100,83 @@ def from_file(path: Path, *, but: Container[Node] = ()) -> Plugin:
         raise NodegraphError(f"{path}: a plugin file is Python, with the suffix .py")
     module = importlib.util.module_from_spec(spec)
     vars(module)[LOADED] = time.time_ns()
-    before = sys.modules.get(path.stem)
-    if before is None or LOADED in vars(before):
-        sys.modules[path.stem] = module  # classes of its values are found there by name
+    previous = sys.modules.get(path.stem)
+    if previous is None or LOADED in vars(previous):
+        sys.modules[path.stem] = module  # where classes of its values are looked up by name
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         if sys.modules.get(path.stem) is module:
             del sys.modules[path.stem]
-            sys.modules.update({path.stem: before} if before else {})
-        reason = reason_of(error, path.stem)
+            sys.modules.update({path.stem: previous} if previous else {})
+        reason = error_text(error, path.stem)
         raise NodegraphError(f"{path}: the plugin does not import: {reason}") from error
-    return Plugin(path.stem, _with_nodes(module, but), digest=digest)
+    if not hasattr(module, "nodegraph_nodes"):
+        _add_nodes_hook(module, known)
+    return Plugin(path.stem, module, digest=digest)
 
 
 def nodes_of(plugin: Plugin) -> tuple[Any, ...]:
-    """Return the functions that a plugin gives as its nodes.
-
-    Parameters
-    ----------
-    plugin
-        One that was imported.
+    """Return what a plugin's hook ``nodegraph_nodes`` lists.
 
     Raises
     ------
-    HookError
-        If its hook raises.
+    NodesHookError
+        If the hook raises.
     NodegraphError
-        If its hook returns no list.
+        If the hook returns no list.
     """
     hook: Any = getattr(plugin.module, "nodegraph_nodes", tuple)
     try:
-        found = hook()
-        if isinstance(found, Iterable):
-            return tuple(found)
+        nodes = hook()
+        if isinstance(nodes, Iterable):
+            return tuple(nodes)
     except (Exception, SystemExit) as error:
-        raise HookError(error, package_of(hook)) from error
-    kind = type(found).__name__
+        raise NodesHookError(error, package_of(hook)) from error
+    kind = type(nodes).__name__
     raise NodegraphError(f"its hook nodegraph_nodes returned {kind}: return [node, ...]")
 
 
-def said_by(error: BaseException) -> str:
-    """Return what an error says; its kind too, if it is not written for users.
+def error_text(error: BaseException, package: str = "") -> str:
+    """Return the message of an error, with its type unless the message is written for users.
 
-    Parameters
-    ----------
-    error
-        Anything that was raised.
+    With the package of a plugin, also the last line of that package's code that was reached.
     """
-    own = isinstance(error, NodegraphError)
-    return str(error) if own else f"{type(error).__name__}: {error}"
+    text = str(error) if isinstance(error, NodegraphError) else f"{type(error).__name__}: {error}"
+    file, line = _last_line(error, package)
+    return f"{text} ({file}:{line})" if file else text
 
 
-def _with_nodes(module: Any, but: Container[Node]) -> Any:
-    """Let a file that only decorates functions give them as its nodes."""
-    if hasattr(module, "nodegraph_nodes"):
-        return module
-    nodes = ((one, node_of(one)) for one in vars(module).values())
-    found = tuple(one for one, node in nodes if node is not None and node not in but)
+def package_of(function: Any) -> str:
+    """Return the top-level package of a function's code."""
+    return _top_package(getattr(function, "__module__", ""))
+
+
+def _add_nodes_hook(module: Any, known: Container[Node]) -> None:
+    """Let a file that only decorates functions return them as its nodes."""
+    nodes = ((value, node_of(value)) for value in vars(module).values())
+    own = tuple(value for value, node in nodes if node is not None and node not in known)
 
     @hooks.hookimpl
     def nodegraph_nodes() -> tuple[Any, ...]:
-        return found
+        return own
 
     module.nodegraph_nodes = nodegraph_nodes
-    return module
 
 
 def _distribution(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
 
 
-def reason_of(error: BaseException, package: str) -> str:
-    """Return what an error of a plugin says, and where in the plugin's own code it arose.
-
-    Parameters
-    ----------
-    error
-        What was raised.
-    package
-        Whose code is the plugin's own.
-    """
-    file, line = _place(error, package)
-    return said_by(error) + (f" ({file}:{line})" if file else "")
-
-
-def _place(error: BaseException, package: str) -> tuple[str, int]:
-    """Return file and line of the last step in the plugin's own code, not in what it calls."""
+def _last_line(error: BaseException, package: str) -> tuple[str, int]:
+    """Return file and line of the last frame in a package's own code, not in what it calls."""
     place = ("", 0)
     for frame, line in walk_tb(error.__traceback__):
-        if _package(frame.f_globals.get("__name__", "")) == package:
+        if _top_package(frame.f_globals.get("__name__", "")) == package:
             place = (Path(frame.f_code.co_filename).name, line)
     return place
 
 
-def package_of(hook: Any) -> str:
-    """Return the package whose code a hook is.
-
-    Parameters
-    ----------
-    hook
-        A function.
-    """
-    return _package(getattr(hook, "__module__", ""))
-
-
-def _package(module: str) -> str:
+def _top_package(module: str) -> str:
     return module.partition(".")[0]

@@ -21,7 +21,7 @@ from nodegraph.node.values import Files
 from nodegraph.plan import Combination, Step
 from nodegraph.plugin.bibliography import bibtex_of, references
 from nodegraph.plugin.hook_types import Rendered, Renderer
-from nodegraph.plugin.loading import said_by
+from nodegraph.plugin.loading import error_text
 from nodegraph.report.study import (
     AxisRow,
     Kind,
@@ -122,7 +122,7 @@ class Methods:
     def __init__(self, run: Run) -> None:
         nodes = run.plan.graph.nodes.values()
         ended = {node.name: _ended(run, node) for node in nodes}
-        self._bibtex = run.plan.graph.registry.bibtex
+        self._bibtex = run.plan.graph.registry.hooks.bibtex
         self._every = [
             (node, one, ended[node.name][label])
             for node in nodes
@@ -246,7 +246,7 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
     """
     graph = run.plan.graph
     found = list(_reported(run))
-    sections, files, unshown = _sections(found, graph.registry.renderers)
+    sections, files, unshown = _sections(found, graph.registry.hooks.renderers)
     there, methods = versions(graph), Methods(run)
     study = Study(
         title=graph.title,
@@ -336,7 +336,7 @@ def _rendered(value: Any, title: str, renderers: Iterable[Renderer]) -> Rendered
 def _unshown(title: str, labels: str, error: Exception) -> StepNote:
     """Return what is said of a result that is there, and for which its renderer failed."""
     # matplotlib begins some of its messages with an empty line
-    said = f"cannot be shown: {' '.join(said_by(error).split())}"
+    said = f"cannot be shown: {' '.join(error_text(error).split())}"
     warnings.warn(f"{title} {labels}".strip() + f": {said}", stacklevel=3)
     trace = "".join(traceback.format_exception(error))
     return StepNote(title, labels, said, "failed", trace=trace)

@@ -17,6 +17,7 @@ from nodegraph.execute.results import not_kept_lines
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study
+from nodegraph.validation import first_error
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
@@ -47,14 +48,14 @@ def read_study(folder: Path) -> Study:
 
     path = folder / STUDY
     try:
-        return _adapter().validate_python(json.loads(gzip.decompress(path.read_bytes())))
+        data = json.loads(gzip.decompress(path.read_bytes()))
+        return _adapter().validate_python(data)
     except (FileNotFoundError, NotADirectoryError):
         raise NodegraphError(
             f"{path}: there is no finished run; run the graph, or name the folder of a run"
         ) from None
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        reason = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+        reason = first_error(error, data)
         raise NodegraphError(f"{path} cannot be read ({reason}); run the graph again") from error
     except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
         raise NodegraphError(f"{path} cannot be read ({error}); run the graph again") from error

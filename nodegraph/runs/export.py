@@ -67,7 +67,7 @@ def _written_by(node: Node, port: str, value: Any, suffix: str) -> Form:
 
 
 def _rendered(value: Any, registry: Registry) -> dict[str, Form]:
-    for renderer in registry.renderers:
+    for renderer in registry.hooks.renderers:
         if isinstance(value, renderer.type):
             files = renderer.render(value, "").files
             return {suffix: _given(suffix, files) for suffix in files}

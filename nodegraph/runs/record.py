@@ -16,7 +16,7 @@ from nodegraph.execute.events import plain
 from nodegraph.execute.results import Run, left_out
 from nodegraph.graph import Graph, GraphNode
 from nodegraph.plan import Output, Step, StepInput
-from nodegraph.validation import first_misfit
+from nodegraph.validation import first_error
 
 FORMAT = 1
 _LIBRARIES = ("nodegraph", "numpy", "scipy", "pandas", "numba", "scikit-learn", "matplotlib")
@@ -297,7 +297,7 @@ def _read(kind: type[_Kind], data: Any, at: tuple[int | str, ...]) -> tuple[_Kin
     try:
         return kind.model_validate(data), ""
     except ValidationError as error:
-        return None, first_misfit(error, data, at)
+        return None, first_error(error, data, at)
 
 
 def _at_odds(record: _Record) -> Iterator[str]:

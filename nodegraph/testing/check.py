@@ -12,9 +12,9 @@ from nodegraph.errors import NodeError, nearest
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import port_meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
-from nodegraph.plugin.guards import Nonsense, PluginError, Source
-from nodegraph.plugin.hook_types import Contract, Tried
-from nodegraph.plugin.loading import package_of, reason_of
+from nodegraph.plugin.guards import PluginError, Source
+from nodegraph.plugin.hook_types import Contract, Tried, expect
+from nodegraph.plugin.loading import error_text, package_of
 from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.testing.specimens import cases, examples, without_specimens
 from nodegraph.testing.trial import Faults, Trial
@@ -122,18 +122,15 @@ def _bibtex(node: Node, registry: Registry) -> Iterable[str]:
     plugins = [one.module for one in registry.loaded if one.name in brought]
     for module in (*(sys.modules.get(name) for name in names), *plugins):
         if hook := getattr(module, "nodegraph_bibtex", None):
-            return [_asked(hook)]
-    return registry.bibtex
+            return [_call_bibtex(hook)]
+    return registry.hooks.bibtex
 
 
-def _asked(hook: Callable[[], Any]) -> str:
+def _call_bibtex(hook: Callable[[], Any]) -> str:
     try:
-        found = hook()
-        if isinstance(found, str):
-            return found
-        raise Nonsense(found, "a text")
+        return str(expect(hook(), str))
     except (Exception, SystemExit) as error:
-        reason = reason_of(error, package_of(hook))
+        reason = error_text(error, package_of(hook))
         raise PluginError(f"its plugin's hook nodegraph_bibtex failed: {reason}") from error
 
 
@@ -243,7 +240,7 @@ def _try(
     registry: Registry,
     faults: Faults,
 ) -> None:
-    contracts = list(registry.contracts(node.family))
+    contracts = list(registry.hooks.contracts(node.family))
     declined: list[str] = []
     done = 0
     for specimen, values in cases(node, inputs, registry):
@@ -254,7 +251,7 @@ def _try(
         elif made is not None:
             done += 1
             _compare_columns(trial, made)
-            for source, contract in contracts:
+            for contract, source in contracts:
                 _hold(contract, source, trial, made)
     if not done and not faults:
         faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
@@ -284,6 +281,6 @@ def _hold(contract: Contract, source: Source, trial: Trial, outputs: Mapping[str
     try:
         broken = list(contract(tried))
     except Exception as error:
-        broken = [source.failed(name, error)]
+        broken = [source.failure(name, error)]
     for detail in broken:
         trial.fault(f"breaks what every {family}.* node promises: {promise}", detail)

@@ -26,7 +26,7 @@ def specimens_of(kind: type, registry: Registry) -> dict[str, Any]:
         Whose plugins ship them.
     """
     made: dict[str, Any] = {}
-    for held, make in registry.specimens():
+    for held, make in registry.hooks.specimens():
         if issubclass(held, kind):
             made.update(make())
     return made

@@ -84,7 +84,7 @@ class Finder:
             self._registry = Registry.installed(asking.placed())
         self._known: dict[bytes, Node] = {}
         # who asks could name any module as a node's: values may do so, too
-        self.packer = Packer(self._registry.storages, lambda package: True)
+        self.packer = Packer(self._registry.hooks.storages, lambda package: True)
         self.differs = "; ".join(asking.differences(Surroundings()))
         self._code = asking.code
         for package, code in code_of(asking.code).items():

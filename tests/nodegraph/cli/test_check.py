@@ -89,7 +89,7 @@ def test_a_file_without_nodes_is_told(command: Command) -> None:
     status, _, err = command("check", "toy.yaml", "--plugin", "bare.py")
     assert status == 0
     assert (
-        err == 'warning: bare.py: brings no node; write @node("family.method") above a function\n'
+        err == 'warning: bare.py: defines no nodes; write @node("family.method") above a function\n'
     )
 
 

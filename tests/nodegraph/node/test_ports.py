@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph.node.ports import Across, Port, label_text, misfit
+from nodegraph.node.ports import Across, Port, label_text, mismatch
 
 
 @pytest.mark.parametrize(
@@ -21,11 +21,11 @@ from nodegraph.node.ports import Across, Port, label_text, misfit
 def test_a_port_takes_its_type_and_subclasses_and_truth_only_where_marked(
     source: Port, target: Port, fits: bool
 ) -> None:
-    assert (misfit(source, target) is None) is fits
+    assert (mismatch(source, target) is None) is fits
 
 
 def test_a_misfit_names_both_types() -> None:
-    assert misfit(Port("a", int), Port("b", str)) == "'b' takes str, not int"
+    assert mismatch(Port("a", int), Port("b", str)) == "'b' takes str, not int"
 
 
 def test_a_port_shows_itself_as_it_is_annotated() -> None:

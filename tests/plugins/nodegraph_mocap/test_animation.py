@@ -67,7 +67,7 @@ def test_a_weight_that_may_be_two_morph_targets_is_refused(head: Head) -> None:
 @pytest.mark.parametrize("name", ["complete", "gaps"])
 def test_an_animation_is_stored_as_it_is(name: str) -> None:
     made: Animation = specimens()[Animation]()[name]
-    packer = Packer(default_registry().storages)
+    packer = Packer(default_registry().hooks.storages)
     packed = packer.pack(made)
     back = packer.unpack(packed.head, packed.buffers)
     assert same(back, made)

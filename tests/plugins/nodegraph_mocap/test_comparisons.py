@@ -18,7 +18,7 @@ TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
 
 
 def told(one: Any, other: Any) -> tuple[str, ...]:
-    return told_apart(one, other, default_registry().comparisons)
+    return told_apart(one, other, default_registry().hooks.comparisons)
 
 
 def moved(frames: slice, marker: int, by: float) -> Trajectories:
@@ -121,7 +121,7 @@ def test_weights_are_told_apart_by_frames_and_shapes() -> None:
     ],
 )
 def test_values_are_made_of_frames_and_names(value: Any, expected: dict[str, Any]) -> None:
-    kinds = (one for one in default_registry().comparisons if isinstance(value, one.type))
+    kinds = (one for one in default_registry().hooks.comparisons if isinstance(value, one.type))
     parts = next(kinds).parts
     assert parts is not None
     assert parts(value) == expected

@@ -157,7 +157,7 @@ def test_a_file_named_like_an_installed_plugin_is_refused(
 ) -> None:
     written(tmp_path, "toy_one.py", NODE + HOOK)
     install(monkeypatch, tmp_path, fill="toy_one")
-    with pytest.raises(NodegraphError, match="a plugin 'fill' is there already"):
+    with pytest.raises(NodegraphError, match="a plugin 'fill' is already registered"):
         Registry.installed([written(tmp_path, "fill.py", NODE)])
 
 
@@ -175,7 +175,9 @@ def test_a_file_with_other_hooks_needs_no_node(
 ) -> None:
     install(monkeypatch, tmp_path)
     text = HOOK.replace("nodegraph_nodes", "nodegraph_bibtex").replace("[mine]", "'@misc{a}'")
-    assert Registry.installed([written(tmp_path, "toy_cites.py", text)]).bibtex == ("@misc{a}",)
+    assert Registry.installed([written(tmp_path, "toy_cites.py", text)]).hooks.bibtex == (
+        "@misc{a}",
+    )
 
 
 def test_a_file_that_is_read_again_takes_the_place_of_the_first(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from nodegraph.validation import first_misfit
+from nodegraph.validation import first_error
 
 
 class Inner(BaseModel):
@@ -19,7 +19,7 @@ class Outer(BaseModel):
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "text"),
     [
         ({"parts": {"a": [{"size": 1}, {"size": 2.5}]}}, "parts.a.1.size: input should be a valid"),
         ({"parts": {"a": [{"size": ["x", 3]}]}}, "parts.a.0.size: input should be a valid integer"),
@@ -28,15 +28,15 @@ class Outer(BaseModel):
         ([], "all of it: input should be a valid dictionary"),
     ],
 )
-def test_the_first_key_that_does_not_fit_is_named(data: Any, told: str) -> None:
+def test_the_first_key_that_does_not_fit_is_named(data: Any, text: str) -> None:
     with pytest.raises(ValidationError) as caught:
         Outer.model_validate(data)
-    said = first_misfit(caught.value, data)
-    assert said.startswith(told)
-    assert "instance of" not in said
+    message = first_error(caught.value, data)
+    assert message.startswith(text)
+    assert "instance of" not in message
 
 
 def test_a_part_is_named_by_its_place_in_the_whole() -> None:
     with pytest.raises(ValidationError) as caught:
         Inner.model_validate({})
-    assert first_misfit(caught.value, {}, ("steps", 3)) == "steps.3.size: field required"
+    assert first_error(caught.value, {}, ("steps", 3)) == "steps.3.size: field required"
