@@ -9,6 +9,10 @@ from pathlib import Path
 
 import pytest
 
+import nodegraph_dask
+from nodegraph.plugin import loading
+from nodegraph.plugin.loading import Plugin
+
 Command = Callable[..., tuple[int, str, str]]
 
 
@@ -128,7 +132,10 @@ def test_a_run_that_cannot_begin_ends_with_2(command: Command, words: list[str],
     assert "def number" in Path("toys.py").read_text()
 
 
-def test_a_cluster_that_does_not_answer_costs_nothing(command: Command) -> None:
+def test_a_cluster_that_does_not_answer_costs_nothing(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(loading, "installed", lambda: ([Plugin("dask", nodegraph_dask)], []))
     command("run", "toy.yaml")
     words = ["--executor", "dask", "--scheduler", "tcp://127.0.0.1:9"]
     status, out, err = command("run", "toy.yaml", *words, "--no-cache")
