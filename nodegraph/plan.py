@@ -12,6 +12,7 @@ from nodegraph.gc_pause import no_collection
 from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graphfile.spec import Reference
 from nodegraph.node.ports import Absent, Label
+from nodegraph.state import State
 
 Combination = tuple[Label, ...]
 
@@ -112,7 +113,7 @@ class Plan:
 def absent_of(gathered: Gathered) -> tuple[Absent, ...]:
     """Return the combinations that the plan itself has left out of a gathering."""
     return tuple(
-        Absent(dict(zip(gathered.axes, at, strict=True)), "skipped", reason)
+        Absent(dict(zip(gathered.axes, at, strict=True)), State.SKIPPED.value, reason)
         for at, reason in gathered.absent
     )
 

@@ -23,7 +23,7 @@ FLOORS = (  # from the top
     {"graphfile", "store"},
     {"plugin"},
     {"node"},
-    {"equality", "errors", "formatting", "gc_pause", "import_time", "validation"},
+    {"equality", "errors", "formatting", "gc_pause", "import_time", "state", "validation"},
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}
 SHARED = {"nodegraph_mocap", "nodegraph_tables", "nodegraph_files"}

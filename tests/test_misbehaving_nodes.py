@@ -92,7 +92,7 @@ def ended(folder: Path, bad: str, *words: str) -> tuple[int, dict[str, Any], str
 
 BAD = {
     "bad.type": "TypeError: bad.type returned str where its signature promises float (output)",
-    "bad.mutates": "it changes its input: copy before you write; assignment destination is "
+    "bad.mutates": "it modifies its input; copy it before writing: assignment destination is "
     "read-only",
     "bad.raises": "KeyError: 'chin'",
     "bad.exits": "SystemExit: enough",

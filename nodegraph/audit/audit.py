@@ -12,6 +12,7 @@ from nodegraph.execute import Run
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.worker.client import EndedError
 from nodegraph.plan import Step
+from nodegraph.state import State
 
 Grade = Literal["identical", "close", "skipped", "refused", "failed", "mutates", "differs"]
 WORSE: tuple[Grade, ...] = get_args(Grade)
@@ -105,8 +106,8 @@ def audit(run: Run, steps: Iterable[int]) -> Iterator[Audited]:
             found = _audited(run, step, repeats, fed_anew=bool(wavering & _above(run, step)))
             if found.grade == "differs":
                 wavering.add(index)
-            if found.is_one_of_several and run.recall is not None:
-                run.recall.doubt(step, ", ".join(found.under))
+            if found.is_one_of_several and run.cache is not None:
+                run.cache.distrust(step, ", ".join(found.under))
             yield found
 
 
@@ -115,7 +116,7 @@ def _first(run: Run, steps: list[int]) -> int:
 
 
 def _has_result(outcome: Outcome) -> bool:
-    return outcome.state in ("done", "unneeded")
+    return outcome.state.has_value
 
 
 def _above(run: Run, step: Step) -> set[int]:
@@ -171,7 +172,7 @@ class _Trial:
             self._untried.append((PROCESS, elsewhere))
         else:
             self._compare(PROCESS, elsewhere)
-        if self._first.state != "done":
+        if self._first.state is not State.DONE:
             said = f"it was done, now it is {_ended(self._first)}"
             self._drifts[STORED] = Drift("differs", (said,))
         elif compare_stored and (stored := self._repeats.stored(self._step.index)) is not None:
@@ -185,7 +186,7 @@ class _Trial:
 
     def _compare(self, condition: str, other: Outcome) -> None:
         first = self._first
-        if first.state != "done" or other.state != "done":
+        if first.state is not State.DONE or other.state is not State.DONE:
             same = (first.state, first.reason) == (other.state, other.reason)
             said = f"{_ended(first)} once, {_ended(other)} then"
             self._drifts[condition] = Drift() if same else Drift("differs", (said,))

@@ -11,16 +11,17 @@ from typing import Any, Literal
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
-from nodegraph.execute.call import Call, Outcome, perform, warnings_heard
+from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.step_cache import Recall
+from nodegraph.execute.step_cache import StepCache
 from nodegraph.execute.worker.client import Asker, Child, EndedError
 from nodegraph.execute.worker.protocol import LACKING, NOT_SENT
 from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
 from nodegraph.node.ports import Across
 from nodegraph.plugin.hook_types import Comparison
 from nodegraph.runs.diff import told_apart
+from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packed, Packer, Unstorable
 
 Grade = Literal["identical", "close", "differs"]
@@ -174,18 +175,17 @@ class Repeats:
     """
 
     def __init__(self, run: Run) -> None:
-        assert run.recall is not None, "an audit needs a store"
+        assert run.cache is not None, "an audit needs a store"
         self._run = run
         # another one, which takes what the run has just stored for found, and computes no less
-        self._recall = Recall(run.plan, run.recall.store)
-        self._stored = self._recall.look_up()
+        self._cache = StepCache(run.plan, run.cache.store)
         schedule = Schedule(run.plan, packer=run.packer, wanted=[])
         self._asker = Asker(schedule, shares_files=True, are_new=True)
         self._child: Child | None = None
         self._open = ExitStack()
 
     def __enter__(self) -> Repeats:
-        self._open.enter_context(warnings_heard())
+        self._open.enter_context(collecting_warnings())
         self._open.enter_context(one_thread_each())
         return self
 
@@ -208,11 +208,11 @@ class Repeats:
             If they are not stored any more and cannot be computed again.
         """
         ended = self._run.outcomes.items()
-        without = {at: one for at, one in ended if one.state in ("refused", "failed", "skipped")}
-        known = {at: one for at, one in (self._stored | without).items() if at != index}
+        without = {at: one for at, one in ended if not one.state.has_value}
+        known = {at: one for at, one in (self._cache.known | without).items() if at != index}
         schedule = Schedule(
             self._run.plan,
-            recall=self._recall,
+            cache=self._cache,
             known=known,
             packer=self._run.packer,
             wanted=[index],
@@ -263,12 +263,12 @@ class Repeats:
 
     def stored(self, index: int) -> Given | None:
         """Return what the store has of a step."""
-        key = self._recall.keys.of[index]
-        entry = self._recall.store.find(key) if key else None
-        if entry is None or entry.state != "done":
+        key = self._run.outcomes[index].key
+        entry = self._cache.store.find(key) if key else None
+        if entry is None or entry.state != State.DONE:
             return None
         try:
-            values = self._recall.store.load(entry)
+            values = self._cache.store.load(entry)
         except DamagedEntry:
             return None
         return replace(Given.of(values, self._run.packer), digests=entry.digests)

@@ -19,7 +19,6 @@ _HEADS = ("node", "method", "grade", "cases", "what")
 def audit(arguments: Namespace) -> int:
     """Run a graph, repeat its steps, and print for each method whether it gives one answer."""
     from nodegraph.audit.audit import GOOD, audit, cases
-    from nodegraph.execute.results import not_kept_lines
 
     graph = graph_of(arguments)
     store = store_of(arguments, graph)
@@ -29,7 +28,7 @@ def audit(arguments: Namespace) -> int:
     say(f"repeating {len(wanted)} of {len(run.plan.steps)} steps")
     found = {one.step.index: one for one in audit(run, wanted)}
     print(columns([_HEADS, *_rows(run, chosen, found)]))
-    for line in (*_told(found.values(), writable=store.writable), *not_kept_lines(run)):
+    for line in (*_told(found.values(), writable=store.writable), *run.not_stored()):
         print(f"\n{line}")
     return 0 if all(one.grade in GOOD for one in found.values()) else 1
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Container
 
-from nodegraph.cli.common import graph_of, store_of
+from nodegraph.cli.common import graph_of, left_out_lines, store_of
 from nodegraph.cli.progress import columns
 from nodegraph.graph import Graph
 from nodegraph.plan import Plan
@@ -13,15 +13,13 @@ from nodegraph.plan import Plan
 
 def check(arguments: Namespace) -> int:
     """Print what a graph would do, and how much of it is stored already."""
-    from nodegraph.execute import Recall
-    from nodegraph.execute.results import left_out_lines
+    from nodegraph.execute import StepCache
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
     made = plan(graph)
-    recall = Recall(made, store_of(arguments, graph))
-    recall.look_up()
-    stored = {step.index for step in made.steps if step.index in recall}
+    cache = StepCache(made, store_of(arguments, graph))
+    stored = {step.index for step in made.steps if step.index in cache}
     print(f"{graph.title}\n\n{columns(_rows(graph, made, stored))}\n")
     print(f"{len(made.steps)} steps, {len(stored)} of them stored")
     for line in left_out_lines(graph):

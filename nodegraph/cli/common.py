@@ -192,11 +192,18 @@ def _unwritable(path: Path, error: OSError) -> NodegraphError:
     return NodegraphError(f"{path}: cannot be written: {reason}; name another place with --out")
 
 
+def left_out_lines(graph: Graph) -> list[str]:
+    """Return which nodes are left out: ``left out: faces, playback: why``."""
+    return [
+        f"left out: {', '.join(nodes)}: {reason}"
+        for reason, nodes in graph.left_out_together().items()
+    ]
+
+
 def completed(arguments: Namespace, graph: Graph, store: Store) -> Run:
     """Run a graph as the command says, and show how far it is."""
     from nodegraph.api import reported
     from nodegraph.execute import HowToRun, execute
-    from nodegraph.execute.results import left_out_lines
     from nodegraph.plan import plan
 
     how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)

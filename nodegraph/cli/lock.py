@@ -18,7 +18,6 @@ from nodegraph.errors import NodegraphError
 
 def lock(arguments: Namespace) -> int:
     """Run a graph, and write down what decides its results, and what they are."""
-    from nodegraph.execute.results import not_kept_lines
     from nodegraph.lock.lockfile import SUFFIX, lock_text
     from nodegraph.lock.provenance import FileNames
 
@@ -28,11 +27,11 @@ def lock(arguments: Namespace) -> int:
     refuse_unwritable(path)
     FileNames(graph)  # which refuses what a lock must not hold, before anything has run
     done = completed(arguments, graph, store_of(arguments, graph))
-    not_kept = not_kept_lines(done)  # before what is not stored is computed again
+    not_stored = done.not_stored()  # before what is not stored is computed again
     text = lock_text(done, path)
     counts = ", ".join(f"{count} {state}" for state, count in done.counts().items() if count)
     print(f"{len(done.plan.steps)} steps: {counts}")
-    for line in not_kept:
+    for line in not_stored:
         print(line)
     written_and_told(path, text.encode())
     if not done.ok:

@@ -9,15 +9,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from nodegraph.execute import Event
+from nodegraph.execute import Event, EventKind
 from nodegraph.formatting import name_at
+from nodegraph.state import State
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 _MOST_LINES = 20
 _MOMENT = 0.1
-_COUNTS = ("run", "stored", "refused", "failed", "skipped")
+_COUNTS = ("run", State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
 
 
 @contextmanager
@@ -49,11 +50,11 @@ class Shown(ABC):
 
     def hear(self, event: Event) -> None:
         """Show an event; of single steps only those that went wrong."""
-        if event.kind == "planned":
+        if event.kind == EventKind.PLANNED:
             self._planned = event.detail["steps"]
-        if event.kind in ("failed", "refused"):
+        if event.kind in (State.FAILED, State.REFUSED):
             self._wrong(event)
-        elif event.kind not in ("done", "stored", "skipped"):
+        elif event.kind not in (State.DONE, State.STORED, State.SKIPPED):
             self.show(event)
 
     @abstractmethod
@@ -115,13 +116,13 @@ class _Bar(Shown):
         self._shown.console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     def show(self, event: Event) -> None:
-        if event.kind == "planned":
+        if event.kind == EventKind.PLANNED:
             self._shown.update(self._task, total=self._planned)
-        elif event.kind == "progress":
+        elif event.kind == EventKind.PROGRESS:
             settled, total = self.settled(event.detail)
             counts = counts_text(event.detail)
             self._shown.update(self._task, completed=settled, total=total, counts=counts)
-        elif event.kind == "started" and event.seconds - self._named >= _MOMENT:
+        elif event.kind == EventKind.STARTED and event.seconds - self._named >= _MOMENT:
             self._named = event.seconds
             self._shown.update(self._task, description=event.node)
 
@@ -138,11 +139,11 @@ class _Lines(Shown):
         print(text, file=sys.stderr, flush=True)
 
     def show(self, event: Event) -> None:
-        if event.kind == "planned":
+        if event.kind == EventKind.PLANNED:
             self.say(f"{self._planned} steps of {event.detail['nodes']} nodes")
-        elif event.kind == "progress":
+        elif event.kind == EventKind.PROGRESS:
             self._advance(event.detail)
-        elif event.kind == "finished":
+        elif event.kind == EventKind.FINISHED:
             counts = {"run": event.detail["done"], **event.detail}
             self.say(f"finished after {event.seconds:.1f} s: {counts_text(counts)}")
 

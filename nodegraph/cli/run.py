@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from nodegraph.cli.common import command_of, graph_of, run_folder, say, store_of
+from nodegraph.cli.common import command_of, graph_of, left_out_lines, run_folder, say, store_of
 from nodegraph.cli.progress import progress
 
 
@@ -12,7 +12,6 @@ def run(arguments: Namespace) -> int:
     """Check, plan and run a graph; write the report; print its tables."""
     from nodegraph.api import reported
     from nodegraph.execute import HowToRun, execute, executor_of
-    from nodegraph.execute.results import left_out_lines
     from nodegraph.graph import until
     from nodegraph.plan import plan
     from nodegraph.report.files import report_files, summary

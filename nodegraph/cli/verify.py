@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.common import MOST, counted, few, first_and_more, say, set_values
+from nodegraph.state import State
 
 if TYPE_CHECKING:
     from nodegraph.execute import Run
@@ -44,7 +45,6 @@ def verify(arguments: Namespace) -> int:
 
 def _told(lock: Lock, run: Run, store: Store) -> int:
     """Print the verdict and what it stands on; return the exit status."""
-    from nodegraph.execute.results import not_kept_lines
     from nodegraph.lock.compare import (
         Explained,
         compare,
@@ -54,13 +54,13 @@ def _told(lock: Lock, run: Run, store: Store) -> int:
     )
     from nodegraph.lock.results import Kept, Results, said_by
 
-    not_kept = not_kept_lines(run)  # before what is not stored is computed again
+    not_stored = run.not_stored()  # before what is not stored is computed again
     results, said, kept = Results(run), list(said_by(run)), Kept(store)
     found = compare(lock, run, results)
     changed = list(conclusions_changed(lock.data["conclusions"], said))
     came_to = verdict(found, bool(lock.data["conclusions"]), changed)
     print(f"{came_to.text}: {lock.path}: {_counts(found, lock)}")
-    for line in (*Explained(lock, run).everywhere(), *_notes(found), *not_kept):
+    for line in (*Explained(lock, run).everywhere(), *_notes(found), *not_stored):
         print(f"    {line}")
     for place, moved in enumerate(first_of_each(found.origins)[:MOST]):
         first = moved[0].cell
@@ -98,7 +98,7 @@ def _counts(found: Compared, lock: Lock) -> str:
 def _ended(found: Compared) -> str:
     """Return how many of the identical results are none."""
     counts = [
-        f"{count} {'' if state == 'failed' else 'was ' if count == 1 else 'were '}{state}"
+        f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
         for state, count in found.ended.items()
     ]
     return f" (of these {' and '.join(counts)}, as then)" if counts else ""
@@ -119,7 +119,7 @@ def _explained(moved: Moved, run: Run) -> Iterator[str]:
     own, around = moved.change.own, moved.change.around
     if not own and not around:
         step = run.plan.steps[moved.cell.index]
-        audited = run.recall.doubted(step) if run.recall else ""
+        audited = run.cache.distrusted(step) if run.cache else ""
         why = f", and {audited}" if audited else _NO_REASON
         yield f"code, settings, files and libraries are the same{why}"
     yield from few(own, "changes")

@@ -7,7 +7,7 @@ from collections import defaultdict
 
 from nodegraph.cli.common import graph_of, run_folder, store_of
 from nodegraph.errors import NodegraphError, listed, nearest
-from nodegraph.execute.step_cache import Recall
+from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import plan
 from nodegraph.runs.saved_run import FinishedRun
 from nodegraph.runs.why import Explained, Why
@@ -25,9 +25,8 @@ def why(arguments: Namespace) -> int:
     folder = arguments.run or run_folder(arguments)
     record = FinishedRun(folder).record
     made = plan(graph)
-    recall = Recall(made, store_of(arguments, graph))
-    ended = recall.look_up()
-    found = list(Why(made, recall, ended, record).explain(arguments.node))
+    cache = StepCache(made, store_of(arguments, graph))
+    found = list(Why(made, cache, record).explain(arguments.node))
     stored = sum(one.stored for one in found)
     print(f"{arguments.node}: {stored} of {len(found)} steps are stored; compared with {folder}")
     for reason, steps in _by_reason(found).items():

@@ -1,18 +1,19 @@
 """Running a plan: calls, executors, the schedule between them, events and results."""
 
-from nodegraph.execute.events import Event, Listener
+from nodegraph.execute.events import Event, EventKind, Listener
 from nodegraph.execute.executors import Executor, HowToRun, executor_of
 from nodegraph.execute.results import Run, Values
 from nodegraph.execute.run import execute
-from nodegraph.execute.step_cache import Recall, open_store
+from nodegraph.execute.step_cache import StepCache, open_store
 
 __all__ = [
     "Event",
+    "EventKind",
     "Executor",
     "HowToRun",
     "Listener",
-    "Recall",
     "Run",
+    "StepCache",
     "Values",
     "execute",
     "executor_of",

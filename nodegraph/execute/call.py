@@ -1,4 +1,4 @@
-"""One call of one node: what goes in, what came out, or why nothing did."""
+"""One call of one node: what goes in, and the outcome: values, or why there are none."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from nodegraph.errors import NodegraphError, Refusal
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
 from nodegraph.plan import Gathered, Plan, Step
+from nodegraph.state import State
 
-_WRITES = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
-"""What numpy, numba and frozen dataclasses say when somebody writes to what is locked."""
+_READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
+"""What numpy, numba and frozen dataclasses say when a locked value is written to."""
 
-_heard: ContextVar[list[str] | None] = ContextVar("_heard", default=None)
+_warnings: ContextVar[list[str] | None] = ContextVar("_warnings", default=None)
 
 
-@dataclass(slots=True)  # frozen, it would take three times as long to make
+@dataclass(slots=True)  # not frozen, which would make it three times as slow to create
 class Call:
-    """Everything that one step needs to be computed, wherever that is.
+    """Everything that one step needs to be computed, in this process or another.
 
     Attributes
     ----------
@@ -34,9 +35,11 @@ class Call:
         Its index in the plan.
     node : Node
     plugin : str
-        Who brought the node.
+        Name of the plugin that defines the node.
     inputs : mapping of port to value
     settings : mapping of setting to value
+    key : str
+        Under which the result is stored; empty if it cannot be.
     """
 
     step: int
@@ -44,95 +47,109 @@ class Call:
     plugin: str
     inputs: Mapping[str, Any]
     settings: Mapping[str, Any]
+    key: str = ""
 
 
 @dataclass(slots=True)
 class Outcome:
-    """What became of a step.
+    """How a step ended.
 
     Attributes
     ----------
-    state : str
-        ``done``, ``refused``, ``failed`` or ``skipped``; ``unneeded`` when stored results made
-        it so.
+    state : State
     values : tuple
-        One value per output port, when it is done and until the schedule has taken them.
+        One per output port, if the step is done and until the schedule has taken them.
     reason : str
         Why there is no value.
     trace : str
-        Where it failed, for its author.
+        Traceback of a failure.
     warnings : tuple of str
-        What the node had to say.
+        What the node warned of.
     seconds : float
         That it took to compute, now or when it was stored.
-    cause : str
-        For a skipped step, what became of the one that it needed: ``refused``, ``failed`` or
-        ``skipped``; else the state itself.
+    cause : State or None
+        For a skipped step, how the step ended without which it cannot run.
     stored : bool
         Whether it was found in the store and not computed.
     digests : tuple of str
-        One per output port, of its content, when it is in the store.
+        One per output port, of its content, if it is in the store.
     place : str
         For a failed step, the line of the node's own file: ``mine.py:12``.
+    key : str
+        Under which the result is stored, or would be; empty if it cannot be.
     """
 
-    state: str
+    state: State
     values: tuple[Any, ...] = ()
     reason: str = ""
     trace: str = ""
     warnings: tuple[str, ...] = ()
     seconds: float = 0.0
-    cause: str = ""
+    cause: State | None = None
     stored: bool = False
     digests: tuple[str, ...] = ()
     place: str = ""
+    key: str = ""
 
     @property
-    def told(self) -> str:
-        """The reason with its place, which stays out of all that results are made of."""
+    def status(self) -> State:
+        """The state as events and counts list it: ``stored`` if it is done without a call."""
+        return State.STORED if self.stored and self.state is State.DONE else self.state
+
+    @property
+    def root(self) -> State:
+        """The state of the step that this goes back to, which is this one unless it is skipped."""
+        return self.cause or self.state
+
+    @property
+    def message(self) -> str:
+        """The reason with its place, which is no part of what is stored or compared."""
         return f"{self.reason} ({self.place})" if self.place else self.reason
 
 
 def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
-    heard: list[str] = []
-    token = _heard.set(heard)
-    place = ""
-    began = time.perf_counter()
+    messages: list[str] = []
+    token = _warnings.set(messages)
+    start = time.perf_counter()
     try:
         values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
+        outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
-        state, values, reason, trace = "refused", (), str(refusal) or "no reason given", ""
+        outcome = Outcome(State.REFUSED, reason=_printable(str(refusal) or "no reason given"))
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        state, values, reason, trace = "failed", (), _reason(error), _trace(error)
-        place = _shown(_place(call.node, error))
-    else:
-        state, reason, trace = "done", "", ""
+        outcome = Outcome(
+            State.FAILED,
+            reason=_printable(_reason(error)),
+            trace=_printable("".join(traceback.format_exception(error))),
+            place=_printable(_place(call.node, error)),
+        )
     finally:
-        _heard.reset(token)
-    seconds = time.perf_counter() - began
-    said = tuple(dict.fromkeys(map(_shown, heard))) if heard else ()
-    return Outcome(state, values, _shown(reason), _shown(trace), said, seconds, state, place=place)
+        _warnings.reset(token)
+    outcome.seconds = time.perf_counter() - start
+    if messages:
+        outcome.warnings = tuple(dict.fromkeys(map(_printable, messages)))
+    return outcome
 
 
 @contextmanager
-def warnings_heard() -> Iterator[None]:
-    """Let what nodes warn of become part of their step's outcome, in whatever thread they run."""
+def collecting_warnings() -> Iterator[None]:
+    """Make what nodes warn of part of their step's outcome, whatever thread they run in."""
     with warnings.catch_warnings():
         for category in (UserWarning, RuntimeWarning):
             warnings.simplefilter("always", category)
         show = warnings.showwarning
 
-        def hear(message: Warning | str, category: type[Warning], *rest: Any) -> None:
-            heard = _heard.get()
-            if heard is None:
+        def collect(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+            messages = _warnings.get()
+            if messages is None:
                 show(message, category, *rest)
             else:
-                heard.append(str(message))
+                messages.append(str(message))
 
-        warnings.showwarning = hear  # type: ignore[assignment]
+        warnings.showwarning = collect  # type: ignore[assignment]
         yield
 
 
@@ -164,20 +181,20 @@ def _split(node: Node, returned: Any) -> tuple[Any, ...]:
     return tuple(getattr(returned, name) for name in names)
 
 
-def writes_to_what_is_locked(error: BaseException) -> bool:
-    """Whether an error says that somebody wrote to what other nodes read as well."""
+def writes_to_locked_value(error: BaseException) -> bool:
+    """Whether an error says that a value was written to that other nodes read as well."""
     if isinstance(error, (OSError, NodegraphError)):  # a disk may be read-only, too
         return False
-    return any(sign in _message(error) for sign in _WRITES)
+    return any(sign in _message(error) for sign in _READ_ONLY)
 
 
 def _reason(error: BaseException) -> str:
-    said = _message(error) or "no message"
+    reason = _message(error) or "no message"
     if not isinstance(error, (ValueError, OSError)):
-        said = f"{type(error).__name__}: {said}"
-    if writes_to_what_is_locked(error):
-        return f"it changes its input: copy before you write; {said}"
-    return said
+        reason = f"{type(error).__name__}: {reason}"
+    if writes_to_locked_value(error):
+        return f"it modifies its input; copy it before writing: {reason}"
+    return reason
 
 
 def _message(error: BaseException) -> str:
@@ -195,17 +212,13 @@ def _place(node: Node, error: BaseException) -> str:
     return f"{Path(code.co_filename).name}:{own[-1]}" if code and own else ""
 
 
-def _trace(error: BaseException) -> str:
-    return "".join(traceback.format_exception(error))
-
-
-def _shown(text: str) -> str:
-    """Return a text without what cannot be written, such as parts of a file's unreadable name."""
+def _printable(text: str) -> str:
+    """Return a text without what cannot be encoded, such as parts of a file's unreadable name."""
     return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()
 
 
 def skipped(plan: Plan, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome | None:
-    """Return why a step cannot run, if one that it needs has no value.
+    """Return the outcome of a step that cannot run because one that it needs has no value.
 
     Parameters
     ----------
@@ -213,30 +226,26 @@ def skipped(plan: Plan, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome 
     step
     outcomes
         How steps before it ended, as far as that is known. While the reason could still be
-        another one there is none, so that it never depends on what was known when.
+        another one, None is returned, so that it never depends on the order of execution.
     """
-    for fed in step.inputs.values():
-        needed = _undone(fed, outcomes) if isinstance(fed, Gathered) else fed.step
+    for source in step.inputs.values():
+        needed = _missing(source, outcomes) if isinstance(source, Gathered) else source.step
         if needed is None:
             continue
         outcome = outcomes.get(needed)
         if outcome is None:
             return None
-        if outcome.state != "done":
-            return _because(plan.steps[needed], outcome)
+        if outcome.state is not State.DONE:
+            reason = outcome.reason
+            if outcome.state is not State.SKIPPED:
+                reason = f"{plan.steps[needed].name} {outcome.state}: {reason}"
+            return Outcome(State.SKIPPED, reason=reason, cause=outcome.root)
     return None
 
 
-def _undone(fed: Gathered, outcomes: Mapping[int, Outcome]) -> int | None:
-    """Return a step of those gathered, or None if any of them is known to be done."""
-    known = [outcomes.get(one.step) for _, one in fed.entries]
-    if any(outcome is not None and outcome.state == "done" for outcome in known):
+def _missing(source: Gathered, outcomes: Mapping[int, Outcome]) -> int | None:
+    """Return a gathered step without a value, or None if any of them is known to be done."""
+    known = [outcomes.get(output.step) for _, output in source.entries]
+    if any(outcome is not None and outcome.state is State.DONE for outcome in known):
         return None
-    return fed.entries[known.index(None) if None in known else 0][1].step
-
-
-def _because(needed: Step, cause: Outcome) -> Outcome:
-    said = (
-        cause.reason if cause.state == "skipped" else f"{needed.name} {cause.state}: {cause.reason}"
-    )
-    return Outcome("skipped", reason=said, cause=cause.cause)
+    return source.entries[known.index(None) if None in known else 0][1].step

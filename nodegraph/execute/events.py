@@ -1,4 +1,4 @@
-"""What happens during a run, as a stream that progress, logs and other programs draw from."""
+"""What happens during a run, as a stream of events for progress, logs and other programs."""
 
 from __future__ import annotations
 
@@ -8,25 +8,36 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
+from enum import StrEnum
 from typing import Any
 
 from nodegraph.execute.call import Outcome
 from nodegraph.plan import Plan, Step
+from nodegraph.state import State
 
 FORMAT = 1
-_PROGRESS = 100
-"""How often in a run listeners hear how far it is."""
+_PROGRESS_EVENTS = 100
+"""How many progress events a run has, about."""
+
+
+class EventKind(StrEnum):
+    """Kinds of events beside the states in which steps end."""
+
+    PLANNED = "planned"
+    STARTED = "started"
+    PROGRESS = "progress"
+    FINISHED = "finished"
+    INTERRUPTED = "interrupted"
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened.
+    """Something that happened in a run.
 
     Attributes
     ----------
     kind : str
-        ``planned``, ``started``, ``done``, ``stored``, ``refused``, ``failed``, ``skipped``,
-        ``progress``, ``finished`` or ``interrupted``.
+        An `EventKind`, or the `State` in which a step ended.
     seconds : float
         Since the run began.
     step : int
@@ -34,7 +45,7 @@ class Event:
     node : str
     labels : mapping of axis to label
     detail : mapping
-        What else there is to say: a reason, warnings, counts.
+        Further data of this kind of event: a reason, warnings, counts.
     """
 
     kind: str
@@ -46,18 +57,18 @@ class Event:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the event as plain data, for a line of JSON."""
-        said: dict[str, Any] = {"event": self.kind, "seconds": round(self.seconds, 6)}
+        data: dict[str, Any] = {"event": self.kind, "seconds": round(self.seconds, 6)}
         if self.step >= 0:
-            said |= {"step": self.step, "node": self.node, "labels": plain(self.labels)}
-        return said | {name: plain(one) for name, one in self.detail.items() if name not in said}
+            data |= {"step": self.step, "node": self.node, "labels": plain(self.labels)}
+        return data | {name: plain(value) for name, value in self.detail.items()}
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: what has no such form becomes text."""
+    """Return a value as JSON can write it; anything that JSON does not have becomes text."""
     if isinstance(value, (list, tuple)):
-        return [plain(one) for one in value]
+        return [plain(item) for item in value]
     if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     return value if value is None or isinstance(value, (str, int)) else str(value)
@@ -66,8 +77,8 @@ def plain(value: Any) -> Any:
 Listener = Callable[[Event], None]
 
 
-class Teller:
-    """Tells listeners what becomes of a plan's steps.
+class EventLog:
+    """Turns what becomes of a plan's steps into events, and hands these to listeners.
 
     Attributes
     ----------
@@ -77,14 +88,14 @@ class Teller:
 
     def __init__(self, listeners: tuple[Listener, ...], plan: Plan) -> None:
         self._listeners = listeners
-        self._began = time.perf_counter()
-        self._counts: Counter[str] = Counter()
-        self._ended: dict[int, str] = {}
-        self._each = max(1, len(plan.steps) // _PROGRESS)
+        self._start = time.perf_counter()
+        self._counts: Counter[State] = Counter()
+        self._ended: dict[int, State] = {}
         self._steps = len(plan.steps)
+        self._interval = max(1, self._steps // _PROGRESS_EVENTS)
         self.left: Callable[[], int] = lambda: self._steps - len(self._ended)
-        self._tell(
-            "planned",
+        self._emit(
+            EventKind.PLANNED,
             None,
             {
                 "format": FORMAT,
@@ -97,50 +108,52 @@ class Teller:
 
     def seconds(self) -> float:
         """Return the seconds since the run began."""
-        return time.perf_counter() - self._began
+        return time.perf_counter() - self._start
 
     def started(self, step: Step) -> None:
-        """Tell that a step is being computed."""
+        """Report that a step is being computed."""
         if self._listeners:
-            self._tell("started", step, {"use": step.method.node.name})
+            self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
 
     def settled(self, step: Step, outcome: Outcome) -> None:
-        """Tell how a step ended, and now and then how far the run is."""
+        """Report how a step ended, and from time to time the progress of the run."""
         if not self._listeners:
             return
-        kind = "stored" if outcome.stored and outcome.state == "done" else outcome.state
+        status = outcome.status
         detail: dict[str, Any] = {"took": round(outcome.seconds, 6)}
-        detail |= {"stored": True} if outcome.stored and kind != "stored" else {}
-        detail |= {"reason": outcome.told} if outcome.reason else {}
+        detail |= {"stored": True} if outcome.stored and status is not State.STORED else {}
+        detail |= {"reason": outcome.message} if outcome.reason else {}
         detail |= {"warnings": list(outcome.warnings)} if outcome.warnings else {}
-        self._tell(kind, step, detail)
-        self._counts[kind] += 1
+        self._emit(status, step, detail)
+        self._counts[status] += 1
         if step.index in self._ended:  # what was stored of it could not be used
             self._counts[self._ended[step.index]] -= 1
-        self._ended[step.index] = kind
-        if len(self._ended) % self._each == 0:
-            self._tell("progress", None, self._progress())
+        self._ended[step.index] = status
+        if len(self._ended) % self._interval == 0:
+            self._emit(EventKind.PROGRESS, None, self._progress())
 
     def interrupted(self) -> None:
-        """Tell that the run ends before its time."""
-        self._tell("interrupted", None, self._progress())
+        """Report that the run ends early."""
+        self._emit(EventKind.INTERRUPTED, None, self._progress())
 
     def finished(self, counts: Mapping[str, int]) -> None:
-        """Tell that the run is over."""
-        self._tell("finished", None, dict(counts))
+        """Report that the run is over."""
+        self._emit(EventKind.FINISHED, None, dict(counts))
 
     def _progress(self) -> dict[str, Any]:
-        computed = self._counts["done"] + self._counts["failed"] + self._counts["refused"]
+        counts = self._counts
+        computed = counts[State.DONE] + counts[State.FAILED] + counts[State.REFUSED]
         left = self.left()
-        to_go = round(self.seconds() / computed * left, 1) if computed else None
-        counts = {
-            state: self._counts[state] for state in ("stored", "refused", "failed", "skipped")
+        listed = (State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
+        return {
+            "run": counts[State.DONE],
+            **{state.value: counts[state] for state in listed},
+            "unneeded": self._steps - sum(counts.values()) - left,
+            "left": left,
+            "to_go": round(self.seconds() / computed * left, 1) if computed else None,
         }
-        unneeded = self._steps - sum(self._counts.values()) - left
-        counts = {"run": self._counts["done"], **counts, "unneeded": unneeded}
-        return {**counts, "left": left, "to_go": to_go}
 
-    def _tell(self, kind: str, step: Step | None, detail: Mapping[str, Any]) -> None:
+    def _emit(self, kind: str, step: Step | None, detail: Mapping[str, Any]) -> None:
         if not self._listeners:
             return
         event = (

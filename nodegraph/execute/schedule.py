@@ -3,107 +3,84 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 from nodegraph.execute.call import Call, Outcome, perform, skipped
-from nodegraph.execute.step_cache import Recall
+from nodegraph.execute.step_cache import StepCache
 from nodegraph.node.ports import Absent, Across
 from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
+from nodegraph.state import State
 from nodegraph.store import Packer
 
 
-def gathered(
-    fed: Gathered, outcomes: Mapping[int, Outcome], value_of: Callable[[Output], Any]
-) -> Across[Any]:
-    """Return the values of a gathering port with their labels.
-
-    Parameters
-    ----------
-    fed
-        What the plan gathers.
-    outcomes
-        How the steps ended that feed it, all of them.
-    value_of
-        Returns the value of one output of a step that is done.
-    """
-    entries = []
-    absent = list(absent_of(fed))
-    for at, output in fed.entries:
-        labels = dict(zip(fed.axes, at, strict=True))
-        outcome = outcomes[output.step]
-        if outcome.state == "done":
-            entries.append((labels, value_of(output)))
-        else:
-            absent.append(Absent(labels, outcome.cause, outcome.reason))
-    known = dict(zip(fed.axes, fed.known, strict=True))
-    return Across(fed.axes, tuple(entries), tuple(absent), known)
-
-
-class Hears(Protocol):
-    """Who wants to know what becomes of steps."""
+class Observer(Protocol):
+    """Follows what becomes of steps."""
 
     def started(self, step: Step) -> None:
-        """Hear that a step was handed out."""
+        """Note that a step was handed out."""
 
     def settled(self, step: Step, outcome: Outcome) -> None:
-        """Hear how a step ended."""
+        """Note how a step ended."""
 
 
 class Schedule:
     """Hands out calls in the order of the plan, and takes their outcomes back.
 
-    A step is computed when it is wanted, or when one that is computed needs it; a stored result
-    is loaded when it is needed, and only then.
+    A step is computed if it is wanted, or if a step that is computed needs it; a stored result is
+    loaded only when it is needed.
 
     Parameters
     ----------
     plan
-    recall
+    cache
         Where results are stored.
     known
-        How steps ended whose results are stored.
+        How steps ended that need not be computed.
     packer
-        How values are lent to readers, and travel.
+        How values are lent to readers, and sent to other processes.
     keep
         Steps whose values stay after their last reader.
     wanted
-        Steps that are computed even if they are stored; by default all that nothing reads, and
-        those to keep, are computed if they are not.
-    hears
+        Steps that are computed even if they are stored; by default, those that nothing reads, and
+        those to keep, are computed unless they are stored.
+    observer
+
+    Attributes
+    ----------
+    plan : Plan
+    packer : Packer
+    outcomes : mapping of step index to Outcome
+    values : mapping of step index to values
+        Of the steps to keep, and of those that are still to be read.
     """
 
     def __init__(
         self,
         plan: Plan,
         *,
-        recall: Recall | None = None,
+        cache: StepCache | None = None,
         known: Mapping[int, Outcome] | None = None,
         packer: Packer | None = None,
         keep: Iterable[int] = (),
         wanted: Iterable[int] | None = None,
-        hears: Hears | None = None,
+        observer: Observer | None = None,
     ) -> None:
-        self._plan = plan
-        self._recall = recall
-        self._hears = hears
+        self.plan = plan
         self.packer = packer or Packer()
-        self._keep = frozenset(keep)
         self.outcomes = dict(known or {})
         self.values: dict[int, tuple[Any, ...]] = {}
-        self._waiting: dict[int, int] = {}
-        self._readers: dict[int, list[int]] = {}
-        self._unread: dict[int, int] = {}
-        self._ready: list[int] = []
-        self._running: dict[str, int] = {}
-        self._afresh: set[int] = set(wanted or ())
-        self._partly: set[int] = set()
-        self._demand([*(_unread(plan) if wanted is None else wanted), *self._keep])
-
-    @property
-    def plan(self) -> Plan:
-        """The plan whose steps these are."""
-        return self._plan
+        self._cache = cache
+        self._observer = observer
+        self._keep = frozenset(keep)
+        self._ready: list[tuple[int, str]] = []  # steps with their keys
+        self._waiting: dict[int, int] = {}  # how many steps each still waits for
+        self._readers: dict[int, list[int]] = {}  # which steps wait for each
+        self._unread: dict[int, int] = {}  # how many steps have yet to read each
+        self._first_of_key: dict[str, int] = {}
+        self._recompute = set(wanted or ())  # not to be taken from the store
+        self._partial: set[int] = set()  # in memory, but some values are stand-ins
+        self._demand([*(_last_steps(plan) if wanted is None else wanted), *self._keep])
 
     @property
     def left(self) -> int:
@@ -113,40 +90,39 @@ class Schedule:
     def next(self) -> Call | None:
         """Return the next call that can be made now, or None."""
         while self._ready:
-            index = heapq.heappop(self._ready)
-            step = self._plan.steps[index]
-            if self._recall is not None and not self._is_first(step, self._recall.keys.of[index]):
+            index, key = heapq.heappop(self._ready)
+            step = self.plan.steps[index]
+            if not self._is_first_of_key(index, key):
                 continue
-            lost = [one for one in step.needed if not self._at_hand(step, one)]
+            lost = [needed for needed in step.needed if not self._load(step, needed)]
             if lost:
                 self._compute_again(index, lost)
                 continue
-            if self._hears is not None:
-                self._hears.started(step)
-            inputs = {port: self._value(fed) for port, fed in step.inputs.items()}
-            method = step.method
-            return Call(index, method.node, method.plugin, inputs, step.settings)
+            if self._observer is not None:
+                self._observer.started(step)
+            inputs = {port: self._input(source) for port, source in step.inputs.items()}
+            return Call(index, step.method.node, step.method.plugin, inputs, step.settings, key)
         return None
 
     def perform(self, call: Call) -> Outcome:
-        """Make a call here, in any thread, and return its outcome."""
+        """Make a call in this process, in any thread, and return its outcome."""
         return self.keep(call, perform(call))
 
     def keep(self, call: Call, outcome: Outcome) -> Outcome:
         """Store an outcome that was computed, in any thread, and return it."""
-        if self._recall is None:
+        if self._cache is None:
             return outcome
-        return self._recall.save(self._plan.steps[call.step], outcome)
+        return self._cache.save(self.plan.steps[call.step], call.key, outcome)
 
     def finish(self, index: int, outcome: Outcome) -> None:
         """Take an outcome, and settle the steps that it makes impossible."""
         pending = [(index, outcome)]
         while pending:
-            at, found = pending.pop()
-            self._settle(at, found)
-            for reader in self._readers.pop(at, ()):
+            index, outcome = pending.pop()
+            self._settle(index, outcome)
+            for reader in self._readers.pop(index, ()):
                 self._waiting[reader] -= 1
-                if not self._waiting[reader] and (known := self._freed(reader)) is not None:
+                if not self._waiting[reader] and (known := self._release(reader)) is not None:
                     pending.append((reader, known))
 
     def _demand(self, wanted: Iterable[int]) -> None:
@@ -157,93 +133,91 @@ class Schedule:
             index = pending.pop()
             if index in self._waiting:
                 continue
-            waits = 0
-            step = self._plan.steps[index]
-            for needed in step.needed:
+            unsettled = 0
+            for needed in self.plan.steps[index].needed:
                 self._unread[needed] = self._unread.get(needed, 0) + 1
                 if needed not in self.outcomes:
-                    waits += 1
+                    unsettled += 1
                     self._readers.setdefault(needed, []).append(index)
                     pending.append(needed)
-            self._waiting[index] = waits
-            if not waits:
+            self._waiting[index] = unsettled
+            if not unsettled:
                 free.append(index)
         for index in free:
-            if (known := self._freed(index)) is not None:
+            if (known := self._release(index)) is not None:
                 self.finish(index, known)
 
-    def _freed(self, index: int) -> Outcome | None:
-        """Return how a step ends that waits for nothing, if that is known; else have it run."""
-        step = self._plan.steps[index]
-        # what was stored when the step was demanded may have turned out not to be of use since
-        forgotten = self._afresh and [one for one in step.needed if one not in self.outcomes]
+    def _release(self, index: int) -> Outcome | None:
+        """Return how a step ended that waits for nothing, if that is known; else have it run."""
+        step = self.plan.steps[index]
+        # a stored result that it needs may have turned out to be unusable since it was demanded
+        forgotten = self._recompute and [at for at in step.needed if at not in self.outcomes]
         if forgotten:
             self._wait(index, forgotten)
             return None
-        known = self._known(step)
+        known = skipped(self.plan, step, self.outcomes)
+        key = ""
+        if self._cache is not None:
+            if known is not None:
+                known.key = self._cache.expected_key(index)
+            else:
+                key = self._cache.key(step, self.outcomes)
+                known = self._cache.look_again(step, key, whole=index in self._recompute)
         if known is None:
-            heapq.heappush(self._ready, index)
+            heapq.heappush(self._ready, (index, key))
         return known
 
     def _wait(self, reader: int, needed: Collection[int]) -> None:
         self._waiting[reader] = len(needed)
-        for one in needed:
-            self._readers.setdefault(one, []).append(reader)
+        for index in needed:
+            self._readers.setdefault(index, []).append(reader)
 
-    def _gives(self, reader: Step, needed: int) -> bool:
-        """Whether a step is settled such that a reader can take what it needs from it."""
+    def _is_first_of_key(self, index: int, key: str) -> bool:
+        """Whether no other step of the same key is being computed; else wait for that one."""
+        if not key:
+            return True
+        first = self._first_of_key.setdefault(key, index)
+        if first == index or first in self.outcomes:
+            self._first_of_key[key] = index
+            return True
+        self._wait(index, [first])
+        return False
+
+    def _load(self, reader: Step, needed: int) -> bool:
+        """Whether what a reader takes from a step is in memory; load it if it is stored."""
+        in_memory = needed in self.values
+        if self._cache is None or (in_memory and needed not in self._partial):
+            return True
         outcome = self.outcomes.get(needed)
         if outcome is None:
             return False
-        if self._recall is None or outcome.state != "done":
+        if outcome.state is not State.DONE:
             return True
-        if needed in self.values and needed not in self._partly:
-            return True
-        return self._recall.gives(
-            needed, {one.position for one in reader.reads() if one.step == needed}
-        )
-
-    def _at_hand(self, reader: Step, needed: int) -> bool:
-        """Whether what a reader takes from a step is in memory; load it if it is stored."""
-        if self._recall is None or (needed in self.values and needed not in self._partly):
-            return True
-        if not self._gives(reader, needed):
+        positions = {output.position for output in reader.reads() if output.step == needed}
+        if not self._cache.gives(needed, positions):
             return False
-        if needed in self.values or self.outcomes[needed].state != "done":
+        if in_memory:
             return True
-        values = self._recall.load(needed)
+        values = self._cache.load(needed)
         if values is None:
             return False
         self.values[needed] = values
-        if not self._recall.gives(needed, range(len(values))):
-            self._partly.add(needed)
+        if not self._cache.gives(needed, range(len(values))):
+            self._partial.add(needed)
         return True
-
-    def _is_first(self, step: Step, key: str) -> bool:
-        """Whether no step of the same key is being computed; else wait for that one."""
-        first = self._running.setdefault(key, step.index) if key else step.index
-        if first == step.index or first in self.outcomes:
-            self._running[key] = step.index
-            return True
-        self._wait(step.index, [first])
-        return False
 
     def _compute_again(self, reader: int, lost: Collection[int]) -> None:
         """Have steps computed whose stored values cannot be used; a reader waits for them."""
         for needed in lost:
-            self._forget(needed)
+            if self.outcomes.pop(needed, None) is not None:
+                self._recompute.add(needed)
+                self._drop(needed)
         self._wait(reader, lost)
         self._demand(lost)
 
-    def _forget(self, index: int) -> None:
-        """Have a step computed even if it is stored: what is stored cannot be used."""
-        if self.outcomes.pop(index, None) is not None:
-            self._afresh.add(index)
-            self._drop(index)
-
     def _drop(self, index: int) -> None:
         self.values.pop(index, None)
-        self._partly.discard(index)
+        self._partial.discard(index)
 
     def _settle(self, index: int, outcome: Outcome) -> None:
         self._waiting.pop(index, None)
@@ -252,34 +226,40 @@ class Schedule:
                 self.values[index] = outcome.values
             outcome.values = ()  # else they would live as long as the outcome
         self.outcomes[index] = outcome
-        for needed in self._plan.steps[index].needed:
+        step = self.plan.steps[index]
+        for needed in step.needed:
             if self._unread.get(needed):
                 self._unread[needed] -= 1
                 if not self._unread[needed] and (
-                    needed not in self._keep or needed in self._partly
+                    needed not in self._keep or needed in self._partial
                 ):
                     self._drop(needed)
-        if self._hears is not None:
-            self._hears.settled(self._plan.steps[index], outcome)
+        if self._observer is not None:
+            self._observer.settled(step, outcome)
 
-    def _known(self, step: Step) -> Outcome | None:
-        """Return how a step ends, if that is known without computing it."""
-        stopped = skipped(self._plan, step, self.outcomes)
-        if stopped is None and self._recall is not None:
-            afresh = step.index in self._afresh
-            return self._recall.look_again(step, self.outcomes, afresh=afresh)
-        return stopped
+    def _input(self, source: StepInput) -> Any:
+        if isinstance(source, Output):
+            return self._lend(source)
+        return self._gather(source)
 
-    def _value(self, fed: StepInput) -> Any:
-        if isinstance(fed, Output):
-            return self._lent(fed)
-        return gathered(fed, self.outcomes, self._lent)
+    def _gather(self, source: Gathered) -> Across[Any]:
+        entries = []
+        absent = list(absent_of(source))
+        for combination, output in source.entries:
+            labels = dict(zip(source.axes, combination, strict=True))
+            outcome = self.outcomes[output.step]
+            if outcome.state is State.DONE:
+                entries.append((labels, self._lend(output)))
+            else:
+                absent.append(Absent(labels, outcome.root.value, outcome.reason))
+        known = dict(zip(source.axes, source.known, strict=True))
+        return Across(source.axes, tuple(entries), tuple(absent), known)
 
-    def _lent(self, output: Output) -> Any:
+    def _lend(self, output: Output) -> Any:
         return self.packer.lend(self.values[output.step][output.position])
 
 
-def _unread(plan: Plan) -> Iterator[int]:
+def _last_steps(plan: Plan) -> Iterator[int]:
     """Yield the steps that nothing reads."""
     read = {needed for step in plan.steps for needed in step.needed}
     return (step.index for step in plan.steps if step.index not in read)

@@ -1,4 +1,4 @@
-"""What earlier runs have left: finds, loads and saves the results of a plan's steps."""
+"""The results of a plan's steps in the store: found, loaded and saved."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.execute.call import Outcome, skipped
 from nodegraph.fingerprint import Code
-from nodegraph.fingerprint.keys import Files, Keys, followed
+from nodegraph.fingerprint.keys import Files, StepDigest, StepDigests, followed, step_key
 from nodegraph.gc_pause import no_collection
 from nodegraph.plan import Plan, Step
+from nodegraph.state import State
 from nodegraph.store import About, DamagedEntry, Entry, Packer, Store, store_folder
 
 if TYPE_CHECKING:
@@ -21,29 +22,30 @@ if TYPE_CHECKING:
 
 _CODE, _FILES = "code", "files"
 AUDITED = "audit-"
-"""How the names begin under which a store remembers what audits found."""
-
-_SEVERAL = "an audit found that it gives another answer"
+"""Beginning of the names under which a store remembers the findings of audits."""
 
 
-def open_store(registry: Registry, folder: Path | None, say: Callable[[str], None]) -> Store:
-    """Return the store in a folder, or where the platform keeps such things.
+def open_store(registry: Registry, folder: Path | None, report: Callable[[str], None]) -> Store:
+    """Return the store in a folder, by default in the platform's folder for caches.
 
     Parameters
     ----------
     registry
-        Says how values of its plugins' types are kept.
+        How values of its plugins' types are stored.
     folder
-    say
-        Hears what is wrong with the store; runs go on without it.
+    report
+        Called with what is wrong with the store; runs go on without it.
     """
     packages = followed(registry)
     packer = Packer(registry.hooks.storages, packages.__contains__)
-    return Store(store_folder(folder), packer, say)
+    return Store(store_folder(folder), packer, report)
 
 
-class Recall:
+class StepCache:
     """The results of a plan's steps, as far as a store has them.
+
+    Every step is looked up at once, under the key that it has if all steps before it that are not
+    stored succeed. A step whose inputs turn out otherwise is looked up again under its final key.
 
     Parameters
     ----------
@@ -53,58 +55,64 @@ class Recall:
     Attributes
     ----------
     store : Store
-    keys : Keys
-    not_kept : Counter of str
-        Why results could not be kept, and how many.
+    known : mapping of step index to Outcome
+        Of the steps that were stored at first, then of those that are skipped because of these.
+    not_stored : Counter of str
+        Why results could not be stored, and how many.
     """
 
     def __init__(self, plan: Plan, store: Store) -> None:
         self.store = store
         self._plan = plan
-        self._before = {name: store.recall(name) for name in (_CODE, _FILES)}
-        self._code = Code(followed(plan.graph.registry), self._before[_CODE])
-        self._files = Files(self._before[_FILES])
-        self._doubted: dict[str, str] = {}
-        self.keys = Keys(plan, self._code, self._files, self._doubt)
+        self._remembered = {name: store.recall(name) for name in (_CODE, _FILES)}
+        self._code = Code(followed(plan.graph.registry), self._remembered[_CODE])
+        self._files = Files(self._remembered[_FILES])
+        self._findings: dict[str, str] = {}
+        self._digests = StepDigests(self._code, self._files, self._finding)
+        self._expected: dict[int, Outcome] = {}
         self._entries: dict[int, Entry] = {}
         self._saved: set[str] = set()
-        self.not_kept: Counter[str] = Counter()
+        self.not_stored: Counter[str] = Counter()
         self._lock = threading.Lock()
+        self.known = self._look_up()
 
-    @no_collection()
-    def look_up(self) -> dict[int, Outcome]:
-        """Return how those steps ended that are stored, then those that are skipped for it."""
-        known: dict[int, Outcome] = {}
-        for step in self._plan.steps:
-            key = self.keys.make(step, known)
-            found = self._find(step, key) or skipped(self._plan, step, known)
-            if found is not None:
-                known[step.index] = found
-        self._remember()
-        return dict(sorted(known.items(), key=lambda one: not one[1].stored))
+    def __contains__(self, index: object) -> bool:
+        """Whether a step is stored."""
+        return index in self._entries
 
-    def look_again(
-        self, step: Step, outcomes: Mapping[int, Outcome], *, afresh: bool = False
-    ) -> Outcome | None:
-        """Return how a step ended, if it is stored now that all is known of what feeds it.
+    def digest_of(self, step: Step) -> StepDigest:
+        """Return the part of a step's key that depends on the step alone."""
+        return self._digests.of(step)
+
+    def expected_key(self, index: int) -> str:
+        """Return the key of a step as far as it was known before anything was computed."""
+        return self._expected[index].key
+
+    def key(self, step: Step, outcomes: Mapping[int, Outcome]) -> str:
+        """Return the key of a step whose inputs have ended; empty if it has none."""
+        return step_key(self._digests.of(step).digest, step.inputs, outcomes)
+
+    def look_again(self, step: Step, key: str, *, whole: bool = False) -> Outcome | None:
+        """Return how a step ended, if its final key is stored and was not looked up at first.
 
         Parameters
         ----------
         step
-        outcomes
-        afresh
-            Whether a result of which any value is a stand-in is of no use.
+        key
+        whole
+            Whether the result is of no use if any of its values is a stand-in.
         """
-        supposed = self.keys.of[step.index]
-        key = self.keys.make(step, outcomes)
-        if key == supposed and key not in self._saved:
+        entry = self._entries.get(step.index)
+        if entry is not None and entry.key != key:
+            del self._entries[step.index]
+        if key not in self._saved and (whole or key == self.expected_key(step.index)):
             return None
-        self._entries.pop(step.index, None)
-        found = self._find(step, key)
-        whole = not afresh or self.gives(step.index, range(len(step.method.node.outputs)))
-        return found if whole else None
+        outcome = self._find(step, key)
+        if whole and not self.gives(step.index, range(len(step.method.node.outputs))):
+            return None
+        return outcome
 
-    def known(self) -> dict[int, Outcome]:
+    def stored(self) -> dict[int, Outcome]:
         """Return how those steps ended whose results are in the store by now."""
         return {index: _outcome(entry) for index, entry in self._entries.items()}
 
@@ -113,12 +121,8 @@ class Recall:
         entry = self._entries.get(index)
         return entry is not None and all(entry.faithful[position] for position in positions)
 
-    def __contains__(self, index: object) -> bool:
-        """Whether a step is stored."""
-        return index in self._entries
-
     def load(self, index: int) -> tuple[Any, ...] | None:
-        """Return the stored values of a step, or None when there are none or they are damaged."""
+        """Return the stored values of a step, or None if there are none or they are damaged."""
         if index not in self._entries:
             return None
         try:
@@ -127,17 +131,15 @@ class Recall:
             del self._entries[index]
             return None
 
-    def save(self, step: Step, outcome: Outcome) -> Outcome:
-        """Store an outcome, in any thread, and return it with what the store says of it."""
-        if outcome.state not in ("done", "refused"):
-            return outcome
-        key = self.keys.of[step.index]
+    def save(self, step: Step, key: str, outcome: Outcome) -> Outcome:
+        """Store an outcome, in any thread, and return it with its key and its digests."""
+        if outcome.state not in (State.DONE, State.REFUSED):
+            return replace(outcome, key=key)
         if not key:
-            self._count(self.keys.why_none(step))
-            return self._one_of_several(step, outcome)
-        if not self.keys.unchanged(step):
-            # nor may anything be found or kept that is made of it
-            self.keys.of[step.index] = ""
+            self._count(self._why_no_key(step))
+            return self._with_finding(step, outcome)
+        if not self._digests.unchanged(step):
+            # without a key, nothing that depends on it is looked up or stored either
             self._entries.pop(step.index, None)
             self._count("a file changed while it was read")
             return outcome
@@ -151,51 +153,51 @@ class Recall:
         )
         entry = self.store.save(key, about, outcome.values)
         if entry is None:
-            return outcome
+            return replace(outcome, key=key)
         self._entries[step.index] = entry
         self._saved.add(key)
-        return replace(outcome, digests=entry.digests)
+        return replace(outcome, key=key, digests=entry.digests)
 
-    def doubt(self, step: Step, said: str) -> bool:
-        """Have no result of a step's code stored, or taken from the store, by runs from now on.
+    def distrust(self, step: Step, conditions: str) -> bool:
+        """Neither store results of a step's code, nor use stored ones, in runs from now on.
 
         Parameters
         ----------
         step
-            One that was found to have several results.
-        said
-            Under which conditions.
+            Whose code was found to have several results.
+        conditions
+            Under which it has others.
 
         Returns
         -------
         bool
-            Whether that could be written down.
+            Whether the store could note it.
         """
-        digest = self.keys.fixed(step).reached.digest
-        self.store.remember(_audit_of(digest), {"node": step.method.node.name, "said": said})
+        digest = self._digests.of(step).code.digest
+        finding = {"node": step.method.node.name, "said": conditions}
+        self.store.remember(_audit_of(digest), finding)
         return self.store.writable
 
-    def doubted(self, step: Step) -> str:
+    def distrusted(self, step: Step) -> str:
         """Return what an audit found of a step's code, if it has several results."""
-        return self._doubt(self.keys.fixed(step).reached.digest)
+        return self._finding(self._digests.of(step).code.digest)
 
-    def _doubt(self, digest: str) -> str:
-        if digest not in self._doubted:
-            said = self.store.recall(_audit_of(digest)).get("said")
-            self._doubted[digest] = f"{_SEVERAL} in {said}" if said else ""
-        return self._doubted[digest]
-
-    def _one_of_several(self, step: Step, outcome: Outcome) -> Outcome:
-        """Return an outcome that says, if its code is in doubt, that it is one of several."""
-        doubt = self._doubted.get(self.keys.fixed(step).reached.digest)
-        if not doubt:
-            return outcome
-        said = f"{doubt}: this result is one of several, and is not stored"
-        return replace(outcome, warnings=(*outcome.warnings, said))
-
-    def _count(self, reason: str) -> None:
-        with self._lock:
-            self.not_kept[reason] += 1
+    @no_collection()
+    def _look_up(self) -> dict[int, Outcome]:
+        stored: dict[int, Outcome] = {}
+        known: dict[int, Outcome] = {}
+        for step in self._plan.steps:
+            key = self.key(step, self._expected)
+            outcome = self._find(step, key)
+            if outcome is not None:
+                stored[step.index] = outcome
+            elif (outcome := skipped(self._plan, step, known)) is not None:
+                outcome.key = key
+            if outcome is not None:
+                known[step.index] = outcome
+            self._expected[step.index] = outcome or Outcome(State.DONE, key=key)
+        self._remember()
+        return stored | known
 
     def _find(self, step: Step, key: str) -> Outcome | None:
         entry = self.store.find(key) if key else None
@@ -204,11 +206,36 @@ class Recall:
         self._entries[step.index] = entry
         return _outcome(entry)
 
+    def _finding(self, digest: str) -> str:
+        if digest not in self._findings:
+            conditions = self.store.recall(_audit_of(digest)).get("said")
+            self._findings[digest] = (
+                f"an audit found that it gives another answer in {conditions}" if conditions else ""
+            )
+        return self._findings[digest]
+
+    def _with_finding(self, step: Step, outcome: Outcome) -> Outcome:
+        """Return an outcome with a warning if its code is known to have several results."""
+        finding = self._findings.get(self._digests.of(step).code.digest)
+        if not finding:
+            return outcome
+        warning = f"{finding}: this result is one of several, and is not stored"
+        return replace(outcome, warnings=(*outcome.warnings, warning))
+
+    def _why_no_key(self, step: Step) -> str:
+        if reason := self._digests.of(step).reason:
+            return f"{step.method.node.name}: {reason}"
+        return "they are made of results that are not stored"
+
+    def _count(self, reason: str) -> None:
+        with self._lock:
+            self.not_stored[reason] += 1
+
     def _remember(self) -> None:
         """Leave to the next process what it need not read again."""
         now = {_CODE: self._code.remembered(), _FILES: self._files.remembered()}
         for name, known in now.items():
-            if known != self._before[name]:
+            if known != self._remembered[name]:
                 self.store.remember(name, known)
 
 
@@ -218,13 +245,11 @@ def _audit_of(digest: str) -> str:
 
 def _outcome(entry: Entry) -> Outcome:
     return Outcome(
-        entry.state,
-        (),
-        entry.reason,
-        "",
-        tuple(entry.warnings),
-        entry.seconds,
-        entry.state,
-        True,
-        tuple(entry.digests),
+        State(entry.state),
+        reason=entry.reason,
+        warnings=tuple(entry.warnings),
+        seconds=entry.seconds,
+        stored=True,
+        digests=tuple(entry.digests),
+        key=entry.key,
     )

@@ -1,8 +1,8 @@
-"""Keys: what decides the result of a step, as one digest that can be explained part by part.
+"""Keys: everything that decides the result of a step, as one digest that can be explained.
 
 A key is made of the node's name, its code with all that it reaches in plugin packages, the
-versions of the other distributions, the settings after defaults, the content of the files that
-they name, and the keys of what feeds the step. Two steps with one key have one result.
+versions of the other distributions, the settings with their defaults, the content of the files
+that they name, and the keys of the steps that feed it. Two steps of one key have one result.
 """
 
 from __future__ import annotations
@@ -10,32 +10,39 @@ from __future__ import annotations
 import hashlib
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from nodegraph.fingerprint.code import Code, Reached
 from nodegraph.fingerprint.source import SETTLED
-from nodegraph.plan import Gathered, Plan, Step
+from nodegraph.plan import Gathered, Step, StepInput
+from nodegraph.state import State
 
 if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
 
-_AT_AN_ADDRESS = " at 0x"
+_ADDRESS = " at 0x"
+"""In the text of a value that is another one in each process."""
 
 
-class Ended(Protocol):
-    """How a step ended, as far as those who gather it may see."""
+class Result(Protocol):
+    """What the key of a step depends on of a step that feeds it."""
 
     @property
-    def state(self) -> str:
-        """``done``, ``refused``, ``failed`` or ``skipped``."""
+    def key(self) -> str:
+        """Its key; empty if it has none."""
         ...
 
     @property
-    def cause(self) -> str:
-        """For a skipped step, what became of the one that it needed."""
+    def state(self) -> State:
+        """How it ended, or is expected to end."""
+        ...
+
+    @property
+    def root(self) -> State:
+        """The state of the step that this goes back to."""
         ...
 
     @property
@@ -44,15 +51,53 @@ class Ended(Protocol):
         ...
 
 
+def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, Result]) -> str:
+    """Return the key of a step; empty if it has none.
+
+    Parameters
+    ----------
+    own
+        Digest of the step itself, see `StepDigest`; empty if there is none.
+    inputs
+        What feeds each port.
+    results
+        How each step ended that feeds it, or is expected to end.
+    """
+    parts = [own]
+    for port, source in inputs.items():
+        parts.append(port)
+        if isinstance(source, Gathered):
+            parts.extend(_gathered(source, results))
+        else:
+            key = results[source.step].key
+            parts.append(key and f"{key}.{source.position}")
+    return _joined(parts) if all(parts) else ""
+
+
+def _gathered(source: Gathered, results: Mapping[int, Result]) -> Iterator[str]:
+    yield repr((source.axes, source.known))
+    for labels, output in source.entries:
+        result = results[output.step]
+        if result.state is State.DONE:
+            yield result.key and f"{labels!r} {result.key}.{output.position}"
+        else:
+            yield f"{labels!r} {result.root}: {result.reason}"
+    yield from (f"{labels!r} skipped: {reason}" for labels, reason in source.absent)
+
+
+def _joined(parts: list[str]) -> str:
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
 @dataclass(frozen=True)
-class Fixed:
-    """What of a key does not come from other steps.
+class StepDigest:
+    """The part of a key that depends on the step alone: its code, settings and files.
 
     Attributes
     ----------
     digest : str
-        Empty when there is none.
-    reached : Reached
+        Empty if there is none; then the step has no key.
+    code : Reached
         The node's code.
     files : mapping of setting to digest
         Of the content of each file that a setting names.
@@ -61,113 +106,69 @@ class Fixed:
     """
 
     digest: str
-    reached: Reached
+    code: Reached
     files: Mapping[str, str] = field(default_factory=dict)
     reason: str = ""
 
 
-class Keys:
-    """The keys of a plan's steps.
+class StepDigests:
+    """The digests of steps, each computed once.
 
     Parameters
     ----------
-    plan
     code
         Reads the code of nodes.
     files
         Reads the content of files.
-    doubt
-        Returns why code of that digest has no one result, or nothing if it is not known to have
-        several.
+    distrust
+        Returns why the code of a digest has no single result; an empty text if nothing is known
+        against it.
     """
 
-    def __init__(
-        self, plan: Plan, code: Code, files: Files, doubt: Callable[[str], str] = lambda _: ""
-    ) -> None:
-        self._plan = plan
+    def __init__(self, code: Code, files: Files, distrust: Callable[[str], str]) -> None:
         self._code = code
         self._files = files
-        self._doubt = doubt
-        self._fixed: dict[tuple[int, int], Fixed] = {}
-        self.of: list[str] = [""] * len(plan.steps)
+        self._distrust = distrust
+        self._known: dict[tuple[int, int], StepDigest] = {}
 
-    def make(self, step: Step, ended: Mapping[int, Ended]) -> str:
-        """Return the key of a step whose needs have keys; empty when it has none.
-
-        Parameters
-        ----------
-        step
-        ended
-            How steps before it ended, as far as that is known. A gathered step that is not in it
-            counts as present.
-        """
-        parts = [self.fixed(step).digest]
-        for port, fed in step.inputs.items():
-            parts.append(port)
-            if isinstance(fed, Gathered):
-                parts.extend(self._gathered(fed, ended))
-            else:
-                parts.append(self.of[fed.step] and f"{self.of[fed.step]}.{fed.position}")
-        key = hashlib.sha256("\n".join(parts).encode()).hexdigest() if all(parts) else ""
-        self.of[step.index] = key
-        return key
-
-    def fixed(self, step: Step) -> Fixed:
-        """Return what of a step's key does not come from other steps."""
+    def of(self, step: Step) -> StepDigest:
+        """Return the digest of a step itself."""
         at = (id(step.method.node), id(step.settings))
-        found = self._fixed.get(at)
-        if found is None:
-            found = self._fixed[at] = self._made(step)
-        return found
+        known = self._known.get(at)
+        if known is None:
+            known = self._known[at] = self._computed(step)
+        return known
 
     def unchanged(self, step: Step) -> bool:
-        """Whether the files that a step's settings name are still as they were for its key."""
-        files = self.fixed(step).files
+        """Whether the files that a step's settings name are still as they were for its digest."""
+        before = self.of(step).files
         try:
             return all(
-                self._files.digest(path) == files[name] for name, path in _files(step).items()
+                self._files.digest(path) == before[name] for name, path in _paths(step).items()
             )
         except OSError:
             return False
 
-    def why_none(self, step: Step) -> str:
-        """Return why a step has no key."""
-        if reason := self.fixed(step).reason:
-            return f"{step.method.node.name}: {reason}"
-        return "they are made of results that are not stored"
-
-    def _gathered(self, fed: Gathered, ended: Mapping[int, Ended]) -> list[str]:
-        parts = [repr((fed.axes, fed.known))]
-        for labels, output in fed.entries:
-            there = ended.get(output.step)
-            if there is None or there.state == "done":
-                key = self.of[output.step]
-                parts.append(key and f"{labels!r} {key}.{output.position}")
-            else:
-                parts.append(f"{labels!r} {there.cause}: {there.reason}")
-        return parts + [f"{labels!r} skipped: {reason}" for labels, reason in fed.absent]
-
-    def _made(self, step: Step) -> Fixed:
+    def _computed(self, step: Step) -> StepDigest:
         node = step.method.node
-        reached = self._code.of(node.function)
-        if reached.unstable:
-            return Fixed("", reached, reason=reached.unstable)
+        code = self._code.of(node.function)
+        if code.unstable:
+            return StepDigest("", code, reason=code.unstable)
         try:
-            files = {name: self._files.digest(path) for name, path in _files(step).items()}
+            files = {name: self._files.digest(path) for name, path in _paths(step).items()}
         except OSError as error:
-            return Fixed("", reached, reason=f"a file cannot be read: {error}")
-        if doubt := self._doubt(reached.digest):
-            return Fixed("", reached, files, doubt)
-        settings = {name: value for name, value in step.settings.items() if name not in files}
-        text = repr(sorted(settings.items()))
-        if _AT_AN_ADDRESS in text:
-            return Fixed("", reached, files, "a setting has no lasting text")
-        parts = [node.name, reached.digest, text, repr(sorted(files.items()))]
-        return Fixed(hashlib.sha256("\n".join(parts).encode()).hexdigest(), reached, files)
+            return StepDigest("", code, reason=f"a file cannot be read: {error}")
+        if reason := self._distrust(code.digest):
+            return StepDigest("", code, files, reason)
+        settings = repr(sorted(item for item in step.settings.items() if item[0] not in files))
+        if _ADDRESS in settings:
+            return StepDigest("", code, files, "a setting has no lasting text")
+        parts = [node.name, code.digest, settings, repr(sorted(files.items()))]
+        return StepDigest(_joined(parts), code, files)
 
 
 class Files:
-    """Digests of the content of files; one that has not changed is not read again.
+    """Digests of the content of files; a file that has not changed is not read again.
 
     Parameters
     ----------
@@ -179,7 +180,7 @@ class Files:
         self._known = dict(remembered or {})
 
     def digest(self, path: Path) -> str:
-        """Return the digest of a file, or of all files in a folder, with the suffix.
+        """Return the digest of a file with its suffix, or of all files in a folder.
 
         Raises
         ------
@@ -187,23 +188,24 @@ class Files:
             If it cannot be read.
         """
         if not path.is_dir():
-            return self._one(str(path)) + path.suffix.lower()
-        inside = sorted(one for one in path.rglob("*") if one.is_file())
-        named = [f"{one.relative_to(path).as_posix()} {self._one(str(one))}" for one in inside]
-        return hashlib.sha256("\n".join(named).encode()).hexdigest()
+            return self._content(str(path)) + path.suffix.lower()
+        files = sorted(file for file in path.rglob("*") if file.is_file())
+        return _joined(
+            [f"{file.relative_to(path).as_posix()} {self._content(str(file))}" for file in files]
+        )
 
     def remembered(self) -> dict[str, Any]:
         """Return what a later process needs so as not to read the same files again."""
         return self._known
 
-    def _one(self, path: str) -> str:
+    def _content(self, path: str) -> str:
         status = os.stat(path)
         mark = [status.st_size, status.st_mtime_ns, status.st_ino]
         known = self._known.get(path)
         if isinstance(known, list) and known[:1] == [mark]:
             return str(known[1])
-        with open(path, "rb") as opened:
-            digest = hashlib.file_digest(opened, "sha256").hexdigest()
+        with open(path, "rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
         # a file that was written just now may be written again within one tick of its clock
         if time.time_ns() - status.st_mtime_ns > SETTLED:
             self._known[path] = [mark, digest]
@@ -211,11 +213,14 @@ class Files:
 
 
 def followed(registry: Registry) -> set[str]:
-    """Return the packages whose code counts by what is in it, and not by its version."""
-    return {"nodegraph", *(one.module.__name__.partition(".")[0] for one in registry.loaded)}
+    """Return the packages whose code counts by its content, and not by its version."""
+    return {
+        "nodegraph",
+        *(plugin.module.__name__.partition(".")[0] for plugin in registry.loaded),
+    }
 
 
-def _files(step: Step) -> Mapping[str, Path]:
+def _paths(step: Step) -> Mapping[str, Path]:
     return {
         name: Path(step.settings[name])
         for name, setting in step.method.node.settings.items()

@@ -191,6 +191,20 @@ class Graph:
         """The title of the file, or its name."""
         return self.spec.title or self.spec.file
 
+    def reasons_left_out(self) -> dict[str, str]:
+        """Return why nodes are left out, by node."""
+        reasons: dict[str, dict[str, None]] = {}
+        for entry in self.left_out:
+            reasons.setdefault(entry.node, {})[entry.reason] = None
+        return {node: "; ".join(several) for node, several in reasons.items()}
+
+    def left_out_together(self) -> dict[str, tuple[str, ...]]:
+        """Return which nodes are left out, by the reason that they have in common."""
+        together: dict[str, tuple[str, ...]] = {}
+        for node, reason in self.reasons_left_out().items():
+            together[reason] = (*together.get(reason, ()), node)
+        return together
+
     @cached_property
     def network(self) -> nx.MultiDiGraph[str]:
         """The typed graph itself: an edge per wire, keyed by source and target port."""

@@ -19,6 +19,7 @@ from nodegraph.lock.sketch import Parts, Span
 from nodegraph.plan import Step
 from nodegraph.runs.changes import settings_changed
 from nodegraph.runs.diff import Spread
+from nodegraph.state import State
 
 _AROUND_ALL = ("python", "platform")
 """Versions that every result may depend on."""
@@ -105,9 +106,9 @@ class Explained:
         yield from edited or ("its code was edited",)
 
     def _edited(self, step: Step) -> Iterator[str]:
-        if self._run.recall is None:
+        if self._run.cache is None:
             return
-        for name, digest in self._run.recall.keys.fixed(step).reached.units.items():
+        for name, digest in self._run.cache.digest_of(step).code.units.items():
             module, _, unit = name.partition(":")
             known = self._units.get(module, {}).get(unit or module)
             if known is None:
@@ -120,8 +121,8 @@ class Explained:
         return {module: units_of(line) for module, line in self._was["code"].items()}
 
     def _libraries(self, step: Step) -> Mapping[str, str]:
-        recall = self._run.recall
-        reached = recall.keys.fixed(step).reached.versions if recall is not None else {}
+        cache = self._run.cache
+        reached = cache.digest_of(step).code.versions if cache is not None else {}
         return {**dict.fromkeys(_AROUND_ALL, ""), **reached}
 
     def _versions(self, names: Mapping[str, Any]) -> Iterator[str]:
@@ -270,7 +271,7 @@ class _Comparing:
         ended = self._results.ended(cell.index)
         if ended or was.ended:
             same = _plain(ended) == _plain(was.ended)
-            said = f"was {was.ended or 'done'}, now {ended or 'done'}"
+            said = f"was {was.ended or State.DONE}, now {ended or State.DONE}"
             return Grade("identical") if same else Grade("moved", 0.0, said)
         values = self._of_values(cell, was)
         if values.state == "moved" or self._results.opaque_digest(cell.index) == was.opaque:

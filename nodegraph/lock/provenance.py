@@ -212,9 +212,9 @@ def short_unit(digest: str) -> str:
 
 
 def _reached(run: Run) -> Iterator[tuple[str, Reached]]:
-    if run.recall is not None:
+    if run.cache is not None:
         for step in run.plan.steps:
-            yield full_name(step.method), run.recall.keys.fixed(step).reached
+            yield full_name(step.method), run.cache.digest_of(step).code
 
 
 def _versions(run: Run, reached: Mapping[str, Reached]) -> dict[str, str]:
@@ -224,9 +224,9 @@ def _versions(run: Run, reached: Mapping[str, Reached]) -> dict[str, str]:
 
 
 def _files(run: Run, names: FileNames) -> Iterator[tuple[str, str]]:
-    if run.recall is not None:
+    if run.cache is not None:
         for step in run.plan.steps:
-            digests = run.recall.keys.fixed(step).files
+            digests = run.cache.digest_of(step).files
             for setting, name in file_names(step, names).items():
                 yield name, digests.get(setting, "")[: 2 * _DIGITS]
 

@@ -28,6 +28,7 @@ from nodegraph.lock.sketch import (
 from nodegraph.node.ports import Port
 from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Comparison, Conclusion
+from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packed, Store, Unstorable, Upkeep
 
 if TYPE_CHECKING:
@@ -163,10 +164,10 @@ class Results:
     def ended(self, index: int) -> str:
         """Return how a step ended, if it has no value."""
         outcome = self._run.outcomes[index]
-        if outcome.state in ("done", "unneeded"):
+        if outcome.state.has_value:
             return ""
         # what a failure says may be of this machine only; that it failed is what counts
-        said = _FOLDERS.sub("", outcome.reason) if outcome.state == "refused" else ""
+        said = _FOLDERS.sub("", outcome.reason) if outcome.state is State.REFUSED else ""
         return f"{outcome.state}: {' '.join(said.split())}" if said else outcome.state
 
     def digest(self, index: int) -> str:
@@ -251,9 +252,8 @@ class Results:
         return self._stored(index) or tuple(one.digest if one else "" for one in packed)
 
     def _stored(self, index: int) -> tuple[str, ...]:
-        recall = self._run.recall
-        key = recall.keys.of[index] if recall is not None else ""
-        entry = recall.store.find(key) if recall is not None and key else None
+        key, cache = self._run.outcomes[index].key, self._run.cache
+        entry = cache.store.find(key) if cache is not None and key else None
         return entry.digests if entry is not None else ()
 
     def _shown(self, index: int) -> tuple[Any, ...]:
@@ -370,7 +370,7 @@ def _usual(sketches: Iterable[Sketch | None]) -> dict[str, float]:
 
 _WITHOUT = "-"
 _EXACT = 8
-_ENDED = ("refused", "failed", "skipped")
+_ENDED = (State.REFUSED, State.FAILED, State.SKIPPED)
 
 
 @dataclass(frozen=True)

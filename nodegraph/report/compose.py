@@ -13,7 +13,6 @@ from typing import Any
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
-from nodegraph.execute.results import left_out_together
 from nodegraph.formatting import labels_of, size_text
 from nodegraph.graph import GraphNode, Method
 from nodegraph.node.description import SettingText, describe_settings, shown
@@ -35,8 +34,13 @@ from nodegraph.report.study import (
     WithoutResult,
 )
 from nodegraph.runs.record import repeating, versions
+from nodegraph.state import State
 
-_KINDS: dict[str, Kind] = {"failed": "failed", "refused": "refused", "skipped": "left out"}
+_KINDS: dict[State, Kind] = {
+    State.FAILED: "failed",
+    State.REFUSED: "refused",
+    State.SKIPPED: "left out",
+}
 
 
 def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
@@ -54,11 +58,11 @@ def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
 
 def _settled(run: Run, command: str) -> Iterator[StepNote]:
     for step, outcome in run.settled(*_KINDS):
-        repeat = repeating(command, step) if outcome.state == "failed" else ""
+        repeat = repeating(command, step) if outcome.state is State.FAILED else ""
         yield StepNote(
             _name(step),
             labels_of(step.labels),
-            outcome.told,
+            outcome.message,
             _KINDS[outcome.state],
             repeat=repeat,
             trace=outcome.trace,
@@ -75,7 +79,7 @@ def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:
     return (
         StepNote(", ".join(nodes), "", reason, "left out", count=len(nodes))
-        for reason, nodes in left_out_together(run.plan.graph).items()
+        for reason, nodes in run.plan.graph.left_out_together().items()
     )
 
 
@@ -165,12 +169,12 @@ def _ended(run: Run, node: GraphNode) -> Mapping[str, _Ended]:
     found: defaultdict[str, _Ended] = defaultdict(_Ended)
     for at, index in run.plan.cells.get(node.name, {}).items():
         label, state = _label(node, at), run.outcomes[index].state
-        if state in ("done", "unneeded"):
+        if state.has_value:
             labels = dict(zip(node.axes, at, strict=True))
             axes = node.methods[label].settings.axes
             found[label].settings.add(tuple(labels[axis] for axis in axes))
         else:
-            found[label].others[_LEFT_OUT if state == "skipped" else state] += 1
+            found[label].others[_LEFT_OUT if state is State.SKIPPED else state] += 1
     for at in run.plan.skipped.get(node.name, {}):
         found[_label(node, at)].others[_LEFT_OUT] += 1
     return found
@@ -366,7 +370,7 @@ def _sentences(value: Any) -> list[str]:
 def _timings(run: Run) -> tuple[TimingRow, ...]:
     took: dict[str, list[float]] = defaultdict(list)
     stored: Counter[str] = Counter()
-    for step, outcome in run.settled("done"):
+    for step, outcome in run.settled(State.DONE):
         took[step.node].append(outcome.seconds)
         stored[step.node] += outcome.stored
     return tuple(

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
-from nodegraph.execute.results import not_kept_lines
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study
+from nodegraph.state import State
 from nodegraph.validation import first_error
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def _adapter() -> TypeAdapter[Study]:
 
 
 _MOST_FAILURES = 5
-_WORDS = {"done": "computed", "unneeded": "not needed"}
+_WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 
 
 def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
@@ -92,7 +92,7 @@ def summary(study: Study, run: Run) -> str:
         f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
     ]
     parts += [f"{len(run.plan.steps)} steps: {', '.join(counts)}"]
-    parts += [*_failures(study), *not_kept_lines(run)]
+    parts += [*_failures(study), *run.not_stored()]
     return "\n\n".join(parts)
 
 

@@ -12,6 +12,7 @@ from nodegraph.formatting import name_at
 from nodegraph.plugin.hook_types import Comparison
 from nodegraph.runs.changes import code_changed, recorded_sources, settings_changed, sources_changed
 from nodegraph.runs.saved_run import FinishedRun
+from nodegraph.state import State
 from nodegraph.store import Store
 
 _Found = TypeVar("_Found")
@@ -181,7 +182,7 @@ def _same_result(was: RecordedStep, now: RecordedStep, store: Store) -> bool | N
 
 
 def _has_result(step: RecordedStep) -> bool:
-    return step["state"] in ("done", "unneeded")
+    return State(step["state"]).has_value
 
 
 def _digests(step: RecordedStep, store: Store) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Event
+from nodegraph.state import State
 
 RECORD = "run.json"
 EVENTS = "events.jsonl"
@@ -58,7 +59,7 @@ class RunFolder:
 
     def hear(self, event: Event) -> None:
         """Write one event as a line of JSON; a folder that is full costs the lines, not the run."""
-        self._begun |= event.kind in ("done", "failed")
+        self._begun |= event.kind in (State.DONE, State.FAILED)
         if self._events.closed:
             return
         try:

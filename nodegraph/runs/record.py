@@ -13,9 +13,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
-from nodegraph.execute.results import Run, left_out
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph, GraphNode
 from nodegraph.plan import Output, Step, StepInput
+from nodegraph.state import State
 from nodegraph.validation import first_error
 
 FORMAT = 1
@@ -37,10 +38,10 @@ def record(run: Run, command: str) -> dict[str, Any]:
         "nodes": {name: _node(node) for name, node in graph.nodes.items()},
         "code": _code(run),
         "known": [str(one) for one in graph.spec.known],
-        "left_out": [{"node": one, "reason": why} for one, why in left_out(graph).items()],
+        "left_out": [{"node": one, "reason": why} for one, why in graph.reasons_left_out().items()],
         "counts": run.counts(),
         "seconds": round(run.seconds, 6),
-        "not_kept": dict(run.recall.not_kept) if run.recall else {},
+        "not_kept": dict(run.cache.not_stored) if run.cache else {},
         "steps": _steps(run, command),
         "skipped": _skipped(run),
         "versions": versions(graph),
@@ -94,10 +95,10 @@ def repeating(command: str, step: Step) -> str:
 
 def _code(run: Run) -> dict[str, Any]:
     """Return what each method's code reaches, by plugin and name."""
-    if run.recall is None:
+    if run.cache is None:
         return {}
     reached = {
-        f"{step.method.plugin}:{step.method.node.name}": run.recall.keys.fixed(step).reached
+        f"{step.method.plugin}:{step.method.node.name}": run.cache.digest_of(step).code
         for step in run.plan.steps
     }
     return {
@@ -145,11 +146,11 @@ def _step(run: Run, step: Step, outcome: Outcome, command: str) -> dict[str, Any
         "trace": outcome.trace,
         "warnings": list(outcome.warnings),
         "digests": list(outcome.digests),
-        "repeat": repeating(command, step) if outcome.state == "failed" else "",
+        "repeat": repeating(command, step) if outcome.state is State.FAILED else "",
     }
-    if run.recall is not None:
-        said["key"] = run.recall.keys.of[step.index]
-        said["files"] = dict(run.recall.keys.fixed(step).files)
+    if run.cache is not None:
+        said["key"] = outcome.key
+        said["files"] = dict(run.cache.digest_of(step).files)
     return made | {key: one for key, one in said.items() if one}
 
 

@@ -12,6 +12,7 @@ from nodegraph.formatting import name_at
 from nodegraph.node.ports import Label
 from nodegraph.runs.folder import RECORD
 from nodegraph.runs.record import FORMAT
+from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Store
 
 
@@ -57,7 +58,7 @@ class FinishedRun:
         """
         node, port = self._named(name)
         step = self._step(node, at)
-        if step["state"] not in ("done", "unneeded"):
+        if not State(step["state"]).has_value:
             raise NodegraphError(f"{name_at(node, at)} was {step['state']}: {step.get('reason')}")
         position = self._position(step, port)
         entry = store.find(step["key"]) if step.get("key") else None

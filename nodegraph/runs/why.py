@@ -6,9 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
-from nodegraph.execute.step_cache import Recall
+from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.runs.changes import (
     code_changed,
@@ -17,6 +16,7 @@ from nodegraph.runs.changes import (
     source,
     sources_changed,
 )
+from nodegraph.state import State
 
 _Cell = tuple[str, tuple[tuple[str, Any], ...]]
 
@@ -46,10 +46,8 @@ class Why:
     Parameters
     ----------
     plan
-    recall
-        In which the plan has been looked up.
-    ended : mapping of step index to Outcome
-        What that found.
+    cache
+        Of the plan.
     record
         The earlier run's record, as ``run.json`` holds it.
     """
@@ -57,13 +55,11 @@ class Why:
     def __init__(
         self,
         plan: Plan,
-        recall: Recall,
-        ended: Mapping[int, Outcome],
+        cache: StepCache,
         record: Mapping[str, Any],
     ) -> None:
         self._plan = plan
-        self._recall = recall
-        self._ended = ended
+        self._cache = cache
         self._code = record.get("code", {})
         steps = record["steps"]
         self._by_index: dict[int, Mapping[str, Any]] = {one["step"]: one for one in steps}
@@ -77,7 +73,7 @@ class Why:
         """Yield what is to be said of each step of a node."""
         for index in dict.fromkeys(self._plan.cells[node].values()):
             step = self._plan.steps[index]
-            stored = index in self._recall
+            stored = index in self._cache
             changes = self._upstream(step)
             if not stored and not changes:
                 changes = (self._lacking(step),)
@@ -85,16 +81,16 @@ class Why:
 
     def _lacking(self, step: Step) -> str:
         """Return why a step of which nothing has changed has no result."""
-        ended, before = self._ended.get(step.index), self._earlier(step)
+        ended, before = self._cache.known.get(step.index), self._earlier(step)
         if ended is not None:
             return f"{ended.state}, as before: {ended.reason}"
-        if before is not None and before["state"] == "done" and not before.get("digests"):
+        if before is not None and before["state"] == State.DONE and not before.get("digests"):
             return "its key is as it was; that run could not store its result"
         return "its key is as it was; the result is not in the store"
 
     def _earlier(self, step: Step) -> Mapping[str, Any] | None:
         """Return what the record has of a step, or of one that had the same result."""
-        same = self._keys.get(self._recall.keys.of[step.index])
+        same = self._keys.get(self._cache.expected_key(step.index))
         return same or self._before.get(_cell(step.node, step.labels))
 
     def _upstream(self, step: Step) -> tuple[str, ...]:
@@ -123,10 +119,10 @@ class Why:
         return [_named(step, "was not in that run")]
 
     def _compared(self, step: Step, before: Mapping[str, Any]) -> list[str]:
-        if before["state"] == "failed":
-            then = "; it has a result now" if step.index in self._recall else ", and is tried again"
+        if before["state"] == State.FAILED:
+            then = "; it has a result now" if step.index in self._cache else ", and is tried again"
             return [_named(step, f"failed in that run{then}: {before.get('reason')}")]
-        if before.get("key") and before["key"] == self._recall.keys.of[step.index]:
+        if before.get("key") and before["key"] == self._cache.expected_key(step.index):
             return []
         use = step.method.node.name
         if before["use"] != use:
@@ -146,21 +142,21 @@ class Why:
         return [_named(step, "takes other outputs, or labels, of what feeds it")]
 
     def _code_changes(self, step: Step) -> Iterator[str]:
-        fixed = self._recall.keys.fixed(step)
+        digest = self._cache.digest_of(step)
         before = self._code.get(f"{step.method.plugin}:{step.method.node.name}")
         use = step.method.node.name
-        if fixed.reason:
-            yield f"{use}: its results cannot be stored: {fixed.reason}"
+        if digest.reason:
+            yield f"{use}: its results cannot be stored: {digest.reason}"
         if before is None:
             yield f"{use}: its code was not noted in that run" + (
                 "" if self._code else ", which stored nothing"
             )
             return
-        now = {"units": fixed.reached.units, "versions": fixed.reached.versions}
+        now = {"units": digest.code.units, "versions": digest.code.versions}
         yield from (f"{use}: {said}" for said in code_changed(before, now))
 
     def _files(self, step: Step, before: Mapping[str, Any]) -> Iterator[str]:
-        for name, digest in self._recall.keys.fixed(step).files.items():
+        for name, digest in self._cache.digest_of(step).files.items():
             if before.get("files", {}).get(name) != digest:
                 yield _named(step, f"{name}: the content of {step.settings[name]} is another")
 

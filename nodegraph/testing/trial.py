@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.call import values_of, writes_to_what_is_locked
+from nodegraph.execute.call import values_of, writes_to_locked_value
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import Value
 from nodegraph.testing.surroundings import surroundings
@@ -301,7 +301,7 @@ class Trial:
 
     def _declined(self, error: BaseException) -> str | None:
         """Return why this specimen was declined, or None where it was no declining."""
-        if writes_to_what_is_locked(error):
+        if writes_to_locked_value(error):
             self.fault(_MUTATES, told(error))
         elif fault := fault_of(error, self.inputs):
             self.fault(fault, told(error))

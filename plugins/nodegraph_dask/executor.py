@@ -19,6 +19,7 @@ from nodegraph.execute.executors.base import HowToRun
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.worker.client import Asker
 from nodegraph.execute.worker.protocol import Answer, Frame
+from nodegraph.state import State
 from nodegraph_dask.cluster import LOOK, Cluster, Crew, cluster_for
 from nodegraph_dask.worker import Sent, as_bytes_array, as_frame, work
 
@@ -286,7 +287,7 @@ class _Traffic:
             self._back.put((call.step, self._schedule.keep(call, outcome)))
 
     def _fail(self, call: Call, reason: str) -> None:
-        outcome = Outcome("failed", reason=reason, cause="failed")
+        outcome = Outcome(State.FAILED, reason=reason)
         self._back.put((call.step, self._schedule.keep(call, outcome)))
 
     def _make_here(self, call: Call) -> None:

@@ -24,6 +24,7 @@ from nodegraph.plan import Gathered, Plan, Step, plan
 from nodegraph.plugin.hook_types import Storage
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
+from nodegraph.state import State
 from nodegraph.store import Entry, Upkeep
 
 AXES = {"i": (1, 2), "j": (3, 4, 5)}
@@ -190,7 +191,7 @@ def same(run: Run, alone: Run, *, unneeded: bool = False) -> None:
 
 def same_values(run: Run, alone: Run) -> None:
     """Assert that a run gives each value as one without stored results does."""
-    for step, _ in alone.settled("done"):
+    for step, _ in alone.settled(State.DONE):
         found, expected = run.values_of(step.index), alone.values_of(step.index)
         assert list(map(told, found)) == list(map(told, expected)), step.name
         assert list(map(type, found)) == list(map(type, expected)), step.name
@@ -229,7 +230,7 @@ class Needed:
         self.called.add(step.index)
         for one in step.needed:
             self._settle(self._steps[one])
-            values = self._alone.kept.get(one, ())
+            values = self._alone.in_memory.get(one, ())
             read = {output.position for output in step.reads() if output.step == one}
             lent = any(type(values[position]) is Sketch for position in read if values)
             if lent or (one not in self._stored and self._state(one) == "done"):
@@ -267,8 +268,7 @@ def keys_in(folder: Path) -> set[str]:
 
 def there(run: Run, keys: set[str]) -> set[int]:
     """Return the steps of a run whose keys are among some."""
-    assert run.recall is not None
-    return {index for index, key in enumerate(run.recall.keys.of) if key in keys}
+    return {index for index, outcome in run.outcomes.items() if outcome.key in keys}
 
 
 @pytest.fixture(params=SEEDS)
@@ -357,7 +357,7 @@ def test_two_runs_may_use_a_store_at_once(study: Study) -> None:
 
 def is_sketch(alone: Run, index: int) -> bool:
     """Whether a stored output of a step is a stand-in."""
-    return any(type(value) is Sketch for value in alone.kept.get(index, ()))
+    return any(type(value) is Sketch for value in alone.in_memory.get(index, ()))
 
 
 def entries(study: Study) -> Iterator[Entry]:

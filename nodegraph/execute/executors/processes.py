@@ -11,6 +11,7 @@ from nodegraph.execute.executors.base import HowToRun
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.worker.client import Asker, Child, EndedError
 from nodegraph.execute.worker.protocol import LACKING, Answer, Question
+from nodegraph.state import State
 
 _Calls = SimpleQueue[Call | None]
 _Outcomes = SimpleQueue[tuple[int, Outcome] | BaseException]
@@ -102,7 +103,7 @@ class _Slot:
             answer = self._answer(question)
         except EndedError as ended:
             reason = f"the process that computed it {ended}"
-            return self._schedule.keep(call, Outcome("failed", reason=reason, cause="failed"))
+            return self._schedule.keep(call, Outcome(State.FAILED, reason=reason))
         # a process of this machine lacks a node only if it cannot be imported at all
         outcome = None if answer.kind == LACKING else self._asker.outcome(answer, "a process")
         return self._here(call) if outcome is None else self._schedule.keep(call, outcome)

@@ -23,6 +23,7 @@ import numpy as np
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registry
+from nodegraph.state import State
 
 Frame = bytes | memoryview
 
@@ -131,6 +132,7 @@ class Answer:
         """Return what `frames` made a list of."""
         kind, fields, differs = json.loads(bytes(frames[0]))
         fields |= {"values": (), "warnings": tuple(fields["warnings"]), "digests": ()}
+        fields["state"] = State(fields["state"])
         return cls(kind, Outcome(**fields), differs, bytes(frames[1]), frames[2:])
 
 

@@ -15,7 +15,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from nodegraph.errors import NodegraphError, UnknownNodeError
-from nodegraph.execute.call import Call, Outcome, perform, warnings_heard
+from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import WhileAny, one_thread_each
 from nodegraph.execute.worker.protocol import (
     INTERRUPTED,
@@ -34,6 +34,7 @@ from nodegraph.execute.worker.protocol import (
 )
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin.registry import Registered, Registry
+from nodegraph.state import State
 from nodegraph.store import Packer, Unreadable, Unstorable
 
 _one_at_a_time = threading.RLock()
@@ -192,10 +193,10 @@ def _packed(finder: Finder, outcome: Outcome) -> Answer:
 
 
 def _without_values(kind: str, reason: str) -> Answer:
-    return Answer(kind, Outcome("failed", reason=reason, cause="failed"))
+    return Answer(kind, Outcome(State.FAILED, reason=reason))
 
 
-_at_work = WhileAny(warnings_heard, one_thread_each)
+_at_work = WhileAny(collecting_warnings, one_thread_each)
 
 
 def main() -> None:

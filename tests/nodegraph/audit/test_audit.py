@@ -176,14 +176,14 @@ def test_later_runs_neither_use_nor_keep_results_of_a_node_of_several_answers(
     text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: made}}\n"
     store = tmp_path / "store"
     first = run_of(text, more=ODD, store=store)
-    assert first.recall is not None
-    assert not first.recall.not_kept
+    assert first.cache is not None
+    assert not first.cache.not_stored
     assert run_of(text, more=ODD, store=store).counts()["stored"] == 3
     list(audit(first, [1]))
 
     later = run_of(text, more=ODD, store=store)
-    assert later.recall is not None
-    [why, follows] = later.recall.not_kept
+    assert later.cache is not None
+    [why, follows] = later.cache.not_stored
     assert (
         why
         == "odd.counts: an audit found that it gives another answer in a second call, "

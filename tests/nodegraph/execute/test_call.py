@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 
 from nodegraph import Refusal, Value, node
-from nodegraph.execute.call import Call, Outcome, perform, warnings_heard, writes_to_what_is_locked
+from nodegraph.execute.call import (
+    Call,
+    Outcome,
+    collecting_warnings,
+    perform,
+    writes_to_locked_value,
+)
 from nodegraph.node.decorator import node_of
 from nodegraph.node.values import locked
 
@@ -188,7 +194,7 @@ def test_inputs_and_settings_are_given_by_name() -> None:
 )
 def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str) -> None:
     outcome = called(function)
-    assert (outcome.state, outcome.values, outcome.told) == ("failed", (), reason)
+    assert (outcome.state, outcome.values, outcome.message) == ("failed", (), reason)
     assert outcome.trace.startswith("Traceback")
 
 
@@ -210,17 +216,17 @@ def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str
 def test_a_write_into_an_input_is_told_as_such(
     function: Callable[..., Any], given: Any, said: str
 ) -> None:
-    advice = "it changes its input: copy before you write; "
-    assert called(function, x=given).told == f"{advice}{said}"
+    advice = "it modifies its input; copy it before writing: "
+    assert called(function, x=given).message == f"{advice}{said}"
 
 
 def test_a_disk_that_cannot_be_written_is_no_input() -> None:
-    assert not writes_to_what_is_locked(OSError("a read-only file system"))
-    assert not writes_to_what_is_locked(Refusal("a read-only take"))
+    assert not writes_to_locked_value(OSError("a read-only file system"))
+    assert not writes_to_locked_value(Refusal("a read-only take"))
 
 
 def test_what_a_library_raises_has_the_place_of_the_call() -> None:
-    reason = called(inside).told
+    reason = called(inside).message
     assert reason.startswith("Last 2 dimensions")
     assert reason.endswith(f"({raised_in(inside)})")
 
@@ -241,7 +247,7 @@ def test_an_interruption_goes_through() -> None:
 
 
 def test_warnings_become_part_of_the_outcome() -> None:
-    with warnings_heard():
+    with collecting_warnings():
         outcome = called(warns)
     assert outcome.warnings == ("3 of 9 gaps left open", "slow")
 
@@ -256,7 +262,7 @@ def test_each_thread_hears_its_own_warnings() -> None:
 
         found[number] = called(node("call.warn")(warn))
 
-    with warnings_heard():
+    with collecting_warnings():
         threads = [threading.Thread(target=work, args=(number,)) for number in range(8)]
         for thread in threads:
             thread.start()
@@ -266,7 +272,7 @@ def test_each_thread_hears_its_own_warnings() -> None:
 
 
 def test_warnings_from_elsewhere_are_shown_as_before() -> None:
-    with pytest.warns(UserWarning, match="from the machine"), warnings_heard():
+    with pytest.warns(UserWarning, match="from the machine"), collecting_warnings():
         warnings.warn("from the machine", stacklevel=1)
 
 
@@ -307,7 +313,7 @@ def test_whatever_a_node_raises_becomes_a_reason(function: Any, said: str) -> No
     described = node_of(function)
     assert described is not None
     outcome = perform(Call(0, described, "toys", {"x": 1.0}, {}))
-    assert (outcome.state, outcome.told) == ("failed", said)
+    assert (outcome.state, outcome.message) == ("failed", said)
     outcome.trace.encode()
 
 

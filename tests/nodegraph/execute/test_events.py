@@ -19,10 +19,6 @@ def test_a_line_is_json_whatever_is_in_it() -> None:
     }  # fmt: skip
 
 
-def test_a_detail_never_hides_what_an_event_is() -> None:
-    assert Event("done", 1.0, detail={"event": "other"}).as_dict()["event"] == "done"
-
-
 def test_counts_and_what_is_left_add_up(run_of: Callable[..., Run]) -> None:
     text = """
         axes: {start: {range: [-9, 9, 1]}}

@@ -10,7 +10,7 @@ from pandas.testing import assert_frame_equal
 
 from nodegraph import Refusal, node
 from nodegraph.execute import Run
-from nodegraph.execute.results import frame_of
+from nodegraph.execute.frames import frame_of
 
 AXES = """
     axes: {k: [1, 2], trial: {count: 2}}

@@ -144,10 +144,9 @@ def test_what_stands_between_stored_results_is_not_needed(
     run_of: RunOf, calls: list[str], tmp_path: Path
 ) -> None:
     first = run_of(STUDY, store=tmp_path)
-    assert first.recall is not None
     for step in first.plan.steps:
         if step.node in ("gaps", "fill"):
-            entry_of(tmp_path, first.recall.keys.of[step.index]).unlink(missing_ok=True)
+            entry_of(tmp_path, first.outcomes[step.index].key).unlink(missing_ok=True)
     calls.clear()
     second = run_of(STUDY, store=tmp_path)
     assert calls == []
@@ -191,9 +190,8 @@ def test_a_damaged_result_is_computed_again_and_told(
     run_of: RunOf, made: list[str], tmp_path: Path, what: str, how: HowToRun
 ) -> None:
     first = run_of(RAMPS, more=ARRAYS, store=tmp_path)
-    assert first.recall is not None
     if what == "entry":
-        damaged = entry_of(tmp_path, first.recall.keys.of[first.plan.cells["a"][()]])
+        damaged = entry_of(tmp_path, first.outcomes[first.plan.cells["a"][()]].key)
     else:
         [damaged] = (one for one in tmp_path.rglob("blobs/*/*") if one.is_file())
     damaged.write_bytes(damaged.read_bytes()[:-20])

@@ -11,6 +11,7 @@ import pytest
 from nodegraph import NodegraphError, node
 from nodegraph.execute import Event, HowToRun, Run
 from nodegraph.node.ports import Absent
+from nodegraph.state import State
 
 WAYS = [HowToRun("serial"), HowToRun("threads", 1), HowToRun("threads", 3)]
 ISOLATION = """
@@ -32,13 +33,14 @@ def test_what_fails_does_not_stop_the_others(run_of: Callable[..., Run], how: Ho
     run = run_of(ISOLATION, how=how)
     assert not run.ok
     states = {
-        state: {step.name for step, _ in run.settled(state)} for state in ("refused", "failed")
+        state: {step.name for step, _ in run.settled(state)}
+        for state in (State.REFUSED, State.FAILED)
     }
     assert states == {
         "refused": {"some(k=-1, some=refuse)"},
         "failed": {"some(k=-1, some=fail)"},
     }
-    skipped = {step.node for step, _ in run.settled("skipped")}
+    skipped = {step.node for step, _ in run.settled(State.SKIPPED)}
     assert skipped == {"after", "none", "lost"}
     seen = run["table"].value.scores
     assert len(seen.entries) == 9

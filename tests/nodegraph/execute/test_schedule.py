@@ -6,6 +6,7 @@ from nodegraph.execute.call import Outcome, perform
 from nodegraph.execute.schedule import Schedule
 from nodegraph.graph import Graph
 from nodegraph.plan import Step, plan
+from nodegraph.state import State
 
 TEXT = """
 nodes:
@@ -52,14 +53,14 @@ def test_a_value_goes_with_its_last_reader(graph_of: Callable[..., Graph]) -> No
 
 
 def test_what_a_failure_makes_impossible_is_settled_with_it(graph_of: Callable[..., Graph]) -> None:
-    hears = Heard()
-    schedule = Schedule(plan(graph_of(TEXT)), hears=hears)
+    observer = Heard()
+    schedule = Schedule(plan(graph_of(TEXT)), observer=observer)
     call = schedule.next()
     assert call is not None
-    schedule.finish(call.step, Outcome("failed", reason="broken", cause="failed"))
-    step, found = hears.ended[0]
-    assert (step.node, found.state, found.cause) == ("a", "failed", "failed")
-    assert {step.node for step, found in hears.ended if found.state == "skipped"} == {"b", "c"}
+    schedule.finish(call.step, Outcome(State.FAILED, reason="broken"))
+    step, found = observer.ended[0]
+    assert (step.node, found.state, found.root) == ("a", "failed", "failed")
+    assert {step.node for step, found in observer.ended if found.state == "skipped"} == {"b", "c"}
     rest = schedule.next()
     assert rest is not None
     assert rest.node.name == "text.write"

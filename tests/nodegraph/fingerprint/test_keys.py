@@ -36,8 +36,8 @@ def test_nothing_is_kept_of_a_file_that_changed_while_it_was_read(
     path.write_text("1")
     changed = run_of(TEXT, store=store, listeners=[write(path, "50")])
     assert changed["b"].value == 51
-    assert changed.recall is not None
-    assert dict(changed.recall.not_kept) == {
+    assert changed.cache is not None
+    assert dict(changed.cache.not_stored) == {
         "a file changed while it was read": 1,
         "they are made of results that are not stored": 1,
     }
@@ -80,7 +80,7 @@ def test_a_value_is_not_computed_again_of_another_file(run_of: RunOf, tmp_path: 
     blob.unlink()
     path.write_text("50")
     for _ in range(2):
-        with pytest.raises(NodegraphError, match="a file that it is made of has changed"):
+        with pytest.raises(NodegraphError, match="a file that it depends on has changed"):
             run["a"].at()
     assert (run["b"].value, len(said)) == (3000, 1)
     path.write_text("1")
@@ -140,9 +140,8 @@ def test_a_result_is_kept_for_what_was_gathered_and_not_for_what_was_expected(
     }
     TIMES.clear()
     first = run_of(text, **more)
-    assert first.recall is not None
     for name, at in (("a", (2,)), ("b", ())):
-        key = first.recall.keys.of[first.plan.cells[name][at]]
+        key = first.outcomes[first.plan.cells[name][at]].key
         next(tmp_path.rglob(f"{key[2:]}.json")).unlink()
     text = text.replace("mm", "cm")
     assert run_of(text, **more)["d"].value == "1cm"

@@ -60,8 +60,8 @@ def test_a_step_that_is_not_stored_is_asked_once(run_of: RunOf) -> None:
 def test_what_a_digest_stood_for_is_found_where_it_is_kept(run_of: RunOf, tmp_path: Path) -> None:
     store = tmp_path / "store"
     was, now = (run_of(PAIR.format(one), more=[less], store=store) for one in (2.0, 4.0))
-    assert now.recall is not None
-    kept = Kept(now.recall.store)
+    assert now.cache is not None
+    kept = Kept(now.cache.store)
     digest = Results(was).digest(0)
     assert Results(now).beside(0, digest, kept) == {"output": (2.0, 4.0)}
     assert Results(now).beside(0, "0" * 10, kept) == {}

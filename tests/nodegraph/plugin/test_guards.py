@@ -160,7 +160,7 @@ def test_of_a_value_that_cannot_be_lent_a_copy_is(
             "executors",
             "{'zz': lambda schedule, how: [4]}",
             ["run", "graph.yaml", "--executor", "zz"],
-            "executor 'zz' gave 4 where the index of a step and its outcome are due",
+            "executor 'zz' yielded 4",
         ),
         (
             "executors",

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph.execute import Recall, Run, open_store
+from nodegraph.execute import Run, StepCache, open_store
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
 from nodegraph.runs.record import record
@@ -41,9 +41,8 @@ def why_of(graph_of: Callable[..., Graph], run_of: Callable[..., Run], tmp_path:
         change(made)
         graph = graph_of(now)
         planned = plan(graph)
-        recall = Recall(planned, open_store(graph.registry, tmp_path, pytest.fail))
-        ended = recall.look_up()
-        return [one.changes for one in Why(planned, recall, ended, made).explain(asked)]
+        cache = StepCache(planned, open_store(graph.registry, tmp_path, pytest.fail))
+        return [one.changes for one in Why(planned, cache, made).explain(asked)]
 
     return why
 

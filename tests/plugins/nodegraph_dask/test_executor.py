@@ -21,6 +21,7 @@ from nodegraph.execute import HowToRun, Run
 from nodegraph.execute.events import Event
 from nodegraph.execute.worker.protocol import Surroundings
 from nodegraph.plugin.registry import Registry
+from nodegraph.state import State
 from nodegraph_dask import cluster as cluster_module
 from nodegraph_dask.worker import no_logs
 
@@ -174,7 +175,7 @@ MANY = "axes: {k: {count: 40}}\nnodes: {a: {use: acme.one, with: {k: $k}}}"
 
 
 def reasons(run: Run) -> set[str]:
-    return {outcome.reason for _, outcome in run.settled("failed")}
+    return {outcome.reason for _, outcome in run.settled(State.FAILED)}
 
 
 def test_a_worker_that_lacks_the_plugin_is_named(

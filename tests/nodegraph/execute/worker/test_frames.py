@@ -10,6 +10,7 @@ import pytest
 
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.worker.protocol import OUTCOME, Answer, Question, read_frames, write_frames
+from nodegraph.state import State
 
 Pipe = tuple[BufferedReader, BufferedWriter]
 
@@ -47,6 +48,6 @@ def test_letters_say_the_same_after_the_way() -> None:
     assert Question.from_frames(question.frames()) == Question(
         b"around", b"where", b"[1]", [b"x", b"yz"]
     )
-    said = Outcome("failed", (), "nö", "trace\n", ("a", "b"), 1.5, "failed")
+    said = Outcome(State.FAILED, (), "nö", "trace\n", ("a", "b"), 1.5)
     answer = Answer.from_frames(Answer(OUTCOME, said, "numpy 1.0", b"[2]", (b"x",)).frames())
     assert answer == Answer(OUTCOME, said, "numpy 1.0", b"[2]", [b"x"])
