@@ -9,7 +9,6 @@ from typing import Any
 
 from nodegraph.execute import HowToRun, Listener, Run, execute, open_store
 from nodegraph.graph import Choices, Graph, build
-from nodegraph.graph import until as cut_short
 from nodegraph.graphfile import read_graph_file
 from nodegraph.node.ports import Label
 from nodegraph.plan import plan
@@ -99,7 +98,7 @@ def run(
     elif set or axis or only or plugins:
         choices = graph.choices.updated(_choices(set, axis, only))
         graph = build(graph.spec, _registry(plugins) or graph.registry, choices)
-    graph = cut_short(graph, until) if until else graph
+    graph = graph.until(until) if until else graph
     return execute(
         plan(graph),
         how=HowToRun(executor, jobs, scheduler),

@@ -269,7 +269,7 @@ class _Planner:
         if not entries:
             return "everything that it gathers is left out"
         # a node of a graph that is used as a node knows its axes by the names they have there
-        inside = tuple(map(node.inside, axes))
+        inside = tuple(map(node.local_name, axes))
         return Gathered(inside, tuple(entries), tuple(absent), self._known(axes, fed))
 
     def _known(self, axes: tuple[str, ...], fed: Gather) -> tuple[tuple[Label, ...], ...]:

@@ -12,14 +12,13 @@ def run(arguments: Namespace) -> int:
     """Check, plan and run a graph; write the report; print its tables."""
     from nodegraph.api import reported
     from nodegraph.execute import HowToRun, execute, executor_of
-    from nodegraph.graph import until
     from nodegraph.plan import plan
     from nodegraph.report.files import report_files, summary
     from nodegraph.runs.folder import RunFolder
     from nodegraph.runs.record import record
 
     graph, command = graph_of(arguments), command_of(arguments)
-    graph = until(graph, arguments.until) if arguments.until else graph
+    graph = graph.until(arguments.until) if arguments.until else graph
     how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
     executor_of(how, graph.registry.hooks.executors)
     folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)

@@ -9,7 +9,6 @@ from nodegraph.draw.shape import shortened
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Graph, GraphNode
-from nodegraph.graphfile.spec import Reference
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label, Port
 
@@ -28,23 +27,24 @@ def drawing_for_page(graph: Graph) -> str:
 
 def picture_of(graph: Graph) -> Picture:
     """Return what a drawing of the graph shows."""
-    wires = graph.wires()
-    read = {(source.node, graph.output_name(source)) for _, _, source, _ in wires}
-    fed = {(target, port) for target, port, _, _ in wires}
-    boxes = tuple(_box(graph, node, read, fed) for node in graph.nodes.values())
-    arrows = tuple(
-        Arrow(
-            source.node,
-            graph.output_name(source),
-            target,
-            port,
-            gathers=gathers,
-            truth=_is_truth(graph, source),
-            fixed=labels_of(source.at),
+    arrows: dict[tuple[str, str, str, str], Arrow] = {}
+    for source, target, wire in graph.wires():
+        arrows.setdefault(
+            (source, wire.output, target, wire.port),
+            Arrow(
+                source,
+                wire.output,
+                target,
+                wire.port,
+                gathers=wire.gathers,
+                truth=_is_truth(graph.nodes[source], wire.output),
+                fixed=labels_of(wire.reference.at),
+            ),
         )
-        for target, port, source, gathers in wires
-    )
-    return Picture(graph.title, boxes, arrows)
+    read = {(source, output) for source, output, _, _ in arrows}
+    fed = {(target, port) for _, _, target, port in arrows}
+    boxes = tuple(_box(graph, node, read, fed) for node in graph.nodes.values())
+    return Picture(graph.title, boxes, tuple(arrows.values()))
 
 
 def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
@@ -99,6 +99,6 @@ def _socket(port: Port) -> Socket:
     return Socket(port.name, str(port).partition(": ")[2])
 
 
-def _is_truth(graph: Graph, source: Reference) -> bool:
-    found = graph.nodes[source.node].first.node.output(graph.output_name(source))
-    return found is not None and found.truth
+def _is_truth(node: GraphNode, output: str) -> bool:
+    port = node.first.node.output(output)
+    return port is not None and port.truth

@@ -1,8 +1,18 @@
-"""Spec + registry -> typed graph; every check happens here."""
+"""The typed graph: a spec with the installed nodes behind it, checked in full."""
 
 from nodegraph.graph.build import build
-from nodegraph.graph.choices import Choices
-from nodegraph.graph.model import Axis, Gather, Graph, GraphNode, HandsOn, Method, until
+from nodegraph.graph.model import (
+    Axis,
+    Choices,
+    Gather,
+    Graph,
+    GraphNode,
+    LeftOut,
+    Method,
+    Settings,
+    Wire,
+)
+from nodegraph.graph.pass_through import PassThrough
 
 __all__ = [
     "Axis",
@@ -10,8 +20,10 @@ __all__ = [
     "Gather",
     "Graph",
     "GraphNode",
-    "HandsOn",
+    "LeftOut",
     "Method",
+    "PassThrough",
+    "Settings",
+    "Wire",
     "build",
-    "until",
 ]

@@ -1,75 +1,84 @@
-"""Which axes a node has, and which its gathering ports take together."""
+"""Which axes a node has, which of them its ports gather, and how many combinations that makes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from math import prod
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis, Gather, GraphNode, Method, sources_of
 from nodegraph.graphfile.spec import NodeSpec, Reference
 
-
-@dataclass(frozen=True)
-class Spread:
-    """The axes that a node has, and those that it gathers."""
-
-    axes: tuple[str, ...]
-    gathered: tuple[str, ...]
+MOST_COMBINATIONS = 5_000_000
+_MOST_DIGITS = 10**18
 
 
-def spread(
+def node_axes(
     spec: NodeSpec,
     methods: Iterable[Method],
     nodes: Mapping[str, GraphNode],
     order: Iterable[str],
     problems: Problems,
-) -> Spread:
-    """Return the axes of a node from those of its settings and of what feeds it.
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the axes of a node, and those that it gathers.
 
-    Plain ports and settings give the node their axes. What a gathering port's source has beyond
-    these is gathered; where ``over`` is given, only the axes that it names, and the rest stay
-    the node's own.
+    Plain ports and settings give the node their axes. Of a gathering port's source, the axes
+    beyond these are gathered; with ``over``, only those that it names, and the rest are the
+    node's own.
+
+    Parameters
+    ----------
+    spec
+    methods
+    nodes
+        Those that feed it.
+    order
+        All axes of the graph, in the order in which a node has them.
+    problems
+        Receives what is wrong in ``over``.
     """
     matched = {spec.name} if spec.has_alternatives else set()
-    offered: set[str] = set()
+    gatherable: set[str] = set()
     for method in methods:
         matched.update(method.settings.axes)
-        for fed in method.inputs.values():
-            into = offered if isinstance(fed, Gather) else matched
-            for source in sources_of(fed):
-                into.update(axes_of(source, nodes))
-    free = offered - matched
-    over = free if spec.over is None else _over(spec, spec.over, matched, free, problems)
-    ordered = [name for name in order if name in matched | free]
-    return Spread(
-        tuple(name for name in ordered if name in matched or name not in over),
-        tuple(name for name in ordered if name in over),
+        for feed in method.inputs.values():
+            axes = gatherable if isinstance(feed, Gather) else matched
+            for source in sources_of(feed):
+                axes.update(free_axes(source, nodes))
+    if not matched and not gatherable and spec.over is None:
+        return (), ()
+    free = gatherable - matched
+    gathered = free if spec.over is None else _over(spec, spec.over, matched, free, problems)
+    ordered = [name for name in order if name in matched or name in free]
+    return (
+        tuple(name for name in ordered if name not in gathered),
+        tuple(name for name in ordered if name in gathered),
     )
 
 
-def axes_of(source: Reference, nodes: Mapping[str, GraphNode]) -> tuple[str, ...]:
-    """Return the axes of a source that are not fixed."""
+def free_axes(source: Reference, nodes: Mapping[str, GraphNode]) -> tuple[str, ...]:
+    """Return the axes of a source that the reference does not fix."""
     node = nodes.get(source.node)
     return tuple(name for name in node.axes if name not in source.at) if node else ()
 
 
-def check_fixed(
+def check_fixed_axes(
     source: Reference, nodes: Mapping[str, GraphNode], axes: Mapping[str, Axis], problems: Problems
 ) -> str:
-    """Note ``at`` that names no axis or label; return why the source is left out, if it is."""
+    """Check the axes and labels in ``at``; return why the source is left out, if it is."""
     node = nodes.get(source.node)
+    if node is None:
+        return ""
     reason = ""
-    for name, label in source.at.items() if node else ():
-        if node is not None and name not in node.axes:
-            there = nearest(name, node.axes, what=f"axes of {source.node}")
-            problems.add(source.place, f"{source.node!r} has no axis {name!r}", there)
+    for name, label in source.at.items():
+        if name not in node.axes:
+            hint = nearest(name, node.axes, what=f"axes of {source.node}")
+            problems.add(source.place, f"{source.node!r} has no axis {name!r}", hint)
         elif label in axes[name].removed:
             reason = f"made of {name}={label}, which the command has removed"
         elif label not in axes[name].labels and axes[name].labels:
-            there = nearest(label, axes[name].labels, what="labels")
-            problems.add(source.place, f"axis {name!r} has no label {label!r}", there)
+            hint = nearest(label, axes[name].labels, what="labels")
+            problems.add(source.place, f"axis {name!r} has no label {label!r}", hint)
     return reason
 
 
@@ -85,64 +94,57 @@ def _over(
             message = f"{spec.name}: {name!r} is an axis of its plain ports or settings"
             problems.add(place, message, "such an axis is matched and cannot be gathered")
         elif name not in free:
-            there = nearest(name, sorted(free), what="axes that can be gathered")
-            problems.add(place, f"{spec.name}: no axis {name!r} to gather", there)
+            hint = nearest(name, sorted(free), what="axes that can be gathered")
+            problems.add(place, f"{spec.name}: no axis {name!r} to gather", hint)
     return {name for name, _ in over} & free
 
 
-MOST = 5_000_000
-_ENDLESS = 10**18
-
-
-class Sizes:
-    """Counts the combinations of a graph's nodes, and refuses more than a run could hold."""
+class CombinationCounter:
+    """Counts the combinations of a graph's nodes, and rejects more than a run could hold."""
 
     def __init__(self, axes: Mapping[str, Axis], problems: Problems) -> None:
         self._axes = axes
         self._problems = problems
         self._total = 0
         self._largest = 0
-        self._where: tuple[GraphNode, tuple[str, ...]] | None = None
+        self._largest_node: tuple[GraphNode, tuple[str, ...]] | None = None
 
     def add(self, node: GraphNode, nodes: Mapping[str, GraphNode]) -> None:
-        """Count a node's own combinations, or those that it takes together if they are more."""
+        """Count a node's combinations, or all that they gather if those are more."""
         count = self._count(node.axes) if node.axes else 1
         gathered = 1
         if node.gathered:
-            gathered = max(self._gathered(fed, node, nodes) for fed in _gathers(node))
+            gathered = max(
+                sum(self._gathered(source, node, nodes) for source in gather.sources.values())
+                for method in node.methods.values()
+                for gather in method.gathers
+            )
             count *= gathered
         self._total += count
         if count > self._largest:
-            along = (*node.axes, *node.gathered) if gathered > 1 else node.axes
-            self._largest, self._where = count, (node, along)
+            axes = (*node.axes, *node.gathered) if gathered > 1 else node.axes
+            self._largest, self._largest_node = count, (node, axes)
 
-    def can_be_run(self) -> bool:
-        """Whether there are few enough; else note where most of them come from."""
-        if self._total <= MOST or self._where is None:
+    def check(self) -> bool:
+        """Whether a run can hold them; else record which node has most of them."""
+        if self._total <= MOST_COMBINATIONS or self._largest_node is None:
             return True
-        node, axes = self._where
+        node, axes = self._largest_node
         sizes = " x ".join(f"{axis} ({len(self._axes[axis].labels):,})" for axis in axes)
         self._problems.add(
             node.place,
-            f"{node.name}: {_shown(self._largest)} combinations, {sizes}; "
-            f"a graph may have {MOST:,}, and this one has {_shown(self._total)}",
+            f"{node.name}: {_count_text(self._largest)} combinations, {sizes}; a graph may have "
+            f"{MOST_COMBINATIONS:,}, and this one has {_count_text(self._total)}",
             "run fewer labels, as with --axis or --only, or leave an axis out",
         )
         return False
 
-    def _gathered(self, fed: Gather, node: GraphNode, nodes: Mapping[str, GraphNode]) -> int:
-        sources = fed.sources.values()
-        free = ([a for a in axes_of(one, nodes) if a in node.gathered] for one in sources)
-        return sum(map(self._count, free))
+    def _gathered(self, source: Reference, node: GraphNode, nodes: Mapping[str, GraphNode]) -> int:
+        return self._count(axis for axis in free_axes(source, nodes) if axis in node.gathered)
 
     def _count(self, axes: Iterable[str]) -> int:
         return prod(len(self._axes[axis].labels) for axis in axes)
 
 
-def _shown(count: int) -> str:
-    return f"{count:,}" if count < _ENDLESS else "endless"
-
-
-def _gathers(node: GraphNode) -> Iterable[Gather]:
-    methods = node.methods.values()
-    return (fed for one in methods for fed in one.inputs.values() if isinstance(fed, Gather))
+def _count_text(count: int) -> str:
+    return f"{count:,}" if count < _MOST_DIGITS else "endless"

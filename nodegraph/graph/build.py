@@ -1,42 +1,33 @@
-"""Spec + registry + choices -> typed graph; every check happens here, and all are told at once."""
+"""Build the typed graph of a spec; all errors are reported at once."""
 
 from __future__ import annotations
 
-from nodegraph.errors import Problems
+from nodegraph.errors import GraphError, Problems
 from nodegraph.gc_pause import no_collection
-from nodegraph.graph.builder import Builder
-from nodegraph.graph.choices import Choices
-from nodegraph.graph.leaks import check_leaks
-from nodegraph.graph.model import Flat, Graph
-from nodegraph.graph.settings import check_named
-from nodegraph.graph.subgraphs import Subgraphs
+from nodegraph.graph.model import Choices, Graph
 from nodegraph.graphfile.spec import GraphSpec
 from nodegraph.plugin.registry import Registry
 
 
 @no_collection()
 def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -> Graph:
-    """Return the typed graph that a spec describes, with the nodes of the graphs that it uses.
+    """Return the typed graph of a spec, in which the graphs that it uses are inlined.
 
     Raises
     ------
     GraphError
-        With every mistake: unknown names, wrong settings, misfits, cycles; then unknown columns
-        and leaks, which only a graph without those can show.
+        With every error: unknown names, invalid settings, type mismatches, cycles; then unknown
+        columns and leaks, for which the graph must be free of the others.
     """
+    # these import networkx, for which commands without a graph should not wait
+    from nodegraph.graph.builder import Builder
+    from nodegraph.graph.graph_files import GraphFiles
+    from nodegraph.graph.leaks import check_leaks
+    from nodegraph.graph.settings import check_names_in_settings
+
     written = spec.written or spec
     problems = Problems(written.problems)
-    flat = Subgraphs(written.graphs, registry, problems).flat(written, problems)
-    _refuse_ports(flat, problems)
-    graph = Builder(flat, registry, choices or Choices(), problems).build()
-    problems.raise_any()
-    check_named(graph, problems)
-    check_leaks(graph, problems)
-    problems.raise_any()
-    return graph
-
-
-def _refuse_ports(flat: Flat, problems: Problems) -> None:
+    flat = GraphFiles(written.graphs, registry, problems).flat(written, problems)
     for name, port in flat.ports.items():
         message = (
             f"{flat.spec.file} takes {name!r} ({port.type.__name__}) from the graph that uses it; "
@@ -44,3 +35,10 @@ def _refuse_ports(flat: Flat, problems: Problems) -> None:
         )
         instead = f"in another graph: {{use: {flat.spec.file}, in: {{{name}: node}}}}"
         problems.add(flat.spec.inputs[name].place, message, instead)
+    graph = Builder(flat, registry, choices or Choices(), problems).build()
+    if graph is None:
+        raise GraphError(problems.all())
+    check_names_in_settings(graph, problems)
+    check_leaks(graph, problems)
+    problems.raise_any()
+    return graph

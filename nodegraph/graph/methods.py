@@ -1,4 +1,4 @@
-"""``use`` and ``alternatives`` -> the installed nodes behind them."""
+"""Resolve ``use`` and ``alternatives`` to installed nodes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,16 @@ from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
 
 from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest
-from nodegraph.graph.model import asked, passing
-from nodegraph.graphfile.spec import GraphSpec, MethodSpec, NodeSpec, Wiring, Written
+from nodegraph.graph.pass_through import pass_beside, public_inputs
+from nodegraph.graphfile.spec import (
+    Gathering,
+    GraphSpec,
+    MethodSpec,
+    NodeSpec,
+    Reference,
+    Wiring,
+    Written,
+)
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registered, Registry
 
@@ -17,64 +25,85 @@ PASS = "pass"
 
 
 @dataclass(frozen=True)
-class Chosen:
-    """A method of a node with the wiring and settings that it gets, shared ones included.
+class ResolvedMethod:
+    """A method of a node with its wiring and settings, those shared by the methods included.
 
-    ``found`` is None where no installed node has the name; the mistake is noted already.
+    Attributes
+    ----------
+    registered : Registered or None
+        None if no installed node has the name; the error is recorded.
     """
 
     label: str
-    found: Registered | None
+    registered: Registered | None
     place: Place
     wiring: Wiring
     settings: Mapping[str, Written]
 
+    def references(self) -> Iterator[Reference]:
+        """Yield every reference that feeds the method."""
+        for feed in self.wiring.values():
+            if isinstance(feed, Reference):
+                yield feed
+            else:
+                yield from feed.sources.values()
 
-def choose(
+
+def labelled(feed: Reference | Gathering) -> Iterable[tuple[str, Reference]]:
+    """Return the references that feed a port by label; the label of a single one is empty."""
+    return (("", feed),) if isinstance(feed, Reference) else feed.sources.items()
+
+
+def resolve_methods(
     spec: NodeSpec, registry: Registry, graphs: Mapping[str, Registered], problems: Problems
-) -> list[Chosen]:
-    """Return the methods of a node; what is not installed is noted with its line.
+) -> list[ResolvedMethod]:
+    """Return the methods of a node; a ``use`` that is not installed is recorded.
 
     Parameters
     ----------
     spec
     registry
     graphs
-        For labels of which the method is a graph, what stands for that graph.
+        What stands for a graph file, by the label of the method that uses it.
     problems
     """
-    found = list(_unfolded(spec, registry, problems))
-    chosen = _replaced(found, spec.methods)
-    siblings = [one for one in chosen.values() if one.use != PASS]
+    methods = _merged(list(_expanded(spec, registry, problems)), spec.methods)
+    siblings = [method for method in methods if method.use != PASS]
     if not spec.has_alternatives and spec.methods and spec.methods[0].use == PASS:
         problems.add(spec.methods[0].place, "'pass' stands only among alternatives")
-    made = {one.label: graphs.get(one.label) or _found(one, registry, problems) for one in siblings}
-    _check_family(spec, made, problems)
-    first = next((one for one in made.values() if one is not None), None)
-    for one in chosen.values():
-        if one.use == PASS and spec.has_alternatives:
-            _check_passing(one, first, bool(siblings), problems)
-    return [
-        _chosen(spec, one, made[one.label] if one.use != PASS else _passing(first))
-        for one in chosen.values()
-    ]
+    registered = {
+        method.label: graphs.get(method.label) or _find(method, registry, problems)
+        for method in siblings
+    }
+    _check_family(spec, registered, problems)
+    first = next((sibling for sibling in registered.values() if sibling is not None), None)
+    if len(siblings) < len(methods):
+        passing = Registered(pass_beside(first.node), "nodegraph") if first else None
+        for method in methods:
+            if method.use == PASS:
+                registered[method.label] = passing
+                if spec.has_alternatives:
+                    _check_pass(method, first, bool(siblings), problems)
+    return [_resolved(spec, method, registered[method.label]) for method in methods]
 
 
-def _unfolded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterator[MethodSpec]:
+def _expanded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterator[MethodSpec]:
+    """Yield the methods of a node, those of a family one by one."""
     for method in spec.methods:
         if not is_family(method.use):
             yield method
             continue
         family = registry.family(method.use[:-2])
-        kept = {label: one for label, one in family.items() if not one.node.deprecated}
+        current = {label: member for label, member in family.items() if not member.node.deprecated}
         if not family:
             hint = nearest(method.use, [f"{name}.*" for name in registry.families])
             problems.add(method.place, f"no node of the family {method.use!r}", hint)
-        elif not kept:
-            hint = "; ".join(f"{one.node.name}: {one.node.deprecated}" for one in family.values())
+        elif not current:
+            nodes = [member.node for member in family.values()]
+            hint = "; ".join(f"{node.name}: {node.deprecated}" for node in nodes)
             problems.add(method.place, f"all nodes of {method.use!r} are deprecated", hint)
-        for label, one in kept.items():
-            yield replace(method, label=label, use=one.full_name)
+        for label, member in current.items():
+            yield replace(method, label=label, use=member.full_name)
 
 
 def is_family(use: str) -> bool:
@@ -82,19 +111,19 @@ def is_family(use: str) -> bool:
     return use.endswith(".*")
 
 
-def _replaced(methods: list[MethodSpec], written: Sequence[MethodSpec]) -> dict[str, MethodSpec]:
-    """Let a label written by itself stand for the family's method of that label."""
+def _merged(methods: list[MethodSpec], written: Sequence[MethodSpec]) -> list[MethodSpec]:
+    """Replace a family's method by an explicit one of the same label."""
     if len(methods) == 1:
-        return {methods[0].label: methods[0]}
-    own = {id(one) for one in written}
-    chosen: dict[str, MethodSpec] = {}
-    for one in methods:
-        if id(one) in own or id(chosen.get(one.label)) not in own:
-            chosen[one.label] = one
-    return chosen
+        return methods
+    explicit = {id(method) for method in written}
+    by_label: dict[str, MethodSpec] = {}
+    for method in methods:
+        if id(method) in explicit or id(by_label.get(method.label)) not in explicit:
+            by_label[method.label] = method
+    return list(by_label.values())
 
 
-def _found(method: MethodSpec, registry: Registry, problems: Problems) -> Registered | None:
+def _find(method: MethodSpec, registry: Registry, problems: Problems) -> Registered | None:
     if not method.use:
         return None
     try:
@@ -105,96 +134,92 @@ def _found(method: MethodSpec, registry: Registry, problems: Problems) -> Regist
         return None
 
 
-def _check_passing(
-    passing: MethodSpec, sibling: Registered | None, has_siblings: bool, problems: Problems
+def _check_pass(
+    method: MethodSpec, sibling: Registered | None, has_siblings: bool, problems: Problems
 ) -> None:
     if not has_siblings:
-        problems.add(passing.place, "'pass' needs another alternative, whose ports it takes")
+        problems.add(method.place, "'pass' needs another alternative, whose ports it takes")
     elif sibling is not None:
-        first = next(iter(asked(sibling.node)), None)
+        first = next(iter(public_inputs(sibling.node)), None)
         if first is None:
             message = f"'pass' hands on an input, and {sibling.node.name} has none"
-            problems.add(passing.place, message)
+            problems.add(method.place, message)
         elif first.across:
             message = f"'pass' hands on one value, and {sibling.node.name} gathers several"
-            problems.add(passing.place, message)
+            problems.add(method.place, message)
 
 
-def _passing(sibling: Registered | None) -> Registered | None:
-    return Registered(passing(sibling.node), "nodegraph") if sibling else None
-
-
-def _chosen(spec: NodeSpec, method: MethodSpec, found: Registered | None) -> Chosen:
-    if found is not None and method.is_graph:
-        # what is shared has gone to the nodes inside already
-        return Chosen(method.label, found, method.place, method.wiring, method.settings)
-    if found is None or method.use != PASS:
-        wiring = shared_and_own(spec, method, found.node if found else None)
+def _resolved(spec: NodeSpec, method: MethodSpec, registered: Registered | None) -> ResolvedMethod:
+    wiring, settings = method.wiring, method.settings
+    if registered is not None and method.use == PASS:
+        # the siblings' other ports and settings do not concern a method that only passes on
+        node = registered.node
+        first = node.inputs[0].name if node.inputs else ""
+        shared = _by_port(spec.wiring, node)
+        own = _by_port(method.wiring, node)
+        wiring = {**{port: feed for port, feed in shared.items() if port == first}, **own}
+    elif registered is None or not method.is_graph:  # a graph's nodes already have what is shared
+        wiring = shared_and_own(spec, method, registered.node if registered else None)
         settings = {**spec.settings, **method.settings}
-        return Chosen(method.label, found, method.place, wiring, settings)
-    # the siblings' other ports and settings do not concern what only hands on
-    first = found.node.inputs[0].name if found.node.inputs else ""
-    shared = _by_port(spec.wiring, found.node)
-    wiring = {port: one for port, one in shared.items() if port == first}
-    wiring |= _by_port(method.wiring, found.node)
-    return Chosen(method.label, found, method.place, wiring, method.settings)
+    return ResolvedMethod(method.label, registered, method.place, wiring, settings)
 
 
 def shared_and_own(spec: NodeSpec, method: MethodSpec, node: Node | None) -> Wiring:
-    """Return what feeds a method: what the node's methods share, its own on top."""
+    """Return what feeds a method: what the node's methods share, overridden by its own."""
     return {**_by_port(spec.wiring, node), **_by_port(method.wiring, node)}
 
 
 def _by_port(wiring: Wiring, node: Node | None) -> Wiring:
-    """Name the first port, so that a method's own wiring replaces the shared one."""
-    if node is None or "" not in wiring or not asked(node):
+    """Name the first port, so that a method's own wiring overrides the shared one."""
+    if node is None or "" not in wiring or not (ports := public_inputs(node)):
         return wiring
-    return {port or asked(node)[0].name: one for port, one in wiring.items()}
+    return {port or ports[0].name: feed for port, feed in wiring.items()}
 
 
 def _check_family(
-    spec: NodeSpec, made: Mapping[str, Registered | None], problems: Problems
+    spec: NodeSpec, registered: Mapping[str, Registered | None], problems: Problems
 ) -> None:
-    if not any(is_family(one.use) for one in spec.methods):
+    if not any(is_family(method.use) for method in spec.methods):
         return
-    nodes = [one.node for one in made.values() if one is not None]
+    nodes = [member.node for member in registered.values() if member is not None]
     for node in nodes[1:]:
-        if _promise(node) != _promise(nodes[0]):
+        if _signature(node) != _signature(nodes[0]):
             message = f"{node.name!r} cannot stand beside {nodes[0].name!r}"
-            shapes = f"{_shape(node)} differs from {_shape(nodes[0])}"
+            shapes = f"{_signature_text(node)} differs from {_signature_text(nodes[0])}"
             problems.add(spec.place, message, f"{shapes}; list the methods by name instead")
 
 
-def _promise(node: Node) -> tuple[object, ...]:
-    required = {port.name: port for port in asked(node) if not port.optional}
+def _signature(node: Node) -> tuple[object, ...]:
+    """Return what the methods of a family have in common."""
+    required = {port.name: port for port in public_inputs(node) if not port.optional}
     return (*sorted(required.items()), node.outputs[0].truth, node.outputs[0].type)
 
 
-def _shape(node: Node) -> str:
-    required = ", ".join(str(port) for port in asked(node) if not port.optional)
+def _signature_text(node: Node) -> str:
+    required = ", ".join(str(port) for port in public_inputs(node) if not port.optional)
     return f"({required}) -> {node.outputs[0].type.__name__}"
 
 
 def check_requires(spec: GraphSpec, problems: Problems) -> None:
-    """Note every required package that is not installed in a version that will do."""
+    """Record every required package that is missing or installed in another version."""
     if not spec.requires:
         return
     from packaging.requirements import InvalidRequirement, Requirement
 
     for text, place in spec.requires:
         try:
-            wanted = Requirement(text)
+            requirement = Requirement(text)
         except InvalidRequirement:
             hint = "write a package as pip takes it: my-plugin>=1.2"
             problems.add(place, f"requires: {text!r} is not a package", hint)
             continue
-        here = attrgetter("marker")(wanted)  # what stands behind the semicolon
-        if here is not None and not here.evaluate():
+        marker = attrgetter("marker")(requirement)  # packaging's types do not declare it
+        if marker is not None and not marker.evaluate():
             continue
-        found = _version(wanted.name)
-        if found is None or not wanted.specifier.contains(found, prereleases=True):
-            has = f"{found} is installed" if found else "it is not installed"
-            problems.add(place, f"requires {text}, but {has}", f"pip install '{text}'")
+        installed = _version(requirement.name)
+        if installed is None or not requirement.specifier.contains(installed, prereleases=True):
+            state = f"{installed} is installed" if installed else "it is not installed"
+            problems.add(place, f"requires {text}, but {state}", f"pip install '{text}'")
 
 
 def _version(name: str) -> str | None:
@@ -204,51 +229,52 @@ def _version(name: str) -> str | None:
         return None
 
 
-def notices(
+def deprecations(
     nodes: Iterable[NodeSpec],
-    chosen: Mapping[str, Iterable[Chosen]],
+    methods: Mapping[str, Iterable[ResolvedMethod]],
     labels: Mapping[str, Collection[object]],
     registry: Registry,
 ) -> tuple[Problem, ...]:
-    """Return what is deprecated in a graph, each with its place and what to use instead.
+    """Return every use of something deprecated, with its place and what to use instead.
 
     Parameters
     ----------
     nodes
-    chosen
+    methods
         The methods of each node.
     labels
-        Of each node with alternatives, the labels that are run.
+        The labels that are run of each node with alternatives.
     registry
     """
-    found: list[Problem] = []
+    notices: list[Problem] = []
     for spec in nodes:
-        for one in chosen[spec.name]:
-            if not spec.has_alternatives or one.label in labels[spec.name]:
-                found += _of_method(spec.name, one)
-        found += _of_families(spec, registry)
-    return tuple(sorted(dict.fromkeys(found), key=lambda one: one.place))
+        for method in methods[spec.name]:
+            if not spec.has_alternatives or method.label in labels[spec.name]:
+                notices += _deprecated_in_method(spec.name, method)
+        notices += _deprecated_in_families(spec, registry)
+    return tuple(sorted(dict.fromkeys(notices), key=lambda notice: notice.place))
 
 
-def _of_method(name: str, chosen: Chosen) -> Iterator[Problem]:
-    if chosen.found is None:
+def _deprecated_in_method(name: str, method: ResolvedMethod) -> Iterator[Problem]:
+    if method.registered is None:
         return
-    node = chosen.found.node
-    where = f"{name} ({chosen.label})" if chosen.label else name
+    node = method.registered.node
+    where = f"{name} ({method.label})" if method.label else name
     if node.deprecated:
-        yield Problem(chosen.place, f"{where}: {node.name} is deprecated", node.deprecated)
-    for setting, written in chosen.settings.items():
+        yield Problem(method.place, f"{where}: {node.name} is deprecated", node.deprecated)
+    for setting, written in method.settings.items():
         described = node.settings.get(setting)
         if described is not None and described.deprecated:
             message = f"{where}: setting {setting!r} of {node.name} is deprecated"
             yield Problem(written.place, message, described.deprecated)
 
 
-def _of_families(spec: NodeSpec, registry: Registry) -> Iterator[Problem]:
+def _deprecated_in_families(spec: NodeSpec, registry: Registry) -> Iterator[Problem]:
     for method in spec.methods:
         if is_family(method.use):
-            for one in registry.family(method.use[:-2]).values():
-                if one.node.deprecated:
-                    name = one.node.name
-                    message = f"{spec.name}: {method.use} leaves {name} out, which is deprecated"
-                    yield Problem(method.place, message, f"{one.node.deprecated}; or list {name}")
+            for member in registry.family(method.use[:-2]).values():
+                if member.node.deprecated:
+                    name = member.node.name
+                    message = f"{spec.name}: {method.use} leaves out {name}, which is deprecated"
+                    instead = f"{member.node.deprecated}; or list {name}"
+                    yield Problem(method.place, message, instead)

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import networkx as nx
+import pytest
+
 from nodegraph import node
 from nodegraph.errors import Problem
 from nodegraph.graph import Gather, Graph
@@ -49,16 +52,44 @@ def test_a_node_may_be_written_before_what_feeds_it(graph_of: Callable[..., Grap
     assert list(graph.nodes) == ["a", "b"]
 
 
-def test_the_network_has_an_edge_for_every_wire(graph_of: Callable[..., Graph]) -> None:
-    network = graph_of(GOOD).network
-    assert sorted(network.edges(keys=False)) == [
-        ("capture", "gaps"),
-        ("error", "table"),
-        ("fill", "error"),
-        ("gaps", "error"),
-        ("gaps", "error"),
-        ("gaps", "fill"),
-    ]
+def test_the_network_has_records_at_nodes_and_edges(graph_of: Callable[..., Graph]) -> None:
+    graph = graph_of(GOOD)
+    assert list(graph.network) == ["capture", "gaps", "fill", "error", "table"]
+    assert graph.network.nodes["gaps"]["record"] is graph.nodes["gaps"]
+    assert nx.ancestors(graph.network, "fill") == {"capture", "gaps"}
+    wires = {
+        (source, wire.output, target, wire.port, wire.gathers)
+        for source, target, wire in graph.wires()
+    }
+    assert wires == {
+        ("capture", "output", "gaps", "recording", False),
+        ("gaps", "gappy", "fill", "recording", False),
+        ("fill", "output", "error", "estimate", False),
+        ("gaps", "truth", "error", "truth", False),
+        ("gaps", "hidden", "error", "hidden", False),
+        ("error", "output", "table", "scores", True),
+    }
+    ((_, _, wire),) = (each for each in graph.wires() if each[1] == "gaps")
+    assert str(wire.reference.place) == "toy.yaml:8:29"
+
+
+def test_the_network_cannot_be_changed(graph_of: Callable[..., Graph]) -> None:
+    with pytest.raises(nx.NetworkXError, match=r"[Ff]rozen"):
+        graph_of(GOOD).network.remove_node("fill")
+
+
+def test_one_node_may_read_another_several_times(graph_of: Callable[..., Graph]) -> None:
+    graph = graph_of(
+        """
+        axes: {k: [1, 2]}
+        nodes:
+          a: {use: read.number, with: {start: $k}}
+          b:
+            use: plot.stages
+            in: {recordings: {x: {from: a, at: {k: 1}}, y: {from: a, at: {k: 2}}}}
+        """
+    )
+    assert [wire.reference.at for _, _, wire in graph.wires()] == [{"k": 1}, {"k": 2}]
 
 
 def test_a_subclass_fits_and_nothing_is_converted(

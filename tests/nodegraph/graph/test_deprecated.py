@@ -98,7 +98,7 @@ def test_a_family_leaves_out_what_is_deprecated_and_says_so(
     graph = graph_of(text, more=[old, renamed])
     assert graph.axes["c"].labels == ("hold", "renamed", "scale")
     assert told(graph) == [
-        "toy.yaml:2:57: c: fill.* leaves fill.old out, which is deprecated\n"
+        "toy.yaml:2:57: c: fill.* leaves out fill.old, which is deprecated\n"
         "    use fill.hold; or list fill.old"
     ]
 

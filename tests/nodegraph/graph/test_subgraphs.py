@@ -14,7 +14,7 @@ from nodegraph.draw import dot, mermaid, svg
 from nodegraph.draw.from_graph import picture_of
 from nodegraph.errors import GraphError
 from nodegraph.execute import HowToRun, Run
-from nodegraph.graph import Choices, Graph, HandsOn, build
+from nodegraph.graph import Choices, Graph, PassThrough, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
 
@@ -65,7 +65,7 @@ def test_a_graph_is_used_as_a_node(files: Files, run_of: Callable[..., Run]) -> 
 def test_the_node_itself_only_hands_on(files: Files, graph_of: Callable[..., Graph]) -> None:
     files(clean=CLEAN)
     method = graph_of(OUTER).nodes["clean"].first
-    assert isinstance(method.node, HandsOn)
+    assert isinstance(method.node, PassThrough)
     assert (method.node.name, method.node.doc, method.plugin) == (
         "./clean.yaml",
         "Clean a number",
@@ -478,7 +478,7 @@ def test_truth_is_handed_on_as_truth_and_leaks_are_seen_through_graphs(
     handing = {
         name: node.first.node.outputs[0].truth
         for name, node in run.plan.graph.nodes.items()
-        if isinstance(node.first.node, HandsOn) and name.startswith("damage")
+        if isinstance(node.first.node, PassThrough) and name.startswith("damage")
     }
     assert handing == {
         "damage": False, "damage.truth": True, "damage.hidden": False, "damage.raw": False,

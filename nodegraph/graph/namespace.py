@@ -1,0 +1,167 @@
+"""The inputs and axes of a graph: what ``$name`` stands for, with the choices applied."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import Place, Problems, nearest
+from nodegraph.graph.model import Axis, Choices
+from nodegraph.graphfile.axes import read_given_axis
+from nodegraph.graphfile.spec import GraphSpec, Variable, Written
+from nodegraph.node.ports import Label, Port
+
+
+class Namespace:
+    """The inputs and axes of one graph.
+
+    Attributes
+    ----------
+    inputs : dict of name to value
+        Without the ports of a graph used as a node.
+    axes : dict of name to Axis
+        Those of the file, then those of nodes with alternatives.
+    used : set of str
+        Names that something refers to.
+    invalid : set of Variable
+        Variables without a value; the error is recorded.
+    """
+
+    def __init__(
+        self,
+        spec: GraphSpec,
+        ports: Mapping[str, Port],
+        choices: Choices,
+        problems: Problems,
+    ) -> None:
+        self._spec = spec
+        self._ports = ports
+        self._choices = choices
+        self._problems = problems
+        self.used: set[str] = set()
+        self.invalid: set[Variable] = set()
+        defaults = {name: part.value for name, part in spec.inputs.items() if name not in ports}
+        chosen = {name: value for name, value in choices.inputs.items() if name in defaults}
+        self.inputs: dict[str, Any] = defaults | chosen
+        self.axes = {name: self._axis(name) for name in spec.axes}
+
+    @property
+    def graph_folder(self) -> Path:
+        """Where relative paths in the graph file start."""
+        return self._spec.folder
+
+    def add_alternatives(self, node: str, labels: tuple[str, ...]) -> None:
+        """Add the axis of a node with alternatives."""
+        if node in self._choices.axes:
+            place = Place(f"--axis {node}")
+            self._problems.add(place, f"{node!r} is a node", f"write --only {node}=...")
+        self.axes[node] = self._restricted(Axis(node, labels))
+
+    def check_choices(self) -> None:
+        """Record choices of unknown names, and axes and inputs that nothing uses."""
+        self._check_known("--set", "input", self._choices.inputs, tuple(self._spec.inputs))
+        self._check_known("--axis", "axis", self._choices.axes, tuple(self.axes))
+        self._check_known("--only", "axis", self._choices.only, tuple(self.axes))
+        for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
+            for name, part in parts.items():
+                if name not in self.used and name.isidentifier():
+                    message = f"nothing uses the {kind} {name!r}"
+                    usage = (
+                        f"in: ${name}" if name in self._ports else f"${name} as a setting's value"
+                    )
+                    self._problems.add(part.place, message, f"write {usage}")
+
+    def axis_of(self, variable: Variable) -> str | None:
+        """Return the axis that a variable names, or None for an input or an unknown name."""
+        name = variable.name
+        self.used.add(name)
+        if name in self._spec.axes:
+            if not self.axes[name].labels:
+                self.invalid.add(variable)
+            return name
+        if name in self._ports:
+            message = f"{variable} is a port ({self._ports[name].type.__name__}), not a value"
+            self._reject(variable, message, f"write in: ${name}")
+        elif name not in self.inputs:
+            known = [f"${known}" for known in (*self._spec.inputs, *self._spec.axes)]
+            self._reject(variable, f"no input or axis {name!r}", nearest(f"${name}", known))
+        elif variable.field and not isinstance(self.inputs[name], dict):
+            message = f"{variable}: the input {name!r} has no fields, {self.inputs[name]!r}"
+            self._reject(variable, message, "an axis, or an input that is a mapping, has fields")
+        return None
+
+    def use(self, settings: Iterable[Written]) -> None:
+        """Resolve the names in settings whose values are not needed."""
+        for written in settings:
+            for variable in written.variables():
+                self.axis_of(variable)
+
+    def value(self, variable: Variable, labels: Mapping[str, Label]) -> Any:
+        """Return the value of a variable at these labels."""
+        name, axis = variable.name, self.axes.get(variable.name)
+        value = axis.values.get(labels[name]) if axis is not None else self.inputs.get(name)
+        if not variable.field:
+            return value
+        if not isinstance(value, dict) or variable.field not in value:
+            fields = list(value) if isinstance(value, dict) else []
+            owner = f"label {labels[name]!r}" if axis is not None else f"the input {name!r}"
+            message = f"{variable}: {owner} has no field {variable.field!r}"
+            self._problems.add(variable.place, message, nearest(variable.field, fields))
+            return None
+        return value[variable.field]
+
+    def folder(self, variable: Variable) -> Path:
+        """Return where a relative path in a variable's value starts."""
+        if self._option(variable):
+            return self._choices.folders.get(variable.name, self._choices.folder)
+        axis = self._spec.axes.get(variable.name)
+        return (axis and axis.folder) or self._spec.folder
+
+    def place(self, written: Written) -> Place:
+        """Return where a setting's value is written: in the file, or in the command."""
+        option = self._option(written.value) if isinstance(written.value, Variable) else ""
+        return Place(f"{option} {written.value.name}") if option else written.place
+
+    def _option(self, variable: Variable) -> str:
+        """Return the option that sets a variable; empty if none does."""
+        if variable.name in self._choices.inputs:
+            return "--set"
+        return "--axis" if variable.name in self._choices.axes else ""
+
+    def _reject(self, variable: Variable, message: str, hint: str) -> None:
+        self.invalid.add(variable)
+        self._problems.add(variable.place, message, hint)
+
+    def _axis(self, name: str) -> Axis:
+        spec = self._spec.axes[name]
+        labels, values = spec.labels, spec.values
+        if name in self._choices.axes:
+            chosen = read_given_axis(name, self._choices.axes[name], self._problems)
+            labels, values = chosen.labels, chosen.values
+        removed = frozenset(spec.labels) - frozenset(labels)
+        axis = Axis(name, labels, dict(zip(labels, values, strict=True)), removed)
+        return self._restricted(axis)
+
+    def _restricted(self, axis: Axis) -> Axis:
+        """Return an axis with the labels that ``only`` leaves."""
+        only = self._choices.only.get(axis.name)
+        if only is None:
+            return axis
+        place = Place(f"--only {axis.name}")
+        if not only:
+            self._problems.add(place, "no label is kept", nearest("", axis.labels))
+        for label in only:
+            if label not in axis.labels:
+                self._problems.add(place, f"no label {label!r}", nearest(label, axis.labels))
+        labels = tuple(label for label in axis.labels if label in only)
+        removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
+        return Axis(axis.name, labels or axis.labels, axis.values, removed)
+
+    def _check_known(
+        self, option: str, kind: str, names: Iterable[str], known: tuple[str, ...]
+    ) -> None:
+        for name in names:
+            if name not in known:
+                message = f"the graph has no {kind} {name!r}"
+                self._problems.add(Place(f"{option} {name}"), message, nearest(name, known))
