@@ -213,8 +213,8 @@ def check_requires(spec: GraphSpec, problems: Problems) -> None:
             hint = "write a package as pip takes it: my-plugin>=1.2"
             problems.add(place, f"requires: {text!r} is not a package", hint)
             continue
-        marker = attrgetter("marker")(requirement)  # packaging's types do not declare it
-        if marker is not None and not marker.evaluate():
+        condition = attrgetter("marker")(requirement)  # what follows a semicolon
+        if condition is not None and not condition.evaluate():
             continue
         installed = _version(requirement.name)
         if installed is None or not requirement.specifier.contains(installed, prereleases=True):
