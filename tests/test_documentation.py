@@ -39,10 +39,10 @@ def test_the_graph_that_is_shown_runs(tmp_path: Path) -> None:
 
 
 def test_every_key_of_a_graph_is_told() -> None:
-    from nodegraph.graphfile.reader import _KEYS
+    from nodegraph.graphfile.keys import TOP_LEVEL
 
     told = set(re.findall(r"^\| `(\w+)` \|", GRAPHS, flags=re.MULTILINE))
-    assert told | {"nodegraph", "title", "notes"} == set(_KEYS)
+    assert told | {"nodegraph", "title", "notes"} == set(TOP_LEVEL)
 
 
 def test_every_shipped_graph_is_told_with_its_question() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis, Choices
-from nodegraph.graphfile.axes import read_given_axis
+from nodegraph.graphfile.axes import axis_from_option
 from nodegraph.graphfile.spec import GraphSpec, Variable, Written
 from nodegraph.node.ports import Label, Port
 
@@ -137,7 +137,7 @@ class Namespace:
         spec = self._spec.axes[name]
         labels, values = spec.labels, spec.values
         if name in self._choices.axes:
-            chosen = read_given_axis(name, self._choices.axes[name], self._problems)
+            chosen = axis_from_option(name, self._choices.axes[name], self._problems)
             labels, values = chosen.labels, chosen.values
         removed = frozenset(spec.labels) - frozenset(labels)
         axis = Axis(name, labels, dict(zip(labels, values, strict=True)), removed)

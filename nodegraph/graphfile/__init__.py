@@ -1,4 +1,4 @@
-"""Graph files as written: YAML text -> spec, every part with its place."""
+"""Graph files: YAML text -> spec, every part with its place; and their JSON Schema."""
 
 from nodegraph.graphfile.reader import read_graph_file, read_graph_text
 from nodegraph.graphfile.spec import GraphSpec

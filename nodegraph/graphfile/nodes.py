@@ -1,13 +1,25 @@
-"""One entry of ``nodes``: what it uses, what feeds it, what is set, which alternatives it has."""
+"""References, and the entries of ``nodes``: their methods, wiring and settings."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import PurePath
 from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graphfile.axes import is_label
+from nodegraph.graphfile.keys import (
+    ALTERNATIVES_HINT,
+    FAMILY,
+    FIXED_REFERENCE,
+    METHOD,
+    NODE,
+    PASS,
+    REFERENCE,
+    REFERENCE_HINT,
+    VARIABLE,
+)
 from nodegraph.graphfile.spec import (
     Gathering,
     MethodSpec,
@@ -20,117 +32,104 @@ from nodegraph.graphfile.spec import (
 )
 from nodegraph.graphfile.yaml_text import Located
 
-_REFERENCE = re.compile(r"\$?[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)?")
-_REFERENCE_FORMS = "write node, node.port, or {from: node.port, at: {axis: label}}"
+_REFERENCE = re.compile(REFERENCE)
+_VARIABLE = re.compile(VARIABLE)
 
 
 def read_reference(item: Located, problems: Problems) -> Reference | None:
-    """Return the reference that a value is, or None, with the mistake noted."""
+    """Return the reference that a value is, or None, with the error noted."""
     if isinstance(item.value, dict):
-        return _fixed(item, problems)
+        return _fixed_reference(item, problems)
     if not isinstance(item.value, str) or not _REFERENCE.fullmatch(item.value):
-        problems.add(item.place, f"{item.plain()!r} is not a reference", _REFERENCE_FORMS)
+        problems.add(item.place, f"{item.plain()!r} is not a reference", REFERENCE_HINT)
         return None
     node, _, port = item.value.partition(".")
     return Reference(node, port, item.place)
 
 
-def _fixed(item: Located, problems: Problems) -> Reference | None:
+def _fixed_reference(item: Located, problems: Problems) -> Reference | None:
     for key in item.value:
-        if key not in ("from", "at"):
-            problems.add(item.keys[key], f"unknown key {key!r}", _REFERENCE_FORMS)
+        if key not in FIXED_REFERENCE:
+            problems.add(item.keys[key], f"unknown key {key!r}", REFERENCE_HINT)
     if "from" not in item.value:
-        problems.add(item.place, "a reference needs 'from'", _REFERENCE_FORMS)
+        problems.add(item.place, "a reference needs 'from'", REFERENCE_HINT)
         return None
     source = item.value["from"]
     if isinstance(source.value, dict):
-        problems.add(source.place, "'from' holds another 'from'", _REFERENCE_FORMS)
+        problems.add(source.place, "'from' contains another 'from'", REFERENCE_HINT)
         return None
-    found = read_reference(source, problems)
-    if found is None:
+    reference = read_reference(source, problems)
+    if reference is None:
         return None
-    return Reference(
-        found.node, found.port, found.place, _fixed_labels(item.value.get("at"), problems)
-    )
+    labels = _fixed_labels(item.value["at"], problems) if "at" in item.value else {}
+    return Reference(reference.node, reference.port, reference.place, labels)
 
 
-def _fixed_labels(item: Located | None, problems: Problems) -> dict[str, Any]:
-    if item is None:
+def _fixed_labels(item: Located, problems: Problems) -> dict[str, Any]:
+    labels = item.plain()
+    if not isinstance(labels, dict) or not all(map(is_label, labels.values())):
+        problems.add(item.place, "'at' is {axis: label}, one label for each axis", REFERENCE_HINT)
         return {}
-    fixed = item.plain()
-    if not isinstance(fixed, dict) or not all(is_label(label) for label in fixed.values()):
-        problems.add(item.place, "'at' is {axis: label}, one label for each axis", _REFERENCE_FORMS)
-        return {}
-    return fixed
-
-
-_NODE_KEYS = ("use", "in", "with", "alternatives", "over")
-_METHOD_KEYS = ("use", "in", "with")
-_VARIABLE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)(?:\.([A-Za-z_][A-Za-z0-9_]*))?")
-_ALTERNATIVE_FORMS = (
-    "write {label: {use: family.method}}, [family.method, ...] or family.* for all its methods"
-)
+    return labels
 
 
 class NodeReader:
-    """Reads entries of ``nodes`` and notes their mistakes."""
+    """Reads entries of ``nodes`` and notes their errors."""
 
     def __init__(self, problems: Problems) -> None:
         self._problems = problems
 
     def read(self, name: str, item: Located) -> NodeSpec:
-        """Return what one entry says, without methods when that cannot be read."""
-        if not self._is_mapping(item, f"node {name!r}", _NODE_KEYS):
+        """Return the spec of one entry, without methods if it cannot be read."""
+        if not self._is_mapping(item, f"node {name!r}", NODE):
             return NodeSpec(name, item.place, (), False, {}, {}, None)
-        found = item.value
-        methods, has_alternatives = self._methods(name, item)
         return NodeSpec(
             name=name,
             place=item.place,
-            methods=methods,
-            has_alternatives=has_alternatives,
-            wiring=self._wiring(found.get("in")),
-            settings=self._settings(found.get("with")),
-            over=self._over(found.get("over")),
+            methods=self._methods(name, item),
+            has_alternatives="alternatives" in item.value,
+            wiring=self._wiring(item.value.get("in")),
+            settings=self._settings(item.value.get("with")),
+            over=self._over(item.value.get("over")),
         )
 
-    def _methods(self, name: str, item: Located) -> tuple[tuple[MethodSpec, ...], bool]:
+    def _methods(self, name: str, item: Located) -> tuple[MethodSpec, ...]:
         use, alternatives = item.value.get("use"), item.value.get("alternatives")
-        if (use is None) == (alternatives is None):
-            which = (
-                "needs 'use' or 'alternatives'"
-                if use is None
-                else "has both 'use' and 'alternatives'"
-            )
-            self._problems.add(item.place, f"node {name!r} {which}", "give one of the two")
+        if use is None and alternatives is None:
+            message = f"node {name!r} needs 'use' or 'alternatives'"
+            self._problems.add(item.place, message, "give one of the two")
+        if use is not None and alternatives is not None:
+            message = f"node {name!r} has both 'use' and 'alternatives'"
+            self._problems.add(item.place, message, "give one of the two")
         if alternatives is not None:
-            return self._alternatives(name, alternatives), True
+            return self._alternatives(name, alternatives)
         if use is None or not self._is_word(use, "'use' names a node"):
-            return (), False
+            return ()
         if use.value.endswith(".*"):
             message = f"{use.value!r} stands only among alternatives"
             self._problems.add(use.place, message, f"write alternatives: {use.value}")
-            return (), False
-        return (MethodSpec("", use.value, use.place),), False
+            return ()
+        return (MethodSpec("", use.value, use.place),)
 
     def _alternatives(self, name: str, item: Located) -> tuple[MethodSpec, ...]:
-        if isinstance(item.value, str):
-            made = self._family_or_none(item.value, item.place)
+        methods: list[MethodSpec] = []
+        if isinstance(item.value, str) and item.value.endswith(".*"):
+            methods = [MethodSpec("", item.value, item.place)]
         elif isinstance(item.value, list):
-            made = [one for one in map(self._listed, item.value) if one]
+            methods = [method for method in map(self._listed, item.value) if method]
         elif isinstance(item.value, dict):
-            made = [self._labelled(key, item.keys[key], one) for key, one in item.value.items()]
-        else:
-            made = []
-        if not made:
-            self._problems.add(item.place, f"node {name!r} has no alternative", _ALTERNATIVE_FORMS)
-        self._refuse_repeats(made)
-        return tuple(made)
-
-    def _family_or_none(self, text: str, place: Place) -> list[MethodSpec]:
-        if text.endswith(".*"):
-            return [MethodSpec("", text, place)]
-        return []
+            methods = [
+                self._labelled(key, item.keys[key], each) for key, each in item.value.items()
+            ]
+        if not methods:
+            self._problems.add(item.place, f"node {name!r} has no alternative", ALTERNATIVES_HINT)
+        seen: set[str] = set()
+        for method in methods:
+            if method.label and method.label in seen:
+                message = f"label {method.label!r} is used twice"
+                self._problems.add(method.place, message, ALTERNATIVES_HINT)
+            seen.add(method.label)
+        return tuple(methods)
 
     def _listed(self, item: Located) -> MethodSpec | None:
         if not self._is_word(item, "a listed alternative is a node's name"):
@@ -151,13 +150,12 @@ class NodeReader:
             item = Located({}, item.place)
         if isinstance(item.value, str):
             item = Located({"use": item}, item.place, {"use": item.place})
-        keys = ("in", "with") if is_family else _METHOD_KEYS
-        if not self._is_mapping(item, f"alternative {label!r}", keys):
+        if not self._is_mapping(item, f"alternative {label!r}", FAMILY if is_family else METHOD):
             return MethodSpec(label, "", place)
         if is_family:
             use = label
-        elif label == "pass" and "use" not in item.value:
-            use = "pass"
+        elif label == PASS and "use" not in item.value:
+            use = PASS
         else:
             use = self._use(item, label)
         return MethodSpec(
@@ -171,9 +169,8 @@ class NodeReader:
     def _use(self, item: Located, label: str) -> str:
         use = item.value.get("use")
         if use is None:
-            self._problems.add(
-                item.place, f"alternative {label!r} has no 'use'", _ALTERNATIVE_FORMS
-            )
+            message = f"alternative {label!r} has no 'use'"
+            self._problems.add(item.place, message, ALTERNATIVES_HINT)
             return ""
         if not self._is_word(use, "'use' names a node"):
             return ""
@@ -183,37 +180,25 @@ class NodeReader:
             return ""
         return str(use.value)
 
-    def _refuse_repeats(self, methods: list[MethodSpec]) -> None:
-        seen: set[str] = set()
-        for one in methods:
-            if one.label and one.label in seen:
-                self._problems.add(
-                    one.place, f"label {one.label!r} is used twice", _ALTERNATIVE_FORMS
-                )
-            seen.add(one.label)
-
     def _wiring(self, item: Located | None) -> Wiring:
         if item is None or item.value is None:
             return {}
         if isinstance(item.value, dict) and "from" not in item.value:
-            fed = {str(port): self._feed(one) for port, one in item.value.items()}
-            return {port: one for port, one in fed.items() if one is not None}
+            feeds = {str(port): self._feed(feed) for port, feed in item.value.items()}
+            return {port: feed for port, feed in feeds.items() if feed is not None}
         reference = read_reference(item, self._problems)
         return {"": reference} if reference else {}
 
     def _feed(self, item: Located) -> Reference | Gathering | None:
-        if isinstance(item.value, dict) and item.value and "from" not in item.value:
-            return self._gathering(item)
-        return read_reference(item, self._problems)
-
-    def _gathering(self, item: Located) -> Gathering:
+        if not isinstance(item.value, dict) or not item.value or "from" in item.value:
+            return read_reference(item, self._problems)
         sources: dict[str, Reference] = {}
-        for key, one in item.value.items():
+        for key, source in item.value.items():
             if str(key) in sources:
                 self._problems.add(item.keys[key], f"label {str(key)!r} is used twice")
-            found = read_reference(one, self._problems)
-            if found is not None:
-                sources[str(key)] = found
+            reference = read_reference(source, self._problems)
+            if reference is not None:
+                sources[str(key)] = reference
         return Gathering(sources, item.place)
 
     def _settings(self, item: Located | None) -> dict[str, Written]:
@@ -223,7 +208,8 @@ class NodeReader:
             self._problems.add(item.place, "'with' is a mapping: {setting: value}")
             return {}
         return {
-            str(name): Written(_substituted(one), one.place) for name, one in item.value.items()
+            str(name): Written(_with_variables(value), value.place)
+            for name, value in item.value.items()
         }
 
     def _over(self, item: Located | None) -> tuple[tuple[str, Place], ...] | None:
@@ -232,19 +218,17 @@ class NodeReader:
         if not isinstance(item.value, list):
             self._problems.add(item.place, "'over' is a list of axes: [trial]")
             return None
-        return tuple((str(one.plain()), one.place) for one in item.value)
+        return tuple((str(axis.plain()), axis.place) for axis in item.value)
 
-    def _is_mapping(self, item: Located, what: str, keys: tuple[str, ...]) -> bool:
+    def _is_mapping(self, item: Located, what: str, keys: Iterable[str]) -> bool:
         if not isinstance(item.value, dict):
-            self._problems.add(
-                item.place, f"{what} must be a mapping", nearest("", keys, what="keys")
-            )
+            hint = nearest("", keys, what="keys")
+            self._problems.add(item.place, f"{what} must be a mapping", hint)
             return False
         for key in item.value:
             if key not in keys:
-                self._problems.add(
-                    item.keys[key], f"{what}: unknown key {key!r}", nearest(key, keys)
-                )
+                message = f"{what}: unknown key {key!r}"
+                self._problems.add(item.keys[key], message, nearest(key, keys))
         return True
 
     def _is_word(self, item: Located, message: str) -> bool:
@@ -254,12 +238,13 @@ class NodeReader:
         return False
 
 
-def _substituted(item: Located) -> Any:
+def _with_variables(item: Located) -> Any:
+    """Return the plain value of a setting, with a `Variable` for each ``$name`` in it."""
     if isinstance(item.value, dict):
-        return {key: _substituted(one) for key, one in item.value.items()}
+        return {key: _with_variables(each) for key, each in item.value.items()}
     if isinstance(item.value, list):
-        return [_substituted(one) for one in item.value]
+        return [_with_variables(each) for each in item.value]
     if isinstance(item.value, str):
-        found = _VARIABLE.fullmatch(item.value)
-        return Variable(found[1], found[2] or "", item.place) if found else item.value
+        match = _VARIABLE.fullmatch(item.value)
+        return Variable(match[1], match[2] or "", item.place) if match else item.value
     return item.value

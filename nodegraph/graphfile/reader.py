@@ -1,4 +1,4 @@
-"""Graph file -> spec: what may stand where; every mistake is noted with its place."""
+"""Graph file -> spec, with the graph files that it uses; every error is noted with its place."""
 
 from __future__ import annotations
 
@@ -12,21 +12,38 @@ from typing import Any
 from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
 from nodegraph.gc_pause import no_collection
 from nodegraph.graphfile.axes import read_axis
+from nodegraph.graphfile.keys import FORMAT, IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL, Form
 from nodegraph.graphfile.nodes import NodeReader, read_reference
-from nodegraph.graphfile.spec import GraphSpec, InputSpec, MethodSpec, SkipSpec
+from nodegraph.graphfile.spec import GraphSpec, InputSpec, MethodSpec, Reference, SkipSpec
 from nodegraph.graphfile.yaml_text import Located, read_yaml
 
-FORMAT = 1
-_KEYS = (
-    "nodegraph", "title", "notes", "inputs", "axes", "nodes", "skip", "known", "requires",
-    "outputs", "report",
-)  # fmt: skip
-_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+MOST_DEPTH = 50
+MOST_NODES = 100_000
+MOST_LABELS = 5_000_000
 _MOST_BYTES = 50_000_000
+_IDENTIFIER = re.compile(IDENTIFIER)
+_Chain = tuple[tuple[Path, str], ...]
+"""Graph files that use each other, from the outermost: path, and name in messages."""
 
 
-def read_spec(text: str, file: str, folder: Path) -> GraphSpec:
-    """Return what the text of one graph file says; the graphs that it uses are not read.
+def read_graph_file(path: Path) -> GraphSpec:
+    """Return the spec of a graph file, with those of the graph files that it uses.
+
+    Errors in its parts, and in the files that it uses, are noted in the spec.
+
+    Raises
+    ------
+    GraphError
+        If the file cannot be read, or is not YAML, or not a mapping.
+    """
+    return read_graph_text(_text_of(path), str(path), path.parent)
+
+
+@no_collection()
+def read_graph_text(
+    text: str, file: str, folder: Path, included: Mapping[str, str] | None = None
+) -> GraphSpec:
+    """Return the spec of a graph file's text; see `read_graph_file`.
 
     Parameters
     ----------
@@ -35,12 +52,39 @@ def read_spec(text: str, file: str, folder: Path) -> GraphSpec:
         Its name in messages.
     folder
         Where relative paths start.
-
-    Raises
-    ------
-    GraphError
-        If the text is not YAML, or not a mapping. Mistakes in its parts are noted in the spec.
+    included
+        Texts of graph files that it uses, by path from the folder, which replace the files' own.
     """
+    spec = _read_spec(text, file, folder)
+    texts = {(folder / name).resolve(): each for name, each in (included or {}).items()}
+    return _UsedGraphs(spec, texts).read() if any(_graph_uses(spec)) else spec
+
+
+def _text_of(path: Path) -> str:
+    """Return the text of a graph file, or raise a `GraphError` that names what there is instead."""
+    place = Place(str(path))
+    try:
+        if path.is_dir():
+            names = ", ".join(file.name for file in _graph_files(path)) or "there is none"
+            problem = Problem(place, "is a folder", f"name the graph file in it: {names}")
+            raise GraphError([problem])
+        if path.stat().st_size > _MOST_BYTES:
+            raise GraphError([Problem(place, "too large to be a graph file")])
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        hint = nearest(path.name, [file.name for file in _graph_files(path.parent)])
+        problem = Problem(place, "no such graph file", f"in that folder {hint}")
+        raise GraphError([problem]) from error
+    except (OSError, ValueError) as error:  # a name may be too long, a text not UTF-8
+        raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
+
+
+def _graph_files(folder: Path) -> list[Path]:
+    return sorted(folder.glob("*.y*ml"))
+
+
+def _read_spec(text: str, file: str, folder: Path) -> GraphSpec:
+    """Return the spec of one text; the graph files that it uses are not read."""
     problems = Problems()
     root = read_yaml(text, file, problems)
     try:
@@ -50,104 +94,78 @@ def read_spec(text: str, file: str, folder: Path) -> GraphSpec:
     return replace(spec, problems=problems.all())
 
 
-def text_of(path: Path) -> str:
-    """Return the text of a graph file.
-
-    Raises
-    ------
-    GraphError
-        If it cannot be read.
-    """
-    try:
-        if path.is_dir():
-            there = ", ".join(one.name for one in sorted(path.glob("*.y*ml"))) or "there is none"
-            problem = Problem(
-                Place(str(path)), "is a folder", f"name the graph file in it: {there}"
-            )
-            raise GraphError([problem])
-        if path.stat().st_size > _MOST_BYTES:
-            raise GraphError([Problem(Place(str(path)), "too large to be a graph file")])
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError as error:
-        near = nearest(path.name, [one.name for one in sorted(path.parent.glob("*.y*ml"))])
-        problem = Problem(Place(str(path)), "no such graph file", f"in that folder {near}")
-        raise GraphError([problem]) from error
-    except (OSError, ValueError) as error:  # a name may be too long, a text not UTF-8
-        raise GraphError([Problem(Place(str(path)), f"cannot be read: {error}")]) from error
-
-
 class _SpecReader:
     def __init__(self, root: Located, problems: Problems) -> None:
-        self._problems = problems
         self._root = root
+        self._problems = problems
         self._sections: Mapping[str, Located] = {}
 
     def read(self, text: str, file: str, folder: Path) -> GraphSpec:
         self._sections = self._read_sections()
         self._check_names()
-        return GraphSpec(
-            file=file,
-            folder=folder,
-            text=text,
-            title=self._words("title"),
-            notes=self._words("notes"),
-            inputs=self._each("inputs", self._input),
-            axes=self._each("axes", lambda name, item: read_axis(name, item, self._problems)),
-            nodes=self._each("nodes", NodeReader(self._problems).read),
-            skip=tuple(one for one in map(self._skip, self._items("skip")) if one),
-            known=self._references("known"),
-            requires=tuple((str(one.plain()), one.place) for one in self._items("requires")),
-            outputs=self._each("outputs", lambda _, item: read_reference(item, self._problems)),
-            report=self._references("report"),
-        )
+        readers: Mapping[Form, Callable[[str], Any]] = {
+            Form.TEXT: self._text,
+            Form.INPUTS: lambda key: self._mapping(key, self._input),
+            Form.AXES: lambda key: self._mapping(key, self._axis),
+            Form.NODES: lambda key: self._mapping(key, NodeReader(self._problems).read),
+            Form.COMBINATIONS: lambda key: self._list(key, self._combination),
+            Form.REFERENCES: lambda key: self._list(key, self._reference),
+            Form.DISTRIBUTIONS: lambda key: self._list(key, self._distribution),
+            Form.OUTPUTS: lambda key: self._mapping(key, lambda _, item: self._reference(item)),
+        }
+        sections = {
+            name: readers[key.form](name) for name, key in TOP_LEVEL.items() if key.form in readers
+        }
+        return GraphSpec(file=file, folder=folder, text=text, **sections)
 
     def _read_sections(self) -> Mapping[str, Located]:
         root = self._root
         if not isinstance(root.value, dict):
             message = "a graph file is a mapping that begins with 'nodegraph: 1'"
-            raise GraphError([Problem(root.place, message, nearest("", _KEYS, what="keys"))])
+            raise GraphError([Problem(root.place, message, nearest("", TOP_LEVEL, what="keys"))])
         for key in root.value:
-            if key not in _KEYS:
-                self._problems.add(root.keys[key], f"unknown key {key!r}", nearest(key, _KEYS))
+            if key not in TOP_LEVEL:
+                hint = nearest(key, TOP_LEVEL)
+                self._problems.add(root.keys[key], f"unknown key {key!r}", hint)
         self._check_format(root)
         nodes = root.value.get("nodes")
         if nodes is None or nodes.value in (None, {}):
             place = root.keys.get("nodes", root.place)
             self._problems.add(place, "no 'nodes': a graph needs at least one")
-        return {key: one for key, one in root.value.items() if one.value is not None}
+        return {key: item for key, item in root.value.items() if item.value is not None}
 
     def _check_format(self, root: Located) -> None:
-        found = root.value.get("nodegraph")
-        if found is None:
-            self._problems.add(root.place, "the format's number is missing", "write 'nodegraph: 1'")
-        elif found.value != FORMAT or found.value is True:  # which Python holds for 1
-            message = f"this program reads format {FORMAT}, not {found.value!r}"
-            self._problems.add(found.place, message)
+        number = root.value.get("nodegraph")
+        if number is None:
+            hint = f"write 'nodegraph: {FORMAT}'"
+            self._problems.add(root.place, "the format's number is missing", hint)
+        elif number.value != FORMAT or number.value is True:  # which Python takes for 1
+            message = f"this version reads format {FORMAT}, not {number.value!r}"
+            self._problems.add(number.place, message)
 
     def _check_names(self) -> None:
-        """Check the one namespace of inputs, axes and nodes."""
+        """Check the names of inputs, axes and nodes, which share a namespace, and of outputs."""
         seen: dict[str, str] = {}
         for section in ("inputs", "axes", "nodes"):
-            for name, place in self._named(section):
+            for name, place in self._names(section):
                 if self._check_name(name, place) and name in seen:
                     message = f"{name!r} is a name in {section!r} and in {seen[name]!r}"
                     self._problems.add(place, message, "they share one namespace")
                 seen.setdefault(name, section)
-        for name, place in self._named("outputs"):
+        for name, place in self._names("outputs"):
             self._check_name(name, place)
 
     def _check_name(self, name: Any, place: Place) -> bool:
         if isinstance(name, str) and _IDENTIFIER.fullmatch(name):
             return True
-        instead = "use letters, digits and _, not a digit first"
-        self._problems.add(place, f"{name!r} cannot be a name", instead)
+        self._problems.add(place, f"{name!r} cannot be a name", IDENTIFIER_HINT)
         return False
 
-    def _named(self, section: str) -> list[tuple[Any, Place]]:
+    def _names(self, section: str) -> list[tuple[Any, Place]]:
         item = self._sections.get(section)
         return list(item.keys.items()) if item and isinstance(item.value, dict) else []
 
-    def _words(self, key: str) -> str:
+    def _text(self, key: str) -> str:
         item = self._sections.get(key)
         if item is None:
             return ""
@@ -156,81 +174,54 @@ class _SpecReader:
             return ""
         return str(item.value)
 
-    def _each(self, key: str, read: Callable[[str, Located], Any]) -> dict[str, Any]:
-        item = self._sections.get(key)
-        if item is None:
+    def _mapping(self, key: str, read: Callable[[str, Located], Any]) -> dict[str, Any]:
+        section = self._sections.get(key)
+        if section is None:
             return {}
-        if not isinstance(item.value, dict):
-            self._problems.add(item.place, f"{key!r} must be a mapping: name: ...")
+        if not isinstance(section.value, dict):
+            self._problems.add(section.place, f"{key!r} must be a mapping: name: ...")
             return {}
-        made = {str(name): read(str(name), one) for name, one in item.value.items()}
-        return {name: one for name, one in made.items() if one is not None}
+        items = {str(name): read(str(name), item) for name, item in section.value.items()}
+        return {name: item for name, item in items.items() if item is not None}
 
-    def _items(self, key: str) -> list[Located]:
-        item = self._sections.get(key)
-        if item is None:
-            return []
-        if not isinstance(item.value, list):
-            self._problems.add(item.place, f"{key!r} must be a list: [...]")
-            return []
-        return item.value
-
-    def _references(self, key: str) -> tuple[Any, ...]:
-        found = (read_reference(one, self._problems) for one in self._items(key))
-        return tuple(one for one in found if one is not None)
+    def _list(self, key: str, read: Callable[[Located], Any]) -> tuple[Any, ...]:
+        section = self._sections.get(key)
+        if section is None:
+            return ()
+        if not isinstance(section.value, list):
+            self._problems.add(section.place, f"{key!r} must be a list: [...]")
+            return ()
+        return tuple(item for item in map(read, section.value) if item is not None)
 
     def _input(self, name: str, item: Located) -> InputSpec:
         return InputSpec(name, item.place, item.plain())
 
-    def _skip(self, item: Located) -> SkipSpec | None:
+    def _axis(self, name: str, item: Located) -> Any:
+        return read_axis(name, item, self._problems)
+
+    def _reference(self, item: Located) -> Reference | None:
+        return read_reference(item, self._problems)
+
+    def _distribution(self, item: Located) -> tuple[str, Place]:
+        return str(item.plain()), item.place
+
+    def _combination(self, item: Located) -> SkipSpec | None:
         if not isinstance(item.value, dict) or not item.value:
             self._problems.add(item.place, "an item of 'skip' is {axis: label or [labels], ...}")
             return None
         labels = {
             str(axis): tuple(
-                one.plain() for one in (found.value if isinstance(found.value, list) else [found])
+                label.plain()
+                for label in (value.value if isinstance(value.value, list) else [value])
             )
-            for axis, found in item.value.items()
+            for axis, value in item.value.items()
         }
         return SkipSpec(item.place, labels)
 
 
-MOST_DEPTH = 50
-MOST_NODES = 100_000
-MOST_LABELS = 5_000_000
-_Way = tuple[tuple[Path, str], ...]
-
-
-def read_graph_file(path: Path) -> GraphSpec:
-    """Return what a graph file says, with the graph files that it uses.
-
-    Mistakes in its parts, and in finding the others, are noted in it.
-
-    Raises
-    ------
-    GraphError
-        If the file cannot be read, or is not YAML, or not a mapping.
-    """
-    return read_graph_text(text_of(path), str(path), path.parent)
-
-
-@no_collection()
-def read_graph_text(
-    text: str, file: str, folder: Path, included: Mapping[str, str] | None = None
-) -> GraphSpec:
-    """Return what the text of a graph file says; relative paths start at `folder`.
-
-    Of graph files that it uses, `included` holds texts that are taken in place of what the files
-    say, by their paths from the folder.
-    """
-    spec = read_spec(text, file, folder)
-    texts = {(folder / name).resolve(): one for name, one in (included or {}).items()}
-    return _Reader(spec, texts).read() if any(_graph_uses(spec)) else spec
-
-
 @dataclass(frozen=True)
 class _Size:
-    """How much a graph unfolds to, and how deep; or that it is too much."""
+    """The size of a graph with those that it uses, and their depth; or that it is too much."""
 
     nodes: int
     labels: int
@@ -242,7 +233,9 @@ class _Size:
         return _Size(self.nodes + used.nodes, self.labels + used.labels, depth)
 
 
-class _Reader:
+class _UsedGraphs:
+    """Reads the graph files that a graph uses, each once, and refuses circles and giants."""
+
     def __init__(self, root: GraphSpec, texts: Mapping[Path, str]) -> None:
         self._root = root
         self._texts = texts
@@ -253,23 +246,24 @@ class _Reader:
     def read(self) -> GraphSpec:
         root = self._root
         path = (root.folder / PurePath(root.file).name).resolve()
-        whole, _ = self._followed(root, ((path, root.file),))
-        return replace(whole, graphs=self._specs, problems=self._problems.all())
+        spec, _ = self._resolved(root, ((path, root.file),))
+        return replace(spec, graphs=self._specs, problems=self._problems.all())
 
-    def _followed(self, spec: GraphSpec, way: _Way) -> tuple[GraphSpec, _Size]:
-        """Return a spec that knows where the graphs lie that it uses, and its size.
+    def _resolved(self, spec: GraphSpec, chain: _Chain) -> tuple[GraphSpec, _Size]:
+        """Return a spec with the paths of the graph files that it uses, and its size.
 
-        One that is too large uses none, nor is it used: that is told once, where it grew so.
+        A spec that is too large uses none, nor is it used: the error is noted once, where the
+        limit is passed.
         """
         uses: dict[str, Path] = {}
-        size = _Size(len(spec.nodes), sum(len(one.labels) for one in spec.axes.values()))
+        size = _Size(len(spec.nodes), sum(len(axis.labels) for axis in spec.axes.values()))
         for method in _graph_uses(spec):
             path = self._path(spec, method)
-            used = self._size(spec, method, path, way) if path is not None else None
+            used = self._size(spec, method, path, chain) if path is not None else None
             if path is None or used is None:
                 continue
             size += used
-            if used.is_refused or self._is_too_large(method, size, way):
+            if used.is_refused or self._is_too_large(method, size, chain):
                 return spec, replace(size, is_refused=True)
             uses[method.use] = path
         return replace(spec, uses=uses), size
@@ -281,49 +275,50 @@ class _Reader:
             self._problems.add(method.place, f"{method.use!r} cannot be read: {error}")
             return None
 
-    def _size(self, spec: GraphSpec, method: MethodSpec, path: Path, way: _Way) -> _Size | None:
-        """Return the size of a used graph, which is read when it is met first."""
-        paths = [there for there, _ in way]
+    def _size(self, spec: GraphSpec, method: MethodSpec, path: Path, chain: _Chain) -> _Size | None:
+        """Return the size of a used graph, which is read at its first use."""
+        paths = [each for each, _ in chain]
         if path in paths:
-            around = [shown for _, shown in way[paths.index(path) :]]
-            names = " -> ".join([*around, around[0]])
-            self._problems.add(method.place, f"{around[0]} uses itself: {names}")
+            circle = [name for _, name in chain[paths.index(path) :]]
+            names = " -> ".join([*circle, circle[0]])
+            self._problems.add(method.place, f"{circle[0]} uses itself: {names}")
             return None
-        if len(way) > MOST_DEPTH:
+        if len(chain) > MOST_DEPTH:
             return _Size(0, 0)  # it is refused for its depth, and not read
         if path not in self._sizes:
-            self._read(spec, method, path, way)
+            self._read(spec, method, path, chain)
         return self._sizes.get(path)
 
-    def _read(self, spec: GraphSpec, method: MethodSpec, path: Path, way: _Way) -> None:
+    def _read(self, spec: GraphSpec, method: MethodSpec, path: Path, chain: _Chain) -> None:
         try:
-            text = self._texts[path] if path in self._texts else text_of(path)
+            text = self._texts[path] if path in self._texts else _text_of(path)
         except GraphError as error:
-            for one in error.problems:
-                self._problems.add(method.place, f"{method.use}: {one.message}", one.instead)
+            for problem in error.problems:
+                message = f"{method.use}: {problem.message}"
+                self._problems.add(method.place, message, problem.instead)
             return
-        shown = os.path.normpath(os.path.join(os.path.dirname(spec.file), method.use))
+        name = os.path.normpath(os.path.join(os.path.dirname(spec.file), method.use))
         self._sizes[path] = None
         try:
-            found = read_spec(text, shown, path.parent)
+            used = _read_spec(text, name, path.parent)
         except GraphError as error:
-            for one in error.problems:
-                self._problems.add(one.place, one.message, one.instead)
+            for problem in error.problems:
+                self._problems.add(problem.place, problem.message, problem.instead)
             return
-        self._specs[path], self._sizes[path] = self._followed(found, (*way, (path, shown)))
+        self._specs[path], self._sizes[path] = self._resolved(used, (*chain, (path, name)))
 
-    def _is_too_large(self, method: MethodSpec, size: _Size, way: _Way) -> bool:
-        said = ""
-        if size.depth + len(way) - 1 > MOST_DEPTH:
-            said = f"graphs use graphs more than {MOST_DEPTH} deep"
+    def _is_too_large(self, method: MethodSpec, size: _Size, chain: _Chain) -> bool:
+        message = ""
+        if size.depth + len(chain) - 1 > MOST_DEPTH:
+            message = f"graphs use graphs more than {MOST_DEPTH} deep"
         elif size.nodes > MOST_NODES:
-            said = f"more than {MOST_NODES:,} nodes, those of the graphs that it uses included"
+            message = f"more than {MOST_NODES:,} nodes, those of the graphs that it uses included"
         elif size.labels > MOST_LABELS:
-            said = f"more than {MOST_LABELS:,} labels on the axes of the graphs that it uses"
-        if said:
-            self._problems.add(method.place, f"{method.use}: {said}")
-        return bool(said)
+            message = f"more than {MOST_LABELS:,} labels on the axes of the graphs that it uses"
+        if message:
+            self._problems.add(method.place, f"{method.use}: {message}")
+        return bool(message)
 
 
 def _graph_uses(spec: GraphSpec) -> Iterator[MethodSpec]:
-    return (one for node in spec.nodes.values() for one in node.methods if one.is_graph)
+    return (method for node in spec.nodes.values() for method in node.methods if method.is_graph)

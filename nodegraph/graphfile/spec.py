@@ -1,4 +1,4 @@
-"""What a graph file says, each part with its place; nothing is looked up yet."""
+"""The content of a graph file, each part with its place; nothing is looked up yet."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Reference:
     at : mapping of axis to label
     place : Place
     passed : bool
-        Whether it was given to a port of a graph used as a node, and checked there.
+        Whether it feeds a port of a graph used as a node, where it was checked already.
     """
 
     node: str
@@ -68,7 +68,7 @@ class Written:
     Attributes
     ----------
     folder : Path or None
-        Where a relative path in it starts; None for the folder of the graph it stands in.
+        Where relative paths in it start; None for the graph's folder.
     """
 
     value: Any
@@ -78,16 +78,16 @@ class Written:
     def variables(self) -> Iterator[Variable]:
         """Yield the inputs and axes that the value names."""
         if not isinstance(self.value, (Variable, dict, list)):
-            return  # as most values do not
+            return  # as for most values
         pending = [self.value]
         while pending:
-            one = pending.pop()
-            if isinstance(one, Variable):
-                yield one
-            elif isinstance(one, dict):
-                pending.extend(one.values())
-            elif isinstance(one, list):
-                pending.extend(one)
+            value = pending.pop()
+            if isinstance(value, Variable):
+                yield value
+            elif isinstance(value, dict):
+                pending.extend(value.values())
+            elif isinstance(value, list):
+                pending.extend(value)
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class MethodSpec:
 
     @property
     def is_graph(self) -> bool:
-        """Whether it uses another graph file."""
+        """Whether it uses another graph file instead of a node."""
         return is_graph_file(self.use)
 
 
@@ -125,7 +125,7 @@ class NodeSpec:
     has_alternatives : bool
     over : tuple of (axis, place), or None
     prefix : str
-        What a graph used as a node has put before the names of its nodes and axes.
+        The prefix of the names of nodes and axes that come from a graph used as a node.
     """
 
     name: str
@@ -140,12 +140,12 @@ class NodeSpec:
 
 @dataclass(frozen=True)
 class AxisSpec:
-    """One axis: its labels in order, and the value behind each.
+    """One axis: its labels in order, and the value of each.
 
     Attributes
     ----------
     folder : Path or None
-        Where a relative path among the values starts; None for the graph's folder.
+        Where relative paths among the values start; None for the graph's folder.
     """
 
     name: str
@@ -176,18 +176,17 @@ class SkipSpec:
 class GraphSpec:
     """A whole graph file.
 
-    What could not be read is left out and stands in `problems`: the checks that follow go on
-    with the rest, so that all mistakes are told at once.
+    Parts that could not be read are left out and noted in `problems`: later checks go on with
+    the rest, so that all errors are reported at once.
 
     Attributes
     ----------
     uses : mapping of text to Path
-        The graph files that its nodes use, as written, and where they lie; those only that could
-        be read.
+        The graph files that its nodes use, as written, and their paths, if they could be read.
     graphs : mapping of Path to GraphSpec
-        All graph files that it uses, and those that they use. Only the outermost spec has them.
+        All graph files that it uses, directly or not. Only the outermost spec has them.
     written : GraphSpec or None
-        For a spec into which the nodes of used graphs have been put, the one that was read.
+        For a spec with the nodes of used graphs in it, the spec as it was read.
     """
 
     file: str
@@ -213,11 +212,11 @@ class GraphSpec:
         """The text of every graph file that it uses, by its path from this one's folder."""
         folder = self.folder.resolve()
         return {
-            Path(os.path.relpath(path, folder)).as_posix(): one.text
-            for path, one in self.graphs.items()
+            Path(os.path.relpath(path, folder)).as_posix(): spec.text
+            for path, spec in self.graphs.items()
         }
 
 
 def is_graph_file(use: str) -> bool:
-    """Whether a ``use`` names a graph file rather than a node."""
+    """Return whether a ``use`` names a graph file rather than a node."""
     return use.endswith((".yaml", ".yml"))

@@ -1,8 +1,8 @@
-"""YAML text -> values that remember where they were written.
+"""YAML text -> values with their places.
 
-The words mean what YAML 1.2 says: ``1e-3`` is a number, ``no`` is a word. Keys that repeat, tags,
-endless aliases and bottomless nesting are refused. Reading never calls itself, so that no file
-can exhaust the stack.
+Scalars are those of YAML 1.2: ``1e-3`` is a number, ``no`` is a word. Duplicate keys, tags,
+exploding aliases and excessive nesting are refused. Reading is not recursive, so that no file can
+exhaust the stack.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ _INTEGER = re.compile(r"[-+]?[0-9]+")
 _OCTAL_OR_HEX = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)")
-_WORDS = {
+_CONSTANTS = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
     **dict.fromkeys(("true", "True", "TRUE"), True),
     **dict.fromkeys(("false", "False", "FALSE"), False),
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
 
-_NOT_A_WORD = frozenset("~nNtTfF.+-0123456789")
-"""How anything begins that may stand for something other than itself."""
+_FIRST_CHARACTERS = frozenset("~nNtTfF.+-0123456789")
+"""With which a scalar begins that may be anything but a word."""
 
 _NO_KEYS: Mapping[Any, Place] = MappingProxyType({})
 Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -59,14 +59,14 @@ class Located:
     def plain(self) -> Any:
         """Return the value without its places."""
         if isinstance(self.value, dict):
-            return {key: one.plain() for key, one in self.value.items()}
+            return {key: item.plain() for key, item in self.value.items()}
         if isinstance(self.value, list):
-            return [one.plain() for one in self.value]
+            return [item.plain() for item in self.value]
         return self.value
 
 
 def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located:
-    """Return what the text says, every value with its place.
+    """Return the value of a YAML document, every part with its place.
 
     Parameters
     ----------
@@ -74,22 +74,21 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     file
         Its name in messages.
     problems
-        Where a key that is there twice is noted, so that the rest can be read; the first holds.
-        Raised when not given.
+        Where duplicate keys are noted, of which the first counts. Without it they are raised.
 
     Raises
     ------
     GraphError
-        If the text is not YAML, or says something twice; with file, line and column.
+        If the text is not YAML, with file, line and column.
     """
     _refuse_unprintable(text, file)
     noted = Problems() if problems is None else problems
     try:
-        root = _Reader(file, noted).read(text)
+        root = _Parser(file, noted).parse(text)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
-        noted.add(place, f"this is not YAML: {_said(error, text, place)}")
+        noted.add(place, f"this is not YAML: {_reason(error, text, place)}")
         raise GraphError(noted.all()) from error
     except yaml.YAMLError as error:
         noted.add(Place(file, 1, 1), f"this is not YAML: {error}")
@@ -99,7 +98,7 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     return root
 
 
-def _said(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
+def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
     line = "".join(text.splitlines()[place.line - 1 : place.line])
     if line[place.column - 1 : place.column] == "\t":
         return "a tab; indent with spaces"
@@ -107,11 +106,11 @@ def _said(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
 
 
 def scalar(text: str) -> Any:
-    """Return what an unquoted word means in YAML 1.2: null, a boolean, a number, or itself."""
-    if text and text[0] not in _NOT_A_WORD:
+    """Return the value of an unquoted scalar: null, a boolean, a number, or the text itself."""
+    if text and text[0] not in _FIRST_CHARACTERS:
         return text
-    if text in _WORDS:
-        return _WORDS[text]
+    if text in _CONSTANTS:
+        return _CONSTANTS[text]
     if _INTEGER.fullmatch(text):
         return int(text) if len(text) < _MOST_DIGITS else text
     if _OCTAL_OR_HEX.fullmatch(text):
@@ -123,17 +122,17 @@ def scalar(text: str) -> Any:
 
 
 def _refuse_unprintable(text: str, file: str) -> None:
-    found = _UNPRINTABLE.search(text)
-    if found:
-        line = text.count("\n", 0, found.start()) + 1
-        place = Place(file, line, found.start() - text.rfind("\n", 0, found.start()))
-        message = f"this is not YAML: the character {found[0]!r} is not allowed"
+    match = _UNPRINTABLE.search(text)
+    if match:
+        line = text.count("\n", 0, match.start()) + 1
+        place = Place(file, line, match.start() - text.rfind("\n", 0, match.start()))
+        message = f"this is not YAML: the character {match[0]!r} is not allowed"
         raise GraphError([Problem(place, message)])
 
 
 @dataclass(slots=True)
 class _Open:
-    """A list or mapping that is being read; size and height count what aliases repeat."""
+    """A list or mapping that is being read, with its size and height including aliases."""
 
     item: Located
     keys: dict[Any, Place]
@@ -144,7 +143,9 @@ class _Open:
     height: int = 1
 
 
-class _Reader:
+class _Parser:
+    """Builds values from the events of PyYAML's parser."""
+
     def __init__(self, file: str, problems: Problems) -> None:
         self._file = file
         self._open: list[_Open] = []
@@ -152,8 +153,8 @@ class _Reader:
         self._problems = problems
         self._root: Located | None = None
 
-    def read(self, text: str) -> Located:
-        takes: Mapping[type, Callable[[Any], None]] = {
+    def parse(self, text: str) -> Located:
+        handlers: Mapping[type, Callable[[Any], None]] = {
             yaml.ScalarEvent: self._scalar,
             yaml.MappingStartEvent: self._start,
             yaml.SequenceStartEvent: self._start,
@@ -162,15 +163,15 @@ class _Reader:
             yaml.AliasEvent: self._alias,
             yaml.DocumentStartEvent: self._document,
         }
-        following = Parser(text).get_event
-        while (event := following()) is not None:
-            if take := takes.get(type(event)):
-                take(event)
+        next_event = Parser(text).get_event
+        while (event := next_event()) is not None:
+            if handle := handlers.get(type(event)):
+                handle(event)
         return self._root or Located(None, Place(self._file, 1, 1))
 
     def _document(self, event: Any) -> None:
         if self._root is not None:
-            self._fail(self._place(event), "a second document; a graph file holds one")
+            self._fail(self._place(event), "a second document; a graph file has one")
 
     def _scalar(self, event: Any) -> None:
         place = self._place(event)
@@ -190,15 +191,15 @@ class _Reader:
         self._open.append(_Open(Located(kind, place, keys), keys, event.anchor))
 
     def _end(self, event: Any) -> None:
-        done = self._open.pop()
-        self._add(done.item, done.size, done.height)
-        if done.anchor is not None:
-            self._anchors[done.anchor] = (done.item, done.size, done.height)
+        closed = self._open.pop()
+        self._add(closed.item, closed.size, closed.height)
+        if closed.anchor is not None:
+            self._anchors[closed.anchor] = (closed.item, closed.size, closed.height)
 
     def _alias(self, event: Any) -> None:
         place = self._place(event)
         if event.anchor not in self._anchors:
-            self._fail(place, f"alias *{event.anchor} stands before, or inside, what it repeats")
+            self._fail(place, f"alias *{event.anchor} stands before, or inside, its anchor")
         item, size, height = self._anchors[event.anchor]
         self._refuse_depth(place, len(self._open) + height)
         self._add(Located(item.value, place, item.keys), size, height)
@@ -231,7 +232,7 @@ class _Reader:
             self._fail(item.place, "a key must be one word or number")
         first = parent.keys.setdefault(item.value, item.place)
         if first is not item.place:
-            message = f"key {item.value!r} is there twice; first in line {first.line}"
+            message = f"duplicate key {item.value!r}; first in line {first.line}"
             self._problems.add(item.place, message)
         parent.key, parent.has_key = item.value, True
 
@@ -248,10 +249,10 @@ class _Reader:
 
 
 def located(value: Any, place: Place) -> Located:
-    """Return plain data as if it had all been written at one place."""
+    """Return plain data as if all of it were written at one place."""
     if isinstance(value, dict):
-        items = {key: located(one, place) for key, one in value.items()}
+        items = {key: located(item, place) for key, item in value.items()}
         return Located(items, place, dict.fromkeys(items, place))
     if isinstance(value, (list, tuple, range)):
-        return Located([located(one, place) for one in value], place)
+        return Located([located(item, place) for item in value], place)
     return Located(value, place)

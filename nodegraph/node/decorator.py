@@ -1,11 +1,11 @@
-"""A node is a function: its signature says what goes in, what is set and what comes out."""
+"""The decorator that makes a function a node, and what the function's signature declares."""
 
 from __future__ import annotations
 
 import inspect
 import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from types import NoneType, UnionType
@@ -37,8 +37,61 @@ from nodegraph.node.values import Value
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
+F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
 
-_signature_REQUIRED = inspect.Parameter.empty
+_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
+_ATTRIBUTE = "__nodegraph_node__"
+_NO_DEFAULT = inspect.Parameter.empty
+
+
+def node(
+    name: str, *, cite: str | tuple[str, ...] = "none", deprecated: str = ""
+) -> Callable[[F], F]:
+    """Make a function a node; it stays callable as it is.
+
+    Positional arguments are input ports, keyword-only arguments are settings, the return
+    annotation is the output: one type, or a NamedTuple (or frozen dataclass) of several.
+
+    Parameters
+    ----------
+    name
+        ``family.method``, in lower case.
+    cite
+        Keys of BibTeX entries that the plugin ships, or ``"none"``.
+    deprecated
+        What to use instead, for a node that another replaces: ``"use fill.new"``. The node works
+        as before; graphs that use it get a notice, and ``family.*`` leaves it out.
+
+    Raises
+    ------
+    NodeError
+        If the name is not of that form. The signature is checked when the node is first used.
+
+    Examples
+    --------
+    >>> from nodegraph_mocap import Trajectories
+    >>> @node("fill.nothing")
+    ... def nothing(recording: Trajectories) -> Trajectories:
+    ...     \"\"\"Leave every gap open.\"\"\"
+    ...     return recording
+    """
+    if not _NAME.fullmatch(name):
+        raise NodeError(f"{name!r} is not a node's name; write family.method, in lower case")
+    keys = (cite,) if isinstance(cite, str) else tuple(cite)
+
+    def decorate(function: F) -> F:
+        cited = tuple(key for key in keys if key != "none")
+        setattr(function, _ATTRIBUTE, Node(name, function, cited, deprecated=deprecated))
+        return function
+
+    return decorate
+
+
+def node_of(function: object) -> Node | None:
+    """Return the node that a decorated function is, or None for any other object."""
+    node = getattr(function, _ATTRIBUTE, None)
+    return node if isinstance(node, Node) else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,14 +104,14 @@ class Setting:
     annotation : Any
         Its type with bounds and choices, as pydantic reads it.
     default : Any
-        `inspect.Parameter.empty` when it must be given.
+        `inspect.Parameter.empty` for a setting that is required.
     unit : str
     is_file : bool
         Whether it names a file to read.
     deprecated : str
-        What to use instead; empty unless something replaces it.
+        What to use instead, for a setting that another replaces.
     names : ColumnOf, LabelOf or None
-        Of which port's tables it names columns, or of which port's axes a label.
+        The port of whose tables it names columns, or of whose axes a label.
     """
 
     name: str
@@ -71,109 +124,13 @@ class Setting:
 
     @property
     def required(self) -> bool:
-        """Whether a graph must give it."""
-        return self.default is _signature_REQUIRED
-
-
-def check_argument(name: str, argument: inspect.Parameter) -> None:
-    """Refuse an argument that is neither a port nor a setting."""
-    if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
-        raise NodeError(f"{name}: *{argument.name} is neither a port nor a setting; name each one")
-    if argument.kind is argument.POSITIONAL_ONLY:
-        raise NodeError(f"{name}: {argument.name!r} must take its name; leave out the '/'")
-
-
-def input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
-    """Return the port that a positional argument declares."""
-    inner, optional = _without_none(hint)
-    truth = _has_mark(hint, TruthMark) or _has_mark(inner, TruthMark)
-    inner, also = _without_none(plain_type(inner))
-    across = get_origin(inner) is Across
-    if across:
-        inner = get_args(inner)[0]
-        truth = truth or _has_mark(inner, TruthMark)
-    held = _one_type(node_name, f"port {argument.name!r}", plain_type(inner))
-    if (argument.default is not _signature_REQUIRED) != (optional or also):
-        form = f"{argument.name}: {held.__name__} | None = None"
-        raise NodeError(f"{node_name}: a port that may be left open is written {form}")
-    return Port(argument.name, held, truth, across, optional or also)
-
-
-def output_ports(node_name: str, hint: Any) -> tuple[Port, ...]:
-    """Return the ports that a return annotation declares."""
-    returned = plain_type(hint)
-    if is_record(returned):
-        hints = get_type_hints(returned, include_extras=True)
-        return tuple(_output_port(node_name, one, hints[one]) for one in _field_names(returned))
-    return (_output_port(node_name, "output", hint),)
-
-
-def _output_port(node_name: str, name: str, hint: Any) -> Port:
-    held = _one_type(node_name, f"output {name!r}", plain_type(hint))
-    columns = next((one.names for one in _marks(hint) if isinstance(one, Columns)), ())
-    return Port(name, held, truth=_has_mark(hint, TruthMark), columns=columns)
-
-
-def _one_type(node_name: str, what: str, hint: Any) -> type:
-    if isinstance(hint, type) and hint is not Any:
-        return hint
-    raise NodeError(f"{node_name}: {what} needs one type, not {hint}")
-
-
-def read_setting(argument: inspect.Parameter, hint: Any) -> Setting:
-    """Return the setting that a keyword-only argument declares."""
-    units = [mark.name for mark in _marks(hint) if isinstance(mark, Unit)]
-    inner, _ = _without_none(hint)
-    is_file = _has_mark(hint, FileMark) or _has_mark(inner, FileMark)
-    marks = (*_marks(hint), *_marks(inner))
-    instead = next((one.instead for one in marks if isinstance(one, Deprecated)), "")
-    names = next((one for one in marks if isinstance(one, ColumnOf | LabelOf)), None)
-    unit = units[0] if units else ""
-    return Setting(argument.name, hint, argument.default, unit, is_file, instead, names)
-
-
-def is_record(hint: Any) -> bool:
-    """Whether an annotation is a record whose fields are ports, not one value."""
-    if not isinstance(hint, type) or issubclass(hint, Value):
-        return False
-    return is_dataclass(hint) or (issubclass(hint, tuple) and hasattr(hint, "_fields"))
-
-
-def _field_names(record: type) -> tuple[str, ...]:
-    named: tuple[str, ...] | None = getattr(record, "_fields", None)
-    return named if named is not None else tuple(field.name for field in fields(record))
-
-
-def plain_type(hint: Any) -> Any:
-    """Return an annotation without its marks."""
-    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
-
-
-def _marks(hint: Any) -> tuple[Any, ...]:
-    return tuple(hint.__metadata__) if get_origin(hint) is Annotated else ()
-
-
-def _has_mark(hint: Any, kind: type) -> bool:
-    return any(isinstance(mark, kind) for mark in _marks(hint))
-
-
-def _without_none(hint: Any) -> tuple[Any, bool]:
-    if get_origin(hint) not in (Union, UnionType):
-        return hint, False
-    kept = [one for one in get_args(hint) if one is not NoneType]
-    return (kept[0] if len(kept) == 1 else hint), len(kept) < len(get_args(hint))
-
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-_NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
-_ATTRIBUTE = "__nodegraph_node__"
-_REQUIRED = inspect.Parameter.empty
+        """Whether a graph must set it."""
+        return self.default is _NO_DEFAULT
 
 
 @dataclass(frozen=True)
 class Node:
-    """What a function's signature promises.
+    """A function with the ports and settings that its signature declares.
 
     Attributes
     ----------
@@ -184,7 +141,7 @@ class Node:
     cite : tuple of str
         Keys of BibTeX entries that its plugin ships.
     deprecated : str
-        What to use instead; empty unless something replaces it.
+        What to use instead, for a node that another replaces.
     """
 
     name: str
@@ -216,7 +173,7 @@ class Node:
     def inputs(self) -> tuple[Port, ...]:
         """Input ports, in the order of the arguments."""
         return tuple(
-            input_port(self.name, argument, self._hints[argument.name])
+            _input_port(self.name, argument, self._hints[argument.name])
             for argument in self._arguments
             if argument.kind is not argument.KEYWORD_ONLY
         )
@@ -224,45 +181,54 @@ class Node:
     @cached_property
     def outputs(self) -> tuple[Port, ...]:
         """Output ports; the first is the one most often wanted."""
-        return output_ports(self.name, self._hints["return"])
+        hint = self._hints["return"]
+        if not self.splits:
+            return (_output_port(self.name, "output", hint),)
+        record = _plain_type(hint)
+        hints = get_type_hints(record, include_extras=True)
+        return tuple(_output_port(self.name, name, hints[name]) for name in _field_names(record))
 
     @cached_property
     def settings(self) -> Mapping[str, Setting]:
         """Settings by name."""
         return {
-            argument.name: read_setting(argument, self._hints[argument.name])
+            argument.name: _setting(argument, self._hints[argument.name])
             for argument in self._arguments
             if argument.kind is argument.KEYWORD_ONLY
         }
 
     @cached_property
     def model(self) -> type[BaseModel]:
-        """The pydantic model that checks the settings; nothing is converted in silence."""
+        """The pydantic model that validates the settings, without silent conversions."""
         from pydantic import ConfigDict, create_model
 
-        given: dict[str, Any] = {
-            one.name: (one.annotation, ... if one.required else one.default)
-            for one in self.settings.values()
+        definitions: dict[str, Any] = {
+            setting.name: (setting.annotation, ... if setting.required else setting.default)
+            for setting in self.settings.values()
         }
         config = ConfigDict(
             extra="forbid", strict=True, arbitrary_types_allowed=True, protected_namespaces=()
         )
         with warnings.catch_warnings():
-            # a setting may have any name, also one that pydantic's own methods have
+            # a setting may have the name of one of pydantic's own methods
             warnings.simplefilter("ignore", UserWarning)
-            return create_model(self.name, __config__=config, **given)
+            return create_model(self.name, __config__=config, **definitions)
 
     @cached_property
     def splits(self) -> bool:
         """Whether the function returns several outputs in one record."""
-        return is_record(plain_type(self._hints["return"]))
+        returned = _plain_type(self._hints["return"])
+        if not isinstance(returned, type) or issubclass(returned, Value):
+            return False
+        return is_dataclass(returned) or (
+            issubclass(returned, tuple) and hasattr(returned, "_fields")
+        )
 
     def check(self) -> Node:
-        """Read the whole signature now, so that what it lacks is told now; return the node."""
+        """Return the node itself, or raise `NodeError` if its signature is not that of a node."""
         if not self.outputs:
             raise NodeError(f"{self.name}: the record that it returns has no field")
-        names = [*(port.name for port in self.inputs), *self.settings]
-        for name in names:
+        for name in (*(port.name for port in self.inputs), *self.settings):
             if name.startswith("_"):
                 raise NodeError(f"{self.name}: {name!r} begins with an underscore; users write it")
         return self
@@ -279,7 +245,14 @@ class Node:
     def _arguments(self) -> tuple[inspect.Parameter, ...]:
         arguments = tuple(inspect.signature(self.function).parameters.values())
         for argument in arguments:
-            check_argument(self.name, argument)
+            if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD):
+                raise NodeError(
+                    f"{self.name}: *{argument.name} is neither a port nor a setting; name each one"
+                )
+            if argument.kind is argument.POSITIONAL_ONLY:
+                raise NodeError(
+                    f"{self.name}: {argument.name!r} must be allowed by keyword; remove the '/'"
+                )
         return arguments
 
     @cached_property
@@ -288,58 +261,85 @@ class Node:
             hints = get_type_hints(self.function, include_extras=True)
         except (NameError, AttributeError, TypeError) as error:
             raise NodeError(f"{self.name}: an annotation cannot be read: {error}") from error
-        wanted = [argument.name for argument in self._arguments] + ["return"]
-        missing = [name for name in wanted if name not in hints]
+        names = [*(argument.name for argument in self._arguments), "return"]
+        missing = [name for name in names if name not in hints]
         if missing:
             raise NodeError(f"{self.name}: {', '.join(missing)} has no annotation")
         return hints
 
 
-def node(
-    name: str, *, cite: str | tuple[str, ...] = "none", deprecated: str = ""
-) -> Callable[[F], F]:
-    """Make a function a node; it stays callable as it is.
-
-    Positional arguments are input ports, keyword-only arguments are settings, the return
-    annotation is the output: one type, or a NamedTuple (or frozen dataclass) of several.
-
-    Parameters
-    ----------
-    name
-        ``family.method``, in lower case.
-    cite
-        Keys of BibTeX entries that the plugin ships, or ``"none"``.
-    deprecated
-        For a node that something replaces, what to use instead: ``"use fill.new"``. It works as
-        before, whoever uses it is told, and ``family.*`` leaves it out.
-
-    Raises
-    ------
-    NodeError
-        If the name is not of that form. What the signature lacks is told when the node is used.
-
-    Examples
-    --------
-    >>> from nodegraph_mocap import Trajectories
-    >>> @node("fill.nothing")
-    ... def nothing(recording: Trajectories) -> Trajectories:
-    ...     \"\"\"Leave every gap open.\"\"\"
-    ...     return recording
-    """
-    if not _NAME.fullmatch(name):
-        raise NodeError(f"{name!r} is not a node's name; write family.method, in lower case")
-    keys = (cite,) if isinstance(cite, str) else tuple(cite)
-
-    def mark(function: F) -> F:
-        cited = tuple(key for key in keys if key != "none")
-        described = Node(name, function, cited, deprecated=deprecated)
-        setattr(function, _ATTRIBUTE, described)
-        return function
-
-    return mark
+def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
+    # None and Truth may stand in either order: Truth[T | None] and Truth[T] | None
+    inner, is_optional = _without_none(hint)
+    truth = _has_mark(hint, TruthMark) or _has_mark(inner, TruthMark)
+    inner, is_optional_inside = _without_none(_plain_type(inner))
+    optional = is_optional or is_optional_inside
+    across = get_origin(inner) is Across
+    if across:
+        inner = get_args(inner)[0]
+        truth = truth or _has_mark(inner, TruthMark)
+    kind = _single_type(node_name, f"port {argument.name!r}", inner)
+    if (argument.default is not _NO_DEFAULT) != optional:
+        form = f"{argument.name}: {kind.__name__} | None = None"
+        raise NodeError(f"{node_name}: an optional port is written {form}")
+    return Port(argument.name, kind, truth, across, optional)
 
 
-def node_of(function: object) -> Node | None:
-    """Return what a decorated function promises, or None for any other object."""
-    found = getattr(function, _ATTRIBUTE, None)
-    return found if isinstance(found, Node) else None
+def _output_port(node_name: str, name: str, hint: Any) -> Port:
+    kind = _single_type(node_name, f"output {name!r}", hint)
+    columns = next((mark.names for mark in _marks(hint, Columns)), ())
+    return Port(name, kind, truth=_has_mark(hint, TruthMark), columns=columns)
+
+
+def _single_type(node_name: str, what: str, hint: Any) -> type:
+    kind = _plain_type(hint)
+    if isinstance(kind, type) and kind is not Any:
+        return kind
+    raise NodeError(f"{node_name}: {what} needs one type, not {kind}")
+
+
+def _setting(argument: inspect.Parameter, hint: Any) -> Setting:
+    inner, _ = _without_none(hint)
+
+    def first_mark(kind: type[T]) -> T | None:
+        return next((mark for each in (hint, inner) for mark in _marks(each, kind)), None)
+
+    unit = next(_marks(hint, Unit), None)
+    deprecated = first_mark(Deprecated)
+    return Setting(
+        name=argument.name,
+        annotation=hint,
+        default=argument.default,
+        unit=unit.name if unit else "",
+        is_file=first_mark(FileMark) is not None,
+        deprecated=deprecated.instead if deprecated else "",
+        names=first_mark(ColumnOf) or first_mark(LabelOf),
+    )
+
+
+def _field_names(record: type) -> tuple[str, ...]:
+    names: tuple[str, ...] | None = getattr(record, "_fields", None)
+    return names if names is not None else tuple(field.name for field in fields(record))
+
+
+def _plain_type(hint: Any) -> Any:
+    """Return an annotation without its marks."""
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
+
+
+def _marks(hint: Any, kind: type[T]) -> Iterator[T]:
+    """Yield the marks of a kind in ``Annotated[...]``."""
+    metadata = hint.__metadata__ if get_origin(hint) is Annotated else ()
+    return (mark for mark in metadata if isinstance(mark, kind))
+
+
+def _has_mark(hint: Any, kind: type) -> bool:
+    return any(_marks(hint, kind))
+
+
+def _without_none(hint: Any) -> tuple[Any, bool]:
+    """Return ``T`` and True for ``T | None``, any other annotation and False."""
+    if get_origin(hint) not in (Union, UnionType):
+        return hint, False
+    types = [each for each in get_args(hint) if each is not NoneType]
+    return (types[0] if len(types) == 1 else hint), len(types) < len(get_args(hint))

@@ -1,4 +1,4 @@
-"""Annotations of a node's signature, and when one port fits another."""
+"""Annotations in a node's signature, ports, and gathered values."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Deprecated:
-    """Marks a setting that something else replaces, and says what to use instead.
+    """Marks a setting that another replaces, with what to use instead.
 
-    ``Annotated[int | None, Deprecated("use max_gap")] = None``. It works as before; whoever gives
-    it is told.
+    ``Annotated[int | None, Deprecated("use max_gap")] = None``. It works as before; graphs that
+    set it get a notice.
     """
 
     instead: str
 
 
 class Columns:
-    """Says which columns a table that comes out may have: ``Annotated[Table, Columns("rmse")]``.
+    """Declares the columns of a table at an output: ``Annotated[Table, Columns("rmse")]``.
 
-    No others come out, whatever goes in and is set, so that a graph that names another is refused
-    before anything runs. Leave it away where the columns depend on the data.
+    The table never has others, whatever the inputs and settings, so that a graph that names
+    another is refused before anything runs. Omit it if the columns depend on the data.
     """
 
     def __init__(self, *names: str) -> None:
@@ -47,8 +47,8 @@ class Columns:
 class ColumnOf:
     """Marks a setting that names a column of the tables at a port, or several.
 
-    ``Annotated[str | None, ColumnOf("scores")]``. With `or_axis`, an axis that the port gathers
-    will do as well. A graph is refused where it names what is known not to be there.
+    ``Annotated[str | None, ColumnOf("scores")]``. With `or_axis`, it may also name an axis that
+    the port gathers. A graph that names a column that cannot exist is refused.
     """
 
     port: str
@@ -60,7 +60,7 @@ class LabelOf:
     """Marks a setting that names a label of an axis that a port gathers.
 
     ``Annotated[str | None, LabelOf("scores", axis="compare")]``: of the axis that the setting
-    `axis` names, or of any where that names none. A graph is refused where it has no such label.
+    `axis` names, or of any axis if it names none. A graph without such a label is refused.
     """
 
     port: str
@@ -69,7 +69,7 @@ class LabelOf:
 
 @dataclass(frozen=True, slots=True)
 class TruthMark:
-    """Marks a port that takes or gives the answer."""
+    """Marks a port that takes or gives the truth."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ class FileMark:
 
 
 Truth = Annotated[T, TruthMark()]
-"""A port that takes or gives the answer. A plain value may feed it, never the other way round."""
+"""A port that takes or gives the truth. A plain value may feed it, but not the reverse."""
 
 InputFile = Annotated[Path, FileMark()]
 """A setting that names a file to read; in a graph file, relative to that file."""
@@ -106,7 +106,7 @@ class Across(Generic[T_co]):
     absent : tuple of Absent
         Combinations that were refused, failed or skipped.
     known : mapping of axis to labels
-        Every label that the graph has there, those that were not asked for included; see `labels`.
+        Every label that the graph has, including those that were not selected; see `labels`.
     """
 
     axes: tuple[str, ...]
@@ -130,13 +130,13 @@ class Across(Generic[T_co]):
         return tuple(value for _, value in self.entries)
 
     def labels(self, axis: str) -> tuple[Label, ...]:
-        """Return every label that a gathered axis has in the graph, whichever are gathered here.
+        """Return every label that an axis has in the graph, whichever are gathered here.
 
-        What is dealt in this order, such as colours, is the same for a method in every figure.
+        Colours that are assigned in this order are the same for a method in every figure.
         """
         if axis in self.known:
             return self.known[axis]
-        gathered = (*(labels for labels, _ in self), *(one.labels for one in self.absent))
+        gathered = (*(labels for labels, _ in self), *(absent.labels for absent in self.absent))
         return tuple(dict.fromkeys(labels.get(axis, "") for labels in gathered))
 
     def names(self) -> tuple[str, ...]:
@@ -157,11 +157,11 @@ class Port:
     ----------
     name : str
     type : type
-        What one value is; for a gathering port, what each gathered value is.
+        The type of one value; for a gathering port, of each gathered value.
     truth, across, optional : bool
-        Whether the port holds the answer, gathers over axes, may be left open.
+        Whether the port takes or gives the truth, gathers over axes, may be left open.
     columns : tuple of str
-        Those that a table from this output may have; empty where that is not declared.
+        The columns that a table from this output may have; empty if they are not declared.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What may travel between nodes: frozen records whose arrays nobody can change."""
+"""Values that travel between nodes: frozen records with read-only arrays."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _PLAIN = (str, int, float, bytes, type(None))
 class Value:
     """Base class of frozen dataclasses that travel as one value.
 
-    A node may return several outputs as a frozen dataclass, whose fields are the ports. A
-    dataclass that derives from `Value` is not taken apart: it is one output.
+    The fields of a frozen dataclass that a node returns are separate outputs. A dataclass that
+    derives from `Value` is one output.
     """
 
     __slots__ = ()
@@ -26,17 +26,17 @@ class Value:
 
 @dataclass(frozen=True)
 class Files(Value):
-    """Files that a node has made: the machine alone writes them, into the folder of the run.
+    """Files that a node returns; the machine writes them into the folder of the run.
 
     Attributes
     ----------
     content : mapping of str to bytes
-        By name: ``recording.c3d``, or ``takes/one.csv`` in a folder of its own.
+        By name: ``recording.c3d``, or ``takes/one.csv`` in a subfolder.
 
     Raises
     ------
     ValueError
-        If a name is empty, or leads out of the folder; or if what stands there is no bytes.
+        If a name is empty or leads out of the folder, or if a content is not bytes.
     """
 
     content: Mapping[str, bytes]
@@ -46,18 +46,18 @@ class Files(Value):
             parts = PurePosixPath(name).parts
             plain = "/".join(parts) == name and name.isprintable() and "\\" not in name
             if not parts or not plain or ".." in parts or name.startswith("/") or ":" in name:
-                raise ValueError(f"{name!r} is no name of a file: write one such as recording.c3d")
+                raise ValueError(f"{name!r} is not a file name: write one such as recording.c3d")
             if not isinstance(content, bytes):
                 raise ValueError(f"file {name!r}: must be bytes, got {type(content).__name__}")
         object.__setattr__(self, "content", dict(self.content))
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """Return the array such that nobody can write to it any more.
+    """Return an array with the same content that can no longer be written to.
 
-    An array that owns its memory is locked in place, without a copy: whoever made it gets an
-    error on the next write, instead of a value that changes behind a reader's back. A view into
-    memory that somebody else can still write to is copied.
+    An array that owns its memory is locked in place, without a copy: code that still writes to it
+    gets an error, instead of changing a value behind a reader's back. A view into memory that can
+    still be written to is copied.
     """
     if not array.flags.writeable and _base_is_locked(array):
         return array
@@ -69,24 +69,24 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def locked(value: Any) -> Any:
-    """Return a value of which nobody can change an array any more.
+    """Return a value whose arrays can no longer be written to.
 
-    An array is locked, and so are those in tuples and in the fields of a `Value`. Whatever else a
-    value holds is its own concern.
+    Arrays in tuples and in the fields of a `Value` are locked as well, those in other containers
+    are not.
     """
     if isinstance(value, _PLAIN):
         return value
     if isinstance(value, Value):
         for field in fields(value):  # type: ignore[arg-type]
-            held = getattr(value, field.name, None)
-            kept = locked(held)
-            if kept is not held:
-                object.__setattr__(value, field.name, kept)
+            part = getattr(value, field.name, None)
+            locked_part = locked(part)
+            if locked_part is not part:
+                object.__setattr__(value, field.name, locked_part)
         return value
     if type(value) is tuple:
-        kept = tuple(map(locked, value))
-        same = all(one is other for one, other in zip(kept, value, strict=True))
-        return value if same else kept
+        parts = tuple(map(locked, value))
+        is_same = all(new is old for new, old in zip(parts, value, strict=True))
+        return value if is_same else parts
     numpy = sys.modules.get("numpy")
     if not numpy or not isinstance(value, numpy.ndarray):
         return value

@@ -15,7 +15,7 @@ from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
 from nodegraph.formatting import labels_of, size_text
 from nodegraph.graph import GraphNode, Method
-from nodegraph.node.description import SettingText, describe_settings, shown
+from nodegraph.node.description import SettingText, describe_settings, value_text
 from nodegraph.node.values import Files
 from nodegraph.plan import Combination, Step
 from nodegraph.plugin.bibliography import bibtex_of, references
@@ -210,11 +210,11 @@ def _setting(method: Method, one: SettingText, ended: _Ended) -> SettingRow:
 def _values(method: Method, name: str, ended: _Ended) -> list[Any]:
     """Return each value of a setting at which there is a result, once."""
     every = (one.get(name) for at, one in method.settings.shown.items() if at in ended.settings)
-    return list({shown(one): one for one in every}.values())
+    return list({value_text(one): one for one in every}.values())
 
 
 def _joined(values: Iterable[Any]) -> str:
-    texts = list(map(shown, values))
+    texts = list(map(value_text, values))
     more = f" and {len(texts) - _MOST_VALUES} more" if len(texts) > _MOST_VALUES else ""
     return ", ".join(texts[:_MOST_VALUES]) + more
 
@@ -259,7 +259,7 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
         sections=sections,
         graph_svg=drawing_for_page(graph),
         axes=tuple(AxisRow(one.name, tuple(map(str, one.labels))) for one in graph.axes.values()),
-        inputs=tuple(SettingRow(name, shown(value)) for name, value in graph.inputs.items()),
+        inputs=tuple(SettingRow(name, value_text(value)) for name, value in graph.inputs.items()),
         known=tuple(str(one) for one in graph.spec.known),
         methods=methods.rows(),
         without_result=methods.without_result(),

@@ -10,7 +10,7 @@ from typing import Any
 
 from nodegraph.errors import NodeError, nearest
 from nodegraph.node.decorator import Node, node_of
-from nodegraph.node.description import port_meanings, setting_kind
+from nodegraph.node.description import meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
 from nodegraph.plugin.guards import PluginError, Source
 from nodegraph.plugin.hook_types import Contract, Tried, expect
@@ -49,9 +49,9 @@ def declaration_faults(node: Node, given: Mapping[str, Any]) -> Iterator[str]:
     """
     if not node.summary.strip():
         yield "has no docstring: say in its first line what the method does; users see it in lists"
-    meanings = port_meanings(node)
+    documented = meanings(node)
     for name in node.settings:
-        if not meanings.get(name):
+        if not documented.get(name):
             yield (
                 f"setting {name!r} is not documented: say under 'Parameters' in the docstring what "
                 "it means; the tool shows that text to users"

@@ -281,8 +281,8 @@ def test_the_message_is_what_a_user_reads(graph_of: Callable[..., Graph]) -> Non
         graph_of("nodes:\n  a: {use: read.numbr}")
     assert str(caught.value) == (
         "toy.yaml:3:12: no node 'read.numbr'\n"
-        "    did you mean 'read.number'? there is: read.file, read.number; those of a plugin file "
-        "come with --plugin FILE"
+        "    did you mean 'read.number'? there is: read.file, read.number; nodes of a plugin file "
+        "need --plugin FILE"
     )
 
 

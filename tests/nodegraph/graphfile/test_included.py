@@ -123,8 +123,8 @@ def test_a_key_that_is_there_twice_hides_no_other_mistake() -> None:
     text = "nodegraph: 1\ntitle: a\ntitle: b\nnodes: {a: {sue: x.y}, a: {use: x.y}}\n"
     spec = read_graph_text(text, "t.yaml", Path())
     assert told(spec) == [
-        "t.yaml:3:1: key 'title' is there twice; first in line 2",
-        "t.yaml:4:24: key 'a' is there twice; first in line 4",
+        "t.yaml:3:1: duplicate key 'title'; first in line 2",
+        "t.yaml:4:24: duplicate key 'a'; first in line 4",
         "t.yaml:4:13: node 'a': unknown key 'sue'",
         "t.yaml:4:12: node 'a' needs 'use' or 'alternatives'",
     ]

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, BeforeValidator, Field, Strict
 
 from nodegraph import InputFile, Unit, node
-from nodegraph.graphfile.node_schema import or_variable
+from nodegraph.graphfile.settings_schema import or_variable
 
 
 class Colour(enum.Enum):

@@ -98,8 +98,8 @@ def test_an_empty_text_is_null(text: str) -> None:
 
 def test_a_key_that_repeats_is_told_with_the_first() -> None:
     assert mistake("a: 1\nb: {c: 1, c: 2}\na: 3\n").splitlines() == [
-        "t.yaml:2:11: key 'c' is there twice; first in line 2",
-        "t.yaml:3:1: key 'a' is there twice; first in line 1",
+        "t.yaml:2:11: duplicate key 'c'; first in line 2",
+        "t.yaml:3:1: duplicate key 'a'; first in line 1",
     ]
 
 

@@ -11,9 +11,9 @@ from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import (
     SettingText,
     describe_settings,
-    port_meanings,
+    meanings,
     setting_kind,
-    shown,
+    value_text,
     without_parameters,
 )
 
@@ -81,7 +81,7 @@ def test_settings_come_with_unit_default_and_meaning() -> None:
     assert (found["size"].default, found["size"].meaning) == ("required", "Both of them.")
     assert found["way"].meaning == "Both of them."
     assert found["undocumented"].meaning == ""
-    assert port_meanings(described())["recording"] == "What is measured."
+    assert meanings(described())["recording"] == "What is measured."
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_settings_come_with_unit_default_and_meaning() -> None:
     ],
 )
 def test_a_value_is_shown_as_a_graph_file_has_it(value: object, text: str) -> None:
-    assert shown(value) == text
+    assert value_text(value) == text
 
 
 def test_the_section_of_parameters_is_left_out_and_nothing_else() -> None:

@@ -56,7 +56,7 @@ def test_a_view_into_memory_that_nobody_can_write_to_is_passed_on() -> None:
     "name", ["", ".", "/a.c3d", "../a", "a/../../b", "a//b", "a/", "c:a", "a\\b", "a\nb"]
 )
 def test_files_stay_in_their_folder(name: str) -> None:
-    with pytest.raises(ValueError, match="is no name of a file"):
+    with pytest.raises(ValueError, match="is not a file name"):
         Files({name: b""})
 
 

@@ -142,7 +142,7 @@ def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> N
     def explode(value: object, title: str) -> Rendered:
         raise RuntimeError("no ink")
 
-    toys.__dict__["renderers"] = (Renderer(float, explode),)
+    toys.hooks.__dict__["renderers"] = (Renderer(float, explode),)
     text = "nodegraph: 1\nnodes: {a: {use: read.number}, b: {use: text.write}}"
     run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), toys)))
     with pytest.warns(UserWarning, match="a: cannot be shown: RuntimeError: no ink"):

@@ -88,7 +88,7 @@ def test_a_model_reads_back(tmp_path: Path) -> None:
 def test_a_suffix_is_not_doubled_and_a_name_stays_in_its_folder() -> None:
     recording = recordings()["one frame"]
     assert list(writers.write_csv(recording, name="take.CSV").content) == ["take.CSV"]
-    with pytest.raises(ValueError, match=r"'\.\./take\.csv' is no name of a file"):
+    with pytest.raises(ValueError, match=r"'\.\./take\.csv' is not a file name"):
         writers.write_csv(recording, name="../take")
 
 
