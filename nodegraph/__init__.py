@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import import_time  # noqa: F401 - first: it notes the time
+from nodegraph import import_time  # noqa: F401 - first, it records the time
 from nodegraph.errors import (
     GraphError,
     NodeError,
@@ -27,6 +27,7 @@ from nodegraph.node.ports import (
 )
 from nodegraph.node.values import Files, Value, read_only
 from nodegraph.plugin.hook_types import (
+    Command,
     Comparison,
     Conclusion,
     Contract,
@@ -46,6 +47,7 @@ __all__ = [
     "Across",
     "ColumnOf",
     "Columns",
+    "Command",
     "Comparison",
     "Conclusion",
     "Contract",
@@ -80,7 +82,7 @@ _LATE = {"load": "nodegraph.api", "run": "nodegraph.api", "get_node": "nodegraph
 
 
 def __getattr__(name: str) -> Any:
-    # a plugin imports this package for its decorator alone, and should not wait for the machine
+    # plugins import this package for the decorator alone
     if name not in _LATE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module

@@ -1,18 +1,83 @@
-"""The walk from Python: load a graph, run it, take its values."""
+"""Load a graph, run it, take its values, save the run; commands do the same by these functions."""
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from nodegraph.execute import HowToRun, Listener, Run, execute, open_store
+from nodegraph import execute
+from nodegraph.execute import Event, HowToRun, Listener, open_store
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.node.ports import Label
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry, default_registry
+from nodegraph.runs.settings import RunSettings, settings_of
+from nodegraph.store import Store
+
+if TYPE_CHECKING:
+    from nodegraph.report import Study
+    from nodegraph.runs.folder import RunFolder
+
+
+@dataclass(frozen=True, repr=False)
+class Run(execute.Run):
+    """A finished run that can be saved.
+
+    Attributes
+    ----------
+    settings : RunSettings
+        What it was started with.
+    events : tuple of Event
+        What happened, in order.
+    """
+
+    settings: RunSettings
+    events: tuple[Event, ...]
+
+    def save(self, folder: str | Path) -> None:
+        """Write the run as ``nodegraph run`` does.
+
+        Report, tables, figures, record, events and the graph are written, so that ``nodegraph
+        report``, ``diff``, ``cite``, ``archive`` and ``export`` work on the folder.
+
+        Parameters
+        ----------
+        folder
+            A run that is already there is kept: its folder is renamed to end with the time at
+            which it was written.
+
+        Raises
+        ------
+        NodegraphError
+            If the folder is not a run folder, or cannot be written.
+
+        Examples
+        --------
+        >>> import nodegraph as ng
+        >>> run = ng.run("graphs/fill.yaml", only={"fill": ["muscle"]})  # doctest: +SKIP
+        >>> run.save("runs/fill")  # doctest: +SKIP
+        """
+        from nodegraph.runs.folder import RunFolder
+
+        spec = self.plan.graph.spec
+        run_folder = RunFolder(Path(folder), spec.text, spec.included)
+        for event in self.events:
+            run_folder.hear(event)
+        self.write_to(run_folder)
+
+    def write_to(self, folder: RunFolder) -> Study:
+        """Write report and record into a folder that has the graph and the events already."""
+        from nodegraph.report.files import report_files
+        from nodegraph.runs.record import record
+
+        files, study = report_files(self, self.settings)
+        folder.finish(files, record(self, self.settings).as_json())
+        return study
 
 
 def load(
@@ -23,7 +88,7 @@ def load(
     axis: Mapping[str, Any] | None = None,
     only: Mapping[str, Label | Iterable[Label]] | None = None,
 ) -> Graph:
-    """Read a graph file and check all of it.
+    """Read and validate a graph file.
 
     Parameters
     ----------
@@ -41,13 +106,13 @@ def load(
     Raises
     ------
     GraphError
-        With every mistake at its place; nothing has run.
+        If the graph is not valid; all errors are reported, each with its place.
     """
     registry = _registry(plugins) or default_registry()
-    built = build(read_graph_file(Path(graph)), registry, _choices(set, axis, only))
-    for one in built.notices:
-        warnings.warn(str(one), stacklevel=2)
-    return built
+    loaded = build(read_graph_file(Path(graph)), registry, _choices(set, axis, only))
+    for notice in loaded.notices:
+        warnings.warn(str(notice), stacklevel=2)
+    return loaded
 
 
 def run(
@@ -65,47 +130,66 @@ def run(
     store: str | Path | None = None,
     listeners: Iterable[Listener] = (),
 ) -> Run:
-    """Run a graph; what is stored is not computed again, and what fails does not stop the others.
+    """Run a graph; stored results are used, and a failed step does not stop the others.
 
     Parameters
     ----------
     graph
         A loaded graph, or a path.
     plugins, set, axis, only
-        As in `load`; they come on top of what a loaded graph was given.
+        As in `load`; they come on top of those of a loaded graph.
     until
         Nodes to compute, with what they need; all by default.
     executor
-        ``threads``, ``serial``, ``processes``, ``dask``, or one that a plugin brings.
+        ``threads``, ``serial``, ``processes``, or the name of a plugin's.
     jobs
-        Steps at a time; as many as there are processors by default.
+        Number of steps at a time; by default the number of processors.
     scheduler
         Address of a Dask cluster.
     cache
-        Whether to use stored results, and to store what is computed.
+        Whether to use stored results and to store new ones.
     store
-        The folder of stored results; by default ``NODEGRAPH_STORE``, else the platform's.
+        The folder of stored results; by default ``NODEGRAPH_STORE``, else the platform's cache
+        folder.
     listeners
         Called with every `nodegraph.execute.Event`.
 
     Raises
     ------
     GraphError
-        If the graph or a choice is wrong; nothing has run.
+        If the graph or a choice is not valid; nothing has run.
     """
     if not isinstance(graph, Graph):
         graph = load(graph, plugins=plugins, set=set, axis=axis, only=only)
     elif set or axis or only or plugins:
         choices = graph.choices.updated(_choices(set, axis, only))
         graph = build(graph.spec, _registry(plugins) or graph.registry, choices)
-    graph = graph.until(until) if until else graph
-    return execute(
+    opened = open_store(graph.registry, Path(store) if store else None, _warn) if cache else None
+    how = HowToRun(executor, jobs, scheduler)
+    return run_graph(graph, how, store=opened, until=until, listeners=listeners)
+
+
+def run_graph(
+    graph: Graph,
+    how: HowToRun,
+    *,
+    store: Store | None,
+    until: Iterable[str] = (),
+    listeners: Iterable[Listener] = (),
+) -> Run:
+    """Run a graph with an open store, or without one."""
+    nodes = list(until)
+    settings = settings_of(graph, how, nodes, store)
+    graph = graph.until(nodes) if nodes else graph
+    events: list[Event] = []
+    finished = execute.execute(
         plan(graph),
-        how=HowToRun(executor, jobs, scheduler),
-        store=open_store(graph.registry, Path(store) if store else None, _warn) if cache else None,
+        how=how,
+        store=store,
         keep=reported(graph),
-        listeners=listeners,
+        listeners=[events.append, *listeners],
     )
+    return Run(**vars(finished), settings=settings, events=tuple(events))
 
 
 def reported(graph: Graph) -> tuple[str, ...]:
@@ -118,17 +202,42 @@ def _warn(text: str) -> None:
 
 
 def _registry(plugins: Iterable[str | Path]) -> Registry | None:
-    files = [Path(one) for one in plugins]
+    files = [Path(file) for file in plugins]
     return Registry.installed(files) if files else None
 
 
 def _choices(
-    given: Mapping[str, Any] | None,
-    axis: Mapping[str, Any] | None,
+    inputs: Mapping[str, Any] | None,
+    axes: Mapping[str, Any] | None,
     only: Mapping[str, Label | Iterable[Label]] | None,
 ) -> Choices:
-    kept = {
-        name: (one,) if isinstance(one, (str, int, float)) else tuple(one)
-        for name, one in (only or {}).items()
+    labels = {
+        name: (label,) if isinstance(label, (str, int, float)) else tuple(label)
+        for name, label in (only or {}).items()
     }
-    return Choices(dict(given or {}), dict(axis or {}), kept)
+    return Choices(dict(inputs or {}), dict(axes or {}), labels)
+
+
+def _graph_html(graph: Graph) -> str:
+    from nodegraph.notebook import graph_html
+
+    return graph_html(graph)
+
+
+def _run_html(run: execute.Run) -> str:
+    from nodegraph.notebook import run_html
+
+    return run_html(run)
+
+
+def show_in_notebooks() -> None:
+    """Register how IPython, where it runs, shows graphs and runs."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    if shell is not None:
+        html = shell.display_formatter.formatters["text/html"]
+        html.for_type(Graph, _graph_html)
+        html.for_type(execute.Run, _run_html)
+
+
+show_in_notebooks()

@@ -1,26 +1,15 @@
-"""How what stands below shows itself: sizes as text; in a notebook by code above, by its name."""
+"""Sizes, labels and names as text."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from typing import Any
-
-
-def in_notebook(function: str, value: Any) -> str:
-    """Return what a function of `nodegraph.notebook` shows of a value, as HTML.
-
-    The drawing and the report stand above graphs and runs, and import much; neither is needed
-    before somebody looks.
-    """
-    return str(getattr(import_module("nodegraph.notebook"), function)(value))
-
 
 SIZES = {"TB": 10**12, "GB": 10**9, "MB": 10**6, "KB": 10**3, "B": 1}
 
 
 def size_text(size: int) -> str:
-    """Return a number of bytes as a person says it: ``1.2 MB``."""
+    """Return a number of bytes in a fitting unit: ``1.2 MB``."""
     unit = next((one for one in SIZES if size >= SIZES[one]), "B")
     return f"{size} B" if unit == "B" else f"{size / SIZES[unit]:.1f} {unit}"
 

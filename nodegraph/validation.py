@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
-_OTHER_TYPES = re.compile(" or instance of .*")
+_OTHER_TYPES = re.compile(" or (an )?instance of .*")
 
 
 def first_error(error: ValidationError, data: Any, at: tuple[int | str, ...] = ()) -> str:

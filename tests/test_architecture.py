@@ -13,9 +13,10 @@ import nodegraph
 ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
+    {"api"},
     {"archive", "audit", "notebook"},
     {"lock", "report"},
-    {"api", "runs", "testing"},
+    {"runs", "testing"},
     {"execute"},
     {"fingerprint"},
     {"draw", "plan"},

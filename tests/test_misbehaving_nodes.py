@@ -146,6 +146,6 @@ def test_a_node_that_never_returns_is_interrupted(tmp_path: Path, executor: str)
     started.send_signal(signal.SIGINT)
     _, said = started.communicate(timeout=30)
     assert started.returncode == 130
-    assert "the same command goes on from there" in said
+    assert "the same command continues from there" in said
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     assert [json.loads(line)["event"] for line in events].count("done") >= 1

@@ -13,10 +13,9 @@ from typing import Any
 from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read
 from nodegraph.archive.relocate import (
     Elsewhere,
-    command_elsewhere,
     folders_here,
     graph_elsewhere,
-    options_of,
+    settings_elsewhere,
 )
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.lock.lockfile import read_lock
@@ -25,7 +24,8 @@ from nodegraph.report.citing import cited
 from nodegraph.report.files import read_study
 from nodegraph.report.study import Study
 from nodegraph.runs.folder import GRAPH
-from nodegraph.runs.saved_run import FinishedRun
+from nodegraph.runs.record import Record
+from nodegraph.runs.saved_run import SavedRun
 
 
 def readme(contents: Contents) -> str:
@@ -85,7 +85,7 @@ def _lacking(contents: Contents) -> Iterator[str]:
         yield ""
 
 
-def why_not(path: Path, graph: str, text: str, record: Mapping[str, Any]) -> str:
+def why_not(path: Path, graph: str, text: str, record: Record) -> str:
     """Return why a lock does not belong to a run; empty if it does.
 
     Parameters
@@ -95,19 +95,18 @@ def why_not(path: Path, graph: str, text: str, record: Mapping[str, Any]) -> str
     graph, text
         Name and text of the graph file that ran.
     record
-        As ``run.json`` holds it.
     """
     try:
         data = read_lock(path).data
     except NodegraphError as error:
         return str(error)
-    if data["text"] != {graph: text, **record["included"]}:
+    if data["text"] != {graph: text, **record.included}:
         return f"{path}: it froze another graph than this run's, or another text of it"
     if data["graph"] != graph:
         return f"{path}: it was written to lie elsewhere than beside {graph}"
     for part, was, now in (
-        ("inputs", data["inputs"], record["inputs"]),
-        ("axes", _labels(data), _labels(record)),
+        ("inputs", data["inputs"], record.inputs),
+        ("axes", _labels(data), record.axes),
     ):
         other = [
             name for name in {**was, **now} if _by_name(was.get(name)) != _by_name(now.get(name))
@@ -165,8 +164,7 @@ class Contents:
     graph : str
         The name of the graph.
     study : Study
-    record : mapping
-        What ``run.json`` holds, as the run wrote it.
+    record : Record
     files : dict of name to bytes
     inputs : tuple of ReadFile
     command : str
@@ -179,7 +177,7 @@ class Contents:
 
     graph: str
     study: Study
-    record: Mapping[str, Any]
+    record: Record
     command: str = ""
     files: dict[str, bytes] = field(default_factory=dict)
     inputs: tuple[ReadFile, ...] = ()
@@ -213,7 +211,7 @@ def contents_of(
     NodegraphError
         If there is no finished run, or the lock is not there, or not one of this run.
     """
-    record, study = FinishedRun(folder).record, read_study(folder)
+    record, study = SavedRun(folder).record, read_study(folder)
     return _Packing(folder, record, study, registry, with_inputs=with_inputs).contents(lock)
 
 
@@ -223,7 +221,7 @@ class _Packing:
     def __init__(
         self,
         folder: Path,
-        record: Mapping[str, Any],
+        record: Record,
         study: Study,
         registry: Registry,
         *,
@@ -236,10 +234,10 @@ class _Packing:
         self._origin = Origin(record)
         self._graph, self._home = self._origin.graph, self._origin.home
         self._plugins = list(self._origin.plugins())
-        self._graphs = {name: _inside(name) for name in record["included"]}
+        self._graphs = {name: _inside(name) for name in record.included}
         taken = {_RUN, _CITATION, PLUGINS, _GRAPHS, README, METADATA, self._graph.name}
         self._inputs = files_read(
-            record, self._origin.folders(), taken, lambda one: bool(registry.hooks.place(one))
+            record.steps, self._origin.folders(), taken, lambda one: bool(registry.hooks.place(one))
         )
         self._made = Contents(self._graph.name, study, record, inputs=self._inputs)
 
@@ -247,7 +245,8 @@ class _Packing:
         made = self._made
         said = {one.written: one.name for one in self._inputs}
         said |= {one.written: one.name for one in self._plugins}
-        made.command = command_elsewhere(self._record["command"], self._graph.name, said)
+        settings = settings_elsewhere(self._record.settings, self._graph.name, said)
+        made.command = settings.command
         elsewhere = Elsewhere(
             self._moved(made.command), folders_here(self._record, self._texts(), self._places())
         )
@@ -273,17 +272,16 @@ class _Packing:
         }
         found = {str(one.path.absolute()): one.name for one in self._inputs if one.path}
         plugins = {str(one.path): one.name for one in self._plugins}
-        return {self._record["command"]: command, **plugins, **found, **absolute}
+        return {self._record.command: command, **plugins, **found, **absolute}
 
     def _texts(self) -> tuple[str, ...]:
-        return (self._study.graph_text, *self._record["included"].values())
+        return (self._study.graph_text, *self._record.included.values())
 
     def _places(self) -> Iterator[Path]:
         yield from (self._home, self._origin.folder, self._folder, self._folder.parent)
-        yield from (Path(one["path"]).parent for one in self._record["plugins"])
-        for option, value in options_of(self._record["command"]):
-            if option == "--store":
-                yield Path(value)
+        yield from (Path(plugin.path).parent for plugin in self._record.plugins)
+        if self._record.settings.store:
+            yield Path(self._record.settings.store)
 
     def _add_graphs(self, elsewhere: Elsewhere) -> None:
         moved = {
@@ -295,7 +293,7 @@ class _Packing:
         moved |= {str(self._home / name): there for name, there in self._graphs.items()}
         moved = {posixpath.normpath(path): name for path, name in moved.items()}
         texts = {"": (self._study.graph_text, self._graph.name)} | {
-            name: (text, self._graphs[name]) for name, text in self._record["included"].items()
+            name: (text, self._graphs[name]) for name, text in self._record.included.items()
         }
         for was, (text, name) in texts.items():
             home = self._home / Path(was).parent
@@ -316,7 +314,7 @@ class _Packing:
                 self._made.lacking.append(f"input {one.name}: {why}")
             elif not one.is_shipped:
                 self._made.files |= {name: path.read_bytes() for name, path in one.contents()}
-        if not self._record["code"]:
+        if not self._record.code:
             self._made.lacking.append(
                 "inputs: the run stored nothing, and so has not noted which files it read"
             )

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import shlex
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
 
-from nodegraph.archive.relocate import options_of
 from nodegraph.fingerprint.keys import Files
+from nodegraph.runs.record import Record, RecordedStep
 
 FOLDER = "inputs"
 
@@ -58,7 +56,7 @@ class ReadFile:
 
 
 def files_read(
-    record: Mapping[str, Any],
+    steps: Iterable[RecordedStep],
     folders: Sequence[Path],
     taken: Collection[str],
     is_shipped: Callable[[str], bool],
@@ -67,8 +65,8 @@ def files_read(
 
     Parameters
     ----------
-    record
-        As ``run.json`` holds it.
+    steps
+        Those of the run.
     folders
         From which relative paths may be meant, that of the graph first.
     taken
@@ -77,9 +75,9 @@ def files_read(
         Whether a path names what a plugin brings.
     """
     named = dict.fromkeys(
-        (str(step["settings"].get(setting)), str(digest))
-        for step in record["steps"]
-        for setting, digest in step.get("files", {}).items()
+        (str(step.settings.get(setting)), digest)
+        for step in steps
+        for setting, digest in step.files.items()
     )
     digests = Files()
     found: list[ReadFile] = []
@@ -140,12 +138,12 @@ PLUGINS = "plugins"
 
 @dataclass(frozen=True)
 class PluginFile:
-    """A plugin file that the command of a run named.
+    """A plugin file that a run used.
 
     Attributes
     ----------
     written : str
-        As the command has it.
+        As the settings of the run have it.
     name : str
         In the archive.
     path : Path
@@ -166,22 +164,21 @@ class Origin:
     Parameters
     ----------
     record
-        As ``run.json`` holds it.
 
     Attributes
     ----------
     folder : Path
-        From which the command was given.
+        The working directory.
     graph : Path
-        As the command names it.
+        As the settings of the run have it.
     home : Path
         The folder of the graph file.
     """
 
-    def __init__(self, record: Mapping[str, Any]) -> None:
+    def __init__(self, record: Record) -> None:
         self._record = record
-        self.folder = Path(record["folder"])
-        self.graph = Path(shlex.split(record["command"])[2])
+        self.folder = Path(record.folder)
+        self.graph = Path(record.settings.graph)
         self._starts = list(dict.fromkeys((self.folder, Path.cwd())))
         with_graph = (one for one in self._starts if (one / self.graph).is_file())
         self.home = (next(with_graph, self.folder) / self.graph).parent
@@ -189,19 +186,19 @@ class Origin:
     def folders(self) -> list[Path]:
         """Return from where relative paths may be meant, the folder of the graph first."""
         homes = [self.home, *((one / self.graph).parent for one in self._starts)]
-        used = [home / Path(name).parent for home in homes for name in self._record["included"]]
+        used = [home / Path(name).parent for home in homes for name in self._record.included]
         return list(dict.fromkeys([*homes, *used, *self._starts]))
 
     def plugins(self) -> Iterator[PluginFile]:
-        """Yield each plugin file that the command named."""
-        imported = {Path(one["path"]).name: one for one in self._record["plugins"]}
-        for option, written in options_of(self._record["command"]):
-            if option == "--plugin":
-                name = Path(written).name
-                one = imported.get(name, {"path": written, "sha256": ""})
-                paths = [Path(one["path"]), *(start / written for start in self._starts)]
-                content = self._found(paths, one["sha256"])
-                yield PluginFile(written, f"{PLUGINS}/{name}", paths[0], content)
+        """Yield each plugin file that the run used."""
+        for written, plugin in zip(
+            self._record.settings.plugins, self._record.plugins, strict=False
+        ):
+            path = Path(plugin.path)
+            content = self._found(
+                [path, *(start / written for start in self._starts)], plugin.sha256
+            )
+            yield PluginFile(written, f"{PLUGINS}/{path.name}", path, content)
 
     def lacks(self, path: str) -> str:
         """Return that a file is not found as it was, and where it would be."""

@@ -8,15 +8,17 @@ import json
 import os
 import posixpath
 import re
-import shlex
 import sys
 import tempfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import markupsafe
+
+from nodegraph.runs.record import Record
+from nodegraph.runs.settings import RunSettings
 
 _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
 """What stands before a path in a text; inside of base 64 there are none of ours."""
@@ -87,15 +89,13 @@ def _forms(old: str, new: str) -> Iterator[tuple[str, str]]:
     yield str(markupsafe.escape(old)), str(markupsafe.escape(new))
 
 
-def folders_here(
-    record: Mapping[str, Any], texts: Iterable[str], others: Iterable[Path]
-) -> set[str]:
+def folders_here(record: Record, texts: Iterable[str], others: Iterable[Path]) -> set[str]:
     """Return the folders whose names say on which machine, and where on it, something lies.
 
     Parameters
     ----------
     record
-        As ``run.json`` holds it; folders that it names may be of another machine.
+        Folders that it names may be of another machine.
     texts
         Of graphs, which may name some too.
     others
@@ -109,11 +109,12 @@ def folders_here(
     return here | {one.rstrip("/\\") for one in named}
 
 
-def _named(record: Mapping[str, Any]) -> Iterator[str]:
+def _named(record: Record) -> Iterator[str]:
     """Yield the folders of absolute paths in what a run says of its inputs and failures."""
-    pending: list[Any] = [record["command"], record["inputs"], record["left_out"]]
-    keys = ("settings", "reason", "trace", "warnings", "labels")
-    pending += [step[key] for step in record["steps"] for key in keys if key in step]
+    pending: list[Any] = [record.command, record.inputs]
+    pending += [left_out.reason for left_out in record.left_out]
+    for step in record.steps:
+        pending += [step.settings, step.reason, step.trace, step.warnings, step.labels]
     while pending:
         one = pending.pop()
         if isinstance(one, Mapping):
@@ -161,37 +162,31 @@ def _scalar(text: str) -> str:
     return text if _PLAIN.fullmatch(text) else json.dumps(text, ensure_ascii=False)
 
 
-def command_elsewhere(command: str, graph: str, moved: Mapping[str, str]) -> str:
-    """Return the command that runs the graph again in the unpacked archive.
+def settings_elsewhere(settings: RunSettings, graph: str, moved: Mapping[str, str]) -> RunSettings:
+    """Return the settings that run the graph again in the unpacked archive.
 
     Parameters
     ----------
-    command
-        How it was run.
+    settings
+        Those of the run.
     graph
         The graph's name in the archive.
     moved
-        Names in the archive by what the command may say.
+        Names in the archive by the paths that the settings have.
     """
-    words = ["nodegraph", "run", graph]
-    for option, value in options_of(command):
-        if option in ("--set", "--axis", "--only", "--plugin"):
-            words += [option, _in_archive(value, moved)]
-    return shlex.join(words)
+    return RunSettings(
+        graph,
+        set=_in_archive(settings.set, moved),
+        axis=_in_archive(settings.axis, moved),
+        only=_in_archive(settings.only, moved),
+        until=settings.until,
+        plugins=_in_archive(settings.plugins, moved),
+    )
 
 
-def options_of(command: str) -> Iterator[tuple[str, str]]:
-    """Yield the options of a command that ran a graph."""
-    words: Sequence[str] = shlex.split(command)[3:]
-    return zip(words[::2], words[1::2], strict=False)
-
-
-def _in_archive(value: str, moved: Mapping[str, str]) -> str:
-    """Return an option's value in which whole words that name files are exchanged."""
-    words = re.split(r"([=,\s\[\]{}:'\"]+)", value)
-    if value in moved:
-        return moved[value]
-    name, equals, rest = value.partition("=")
-    if equals and rest in moved:
-        return f"{name}={moved[rest]}"
-    return "".join(moved.get(word, word) for word in words)
+def _in_archive(value: Any, moved: Mapping[str, str]) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _in_archive(item, moved) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_in_archive(item, moved) for item in value]
+    return moved.get(value, value) if isinstance(value, str) else value

@@ -97,14 +97,14 @@ class Parameters:
     def inputs(self) -> Iterator[tuple[Any, Any]]:
         """Yield a parameter with its value, for each input and each axis of the graph."""
         record = self._contents.record
-        for name, value in record["inputs"].items():
+        for name, value in record.inputs.items():
             file = self._file_of(value)
             kind = "File" if file is not None else _TYPES.get(type(value), "Text")
             parameter = self._parameter(f"#input-{quote(name)}", name, kind)
             given = file if file is not None else self._value(f"#value-{quote(name)}", name, value)
             append(given, "exampleOfWork", parameter)
             yield parameter, given
-        for name, labels in record["axes"].items():
+        for name, labels in record.axes.items():
             parameter = self._parameter(f"#axis-{quote(name)}", name, "Text")
             shown = ", ".join(map(str, labels))
             given = self._value(f"#labels-{quote(name)}", name, shown)
@@ -283,7 +283,7 @@ class _Crate:
             )
 
     def _describe_action(self, main: Any, read: list[Any]) -> None:
-        failed = self._contents.record["counts"].get("failed", 0)
+        failed = self._contents.record.counts.get("failed", 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
         error = {"error": f"{failed} steps failed; run/run.json says which"} if failed else {}
         action = self._entities.add(

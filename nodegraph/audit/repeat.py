@@ -20,7 +20,7 @@ from nodegraph.execute.worker.protocol import LACKING, NOT_SENT
 from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
 from nodegraph.node.ports import Across
 from nodegraph.plugin.hook_types import Comparison
-from nodegraph.runs.diff import told_apart
+from nodegraph.runs.diff import value_differences
 from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packed, Packer, Unstorable
 
@@ -102,7 +102,7 @@ def drift(
     found: list[Drift] = []
     for place, port in enumerate(ports):
         if not one.digests[place] or one.digests[place] != other.digests[place]:
-            words = told_apart(one.values[place], other.values[place], kinds)
+            words = value_differences(one.values[place], other.values[place], kinds)
             grade = _grade(one.packed[place], other.packed[place], words, floor)
             several = len(ports) > 1
             said = tuple(f"{port}: {text}" if several else text for text in words)

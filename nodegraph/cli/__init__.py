@@ -1,1 +1,1 @@
-"""What each command does: one file each, with a function of its name."""
+"""The command line: a module per command, which declares its arguments and runs it."""

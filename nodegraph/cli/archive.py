@@ -1,51 +1,63 @@
-"""``nodegraph archive``."""
+"""``nodegraph archive``: pack a run into one file."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from nodegraph.cli.common import refuse_unwritable, say, written
+from nodegraph.cli.arguments import add_run
+from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
-from nodegraph.formatting import size_text
+
+HELP = "Pack a run into one file, with what it takes to run it again (Workflow Run RO-Crate)."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_run(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="File to write (default: RUN.zip)."
+    )
+    parser.add_argument(
+        "--lock",
+        type=Path,
+        metavar="FILE",
+        help="Lock to include (default: GRAPH.lock beside the graph, if it exists).",
+    )
+    parser.add_argument(
+        "--no-inputs",
+        action="store_false",
+        dest="inputs",
+        help="Include only the SHA-256 of the files that the run read.",
+    )
 
 
 def archive(arguments: Namespace) -> int:
-    """Put a finished run into one file, with what it takes to run it again elsewhere."""
+    """Pack a run into one file."""
     from nodegraph.archive.contents import contents_of, packed
     from nodegraph.archive.rocrate import crate_metadata
     from nodegraph.plugin.registry import Registry
-    from nodegraph.runs.saved_run import FinishedRun
+    from nodegraph.runs.saved_run import SavedRun
 
-    FinishedRun(arguments.run)  # which refuses what is no run
+    SavedRun(arguments.run)  # raises if it is not a run
     folder = arguments.run.resolve()
     path = arguments.out or arguments.run.parent / f"{folder.name}.zip"
-    _refuse_inside(path, folder)
+    if path.resolve().is_relative_to(folder):
+        raise NodegraphError(f"{path} is in the folder of the run; name another place with --out")
     refuse_unwritable(path)
     contents = contents_of(
         arguments.run, Registry.installed([]), lock=arguments.lock, with_inputs=arguments.inputs
     )
     content = packed(contents.files, crate_metadata(contents))
-    _refuse_others(path, content)
-    written(path, content)
-    print(f"{path} ({len(contents.files) + 1} files, {size_text(len(content))})")
-    for line in contents.lacking:
-        say(f"not in it: {line}")
-    failed = contents.record["counts"].get("failed", 0)
-    if failed:
-        say(f"{failed} steps of this run failed: the archive says so")
-    return 0
-
-
-def _refuse_inside(path: Path, run: Path) -> None:
-    if path.resolve().is_relative_to(run):
-        raise NodegraphError(f"{path} lies in the run itself; name another place with --out")
-
-
-def _refuse_others(path: Path, content: bytes) -> None:
-    """Refuse to replace anything but the same archive: what was made before may be published."""
+    # an earlier archive may be published
     if path.exists() and not (path.is_file() and path.read_bytes() == content):
         raise NodegraphError(
-            f"{path} is there already and is another; name another file with --out, or remove it "
-            "first"
+            f"{path} already exists and differs; name another file with --out, or remove it first"
         )
+    write_and_print(path, content)
+    for line in contents.lacking:
+        say(f"not in it: {line}")
+    failed = contents.record.counts.get("failed", 0)
+    if failed:
+        say(f"{failed} steps of this run failed; the archive says so")
+    return 0

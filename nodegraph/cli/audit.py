@@ -1,62 +1,78 @@
-"""``nodegraph audit``."""
+"""``nodegraph audit``: test whether methods give the same result again."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.common import completed, graph_of, say, store_of
-from nodegraph.cli.progress import columns
+from nodegraph.cli.arguments import add_executor, add_graph, add_store
+from nodegraph.cli.output import columns, say
 
 if TYPE_CHECKING:
     from nodegraph.audit.audit import Audited
     from nodegraph.execute import Run
 
-_HEADS = ("node", "method", "grade", "cases", "what")
+HELP = "Test whether each method of a graph gives the same result again."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.description = (
+        f"{HELP} Steps are repeated, also with more threads and in another process. "
+        "The exit status is 1 if a method gives different results."
+    )
+    add_graph(parser)
+    parser.add_argument(
+        "--all", action="store_true", help="Repeat every combination, not one of each method."
+    )
+    add_executor(parser, default="processes")  # a node that ends its process ends nothing else
+    add_store(parser)
 
 
 def audit(arguments: Namespace) -> int:
-    """Run a graph, repeat its steps, and print for each method whether it gives one answer."""
+    """Run a graph, repeat its steps, and print for each method whether results are the same."""
     from nodegraph.audit.audit import GOOD, audit, cases
+    from nodegraph.cli.graphs import graph_of, run_of, store_of
 
     graph = graph_of(arguments)
     store = store_of(arguments, graph)
-    run = completed(arguments, graph, store)
-    chosen = cases(run, every=arguments.all)
-    wanted = {index for steps in chosen.values() for index in steps}
-    say(f"repeating {len(wanted)} of {len(run.plan.steps)} steps")
-    found = {one.step.index: one for one in audit(run, wanted)}
-    print(columns([_HEADS, *_rows(run, chosen, found)]))
-    for line in (*_told(found.values(), writable=store.writable), *run.not_stored()):
+    run = run_of(arguments, graph, store=store)
+    by_method = cases(run, every=arguments.all)
+    indices = {index for steps in by_method.values() for index in steps}
+    say(f"repeating {len(indices)} of {len(run.plan.steps)} steps")
+    audited = {result.step.index: result for result in audit(run, indices)}
+    print(columns(list(_rows(run, by_method, audited))))
+    for line in (*_notes(audited.values(), writable=store.writable), *run.not_stored()):
         print(f"\n{line}")
-    return 0 if all(one.grade in GOOD for one in found.values()) else 1
+    return 0 if all(result.grade in GOOD for result in audited.values()) else 1
 
 
 def _rows(
     run: Run,
-    chosen: Mapping[tuple[str, str], tuple[int, ...]],
-    found: Mapping[int, Audited],
+    by_method: Mapping[tuple[str, str], tuple[int, ...]],
+    audited: Mapping[int, Audited],
 ) -> Iterator[tuple[str, ...]]:
-    """Yield a row per node and method, which tells the worst of its steps."""
+    """Yield a row per node and method, with the worst of its steps."""
     from nodegraph.audit.audit import WORSE
 
-    for (node, label), steps in chosen.items():
+    yield "node", "method", "grade", "cases", "what"
+    for (node, label), steps in by_method.items():
         method = run.plan.graph.nodes[node].methods[label].node.name
-        worst = max((found[index] for index in steps), key=lambda one: WORSE.index(one.grade))
-        count = sum(found[index].grade == worst.grade for index in steps)
+        worst = max((audited[index] for index in steps), key=lambda one: WORSE.index(one.grade))
+        count = sum(audited[index].grade == worst.grade for index in steps)
         cases = f"{count} of {len(steps)}" if count < len(steps) else str(len(steps))
         yield node, method, worst.grade, cases, worst.text
 
 
-def _told(found: Iterable[Audited], *, writable: bool) -> Iterator[str]:
-    """Yield what follows for later runs."""
-    several = {one.step.method.node.name for one in found if one.is_one_of_several}
+def _notes(audited: Iterable[Audited], *, writable: bool) -> Iterator[str]:
+    """Yield the consequences for later runs."""
+    several = {result.step.method.node.name for result in audited if result.is_one_of_several}
     names = ", ".join(sorted(several))
     if several and writable:
         yield (
-            f"{names}: results are not stored any more, nor what is made of them, and runs say so; "
-            "that ends when the code is edited, or with `nodegraph cache clear`"
+            f"{names}: results are no longer stored, nor results made from them, and runs say so, "
+            "until the code is edited or `nodegraph cache clear` is run"
         )
     elif several:
         yield f"{names}: later runs will not know, because the store cannot be written"

@@ -1,17 +1,26 @@
-"""``nodegraph cite``."""
+"""``nodegraph cite``: what a paper needs to say about a run."""
 
 from __future__ import annotations
 
-from argparse import Namespace
-from collections.abc import Mapping
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from nodegraph.cli.common import refuse_unwritable, say, written
-from nodegraph.errors import NodegraphError
+from nodegraph.cli.arguments import add_run
+from nodegraph.cli.output import refuse_existing, refuse_unwritable, say, write_file
+
+HELP = "Print methods, settings and BibTeX of a run for a paper."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_run(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="Folder to write files to, with LaTeX as well."
+    )
 
 
 def cite(arguments: Namespace) -> int:
-    """Print what a paper says of a run, or write it as files: Markdown, LaTeX and BibTeX."""
+    """Print the texts for a paper, or write them as Markdown, LaTeX and BibTeX."""
     from nodegraph.report.citing import cited
     from nodegraph.report.files import read_study
 
@@ -20,20 +29,13 @@ def cite(arguments: Namespace) -> int:
     if arguments.out is None:
         print("\n".join(texts[name] for name in texts if not name.endswith(".tex")).rstrip())
     else:
-        _write(texts, arguments.out)
-    for one in study.without_result:
-        say(f"not named, as it gave no result: {one}")
+        paths = {arguments.out / name: text for name, text in texts.items()}
+        for path in paths:  # all of them are written, or none
+            refuse_existing(path)
+            refuse_unwritable(path)
+        for path, text in paths.items():
+            write_file(path, text.encode(errors="backslashreplace"))
+            print(path)
+    for method in study.without_result:
+        say(f"not cited, because it gave no result: {method}")
     return 0
-
-
-def _write(texts: Mapping[str, str], folder: Path) -> None:
-    """Write all of the texts, or none."""
-    for name in texts:
-        if (folder / name).exists():
-            raise NodegraphError(
-                f"{folder / name} is there already; name another folder, or remove it first"
-            )
-        refuse_unwritable(folder / name)
-    for name, text in texts.items():
-        written(folder / name, text.encode(errors="backslashreplace"))
-        print(folder / name)

@@ -1,34 +1,47 @@
-"""``nodegraph draw``."""
+"""``nodegraph draw``: draw a graph."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
-from nodegraph.cli.common import graph_of, written_and_told
+from nodegraph.cli.arguments import add_graph
+from nodegraph.cli.output import write_and_print
 from nodegraph.errors import NodegraphError, nearest
+
+HELP = "Draw a graph."
+
+_FORMATS = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".dot": "dot", ".gv": "dot"}
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_graph(parser)
+    parser.add_argument(
+        "--format",
+        choices=tuple(dict.fromkeys(_FORMATS.values())),
+        help="Format of the drawing (default: by the suffix of --out, else svg).",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="File to write (default: standard output)."
+    )
 
 
 def draw(arguments: Namespace) -> int:
-    """Write a drawing of a graph."""
+    """Print or write a drawing of a graph."""
     from nodegraph import draw as drawing
+    from nodegraph.cli.graphs import graph_of
     from nodegraph.draw.from_graph import picture_of
 
-    by_suffix = {
-        ".svg": "svg",
-        ".mmd": "mermaid",
-        ".mermaid": "mermaid",
-        ".dot": "dot",
-        ".gv": "dot",
-    }
     suffix = arguments.out.suffix if arguments.out else ".svg"
-    form = arguments.format or by_suffix.get(suffix)
-    if form is None:
+    name = arguments.format or _FORMATS.get(suffix)
+    if name is None:
         raise NodegraphError(
-            f"--out {arguments.out}: {nearest(suffix, by_suffix)}; or give --format"
+            f"--out {arguments.out}: {nearest(suffix, _FORMATS)}; or choose with --format"
         )
-    text: str = getattr(drawing, form)(picture_of(graph_of(arguments)))
+    text: str = getattr(drawing, name)(picture_of(graph_of(arguments)))
     if arguments.out:
-        written_and_told(arguments.out, text.encode())
+        write_and_print(arguments.out, text.encode())
     else:
         print(text)
     return 0

@@ -1,57 +1,72 @@
-"""``nodegraph export``."""
+"""``nodegraph export``: write a value of a run as a file."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from nodegraph.cli.common import labels_of, say, written
+from nodegraph.cli.arguments import add_pairs, add_plugin, add_run, add_store, labels_at
+from nodegraph.cli.output import refuse_existing, say, write_and_print
 from nodegraph.errors import NodegraphError, Refusal
-from nodegraph.formatting import size_text
+
+if TYPE_CHECKING:
+    from nodegraph.plugin.registry import Registry
+
+HELP = "Write a value of a run as a file."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_run(parser)
+    parser.add_argument(
+        "node", metavar="NODE", help="Node, or one of its outputs, such as gaps.truth."
+    )
+    add_pairs(parser, "at", "Labels of the value: fill=muscle,trial=3.")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="File to write; its suffix is the format.",
+    )
+    add_plugin(parser)
+    add_store(parser)
 
 
 def export(arguments: Namespace) -> int:
-    """Write one value of a finished run as a file, in the form that its suffix names."""
+    """Write a value of a run as a file, in the format that the suffix names."""
     from nodegraph.execute import open_store
     from nodegraph.plugin.registry import Registry
-    from nodegraph.runs.saved_run import FinishedRun
+    from nodegraph.runs.saved_run import SavedRun
 
-    _check_free(arguments.out)
-    run = FinishedRun(arguments.run)
+    refuse_existing(arguments.out)
+    run = SavedRun(arguments.run)
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
-    value = run.value(arguments.node, labels_of("at", arguments.at), store)
+    value = run.value(arguments.node, labels_at(arguments), store)
     for path, content in _files(value, arguments.out, registry).items():
-        _write(path, content)
-        print(f"{path} ({size_text(len(content))})")
+        refuse_existing(path)
+        write_and_print(path, content)
     return 0
 
 
-def _files(value: Any, out: Path, registry: Any) -> Mapping[Path, bytes]:
-    """Return the content of each file; the one asked for first, others beside it."""
-    from nodegraph.runs.export import forms_of
+def _files(value: Any, out: Path, registry: Registry) -> Mapping[Path, bytes]:
+    """Return the content of each file: of `out` first, then of those beside it."""
+    from nodegraph.runs.export import exporters_of
 
-    forms = forms_of(value, registry)
+    exporters = exporters_of(value, registry)
     kind = type(value).__name__
-    if out.suffix.lower() not in forms:
-        there = ", ".join(sorted(forms)) or "no form at all"
-        raise NodegraphError(f"{out}: a value of type {kind} can be written as {there}")
+    if out.suffix.lower() not in exporters:
+        formats = ", ".join(sorted(exporters)) or "no format"
+        raise NodegraphError(f"{out}: a value of type {kind} can be written as {formats}")
     try:
-        made = forms[out.suffix.lower()]()
-    except Exception as error:  # whatever a stranger's writer raises
-        told = "" if isinstance(error, (ValueError, Refusal)) else f"{type(error).__name__}: "
-        raise NodegraphError(f"{out}: {told}{error}") from error
-    names = [out, *(out.parent / name for name in list(made)[1:])]
-    return dict(zip(names, made.values(), strict=True))
-
-
-def _check_free(path: Path) -> None:
-    if path.exists():
-        raise NodegraphError(f"{path} is there already; name another file, or remove it first")
-
-
-def _write(path: Path, content: bytes) -> None:
-    _check_free(path)
-    written(path, content)
+        files = exporters[out.suffix.lower()]()
+    except Exception as error:  # a plugin's writer may raise anything
+        is_message = isinstance(error, (ValueError, Refusal))
+        raise NodegraphError(
+            f"{out}: {'' if is_message else f'{type(error).__name__}: '}{error}"
+        ) from error
+    paths = [out, *(out.parent / name for name in list(files)[1:])]
+    return dict(zip(paths, files.values(), strict=True))

@@ -1,46 +1,47 @@
-"""``nodegraph lock``."""
+"""``nodegraph lock``: freeze a study."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from nodegraph.cli.common import (
-    completed,
-    graph_of,
-    refuse_unwritable,
-    say,
-    store_of,
-    written_and_told,
-)
+from nodegraph.cli.arguments import add_executor, add_graph, add_store
+from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
+
+HELP = "Freeze a study: write its results, and everything that decides them, as a lock."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_graph(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="File to write (default: GRAPH.lock)."
+    )
+    add_executor(parser)
+    add_store(parser)
 
 
 def lock(arguments: Namespace) -> int:
-    """Run a graph, and write down what decides its results, and what they are."""
-    from nodegraph.lock.lockfile import SUFFIX, lock_text
+    """Run a graph, and write its lock."""
+    from nodegraph.cli.graphs import graph_of, run_of
+    from nodegraph.lock.lockfile import SUFFIX, is_lock, lock_text
     from nodegraph.lock.provenance import FileNames
 
     graph = graph_of(arguments)
     path = arguments.out or arguments.graph.with_suffix(SUFFIX)
-    _refuse_others(path)
+    if path.is_dir() or (path.exists() and not is_lock(path)):
+        raise NodegraphError(f"{path} exists and is not a lock; name another file with --out")
     refuse_unwritable(path)
-    FileNames(graph)  # which refuses what a lock must not hold, before anything has run
-    done = completed(arguments, graph, store_of(arguments, graph))
-    not_stored = done.not_stored()  # before what is not stored is computed again
-    text = lock_text(done, path)
-    counts = ", ".join(f"{count} {state}" for state, count in done.counts().items() if count)
-    print(f"{len(done.plan.steps)} steps: {counts}")
+    FileNames(graph)  # raises for files that a lock must not name, before anything has run
+    run = run_of(arguments, graph)
+    not_stored = run.not_stored()  # before results that are not stored are computed again
+    text = lock_text(run, path)
+    counts = ", ".join(f"{count} {state}" for state, count in run.counts().items() if count)
+    print(f"{len(run.plan.steps)} steps: {counts}")
     for line in not_stored:
         print(line)
-    written_and_told(path, text.encode())
-    if not done.ok:
-        say("some steps failed: the lock holds that they did")
-    return 0 if done.ok else 1
-
-
-def _refuse_others(path: Path) -> None:
-    from nodegraph.lock.lockfile import is_lock
-
-    if path.is_dir() or (path.exists() and not is_lock(path)):
-        raise NodegraphError(f"{path} is there and is no lock; name another file with --out")
+    write_and_print(path, text.encode())
+    if not run.ok:
+        say("some steps failed; the lock records that")
+    return 0 if run.ok else 1

@@ -1,7 +1,7 @@
-"""The command line: words in, one function call each, an exit status out.
+"""The program: parse the words of a command line, run the command, return the exit status.
 
-Status 0: all well. 1: some step failed. 2: the graph or the command is wrong, and nothing ran.
-130: interrupted.
+Status 0: success. 1: a step failed, or the command says so in its help. 2: the graph or the
+command is not valid; nothing has run. 130: interrupted.
 """
 
 from __future__ import annotations
@@ -10,19 +10,26 @@ import gc
 import os
 import sys
 import warnings
-from collections.abc import Sequence
-from importlib import import_module
+from argparse import SUPPRESS, Action, ArgumentParser
+from collections.abc import Mapping, Sequence
+from importlib import import_module, metadata
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
-from nodegraph.cli.arguments import parser
 from nodegraph.errors import NodegraphError
+from nodegraph.plugin.hook_types import Command
+
+COMMANDS = (
+    "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
+    "audit", "export", "report", "cite", "archive", "cache", "schema",
+)  # fmt: skip
+"""Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 
 
 def program() -> int:
-    """Be the program: run the command that it was started with."""
-    # most commands end before there is any garbage worth looking for
+    """Run the command that the process was started with."""
+    # most commands end before collecting garbage would pay
     gc.set_threshold(50_000, 20, 20)
     status = main()
     gc.freeze()
@@ -31,20 +38,23 @@ def program() -> int:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit status."""
-    arguments = parser().parse_args(words)
+    """Run a command and return its exit status."""
+    words = list(sys.argv[1:] if words is None else words)
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
         warnings.simplefilter("default", UserWarning)
         warnings.showwarning = _show_warning
         try:
-            module = import_module(f"nodegraph.cli.{arguments.command}")
-            status = int(getattr(module, arguments.command)(arguments))
+            commands = _commands(words)
+            if words[:1] == ["help"]:
+                words = [*words[1:], "--help"]
+            arguments = _parser(commands).parse_args(words)
+            status = int(commands[arguments.command].call(arguments))
             sys.stdout.flush()
             return status
         except BrokenPipeError:
-            # whoever read the output has seen enough; what is left must not be tried again at exit
+            # the reader of the output has closed it; Python must not flush it again at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         except (NodegraphError, OSError) as error:
@@ -54,20 +64,79 @@ def main(words: Sequence[str] | None = None) -> int:
             print("nodegraph: interrupted", file=sys.stderr)
             return 130
         except Exception as error:
-            print(f"nodegraph: {_own_mistake(error)}", file=sys.stderr)
+            print(f"nodegraph: {_internal_error(error)}", file=sys.stderr)
             return 1
 
 
-def _own_mistake(error: Exception) -> str:
-    """Return a line for a mistake of this program, with the whole trace where it is wanted."""
+def _commands(words: Sequence[str]) -> Mapping[str, Command]:
+    """Return the commands among which the first word chooses.
+
+    For a word that is a built-in command that is this one alone, so that nothing else is
+    imported. Plugins are imported only for another word, never for options such as ``--help``.
+    """
+    word = words[0] if words else "-"
+    if word in COMMANDS:
+        return {word: _built_in(word)}
+    commands = {name: _built_in(name) for name in COMMANDS}
+    if word.startswith("-"):
+        return commands
+    from nodegraph.cli.arguments import add_plugin
+    from nodegraph.plugin.registry import Registry
+
+    options = ArgumentParser(add_help=False, allow_abbrev=False)
+    add_plugin(options)
+    added = Registry.installed(options.parse_known_args(words)[0].plugin).hooks.commands
+    for name in added.keys() & commands.keys():
+        warnings.warn(f"command {name!r} of a plugin is left out: it is built in", stacklevel=2)
+    return {**commands, **{name: added[name] for name in added if name not in commands}}
+
+
+def _built_in(name: str) -> Command:
+    module = import_module(f"nodegraph.cli.{name}")
+    return Command(module.HELP, module.add_arguments, getattr(module, name))
+
+
+def _parser(commands: Mapping[str, Command]) -> ArgumentParser:
+    parser = ArgumentParser(
+        prog="nodegraph",
+        description="Compare methods that process facial motion capture.",
+        epilog="Plugins may add commands; 'nodegraph help' lists them as well.",
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "--version",
+        action=_Version,
+        nargs=0,
+        default=SUPPRESS,
+        help="show the version and exit",
+    )
+    choices = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, command in commands.items():
+        text = command.help.replace("%", "%%")
+        choice = choices.add_parser(name, help=text, description=text, allow_abbrev=False)
+        command.add_arguments(choice)
+    return parser
+
+
+class _Version(Action):
+    """Print the version, which is looked up only then."""
+
+    def __call__(self, parser: ArgumentParser, *rest: Any) -> None:
+        print(f"nodegraph {metadata.version('nodegraph')}")
+        parser.exit()
+
+
+def _internal_error(error: Exception) -> str:
+    """Return a line for an error of the program itself, after its trace if that is wanted."""
     import traceback
 
     last = traceback.extract_tb(error.__traceback__)[-1]
-    where = f"{Path(last.filename).name}:{last.lineno}"
-    said = f"{type(error).__name__}: {error} ({where})"
-    trace = "".join(traceback.format_exception(error)) if os.environ.get("NODEGRAPH_TRACE") else ""
-    hint = "" if trace else "; NODEGRAPH_TRACE=1 shows where it came from"
-    return f"{trace}this is a mistake of the program itself, not yours: {said}{hint}"
+    text = f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
+    if os.environ.get("NODEGRAPH_TRACE"):
+        return (
+            f"{''.join(traceback.format_exception(error))}internal error; please report it: {text}"
+        )
+    return f"internal error; please report it: {text}; NODEGRAPH_TRACE=1 shows the trace"
 
 
 def _show_warning(message: Warning | str, *rest: Any, **more: Any) -> None:

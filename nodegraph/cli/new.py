@@ -1,18 +1,25 @@
-"""``nodegraph new``."""
+"""``nodegraph new``: write a plugin package, or a graph, to start from."""
 
 from __future__ import annotations
 
 import re
 import sys
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Collection
 from importlib import metadata
 from importlib.machinery import PathFinder
 from keyword import iskeyword
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from nodegraph.cli.arguments import add_plugin
+from nodegraph.cli.output import refuse_existing
 from nodegraph.errors import NodegraphError, nearest
-from nodegraph.plugin.registry import Registry
+
+if TYPE_CHECKING:
+    from nodegraph.plugin.registry import Registry
+
+HELP = "Write a plugin package, or a graph, to start from."
 
 _PACKAGE = re.compile(r"[a-z][a-z0-9_]*")
 _FILE = re.compile(r"\w([\w .-]*\w)?")
@@ -20,15 +27,31 @@ _PLACE = "{{name}}"
 _SUFFIX = ".template"
 
 
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument("kind", metavar="KIND", help="plugin, graph, or a plugin's template.")
+    parser.add_argument("name", metavar="NAME", help="Name of the package, or of the graph file.")
+    parser.add_argument(
+        "--to",
+        type=Path,
+        default=Path(),
+        metavar="DIR",
+        help="Folder to write to (default: the current one).",
+    )
+    add_plugin(parser)
+
+
 def new(arguments: Namespace) -> int:
-    """Write what a template holds, under a name, and say what to do with it."""
+    """Write the files of a template under a name."""
+    from nodegraph.plugin.registry import Registry
+
     registry = Registry.installed(arguments.plugin)
     templates = registry.hooks.templates
     if arguments.kind not in templates:
         raise NodegraphError(
-            f"nothing new of kind {arguments.kind!r}; {nearest(arguments.kind, templates)}"
+            f"unknown template {arguments.kind!r}; {nearest(arguments.kind, templates)}"
         )
-    files = _filled(templates[arguments.kind], arguments.name)
+    files = _files(templates[arguments.kind], arguments.name)
     if not files:
         folder = templates[arguments.kind]
         raise NodegraphError(f"{folder}: the template {arguments.kind!r} of a plugin has no files")
@@ -36,9 +59,8 @@ def new(arguments: Namespace) -> int:
         _check_package_name(arguments.name, registry)
     else:
         _check_file_name(arguments.name, files)
-    taken = [arguments.to / path for path in files if (arguments.to / path).exists()]
-    if taken:
-        raise NodegraphError(f"{taken[0]} is there already; it is left as it is")
+    for path in files:
+        refuse_existing(arguments.to / path)
     for path, text in files.items():
         target = arguments.to / path
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -50,30 +72,30 @@ def new(arguments: Namespace) -> int:
 def _check_package_name(name: str, registry: Registry) -> None:
     if not _PACKAGE.fullmatch(name) or iskeyword(name):
         raise NodegraphError(
-            f"{name!r} cannot be a name here: write small letters, digits and underscores, a "
-            "letter first, and no word of Python"
+            f"{name!r} cannot be the name of a package: write lower-case letters, digits and "
+            "underscores, beginning with a letter; not a Python keyword"
         )
     owner = _owner(name, registry)
     if owner:
         raise NodegraphError(
             f"{name!r} is the name of {owner}, which a package of that name would overwrite or "
-            "hide; choose another"
+            "hide; choose another name"
         )
 
 
 def _check_file_name(name: str, files: Collection[Path]) -> None:
     if not _FILE.fullmatch(name):
         raise NodegraphError(
-            f"{name!r} cannot be a file's name everywhere: write letters, digits, '_', '-', '.' "
-            "and spaces, a letter or digit first and last"
+            f"{name!r} is not a portable file name: write letters, digits, '_', '-', '.' and "
+            "spaces, with a letter or digit first and last"
         )
     suffix = Path(name).suffix
     if suffix and any(path.name == name + suffix for path in files):
-        raise NodegraphError(f"{name!r}: {suffix} comes by itself; write {Path(name).stem!r}")
+        raise NodegraphError(f"{name!r}: {suffix} is added to the name; write {Path(name).stem!r}")
 
 
 def _owner(name: str, registry: Registry) -> str:
-    """Return what has the name of a package already; empty if nothing has."""
+    """Return what is already called by the name of a package; empty if nothing is."""
     for plugin in registry.loaded:
         if plugin.name == name:
             return "a plugin"
@@ -85,36 +107,36 @@ def _owner(name: str, registry: Registry) -> str:
         return f"the installed package {_with_version(name)}"
     except metadata.PackageNotFoundError:
         pass
-    if not _is_found(name):
+    if not _is_importable(name):
         return ""
     packages = dict.fromkeys(metadata.packages_distributions().get(name, ()))
-    of = " and ".join(map(_with_version, packages))
-    return f"a module of the installed package {of}" if of else "a module that Python finds"
+    owners = " and ".join(map(_with_version, packages))
+    return f"a module of the installed package {owners}" if owners else "an importable module"
 
 
-def _is_found(name: str) -> bool:
-    """Return whether Python finds a module elsewhere than in the folder where we are."""
-    here = {"", str(Path.cwd())}
-    elsewhere = [one for one in sys.path if one not in here]
-    others = (one for one in sys.meta_path if one is not PathFinder)
-    return PathFinder.find_spec(name, elsewhere) is not None or any(
-        one.find_spec(name, None) is not None for one in others
+def _is_importable(name: str) -> bool:
+    """Return whether a module can be imported that is not in the current folder."""
+    current = {"", str(Path.cwd())}
+    path = [folder for folder in sys.path if folder not in current]
+    finders = (finder for finder in sys.meta_path if finder is not PathFinder)
+    return PathFinder.find_spec(name, path) is not None or any(
+        finder.find_spec(name, None) is not None for finder in finders
     )
 
 
 def _with_version(package: str) -> str:
-    found = metadata.distribution(package)
-    return f"{found.name} {found.version}"
+    distribution = metadata.distribution(package)
+    return f"{distribution.name} {distribution.version}"
 
 
-def _filled(folder: Path, name: str) -> dict[Path, str]:
-    """Return the text of each file, by its path from where it is written."""
-    made: dict[Path, str] = {}
+def _files(folder: Path, name: str) -> dict[Path, str]:
+    """Return the texts of a template's files by their paths, with the name filled in."""
+    texts: dict[Path, str] = {}
     for source in sorted(path for path in folder.rglob("*") if path.is_file()):
-        inside = source.relative_to(folder).as_posix().replace(_PLACE, name)
+        path = source.relative_to(folder).as_posix().replace(_PLACE, name)
         try:
             text = source.read_text(encoding="utf-8")
         except UnicodeDecodeError as error:
-            raise NodegraphError(f"{source}: a template's files are text in UTF-8") from error
-        made[Path(inside.removesuffix(_SUFFIX))] = text.replace(_PLACE, name)
-    return made
+            raise NodegraphError(f"{source}: files of a template must be UTF-8 text") from error
+        texts[Path(path.removesuffix(_SUFFIX))] = text.replace(_PLACE, name)
+    return texts

@@ -1,24 +1,43 @@
-"""``nodegraph nodes``."""
+"""``nodegraph nodes``: list the installed nodes."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 
-from nodegraph.cli.progress import columns
+from nodegraph.cli.arguments import add_plugin
+from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError, nearest
-from nodegraph.node.description import summary_of
-from nodegraph.plugin.registry import Registry
+
+HELP = "List the installed nodes."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument("family", nargs="?", metavar="FAMILY", help="Family, such as fill.")
+    add_plugin(parser)
 
 
 def nodes(arguments: Namespace) -> int:
     """List the installed nodes."""
+    from nodegraph.node.description import summary_of
+    from nodegraph.plugin.registry import Registry
+
     registry = Registry.installed(arguments.plugin)
     family = (arguments.family or "").removesuffix(".*")
     if "." in family:
         registry.find(family)
-        raise NodegraphError(f"{family!r} is a node, no family; `nodegraph show {family}` shows it")
+        raise NodegraphError(
+            f"{family!r} is a node, not a family; `nodegraph show {family}` shows it"
+        )
     if family and not registry.family(family):
         raise NodegraphError(f"no family {family!r}; {nearest(family, registry.families)}")
-    found = [one for one in registry if not family or one.node.family == family]
-    print(columns([(one.node.name, summary_of(one.node), one.plugin) for one in found]))
+    print(
+        columns(
+            [
+                (entry.node.name, summary_of(entry.node), entry.plugin)
+                for entry in registry
+                if not family or entry.node.family == family
+            ]
+        )
+    )
     return 0

@@ -1,23 +1,38 @@
-"""``nodegraph report``."""
+"""``nodegraph report``: write the report of a run again, or a report of several runs."""
 
 from __future__ import annotations
 
 import os
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.common import written_and_told
+from nodegraph.cli.output import refuse_existing, write_and_print
 from nodegraph.errors import NodegraphError
 
 if TYPE_CHECKING:
     from nodegraph.report import Study
 
+HELP = "Write the report of a run again, or a report that shows several runs side by side."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument(
+        "runs", nargs="+", type=Path, metavar="RUN", help="Folder of a run, such as runs/fill."
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="File to write (default: report.html in the run; required for several runs).",
+    )
+
 
 def report(arguments: Namespace) -> int:
-    """Make the report of a finished run again, or one that lays several side by side."""
+    """Write the report of one run again, or one report of several runs."""
     from nodegraph.report import page
     from nodegraph.report.files import read_study
     from nodegraph.report.study import merged
@@ -26,23 +41,23 @@ def report(arguments: Namespace) -> int:
     studies = {run: read_study(run) for run in runs}
     out = arguments.out or (runs[0] / "report.html" if len(runs) == 1 else None)
     if out is None:
-        raise NodegraphError("say by --out FILE where the report of several runs is to be written")
-    if arguments.out and out.exists():
-        raise NodegraphError(f"{out} is there already; name another file, or remove it first")
-    named = dict(_seen_from(out.parent, studies))
+        raise NodegraphError("name the file for the report of several runs with --out FILE")
+    if arguments.out:
+        refuse_existing(out)
+    named = dict(_linked_from(out.parent, studies))
     study = merged(named) if len(named) > 1 else next(iter(named.values()))
-    written_and_told(out, page(study).encode(errors="backslashreplace"))
+    write_and_print(out, page(study).encode(errors="backslashreplace"))
     return 0
 
 
-def _seen_from(folder: Path, studies: Mapping[Path, Study]) -> Iterator[tuple[str, Study]]:
-    """Yield each study, its links leading to its run, with the name that readers know it by.
+def _linked_from(folder: Path, studies: Mapping[Path, Study]) -> Iterator[tuple[str, Study]]:
+    """Yield a name and the study of each run, with links that lead from a folder to the run.
 
-    That is the run's folder, or the way to it where two are called alike.
+    The name is that of the run's folder, or the path to it where two folders have one name.
     """
     from nodegraph.report.study import linked
 
-    called = Counter(run.resolve().name for run in studies)
+    counts = Counter(run.resolve().name for run in studies)
     for run, study in studies.items():
-        where, name = Path(os.path.relpath(run, folder)).as_posix(), run.resolve().name
-        yield name if called[name] == 1 else where, linked(study, where)
+        path, name = Path(os.path.relpath(run, folder)).as_posix(), run.resolve().name
+        yield name if counts[name] == 1 else path, linked(study, path)

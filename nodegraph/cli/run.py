@@ -1,48 +1,68 @@
-"""``nodegraph run``."""
+"""``nodegraph run``: run a graph and write its report."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
-from nodegraph.cli.common import command_of, graph_of, left_out_lines, run_folder, say, store_of
-from nodegraph.cli.progress import progress
+from nodegraph.cli.arguments import add_executor, add_graph, add_store
+from nodegraph.cli.output import say
+
+HELP = "Run a graph and write its report."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_graph(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="Folder to write to (default: runs/GRAPH)."
+    )
+    add_executor(parser)
+    parser.add_argument(
+        "--until",
+        action="append",
+        default=[],
+        metavar="NODE",
+        help="Compute this node and what it needs, and no others.",
+    )
+    parser.add_argument(
+        "--no-cache",
+        action="store_false",
+        dest="cache",
+        help="Neither use stored results nor store new ones.",
+    )
+    add_store(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """Check, plan and run a graph; write the report; print its tables."""
-    from nodegraph.api import reported
-    from nodegraph.execute import HowToRun, execute, executor_of
-    from nodegraph.plan import plan
-    from nodegraph.report.files import report_files, summary
+    """Run a graph, write its folder, and print its tables."""
+    from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
+    from nodegraph.execute import executor_of
+    from nodegraph.report.files import summary
     from nodegraph.runs.folder import RunFolder
-    from nodegraph.runs.record import record
 
-    graph, command = graph_of(arguments), command_of(arguments)
-    graph = graph.until(arguments.until) if arguments.until else graph
-    how = HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
-    executor_of(how, graph.registry.hooks.executors)
+    graph = graph_of(arguments)
+    # these raise errors, before an earlier run is moved aside
+    executor_of(how_of(arguments), graph.registry.hooks.executors)
+    graph.until(arguments.until)
     folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)
-    for line in left_out_lines(graph):
-        say(line)
     try:
-        with progress() as shown:
-            done = execute(
-                plan(graph),
-                how=how,
-                store=None if arguments.no_cache else store_of(arguments, graph, shown.say),
-                keep=reported(graph),
-                listeners=[shown.hear, folder.hear],
-            )
+        finished = run_of(
+            arguments,
+            graph,
+            cache=arguments.cache,
+            until=arguments.until,
+            listeners=[folder.hear],
+        )
     except Exception:
         folder.abandon()
         raise
     except KeyboardInterrupt:
-        if not arguments.no_cache:
-            say("what is done is stored: the same command goes on from there")
+        if arguments.cache:
+            say("finished steps are stored; the same command continues from there")
         raise
     if folder.moved:
         say(f"the earlier run is now in {folder.moved}")
-    files, study = report_files(done, command=command)
-    folder.finish(files, record(done, command))
-    print(f"{summary(study, done)}\n\n{folder.path / 'report.html'}")
+    study = finished.write_to(folder)
+    print(f"{summary(study, finished)}\n\n{folder.path / 'report.html'}")
     return 0 if study.ok else 1

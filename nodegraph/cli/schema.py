@@ -1,22 +1,34 @@
-"""``nodegraph schema``."""
+"""``nodegraph schema``: JSON Schema of graph files."""
 
 from __future__ import annotations
 
 import json
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
-from nodegraph.cli.common import written_and_told
-from nodegraph.plugin.registry import Registry
+from nodegraph.cli.arguments import add_plugin
+from nodegraph.cli.output import write_and_print
+
+HELP = "Print a JSON Schema of graph files, for editors."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="File to write (default: standard output)."
+    )
+    add_plugin(parser)
 
 
 def schema(arguments: Namespace) -> int:
     """Print or write a JSON Schema of graph files."""
     from nodegraph.graphfile.schema import graph_schema
+    from nodegraph.plugin.registry import Registry
 
-    made = graph_schema(Registry.installed(arguments.plugin))
-    text = json.dumps(made, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    content = graph_schema(Registry.installed(arguments.plugin))
+    text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     if arguments.out:
-        written_and_told(arguments.out, f"{text}\n".encode())
+        write_and_print(arguments.out, f"{text}\n".encode())
     else:
         print(text)
     return 0

@@ -1,31 +1,39 @@
-"""``nodegraph show``."""
+"""``nodegraph show``: describe a node."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
 
-from nodegraph.cli.progress import columns
-from nodegraph.plugin.registry import Registered, Registry
+from nodegraph.cli.arguments import add_plugin
+from nodegraph.cli.output import columns
+
+if TYPE_CHECKING:
+    from nodegraph.plugin.registry import Registered, Registry
+
+HELP = "Show a node: ports, settings, units, citation."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument("node", metavar="NODE", help="Node, such as fill.muscle.")
+    add_plugin(parser)
 
 
 def show(arguments: Namespace) -> int:
-    """Show one node."""
-    registry = Registry.installed(arguments.plugin)
-    print(_shown(registry.find(arguments.node), registry))
-    return 0
-
-
-def _shown(found: Registered, registry: Registry) -> str:
+    """Print the description of a node."""
     from nodegraph.node.description import describe_settings, has_example, without_parameters
     from nodegraph.plugin.bibliography import references
+    from nodegraph.plugin.registry import Registry
 
-    node = found.node
-    ports = [("in", str(port)) for port in node.inputs] + [
-        ("out", str(port)) for port in node.outputs
-    ]
-    parts = [f"{node.name}    plugin {found.plugin} {found.distribution}".rstrip(), columns(ports)]
+    registry = Registry.installed(arguments.plugin)
+    entry = registry.find(arguments.node)
+    node = entry.node
+    parts = [f"{node.name}    plugin {entry.plugin} {entry.distribution}".rstrip()]
     if node.deprecated:
-        parts.insert(1, f"deprecated: {node.deprecated}")
+        parts.append(f"deprecated: {node.deprecated}")
+    ports = [("in", str(port)) for port in node.inputs]
+    parts.append(columns([*ports, *(("out", str(port)) for port in node.outputs)]))
     settings = describe_settings(node)
     if settings:
         head = ("setting", "default", "unit", "is", "meaning")
@@ -33,17 +41,18 @@ def _shown(found: Registered, registry: Registry) -> str:
         parts.append(columns([head, *rows]))
     parts.append(without_parameters(node.doc))
     if not has_example(node):
-        parts.append(_example(found, registry))
+        parts.append(_example(entry, registry))
     cited = references(registry.hooks.bibtex, node.cite).values()
     parts.append("cite: " + ("\n      ".join(cited) or "nothing"))
-    return "\n\n".join(parts)
+    print("\n\n".join(parts))
+    return 0
 
 
-def _example(found: Registered, registry: Registry) -> str:
+def _example(entry: Registered, registry: Registry) -> str:
     from nodegraph.node.description import example_of
 
-    claimed = [one for one in registry if one.node.name == found.node.name]
-    text = example_of(found.node, found.full_name if len(claimed) > 1 else "")
+    is_ambiguous = sum(other.node.name == entry.node.name for other in registry) > 1
+    text = example_of(entry.node, entry.full_name if is_ambiguous else "")
     return "\n".join(
         ["example, among the nodes of a graph:", *(f"  {line}" for line in text.splitlines())]
     )

@@ -1,16 +1,16 @@
-"""``nodegraph verify``."""
+"""``nodegraph verify``: whether a frozen study still gives its results."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.common import MOST, counted, few, first_and_more, say, set_values
-from nodegraph.state import State
+from nodegraph.cli.arguments import add_executor, add_pairs, add_plugin, add_store, input_values
+from nodegraph.cli.output import MOST, counted, few, first_and_more, say
 
 if TYPE_CHECKING:
     from nodegraph.execute import Run
@@ -19,15 +19,26 @@ if TYPE_CHECKING:
     from nodegraph.lock.results import Kept, Results, Said
     from nodegraph.store import Store
 
-_NO_REASON = ": another processor, or it does not give one answer"
+HELP = "Run a frozen study and compare its results with those in the lock."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.description = (
+        f"{HELP} The verdict is identical, within tolerance, same conclusions, or diverged. "
+        "The exit status is 1 if results diverged or conclusions changed."
+    )
+    parser.add_argument("lock", type=Path, metavar="LOCK", help="File written by nodegraph lock.")
+    parser.add_argument("--rerun", action="store_true", help="Do not use stored results.")
+    add_pairs(parser, "set", "Path of a file that the lock has by name only.")
+    add_plugin(parser)
+    add_executor(parser)
+    add_store(parser)
 
 
 def verify(arguments: Namespace) -> int:
-    """Run a frozen study, and tell how far its results are those in the lock.
-
-    The status is 1 if it diverged, or if its conclusions are others however near its results are.
-    """
-    from nodegraph.cli.common import completed
+    """Run a frozen study, and print how far its results are those in the lock."""
+    from nodegraph.cli.graphs import run_of
     from nodegraph.execute import open_store
     from nodegraph.lock.lockfile import read_lock
     from nodegraph.lock.restore import other_texts, unlocked
@@ -35,101 +46,108 @@ def verify(arguments: Namespace) -> int:
 
     lock = read_lock(arguments.lock)
     registry = Registry.installed(arguments.plugin)
-    graph = unlocked(lock, registry, set_values(arguments))
+    graph = unlocked(lock, registry, input_values(arguments))
     for text in other_texts(lock):
         say(text)
     store = open_store(registry, arguments.store, say)
-    with _store_of_the_run(store, afresh=arguments.rerun) as used:
-        return _told(lock, completed(arguments, graph, used), store)
-
-
-def _told(lock: Lock, run: Run, store: Store) -> int:
-    """Print the verdict and what it stands on; return the exit status."""
-    from nodegraph.lock.compare import (
-        Explained,
-        compare,
-        conclusions_changed,
-        first_of_each,
-        verdict,
-    )
-    from nodegraph.lock.results import Kept, Results, said_by
-
-    not_stored = run.not_stored()  # before what is not stored is computed again
-    results, said, kept = Results(run), list(said_by(run)), Kept(store)
-    found = compare(lock, run, results)
-    changed = list(conclusions_changed(lock.data["conclusions"], said))
-    came_to = verdict(found, bool(lock.data["conclusions"]), changed)
-    print(f"{came_to.text}: {lock.path}: {_counts(found, lock)}")
-    for line in (*Explained(lock, run).everywhere(), *_notes(found), *not_stored):
-        print(f"    {line}")
-    for place, moved in enumerate(first_of_each(found.origins)[:MOST]):
-        first = moved[0].cell
-        name = first_and_more(first.name, len(moved), first.group)
-        print(f"\n{'also' if place else 'first'}: {name}")
-        for line in (*_explained(moved[0], run), *_values(moved, lock, results, kept)):
-            print(f"    {line}")
-    if found.followers:
-        print(f"\nwhat follows from that: {counted(found.followers)}")
-    for line in (*few(changed), *_numbers(lock, found, said), *_held(lock, found, changed)):
-        print(line)
-    return 0 if came_to.holds else 1
+    with _store_for_run(store, rerun=arguments.rerun) as run_store:
+        return _compare(lock, run_of(arguments, graph, store=run_store), store)
 
 
 @contextmanager
-def _store_of_the_run(store: Store, *, afresh: bool) -> Iterator[Store]:
+def _store_for_run(store: Store, *, rerun: bool) -> Iterator[Store]:
     from nodegraph.lock.restore import Afresh
 
-    if not afresh:
+    if not rerun:
         yield store
         return
     with TemporaryDirectory(prefix="nodegraph-") as folder:
         yield Afresh(Path(folder), store, say)
 
 
-def _counts(found: Compared, lock: Lock) -> str:
-    parts = [f"{found.identical} of {found.count} results identical{_ended(found)}"]
-    if found.near and found.farthest:
-        cell, apart = found.farthest
-        size = f"up to {apart:.1g}, {cell.name}" if apart else "but for their form"
-        parts.append(f"{found.near} within {lock.data['tolerance']:g} of their size ({size})")
-    return ", ".join([*parts, f"{found.beyond} beyond"] if found.beyond else parts)
+def _compare(lock: Lock, run: Run, store: Store) -> int:
+    """Print the verdict and the reasons for it; return the exit status."""
+    from nodegraph.lock.compare import Explained, compare, conclusions_changed, verdict
+    from nodegraph.lock.results import Kept, Results, said_by
+
+    not_stored = run.not_stored()  # before results that are not stored are computed again
+    results, said, stored = Results(run), list(said_by(run)), Kept(store)
+    compared = compare(lock, run, results)
+    conclusions = lock.data["conclusions"]
+    changed = list(conclusions_changed(conclusions, said))
+    grade = verdict(compared, bool(conclusions), changed)
+    print(f"{grade.text}: {lock.path}: {_counts(compared, lock)}")
+    for line in (*Explained(lock, run).everywhere(), *_notes(compared), *not_stored):
+        print(f"    {line}")
+    _print_origins(lock, run, compared, results, stored)
+    if compared.followers:
+        print(f"\nwhat follows from that: {counted(compared.followers)}")
+    for line in (*few(changed), *_table_changes(lock, compared, said)):
+        print(line)
+    count = sum(map(len, conclusions.values()))
+    if compared.beyond and not changed and count:
+        print(f"all conclusions are the same ({count})")
+    return 0 if grade.holds else 1
 
 
-def _ended(found: Compared) -> str:
-    """Return how many of the identical results are none."""
+def _print_origins(
+    lock: Lock, run: Run, compared: Compared, results: Results, stored: Kept
+) -> None:
+    """Print the combinations with which differences begin, and what explains them."""
+    from nodegraph.lock.compare import first_of_each
+
+    for index, moved in enumerate(first_of_each(compared.origins)[:MOST]):
+        cell = moved[0].cell
+        name = first_and_more(cell.name, len(moved), cell.group)
+        print(f"\n{'also' if index else 'first'}: {name}")
+        for line in (*_explanation(moved[0], run), *_values(moved, lock, results, stored)):
+            print(f"    {line}")
+
+
+def _counts(compared: Compared, lock: Lock) -> str:
+    parts = [f"{compared.identical} of {compared.count} results identical{_ended(compared)}"]
+    if compared.near and compared.farthest:
+        cell, distance = compared.farthest
+        size = f"up to {distance:.1g}, {cell.name}" if distance else "but for their form"
+        parts.append(f"{compared.near} within {lock.data['tolerance']:g} of their size ({size})")
+    return ", ".join([*parts, f"{compared.beyond} beyond"] if compared.beyond else parts)
+
+
+def _ended(compared: Compared) -> str:
+    """Return how many of the identical results are failures or refusals."""
     counts = [
-        f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
-        for state, count in found.ended.items()
+        f"{count} {'' if state == 'failed' else 'was ' if count == 1 else 'were '}{state}"
+        for state, count in compared.ended.items()
     ]
-    return f" (of these {' and '.join(counts)}, as then)" if counts else ""
+    return f" (of these {' and '.join(counts)}, as before)" if counts else ""
 
 
-def _notes(found: Compared) -> Iterator[str]:
-    if found.drawn.total():
-        yield f"drawn otherwise from the same numbers: {counted(found.drawn)}"
-    if found.unknown:
-        yield f"cannot be stored, so not compared: {counted(found.unknown)}"
-    for what, names in (("the lock", found.only_locked), ("this run", found.only_now)):
+def _notes(compared: Compared) -> Iterator[str]:
+    if compared.drawn.total():
+        yield f"drawn otherwise from the same numbers: {counted(compared.drawn)}"
+    if compared.unknown:
+        yield f"cannot be stored, so not compared: {counted(compared.unknown)}"
+    for what, names in (("the lock", compared.only_locked), ("this run", compared.only_now)):
         if names:
             more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
             yield f"only in {what}: {'; '.join(names[:MOST])}{more}"
 
 
-def _explained(moved: Moved, run: Run) -> Iterator[str]:
+def _explanation(moved: Moved, run: Run) -> Iterator[str]:
     own, around = moved.change.own, moved.change.around
     if not own and not around:
         step = run.plan.steps[moved.cell.index]
-        audited = run.cache.distrusted(step) if run.cache else ""
-        why = f", and {audited}" if audited else _NO_REASON
-        yield f"code, settings, files and libraries are the same{why}"
+        doubt = run.cache.distrusted(step) if run.cache else ""
+        reason = f", and {doubt}" if doubt else ": another processor, or a method that varies"
+        yield f"code, settings, files and libraries are the same{reason}"
     yield from few(own, "changes")
     yield from around
 
 
-def _values(moved: list[Moved], lock: Lock, results: Results, kept: Kept) -> Iterator[str]:
-    """Yield by how much results differ and where: exactly, where the old ones are stored."""
+def _values(moved: list[Moved], lock: Lock, results: Results, stored: Kept) -> Iterator[str]:
+    """Yield how much results differ and where: exactly, where the locked values are stored."""
     from nodegraph.lock.compare import where
-    from nodegraph.runs.diff import told_apart
+    from nodegraph.runs.diff import value_differences
 
     first = moved[0]
     if first.grade.said:
@@ -141,24 +159,18 @@ def _values(moved: list[Moved], lock: Lock, results: Results, kept: Kept) -> Ite
     if results.ended(first.cell.index):
         return
     digest = lock.results[first.cell.group][first.cell.at].digest
-    stored = results.beside(first.cell.index, digest, kept)
-    if not stored:
+    values = results.beside(first.cell.index, digest, stored)
+    if not values:
         yield from where(lock, first.cell, results)
-    for name, (was, now) in stored.items():
-        said = told_apart(was, now, results.comparisons)
-        yield from (f"{name}: {text}" for text in said[:MOST])
+    for name, (was, now) in values.items():
+        texts = value_differences(was, now, results.comparisons)
+        yield from (f"{name}: {text}" for text in texts[:MOST])
 
 
-def _numbers(lock: Lock, found: Compared, said: list[Said]) -> Iterator[str]:
-    """Yield how the tables changed, if it is more than rounding."""
+def _table_changes(lock: Lock, compared: Compared, said: list[Said]) -> Iterator[str]:
+    """Yield how the numbers of tables changed, if by more than rounding."""
     from nodegraph.lock.compare import numbers_changed
 
-    if found.beyond:
+    if compared.beyond:
         changed = numbers_changed(lock.data["tables"], said, lock.data["tolerance"])
         yield from few(list(changed))
-
-
-def _held(lock: Lock, found: Compared, changed: list[str]) -> Iterator[str]:
-    count = sum(map(len, lock.data["conclusions"].values()))
-    if found.beyond and not changed and count:
-        yield f"all conclusions are the same ({count})"

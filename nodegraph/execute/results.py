@@ -15,7 +15,6 @@ from nodegraph.execute.frames import frame_of
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
-from nodegraph.formatting import in_notebook
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
@@ -74,10 +73,6 @@ class Run:
         if port and port not in outputs:
             raise NodegraphError(f"{node!r} has no output {port!r}; {nearest(port, outputs)}")
         return Values(self, node, port)
-
-    def _repr_html_(self) -> str:
-        """Return how a notebook shows the run."""
-        return in_notebook("run_html", self)
 
     @property
     def ok(self) -> bool:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.errors import NodegraphError, Place, Problem, nearest
-from nodegraph.formatting import in_notebook
 from nodegraph.graphfile.spec import GraphSpec, Reference
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label
@@ -334,10 +333,6 @@ class Graph:
     def output_name(self, source: Reference) -> str:
         """Return the name of the output that a reference means."""
         return source.port or self.nodes[source.node].first.node.outputs[0].name
-
-    def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
-        return in_notebook("graph_html", self)
 
 
 def _file_outputs(node: GraphNode) -> Iterator[str]:

@@ -17,7 +17,7 @@ from nodegraph.lock.provenance import FileNames, account, file_names, short_unit
 from nodegraph.lock.results import Cell, Recorded, Results, Said, cells_of, exact_of
 from nodegraph.lock.sketch import Parts, Span
 from nodegraph.plan import Step
-from nodegraph.runs.changes import settings_changed
+from nodegraph.runs.changes import setting_changes
 from nodegraph.runs.diff import Spread
 from nodegraph.state import State
 
@@ -63,7 +63,7 @@ class Explained:
         was, now = (one["methods"].get(cell.group, {}) for one in (self._was, self._now))
         own = [
             *_used(was, now),
-            *settings_changed(
+            *setting_changes(
                 was.get("settings", {}), now.get("settings", {}), file_names(step, self._names)
             ),
             *self._axes(step),
@@ -90,7 +90,7 @@ class Explained:
         for axis in step.labels:
             was, now = (one["axes"].get(axis) for one in (self._was, self._now))
             if was != now and isinstance(was, dict) and isinstance(now, dict):
-                yield from (f"axis {axis}: {one}" for one in settings_changed(was, now))
+                yield from (f"axis {axis}: {one}" for one in setting_changes(was, now))
 
     def _files(self, step: Step) -> Iterator[str]:
         was, now = self._was["files"], self._now["files"]
@@ -139,7 +139,7 @@ def _used(was: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _fed(was: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    yield from (f"input {one}" for one in settings_changed(was, now))
+    yield from (f"input {one}" for one in setting_changes(was, now))
 
 
 _MEASURED = re.compile(r"[-+]?\d*\.\d+(?:e[-+]?\d+)?", re.I)

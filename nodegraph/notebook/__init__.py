@@ -12,6 +12,7 @@ from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.compose import compose
 from nodegraph.report.page import duration, templates_of
 from nodegraph.report.study import note_kinds, titled
+from nodegraph.runs.settings import RunSettings
 
 _MOST = 24
 _FEW = 3
@@ -41,7 +42,7 @@ def graph_html(graph: Graph) -> str:
 def run_html(run: Run) -> str:
     """Return a run for a notebook: how its steps ended and why, and what its report shows."""
     graph = run.plan.graph
-    study, _ = compose(run, command="")
+    study, _ = compose(run, RunSettings(graph.spec.file))
     return (
         templates_of("nodegraph.notebook")
         .get_template("run.html")

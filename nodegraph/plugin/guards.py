@@ -15,6 +15,7 @@ from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.hook_types import (
+    Command,
     Comparison,
     Conclusion,
     Parts,
@@ -176,6 +177,16 @@ def guard_executor(name: str, executor: Function, source: Source) -> Function:
                 close()  # cancels what still runs
 
     return guarded
+
+
+def guard_command(name: str, command: Command, source: Source) -> Command:
+    """Return a command that raises `PluginError` where another fails."""
+    what = f"command {name!r}"
+    return replace(
+        command,
+        add_arguments=source.raising(what, command.add_arguments),
+        call=source.raising(what, lambda arguments: expect(command.call(arguments), int)),
+    )
 
 
 def guard_place(scheme: str, find: Function, source: Source) -> Function:

@@ -19,6 +19,7 @@ from nodegraph.errors import nearest
 from nodegraph.plugin import hooks
 from nodegraph.plugin.guards import (
     Source,
+    guard_command,
     guard_comparison,
     guard_conclusion,
     guard_executor,
@@ -28,6 +29,7 @@ from nodegraph.plugin.guards import (
     guard_storage,
 )
 from nodegraph.plugin.hook_types import (
+    Command,
     Comparison,
     Conclusion,
     Contract,
@@ -84,6 +86,11 @@ class HookResults:
     def templates(self) -> Mapping[str, Path]:
         """Folders that ``nodegraph new`` copies, by kind."""
         return self._named("nodegraph_templates")
+
+    @cached_property
+    def commands(self) -> Mapping[str, Command]:
+        """Commands of the command line, by name."""
+        return self._named("nodegraph_commands", guard_command)
 
     def place(self, path: str) -> Path | None:
         """Return the file or folder that ``scheme:name`` names, or None for an unknown scheme.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -200,6 +201,35 @@ class Conclusion:
     type: type
     conclude: Callable[[Any], Iterable[str]]
     numbers: Callable[[Any], str]
+
+    def __post_init__(self) -> None:
+        _check_fields(self)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of the command line: ``nodegraph NAME``.
+
+    Attributes
+    ----------
+    help : str
+        A sentence for ``nodegraph help``.
+    add_arguments : callable
+        ``add_arguments(parser)`` declares the arguments on an `argparse.ArgumentParser`.
+    call : callable
+        ``call(arguments)`` runs the command with an `argparse.Namespace` and returns the exit
+        status: 0, or 1 if something failed. The message of a `nodegraph.NodegraphError` is
+        printed, and the status is 2.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    """
+
+    help: str
+    add_arguments: Callable[[ArgumentParser], None]
+    call: Callable[[Namespace], int]
 
     def __post_init__(self) -> None:
         _check_fields(self)

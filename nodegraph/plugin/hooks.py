@@ -12,7 +12,7 @@ from typing import Any
 
 import pluggy
 
-from nodegraph.plugin.hook_types import Comparison, Conclusion, Contract, Renderer, Storage
+from nodegraph.plugin.hook_types import Command, Comparison, Conclusion, Contract, Renderer, Storage
 
 GROUP = "nodegraph"
 hookspec = pluggy.HookspecMarker(GROUP)
@@ -73,6 +73,14 @@ def nodegraph_templates() -> Mapping[str, Path]:  # type: ignore[empty-body]
 
     Each is a folder whose files are copied with ``{{name}}`` replaced, in their text and in their
     paths, and ``.template`` removed from the end of their names.
+    """
+
+
+@hookspec
+def nodegraph_commands() -> Mapping[str, Command]:  # type: ignore[empty-body]
+    """Return further commands of the command line, by name.
+
+    They are looked up for a word that is not a built-in command, and for ``nodegraph help``.
     """
 
 

@@ -33,7 +33,8 @@ from nodegraph.report.study import (
     TimingRow,
     WithoutResult,
 )
-from nodegraph.runs.record import repeating, versions
+from nodegraph.runs.record import versions
+from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _KINDS: dict[State, Kind] = {
@@ -43,11 +44,11 @@ _KINDS: dict[State, Kind] = {
 }
 
 
-def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
+def step_notes(run: Run, settings: RunSettings) -> tuple[StepNote, ...]:
     """Return a note for everything in a run that did not simply go well."""
     return tuple(
         (
-            *_settled(run, command),
+            *_settled(run, settings),
             *_left_out_by_plan(run),
             *_left_out_by_command(run),
             *_deprecated(run),
@@ -56,9 +57,9 @@ def step_notes(run: Run, command: str) -> tuple[StepNote, ...]:
     )
 
 
-def _settled(run: Run, command: str) -> Iterator[StepNote]:
+def _settled(run: Run, settings: RunSettings) -> Iterator[StepNote]:
     for step, outcome in run.settled(*_KINDS):
-        repeat = repeating(command, step) if outcome.state is State.FAILED else ""
+        repeat = settings.repeat(step) if outcome.state is State.FAILED else ""
         yield StepNote(
             _name(step),
             labels_of(step.labels),
@@ -239,14 +240,14 @@ def _counted(others: Counter[str]) -> str:
 _FILES = (Link("what ran", "run.json"), Link("events", "events.jsonl"))
 
 
-def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
+def compose(run: Run, settings: RunSettings) -> tuple[Study, dict[str, bytes]]:
     """Return what the report of a run says, and the files of its tables and figures.
 
     Parameters
     ----------
     run
-    command
-        How the run was started, so that a reader can start it again.
+    settings
+        What the run was started with.
     """
     graph = run.plan.graph
     found = list(_reported(run))
@@ -264,12 +265,12 @@ def compose(run: Run, *, command: str) -> tuple[Study, dict[str, bytes]]:
         methods=methods.rows(),
         without_result=methods.without_result(),
         bibtex=methods.bibtex(),
-        notes=(*unshown, *step_notes(run, command)),
+        notes=(*unshown, *step_notes(run, settings)),
         timings=_timings(run),
         seconds=run.seconds,
         versions=tuple(there.items()),
         seeds=methods.seeds(),
-        command=command,
+        command=settings.command,
         graph_file=graph.spec.file,
         graph_text=graph.spec.text,
         files=_FILES,

@@ -16,6 +16,7 @@ from nodegraph.execute import Run
 from nodegraph.report.compose import compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study
+from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 from nodegraph.validation import first_error
 
@@ -72,9 +73,9 @@ _MOST_FAILURES = 5
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 
 
-def report_files(run: Run, *, command: str) -> tuple[dict[str, bytes], Study]:
+def report_files(run: Run, settings: RunSettings) -> tuple[dict[str, bytes], Study]:
     """Return the report, the tables and the figures of a run by file name, and its study."""
-    study, files = compose(run, command=command)
+    study, files = compose(run, settings)
     # what failed may name a file whose name is no text
     text = page(study).encode(errors="backslashreplace")
     return {**files, STUDY: study_bytes(study), "report.html": text}, study

@@ -1,81 +1,67 @@
-"""What differs between two accounts of one step: its code, its settings, what feeds it."""
+"""What changed about a step between two runs: its settings, its code, what feeds its ports."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from nodegraph.fingerprint.code import Reached
+from nodegraph.formatting import labels_of
+from nodegraph.runs.record import RecordedCode, RecordedStep
+
 Sources = Mapping[str, tuple[str, ...]]
 """What feeds each port: a text per value."""
 
+Code = RecordedCode | Reached
 
-def settings_changed(
+
+def setting_changes(
     was: Mapping[str, Any], now: Mapping[str, Any], files: Collection[str] = ()
 ) -> Iterator[str]:
-    """Yield each setting that has another value, except those that name files."""
+    """Yield a text per setting with another value, except those that name files."""
     for name in {**was, **now}:
         if name not in files and was.get(name) != now.get(name):
             yield f"{name} was {was.get(name)!r}, now {now.get(name)!r}"
 
 
-def code_changed(was: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    """Yield each function and each distribution that is not what it was.
-
-    Parameters
-    ----------
-    was, now
-        ``units``: digests of functions, classes and constants by name; ``versions`` of
-        distributions.
-    """
-    for name, how in _edited(was.get("units", {}), now.get("units", {})):
-        yield f"code: {name} {how}"
-    before, here = was.get("versions", {}), now.get("versions", {})
-    for name in {**before, **here}:
-        if before.get(name) != here.get(name):
-            yield f"{name} was {before.get(name, 'not used')}, now {here.get(name, 'not used')}"
+def code_changes(was: Code, now: Code) -> Iterator[str]:
+    """Yield a text per function that was edited, and per distribution of another version."""
+    for name in {**was.units, **now.units}:
+        if name not in was.units:
+            yield f"code: {name} was not used before"
+        elif name not in now.units:
+            yield f"code: {name} is no longer used"
+        elif was.units[name] != now.units[name]:
+            yield f"code: {name} was edited"
+    for name in {**was.versions, **now.versions}:
+        before, after = (code.versions.get(name, "not used") for code in (was, now))
+        if before != after:
+            yield f"{name} was {before}, now {after}"
 
 
-def sources_changed(was: Sources, now: Sources) -> Iterator[str]:
-    """Yield each port that is fed by something else."""
+def source_changes(was: Sources, now: Sources) -> Iterator[str]:
+    """Yield a text per port that is fed by something else."""
     for port in {**was, **now}:
-        then, here = was.get(port, ()), now.get(port, ())
-        if len(then) != len(here):
-            yield f"{port} took {len(then)} values, now {len(here)}"
-        elif then != here:
-            at = next(index for index, one in enumerate(then) if one != here[index])
-            yield f"{port} took {then[at]}, now {here[at]}"
+        before, after = was.get(port, ()), now.get(port, ())
+        if len(before) != len(after):
+            yield f"{port} took {len(before)} values, now {len(after)}"
+        else:
+            pairs = zip(before, after, strict=True)
+            first = next((pair for pair in pairs if pair[0] != pair[1]), None)
+            if first is not None:
+                yield f"{port} took {first[0]}, now {first[1]}"
 
 
-def recorded_sources(step: Mapping[str, Any], steps: Mapping[int, Mapping[str, Any]]) -> Sources:
-    """Return what fed each port of a step in a record.
-
-    Parameters
-    ----------
-    step
-        One of the steps of ``run.json``.
-    steps
-        All of them, by their numbers.
-    """
+def recorded_sources(step: RecordedStep, steps: Mapping[int, RecordedStep]) -> Sources:
+    """Return what fed each port of a step in a record, whose steps are known by their numbers."""
     return {
         port: tuple(
-            source(steps[one["step"]]["node"], one["output"], one.get("labels", {}))
-            for one in (fed if isinstance(fed, list) else [fed])
+            source_text(steps[source.step].node, source.output, source.labels) for source in sources
         )
-        for port, fed in step["inputs"].items()
+        for port, sources in step.sources()
     }
 
 
-def source(node: str, output: str, labels: Mapping[str, Any]) -> str:
-    """Return what feeds a port, as text."""
-    at = ", ".join(f"{axis}={label}" for axis, label in labels.items())
-    return f"{node}.{output}" + (f" as {at}" if at else "")
-
-
-def _edited(was: Mapping[str, str], now: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    for name in {**was, **now}:
-        if name not in was:
-            yield name, "is new to it"
-        elif name not in now:
-            yield name, "is no longer part of it"
-        elif was[name] != now[name]:
-            yield name, "was edited"
+def source_text(node: str, output: str, labels: Mapping[str, Any]) -> str:
+    """Return the text for an output that feeds a port: ``fill.output as fill=muscle``."""
+    return f"{node}.{output}" + (f" as {labels_of(labels)}" if labels else "")

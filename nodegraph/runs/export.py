@@ -1,77 +1,64 @@
-"""The forms of file that a value can be written in.
+"""Files that a value can be written as, by suffix.
 
-A node of the family ``write`` whose first input takes the value gives one: ``write.c3d`` the form
-``.c3d``, ``write.marker_set_yaml`` the form ``.yaml``: the last word of its name is the suffix.
-Whatever is shown in a report has those of the files beside it.
+A node of the family ``write`` whose first input takes the value writes one format: the last word
+of its name is the suffix, ``.c3d`` of ``write.c3d``, ``.yaml`` of ``write.marker_set_yaml``. What a
+report shows can be written in the formats of the files beside the report as well.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import Files
 from nodegraph.plugin.registry import Registry
 
-Form = Callable[[], Mapping[str, bytes]]
+Exporter = Callable[[], Mapping[str, bytes]]
+"""Returns the content of files by name, the one of its suffix first."""
+
 _FAMILY = "write"
 
 
-def forms_of(value: Any, registry: Registry) -> dict[str, Form]:
-    """Return what makes files of a value, by suffix: ``.c3d``.
-
-    Parameters
-    ----------
-    value
-    registry
-        Whose writers and renderers.
-
-    Returns
-    -------
-    mapping of suffix to callable
-        Each returns the content of files by name, the one of that suffix first.
-    """
+def exporters_of(value: Any, registry: Registry) -> dict[str, Exporter]:
+    """Return an exporter of a value for each suffix, such as ``.c3d``."""
     if isinstance(value, Files):
-        return {_suffix(name): _given(name, value.content) for name in value.content}
-    return {**_rendered(value, registry), **dict(_written(value, registry))}
+        return {_suffix(name): partial(_part, value.content, name) for name in value.content}
+    return {**_from_renderer(value, registry), **dict(_from_writers(value, registry))}
 
 
-def _given(first: str, content: Mapping[str, bytes]) -> Form:
-    return lambda: {first: content[first]}
-
-
-def _written(value: Any, registry: Registry) -> Iterator[tuple[str, Form]]:
-    for one in registry.family(_FAMILY).values():
-        port = _port_for(value, one.node)
-        if port:
-            suffix = f".{one.node.method.rpartition('_')[2]}"
-            yield suffix, _written_by(one.node, port, value, suffix)
-
-
-def _port_for(value: Any, node: Node) -> str:
-    """Return the port that takes a value, if the node needs nothing else; else nothing."""
-    fits = [port for port in node.inputs if isinstance(value, port.type) and not port.across]
-    others = [port for port in node.inputs if port not in fits[:1] and not port.optional]
-    settings = [one for one in node.settings.values() if one.required]
-    return fits[0].name if fits and not others and not settings else ""
-
-
-def _written_by(node: Node, port: str, value: Any, suffix: str) -> Form:
-    def made() -> Mapping[str, bytes]:
-        files = node.function(**{port: value})
-        content: Mapping[str, bytes] = files.content
-        return dict(sorted(content.items(), key=lambda one: _suffix(one[0]) != suffix))
-
-    return made
-
-
-def _rendered(value: Any, registry: Registry) -> dict[str, Form]:
+def _from_renderer(value: Any, registry: Registry) -> dict[str, Exporter]:
     for renderer in registry.hooks.renderers:
         if isinstance(value, renderer.type):
             files = renderer.render(value, "").files
-            return {suffix: _given(suffix, files) for suffix in files}
+            return {suffix: partial(_part, files, suffix) for suffix in files}
     return {}
+
+
+def _from_writers(value: Any, registry: Registry) -> Iterator[tuple[str, Exporter]]:
+    for entry in registry.family(_FAMILY).values():
+        port = _port_for(value, entry.node)
+        if port:
+            suffix = f".{entry.node.method.rpartition('_')[2]}"
+            yield suffix, partial(_write, entry.node, port, value, suffix)
+
+
+def _port_for(value: Any, node: Node) -> str:
+    """Return the port that takes a value if the node requires nothing else, or nothing."""
+    ports = [port for port in node.inputs if isinstance(value, port.type) and not port.across]
+    required = [port for port in node.inputs if port not in ports[:1] and not port.optional]
+    settings = [setting for setting in node.settings.values() if setting.required]
+    return ports[0].name if ports and not required and not settings else ""
+
+
+def _part(files: Mapping[str, bytes], name: str) -> Mapping[str, bytes]:
+    return {name: files[name]}
+
+
+def _write(node: Node, port: str, value: Any, suffix: str) -> Mapping[str, bytes]:
+    content: Mapping[str, bytes] = node.function(**{port: value}).content
+    return dict(sorted(content.items(), key=lambda file: _suffix(file[0]) != suffix))
 
 
 def _suffix(name: str) -> str:

@@ -10,7 +10,6 @@ from contextlib import suppress
 from datetime import datetime
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Event
@@ -77,7 +76,7 @@ class RunFolder:
             if self.moved is not None:
                 self._place.with_name(self.moved.name).rename(self._place)
 
-    def finish(self, files: Mapping[str, bytes], record: Mapping[str, Any]) -> None:
+    def finish(self, files: Mapping[str, bytes], record: str) -> None:
         """Write what the run came to; the record last, since it says that all is there."""
         try:
             for name, content in files.items():
@@ -85,7 +84,7 @@ class RunFolder:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(content)
             unfinished = self._place / f"{RECORD}.part"
-            unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+            unfinished.write_text(record, encoding="utf-8")
             unfinished.replace(self._place / RECORD)
         finally:
             self._events.close()

@@ -1,4 +1,4 @@
-"""Why a step would run again: which part of its key is not as it was in an earlier run."""
+"""Why a step is not cached: which part of its key changed since an earlier run."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from nodegraph.execute.events import plain
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.runs.changes import (
-    code_changed,
+    code_changes,
     recorded_sources,
-    settings_changed,
-    source,
-    sources_changed,
+    setting_changes,
+    source_changes,
+    source_text,
 )
+from nodegraph.runs.record import Record, RecordedStep
 from nodegraph.state import State
 
 _Cell = tuple[str, tuple[tuple[str, Any], ...]]
 
 
 @dataclass(frozen=True)
-class Explained:
-    """What is to be said of one step.
+class Explanation:
+    """Why a step is cached or not.
 
     Attributes
     ----------
@@ -31,8 +32,8 @@ class Explained:
     stored : bool
         Whether its result is in the store now.
     changes : tuple of str
-        What differs from the earlier run, the root causes upstream included; if nothing does,
-        why there is no result all the same.
+        What changed since the earlier run, root causes upstream included; if nothing did, why
+        there is no result all the same.
     """
 
     step: Step
@@ -49,145 +50,124 @@ class Why:
     cache
         Of the plan.
     record
-        The earlier run's record, as ``run.json`` holds it.
+        Of the earlier run.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        cache: StepCache,
-        record: Mapping[str, Any],
-    ) -> None:
+    def __init__(self, plan: Plan, cache: StepCache, record: Record) -> None:
         self._plan = plan
         self._cache = cache
-        self._code = record.get("code", {})
-        steps = record["steps"]
-        self._by_index: dict[int, Mapping[str, Any]] = {one["step"]: one for one in steps}
-        self._before: dict[_Cell, Mapping[str, Any]] = {
-            _cell(one["node"], one["labels"]): one for one in steps
-        }
-        self._keys = {one["key"]: one for one in steps if one.get("key")}
+        self._code = record.code
+        self._by_index = {step.step: step for step in record.steps}
+        self._by_cell = {_cell(step.node, step.labels): step for step in record.steps}
+        self._by_key = {step.key: step for step in record.steps if step.key}
         self._changes: dict[int, tuple[str, ...]] = {}
 
-    def explain(self, node: str) -> Iterator[Explained]:
-        """Yield what is to be said of each step of a node."""
+    def explain(self, node: str) -> Iterator[Explanation]:
+        """Yield an explanation for each step of a node."""
         for index in dict.fromkeys(self._plan.cells[node].values()):
             step = self._plan.steps[index]
             stored = index in self._cache
-            changes = self._upstream(step)
+            changes = self._all_changes(step)
             if not stored and not changes:
-                changes = (self._lacking(step),)
-            yield Explained(step, stored, changes)
+                changes = (self._reason(step),)
+            yield Explanation(step, stored, changes)
 
-    def _lacking(self, step: Step) -> str:
-        """Return why a step of which nothing has changed has no result."""
-        ended, before = self._cache.known.get(step.index), self._earlier(step)
-        if ended is not None:
-            return f"{ended.state}, as before: {ended.reason}"
-        if before is not None and before["state"] == State.DONE and not before.get("digests"):
-            return "its key is as it was; that run could not store its result"
-        return "its key is as it was; the result is not in the store"
+    def _reason(self, step: Step) -> str:
+        """Return why a step without changes has no result."""
+        outcome, earlier = self._cache.known.get(step.index), self._earlier(step)
+        if outcome is not None:
+            return f"{outcome.state}, as before: {outcome.reason}"
+        if earlier is not None and earlier.state is State.DONE and not earlier.digests:
+            return "its key is unchanged; the earlier run could not store its result"
+        return "its key is unchanged; the result is not in the store"
 
-    def _earlier(self, step: Step) -> Mapping[str, Any] | None:
-        """Return what the record has of a step, or of one that had the same result."""
-        same = self._keys.get(self._cache.expected_key(step.index))
-        return same or self._before.get(_cell(step.node, step.labels))
+    def _earlier(self, step: Step) -> RecordedStep | None:
+        """Return the recorded step of the same key, else of the same combination."""
+        same_key = self._by_key.get(self._cache.expected_key(step.index))
+        return same_key or self._by_cell.get(_cell(step.node, step.labels))
 
-    def _upstream(self, step: Step) -> tuple[str, ...]:
-        """Return the changes of a step, and of all that it needs, each told once."""
+    def _all_changes(self, step: Step) -> tuple[str, ...]:
+        """Return the changes of a step and of everything upstream, each once."""
         needed = {step.index}
         pending = [step]
         while pending:
-            for one in pending.pop().needed:
-                if one not in needed:
-                    needed.add(one)
-                    pending.append(self._plan.steps[one])
-        found = (change for index in sorted(needed) for change in self._of(self._plan.steps[index]))
-        return tuple(dict.fromkeys(found))
+            for index in pending.pop().needed:
+                if index not in needed:
+                    needed.add(index)
+                    pending.append(self._plan.steps[index])
+        changes = (text for index in sorted(needed) for text in self._own_changes(index))
+        return tuple(dict.fromkeys(changes))
 
-    def _of(self, step: Step) -> tuple[str, ...]:
-        if step.index not in self._changes:
-            before = self._earlier(step)
-            found = self._compared(step, before) if before else self._new(step)
-            self._changes[step.index] = tuple(found)
-        return self._changes[step.index]
+    def _own_changes(self, index: int) -> tuple[str, ...]:
+        if index not in self._changes:
+            step = self._plan.steps[index]
+            earlier = self._earlier(step)
+            self._changes[index] = tuple(
+                self._compare(step, earlier) if earlier else self._new(step)
+            )
+        return self._changes[index]
 
     def _new(self, step: Step) -> list[str]:
-        """Return that a step is new, if not all that follows from one that feeds it."""
-        if any(self._earlier(self._plan.steps[one]) is None for one in step.needed):
+        """Return that a step is new, unless that follows from a new step that feeds it."""
+        if any(self._earlier(self._plan.steps[index]) is None for index in step.needed):
             return []
-        return [_named(step, "was not in that run")]
+        return [f"{step.name}: was not in the earlier run"]
 
-    def _compared(self, step: Step, before: Mapping[str, Any]) -> list[str]:
-        if before["state"] == State.FAILED:
-            then = "; it has a result now" if step.index in self._cache else ", and is tried again"
-            return [_named(step, f"failed in that run{then}: {before.get('reason')}")]
-        if before.get("key") and before["key"] == self._cache.expected_key(step.index):
+    def _compare(self, step: Step, earlier: RecordedStep) -> list[str]:
+        if earlier.state is State.FAILED:
+            now = "has a result now" if step.index in self._cache else "will be tried again"
+            return [f"{step.name}: failed in the earlier run and {now}: {earlier.reason}"]
+        if earlier.key and earlier.key == self._cache.expected_key(step.index):
             return []
         use = step.method.node.name
-        if before["use"] != use:
-            return [_named(step, f"used {before['use']}, now {use}")]
-        found = [
+        if earlier.use != use:
+            return [f"{step.name}: used {earlier.use}, now {use}"]
+        changes = [
             *self._code_changes(step),
-            *_settings(step, before),
-            *self._files(step, before),
-            *self._wiring(step, before),
+            *(f"{step.name}: {text}" for text in self._input_changes(step, earlier)),
         ]
-        return found or self._unnamed(step)
-
-    def _unnamed(self, step: Step) -> list[str]:
-        """Return that a step's key differs in what no record says, if nothing upstream does."""
-        if any(self._upstream(self._plan.steps[one]) for one in step.needed):
-            return []
-        return [_named(step, "takes other outputs, or labels, of what feeds it")]
+        if not changes and not any(
+            self._all_changes(self._plan.steps[index]) for index in step.needed
+        ):
+            # the record has no output positions, nor the labels that are absent from a gathering
+            changes = [f"{step.name}: takes other outputs, or labels, of what feeds it"]
+        return changes
 
     def _code_changes(self, step: Step) -> Iterator[str]:
         digest = self._cache.digest_of(step)
-        before = self._code.get(f"{step.method.plugin}:{step.method.node.name}")
         use = step.method.node.name
         if digest.reason:
             yield f"{use}: its results cannot be stored: {digest.reason}"
-        if before is None:
-            yield f"{use}: its code was not noted in that run" + (
-                "" if self._code else ", which stored nothing"
-            )
-            return
-        now = {"units": digest.code.units, "versions": digest.code.versions}
-        yield from (f"{use}: {said}" for said in code_changed(before, now))
+        earlier = self._code.get(f"{step.method.plugin}:{use}")
+        if earlier is not None:
+            yield from (f"{use}: {text}" for text in code_changes(earlier, digest.code))
+        else:
+            nothing = "" if self._code else ", which stored nothing"
+            yield f"{use}: its code was not recorded in the earlier run{nothing}"
 
-    def _files(self, step: Step, before: Mapping[str, Any]) -> Iterator[str]:
+    def _input_changes(self, step: Step, earlier: RecordedStep) -> Iterator[str]:
+        settings = {name: plain(value) for name, value in step.shown.items()}
+        files = {name for name, setting in step.method.node.settings.items() if setting.is_file}
+        yield from setting_changes(earlier.settings, settings, files)
         for name, digest in self._cache.digest_of(step).files.items():
-            if before.get("files", {}).get(name) != digest:
-                yield _named(step, f"{name}: the content of {step.settings[name]} is another")
-
-    def _wiring(self, step: Step, before: Mapping[str, Any]) -> Iterator[str]:
-        was = recorded_sources(before, self._by_index)
-        now = {port: _sources(self._plan, fed) for port, fed in step.inputs.items()}
-        yield from (_named(step, said) for said in sources_changed(was, now))
-
-
-def _settings(step: Step, before: Mapping[str, Any]) -> Iterator[str]:
-    now = {name: plain(value) for name, value in step.shown.items()}
-    files = {name for name, one in step.method.node.settings.items() if one.is_file}
-    changed = settings_changed(before["settings"], now, files)
-    yield from (_named(step, said) for said in changed)
-
-
-def _named(step: Step, said: str) -> str:
-    return f"{step.name}: {said}"
+            if earlier.files.get(name) != digest:
+                yield f"{name}: the content of {step.settings[name]} changed"
+        sources = {port: _sources(self._plan, fed) for port, fed in step.inputs.items()}
+        yield from source_changes(recorded_sources(earlier, self._by_index), sources)
 
 
 def _sources(plan: Plan, fed: StepInput) -> tuple[str, ...]:
     if isinstance(fed, Output):
         return (_output(plan, fed, {}),)
     return tuple(
-        _output(plan, one, dict(zip(fed.axes, at, strict=True))) for at, one in fed.entries
+        _output(plan, output, dict(zip(fed.axes, labels, strict=True)))
+        for labels, output in fed.entries
     )
 
 
 def _output(plan: Plan, output: Output, labels: Mapping[str, Any]) -> str:
     step = plan.steps[output.step]
-    return source(step.node, step.method.node.outputs[output.position].name, plain(labels))
+    return source_text(step.node, step.method.node.outputs[output.position].name, plain(labels))
 
 
 def _cell(node: str, labels: Mapping[str, Any]) -> _Cell:

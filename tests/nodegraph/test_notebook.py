@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from html.parser import HTMLParser
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from nodegraph import node
+from nodegraph.api import show_in_notebooks
 from nodegraph.execute import Run
-from nodegraph.formatting import in_notebook
 from nodegraph.graph import Graph
 from nodegraph.notebook import framed, graph_html, run_html
 from nodegraph.plugin.hook_types import Rendered
@@ -132,9 +135,14 @@ def test_nothing_is_fetched(run: Run) -> None:
     assert not re.search(r"@import|url\(|src=", html)
 
 
-def test_what_stands_below_finds_the_way_by_name(graph_of: Callable[..., Graph]) -> None:
-    graph = graph_of(TEXT)
-    assert in_notebook("graph_html", graph) == graph_html(graph)
+def test_ipython_shows_graphs_and_runs(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
+    formatters: dict[type, Callable[[Any], str]] = {}
+    html = SimpleNamespace(for_type=formatters.__setitem__)
+    shell = SimpleNamespace(display_formatter=SimpleNamespace(formatters={"text/html": html}))
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    show_in_notebooks()
+    assert formatters[Graph](run.plan.graph) == graph_html(run.plan.graph)
+    assert formatters[Run](run) == run_html(run)
 
 
 def test_a_graph_that_is_too_large_to_draw_says_so(graph_of: Callable[..., Graph]) -> None:

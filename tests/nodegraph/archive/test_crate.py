@@ -15,11 +15,13 @@ from nodegraph.archive.rocrate import crate_metadata
 from nodegraph.report import Link, MethodRow, Section, Study
 from nodegraph.report.study import WithoutResult
 
-RECORD = {
-    "inputs": {"take": "a b.txt", "gone": "c.txt", "sizes": [1, 2], "on": True},
-    "axes": {"length": [1, 5]},
-    "counts": {"done": 2, "failed": 1},
-}
+from .records import record_with
+
+RECORD = record_with(
+    inputs={"take": "a b.txt", "gone": "c.txt", "sizes": [1, 2], "on": True},
+    axes={"length": [1, 5]},
+    counts={"done": 2, "failed": 1},
+)
 
 
 def contents(**more: Any) -> Contents:

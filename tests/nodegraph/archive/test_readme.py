@@ -9,10 +9,14 @@ from nodegraph.archive.contents import Contents, readme
 from nodegraph.archive.inputs import ReadFile
 from nodegraph.report import Study
 
+from .records import record_with
+
 
 def contents(**more: Any) -> Contents:
     study = Study("Which?", answer=("a is best.",), versions=(("nodegraph", "1.2"),), created="now")
-    return Contents("g.yaml", study, {}, command="nodegraph run g.yaml --plugin p.py", **more)
+    return Contents(
+        "g.yaml", study, record_with(), command="nodegraph run g.yaml --plugin p.py", **more
+    )
 
 
 def test_it_begins_with_the_answer_and_the_command() -> None:

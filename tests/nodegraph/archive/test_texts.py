@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.archive.relocate import Elsewhere, command_elsewhere, graph_elsewhere
+from nodegraph.archive.relocate import Elsewhere, graph_elsewhere, settings_elsewhere
+from nodegraph.runs.settings import RunSettings
 
 HERE = Elsewhere(
     {"/data/old/a.c3d": "inputs/a.c3d"}, {"/data/old", "/data", "/home/anna", "/home/anna/study"}
@@ -60,13 +61,21 @@ def test_a_graph_leads_to_where_files_lie() -> None:
     assert graph_elsewhere(text, Path("/elsewhere"), "g.yaml", moved) == text
 
 
-def test_the_command_names_what_is_in_the_archive() -> None:
-    command = (
-        "nodegraph run ../g/a.yaml --set take=m.csv --axis 'takes=[m.csv, n.csv]' --only x=m.csv,y "
-        "--plugin p.py --store /s --executor serial"
+def test_the_settings_name_what_is_in_the_archive() -> None:
+    settings = RunSettings(
+        "../g/a.yaml",
+        set={"take": "m.csv", "factor": 2},
+        axis={"takes": ["m.csv", "n.csv"]},
+        only={"x": ["m.csv", "y"]},
+        plugins=["p.py"],
+        store="/s",
+        executor="serial",
     )
     moved = {"m.csv": "inputs/m.csv", "p.py": "plugins/p.py"}
-    assert command_elsewhere(command, "a.yaml", moved) == (
-        "nodegraph run a.yaml --set take=inputs/m.csv --axis 'takes=[inputs/m.csv, n.csv]' "
-        "--only x=inputs/m.csv,y --plugin plugins/p.py"
+    assert settings_elsewhere(settings, "a.yaml", moved) == RunSettings(
+        "a.yaml",
+        set={"take": "inputs/m.csv", "factor": 2},
+        axis={"takes": ["inputs/m.csv", "n.csv"]},
+        only={"x": ["inputs/m.csv", "y"]},
+        plugins=["plugins/p.py"],
     )

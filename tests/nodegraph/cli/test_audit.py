@@ -62,7 +62,7 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
     status, out, _ = command("audit", "toy.yaml", *_STORE)
     assert status == 1
     assert rows(out)[-1][:3] == ["odd", "odd.process", "differs"]
-    assert "odd.process: results are not stored any more" in out
+    assert "odd.process: results are no longer stored" in out
 
     status, out, _ = command("run", "toy.yaml", *_STORE, "--out", "ran")
     assert status == 0

@@ -81,7 +81,8 @@ def test_a_node_of_a_file_that_is_not_named_is_told_the_option(command: Command)
     Path("toy.yaml").write_text(Path("toy.yaml").read_text().replace("toy.sum", "toy.more"))
     status, _, err = command("check", "toy.yaml")
     assert status == 2
-    assert "nodes of a plugin file need --plugin FILE" in err
+    assert "toy.yaml:9:16" in err
+    assert "--plugin FILE" in err
 
 
 def test_a_file_without_nodes_is_told(command: Command) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from nodegraph import NodegraphError
 from nodegraph.report.files import read_study
-from nodegraph.runs.saved_run import FinishedRun
+from nodegraph.runs.saved_run import SavedRun
 
 Command = Callable[..., tuple[int, str, str]]
 Place = tuple[str | int, ...]
@@ -70,7 +70,7 @@ def read_by(command: Command, readers: Iterable[tuple[str, ...]]) -> str:
     said = ""
     for words in readers:
         status, _, err = command(*words, nodes=words[0] == "why")
-        assert "mistake of the program" not in err, (words, err)
+        assert "internal error" not in err, (words, err)
         assert status in (0, 1, 2)
         said += err
         for new in Path().glob("new.*"):
@@ -85,7 +85,7 @@ def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
         for count, data in enumerate(changed(whole, at)):
             (ran / "run.json").write_text(json.dumps(data))
             try:
-                FinishedRun(ran)
+                SavedRun(ran)
             except NodegraphError as error:
                 told = str(error)
                 assert told.startswith(("ran/run.json cannot be read (", "ran/run.json is of")), (
@@ -131,7 +131,7 @@ def test_steps_that_fit_nothing_else_are_told(ran: Path, step: dict[str, Any], s
     data["steps"][0] |= step
     (ran / "run.json").write_text(json.dumps(data))
     with pytest.raises(NodegraphError) as caught:
-        FinishedRun(ran)
+        SavedRun(ran)
     assert said in str(caught.value)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from nodegraph.cli.common import MOST, counted, few, first_and_more
+from nodegraph.cli.output import MOST, counted, few, first_and_more
 
 
 def test_counts_are_told_by_node() -> None:

@@ -44,7 +44,7 @@ def test_examples_are_listed_and_copied(command: Command, examples: Path) -> Non
     ("words", "said"),
     [
         (["toi"], "no example 'toi'; did you mean 'toy'"),
-        (["toy"], "toy.yaml is there already; it is left as it is"),
+        (["toy"], "toy.yaml already exists"),
         (["toy", "--to", "toys.py"], "toys.py"),
     ],
 )

@@ -75,13 +75,16 @@ def test_a_combination_that_another_step_stands_for_is_found(ran: Path, command:
     [
         (("fil", "--out", "a.txt"), "the run has no node 'fil'; did you mean 'fill'?"),
         (("gaps.truht", "--out", "a.txt"), "'gaps' has no output 'truht'; did you mean 'truth'?"),
-        (("fill", "--at", "fill=hold", "--out", "a.txt"), "has 2 values; say by --at: length (1,"),
+        (
+            ("fill", "--at", "fill=hold", "--out", "a.txt"),
+            "has 2 values; choose with --at: length (",
+        ),
         (("fill", "--at", "fil=hold", "--out", "a.txt"), "'fill' has no axis 'fil'"),
         (("fill", "--at", "length=2", "--out", "a.txt"), "'length' has no label '2'; there is: 1"),
         (("total", "--out", "a.xyz"), "of type float can be written as .raw"),
         (("total", "--out", "a.raw"), "a.raw: TypeError: no numbers today"),
         (("fill", "--at", "fill", "--out", "a.txt"), "--at fill: write --at AXIS=LABEL"),
-        (("a", "--out", "toy.yaml"), "toy.yaml is there already; name another file"),
+        (("a", "--out", "toy.yaml"), "toy.yaml already exists"),
     ],
 )
 def test_what_cannot_be_written_is_told(

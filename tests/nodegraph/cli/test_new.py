@@ -48,7 +48,7 @@ def test_nothing_is_overwritten_and_nothing_written_by_halves(command: Command) 
     Path("mine").mkdir()
     Path("mine/mine.py").write_text("precious")
     status, _, err = command("new", "pair", "mine")
-    assert (status, "mine/mine.py is there already; it is left as it is" in err) == (2, True)
+    assert (status, "mine/mine.py already exists" in err) == (2, True)
     assert Path("mine/mine.py").read_text() == "precious"
     assert not Path("notes.md").exists()
 
@@ -56,10 +56,10 @@ def test_nothing_is_overwritten_and_nothing_written_by_halves(command: Command) 
 @pytest.mark.parametrize(
     ("kind", "name", "said"),
     [
-        ("pear", "mine", "nothing new of kind 'pear'; did you mean 'pair'"),
-        ("pair", "Mine", "'Mine' cannot be a name here"),
-        ("pair", "../up", "'../up' cannot be a name here"),
-        ("pair", "class", "'class' cannot be a name here"),
+        ("pear", "mine", "unknown template 'pear'; did you mean 'pair'"),
+        ("pair", "Mine", "'Mine' cannot be the name of a package"),
+        ("pair", "../up", "'../up' cannot be the name of a package"),
+        ("pair", "class", "'class' cannot be the name of a package"),
         ("pair", "json", "'json' is the name of a module of Python, which"),
         ("pair", "ships", "'ships' is the name of a plugin, which"),
         ("pair", "numpy", f"the installed package numpy {version('numpy')}, which"),
@@ -67,10 +67,10 @@ def test_nothing_is_overwritten_and_nothing_written_by_halves(command: Command) 
         ("pair", "its_package", "'its_package' is the name of the package of the plugin 'ships'"),
         ("pair", "scikit_learn", "the installed package scikit-learn "),
         ("pair", "sklearn", "a module of the installed package scikit-learn "),
-        ("pair", "no_package", "'no_package' is the name of a module that Python finds"),
-        ("leaf", "../up", "'../up' cannot be a file's name everywhere"),
-        ("leaf", "up.", "'up.' cannot be a file's name everywhere"),
-        ("leaf", "mine.yaml", "'mine.yaml': .yaml comes by itself; write 'mine'"),
+        ("pair", "no_package", "'no_package' is the name of an importable module"),
+        ("leaf", "../up", "'../up' is not a portable file name"),
+        ("leaf", "up.", "'up.' is not a portable file name"),
+        ("leaf", "mine.yaml", "'mine.yaml': .yaml is added to the name; write 'mine'"),
     ],
 )
 def test_a_kind_or_a_name_that_will_not_do_is_told(

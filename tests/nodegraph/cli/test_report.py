@@ -65,10 +65,10 @@ def test_several_runs_need_a_place_and_overwrite_nothing(
     command: Command, runs: tuple[str, str]
 ) -> None:
     status, _, err = command("report", *runs, nodes=False)
-    assert (status, "say by --out FILE" in err) == (2, True)
+    assert (status, "--out FILE" in err) == (2, True)
     Path("there.html").write_text("mine")
     status, _, err = command("report", *runs, "--out", "there.html", nodes=False)
-    assert (status, "is there already" in err) == (2, True)
+    assert (status, "already exists" in err) == (2, True)
     assert Path("there.html").read_text() == "mine"
 
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from nodegraph.cli.progress import Shown, columns, counts_text, progress, settled_line
+from nodegraph.cli.output import columns
+from nodegraph.cli.progress import Shown, counts_text, progress, settled_line
 from nodegraph.execute import Event
 
 _COUNTED = {"done": "run"}

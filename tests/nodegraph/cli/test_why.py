@@ -35,7 +35,7 @@ def test_what_is_as_it_was_is_stored(command: Command) -> None:
         ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "total", "toy.cut: code: toys:cut was"),
         ("toys.py", "sum(parts.values())", "2 * sum(parts.values())", "total", "toys:total was"),
         ("toy.yaml", "start: 5", "start: 6", "total", "a: start was 5, now 6"),
-        ("toy.yaml", "[1, 5]", "[2, 5]", "gaps", "gaps(length=2): was not in that run"),
+        ("toy.yaml", "[1, 5]", "[2, 5]", "gaps", "gaps(length=2): was not in the earlier run"),
         ("toy.yaml", "fill.*", "[fill.hold]", "total", "total: parts took 4 values, now 2"),
     ],
 )
@@ -66,7 +66,7 @@ def test_a_result_that_was_removed_is_said_to_be(command: Command) -> None:
     command("cache", "clear", nodes=False)
     _, out, _ = command("why", "toy.yaml", "total")
     assert "0 of 1 steps are stored" in out
-    assert "its key is as it was; the result is not in the store" in out
+    assert "the result is not in the store" in out
 
 
 def test_an_earlier_run_is_needed(command: Command) -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from nodegraph import NodegraphError
-from nodegraph.cli.common import refuse_unwritable, written
+from nodegraph.cli.output import refuse_unwritable, write_file
 
 
 def test_folders_are_made_and_files_replaced() -> None:
     for content in (b"one", b"two"):
-        written(Path("new/deep/a.txt"), content)
+        write_file(Path("new/deep/a.txt"), content)
         assert [one.name for one in Path("new/deep").iterdir()] == ["a.txt"]
         assert Path("new/deep/a.txt").read_bytes() == content
 
@@ -21,8 +21,8 @@ def test_folders_are_made_and_files_replaced() -> None:
 @pytest.mark.parametrize(
     ("place", "said"),
     [
-        ("taken/a.txt", "taken/a.txt: cannot be written: taken is a file, and no folder"),
-        ("taken/deep/a.txt", "taken is a file, and no folder"),
+        ("taken/a.txt", "taken/a.txt: cannot be written: taken is a file, not a folder"),
+        ("taken/deep/a.txt", "taken is a file, not a folder"),
         ("folder", "folder: cannot be written: it is a folder; name a file"),
         (f"{'n' * 300}.txt", "File name too long"),
         (f"{'n' * 300}/a.txt", "File name too long"),
@@ -36,7 +36,7 @@ def test_a_place_that_cannot_be_is_told_before_and_when_it_is_written(
     before = sorted(Path().rglob("*"))
     tries: list[Callable[[], None]] = [
         lambda: refuse_unwritable(Path(place)),
-        lambda: written(Path(place), b"x"),
+        lambda: write_file(Path(place), b"x"),
     ]
     for one in tries:
         with pytest.raises(NodegraphError) as caught:
@@ -59,7 +59,7 @@ def test_nothing_is_left_of_what_could_not_be_written_whole(
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(NodegraphError, match=r"a\.txt: cannot be written: No space left"):
-        written(Path("a.txt"), b"after")
+        write_file(Path("a.txt"), b"after")
     assert sorted(Path().iterdir()) == before
     assert Path("a.txt").read_text() == "before"
 

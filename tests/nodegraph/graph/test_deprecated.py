@@ -15,6 +15,7 @@ from nodegraph.graph import Graph
 from nodegraph.node.decorator import node_of
 from nodegraph.node.description import describe_settings, summary_of
 from nodegraph.report.compose import step_notes
+from nodegraph.runs.settings import RunSettings
 
 
 @node("fill.old", deprecated="use fill.hold")
@@ -121,7 +122,7 @@ def test_a_family_of_which_all_is_deprecated_is_a_mistake(
 def test_it_runs_as_before_and_the_report_tells(run_of: Callable[..., Run]) -> None:
     run = run_of("nodes: {a: {use: read.number}, b: {use: fill.old, in: a}}", more=[old])
     assert run["b"].value == 3.0
-    [note] = step_notes(run, "nodegraph run toy.yaml")
+    [note] = step_notes(run, RunSettings("toy.yaml"))
     assert (note.kind, note.node) == ("warning", "toy.yaml:2:41")
     assert note.reason == "b: fill.old is deprecated: use fill.hold"
 

@@ -64,7 +64,7 @@ def command(
         Path("bad_hook.py").write_text(textwrap.dedent(text))
         status = main([*words, "--plugin", "bad_hook.py"])
         said = capsys.readouterr()
-        assert "mistake of the program" not in said.err
+        assert "internal error" not in said.err
         return status, said.err
 
     return call

@@ -18,8 +18,10 @@ from nodegraph.report import page
 from nodegraph.report.compose import compose
 from nodegraph.report.files import report_files, summary
 from nodegraph.report.study import StepNote, Study
+from nodegraph.runs.settings import RunSettings
 
-COMMAND = "nodegraph run toy.yaml"
+SETTINGS = RunSettings("toy.yaml")
+COMMAND = SETTINGS.command
 TEXT = """
     title: A toy
     inputs: {start: 3}
@@ -35,7 +37,7 @@ TEXT = """
 
 
 def _study(run: Run) -> Study:
-    return compose(run, command=COMMAND)[0]
+    return compose(run, SETTINGS)[0]
 
 
 def _kinds(notes: tuple[StepNote, ...], kind: str) -> list[tuple[str, str]]:
@@ -121,7 +123,7 @@ def test_a_word_of_a_command_is_quoted(run_of: Callable[..., Run]) -> None:
 
 def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
-    files, study = report_files(run, command=COMMAND)
+    files, study = report_files(run, SETTINGS)
     assert list(files) == ["study.json.gz", "report.html"]
     assert b"A toy" in files["report.html"]
     text = summary(study, run)
@@ -134,7 +136,7 @@ def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..
 
 def test_a_reason_that_is_no_text_costs_no_report(run_of: Callable[..., Run]) -> None:
     run = run_of("nodes: {a: {use: read.number, with: {start: -1}}, b: {use: strict.fails, in: a}}")
-    files, _ = report_files(run, command="nodegraph run \udc80.yaml")
+    files, _ = report_files(run, RunSettings("\udc80.yaml"))
     assert b"\\udc80.yaml" in files["report.html"]
 
 
@@ -276,7 +278,7 @@ report: [one]
 """
     spec = read_graph_text(text, "toy.yaml", Path())
     graph = build(spec, Registry.of([one, written]))
-    files, study = report_files(execute(plan(graph)), command=COMMAND)
+    files, study = report_files(execute(plan(graph)), SETTINGS)
     assert files["out_start-1.5/one.txt"] == b"1.5"
     assert files["out_start-2.5/more/about.md"] == b"a number"
     last = study.sections[-1]

@@ -13,7 +13,7 @@ from nodegraph.runs.folder import RunFolder
 def finished(path: Path, content: bytes = b"x") -> RunFolder:
     folder = RunFolder(path, "nodegraph: 1\n")
     folder.hear(Event("planned", 0.0, detail={"steps": 1}))
-    folder.finish({"report.html": content, "tables/t.csv": b"a,b"}, {"format": 1})
+    folder.finish({"report.html": content, "tables/t.csv": b"a,b"}, '{"format": 1}')
     return folder
 
 
@@ -35,7 +35,7 @@ def test_an_event_is_written_as_it_happens(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path / "run", "")
     folder.hear(Event("started", 1.0, 3, "a", {"k": 1}))
     assert '"started"' in (tmp_path / "run" / "events.jsonl").read_text()
-    folder.finish({}, {})
+    folder.finish({}, "")
 
 
 def test_a_finished_run_is_moved_aside_and_never_lost(tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_a_run_that_is_going_on_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(NodegraphError, match="another run is writing there; name another folder"):
         RunFolder(path, "second")
     assert (path / "graph.yaml").read_text() == "first"
-    going.finish({"report.html": b"x"}, {})
+    going.finish({"report.html": b"x"}, "")
     assert len((path / "events.jsonl").read_text().splitlines()) == 1
     assert finished(path).moved is not None
 
@@ -128,6 +128,6 @@ def test_what_a_run_came_to_lies_in_its_folder_whatever_a_node_did_to_the_workin
     folder = RunFolder(Path("runs/fill"), "")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    folder.finish({"report.html": b"x"}, {"format": 1})
+    folder.finish({"report.html": b"x"}, '{"format": 1}')
     assert {"report.html", "run.json"} <= set(names(tmp_path / "runs" / "fill"))
     assert not names(tmp_path / "elsewhere")

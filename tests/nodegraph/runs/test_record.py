@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from nodegraph.execute import Run
 from nodegraph.runs.record import record
+from nodegraph.runs.settings import RunSettings
 
 TEXT = """
 title: A toy
@@ -24,8 +25,8 @@ known: [a]
 
 def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
-    said = record(run, "nodegraph run toy.yaml")
-    assert json.loads(json.dumps(said)) == said
+    said = json.loads(record(run, RunSettings("toy.yaml")).as_json())
+    assert said["settings"] == {"graph": "toy.yaml"}
     assert (said["title"], said["inputs"], said["known"]) == ("A toy", {"start": -3}, ["a"])
     assert said["axes"]["actor"] == ["ME", "MB"]
     assert said["nodes"]["fill"] == {
@@ -60,5 +61,5 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
 
 
 def test_what_was_left_out_is_recorded(run_of: Callable[..., Run]) -> None:
-    said = record(run_of(TEXT, only={"actor": ("MB",)}), "")
-    assert [one["node"] for one in said["left_out"]] == ["x"]
+    left_out = record(run_of(TEXT, only={"actor": ("MB",)}), RunSettings("toy.yaml")).left_out
+    assert [one.node for one in left_out] == ["x"]

@@ -1,18 +1,18 @@
-"""What is said of a step that would run again is what a reader needs to know."""
+"""A step that is not cached is explained by what changed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from nodegraph.execute import Run, StepCache, open_store
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
-from nodegraph.runs.record import record
+from nodegraph.runs.record import Record, RecordedCode, record
+from nodegraph.runs.settings import RunSettings
 from nodegraph.runs.why import Why
 
 WhyOf = Callable[..., list[tuple[str, ...]]]
@@ -29,20 +29,19 @@ FAILS = TEXT.replace("strict.positive", "strict.fails")
 
 @pytest.fixture
 def why_of(graph_of: Callable[..., Graph], run_of: Callable[..., Run], tmp_path: Path) -> WhyOf:
-    """Return what is said of a node's steps after a run of one text, when it is another now."""
+    """Return the changes of a node's steps between a run of one text and a plan of another."""
 
     def why(
         before: str,
         now: str,
-        asked: str,
-        change: Callable[[dict[str, Any]], object] = lambda made: None,
+        node: str,
+        edit: Callable[[Record], Record] = lambda earlier: earlier,
     ) -> list[tuple[str, ...]]:
-        made = deepcopy(record(run_of(before, store=tmp_path), "run"))
-        change(made)
+        earlier = edit(record(run_of(before, store=tmp_path), RunSettings("toy.yaml")))
         graph = graph_of(now)
         planned = plan(graph)
         cache = StepCache(planned, open_store(graph.registry, tmp_path, pytest.fail))
-        return [one.changes for one in Why(planned, cache, made).explain(asked)]
+        return [step.changes for step in Why(planned, cache, earlier).explain(node)]
 
     return why
 
@@ -55,7 +54,7 @@ def test_a_combination_that_is_refused_is_no_reason_to_run_again(why_of: WhyOf) 
 
 
 def test_a_step_that_failed_is_tried_again(why_of: WhyOf) -> None:
-    said = ("b(start=-1): failed in that run, and is tried again: -1.0 is negative",)
+    said = ("b(start=-1): failed in the earlier run and will be tried again: -1.0 is negative",)
     assert why_of(FAILS, FAILS, "b") == [said, (), ()]
     assert why_of(FAILS, FAILS, "d") == [said]
 
@@ -65,14 +64,14 @@ def test_a_step_that_failed_is_tried_again(why_of: WhyOf) -> None:
     [
         ("[-1, 1, 2]", "[1, 2]", ("d: scores took 3 values, now 2",)),
         (
-            "[-1, 1, 2]", "[1, 2, 3]", ("a(start=3): was not in that run",)
+            "[-1, 1, 2]", "[1, 2, 3]", ("a(start=3): was not in the earlier run",)
         ),
         ("in: c", "in: a", ("d: scores took c.output as start=-1, now a.output as start=-1",)),
         ("use: fill.hold", "use: fill.scale", ("c(start=1): used fill.hold, now fill.scale",)),
         ("table, in: c", "table, in: c, with: {metric: y}", ("d: metric was 'x', now 'y'",)),
         (
             "use: fill.hold", "alternatives: {x: fill.hold, y: fill.scale}",
-            ("c(start=1, c=y): was not in that run", "d: scores took 3 values, now 6"),
+            ("c(start=1, c=y): was not in the earlier run", "d: scores took 3 values, now 6"),
         ),
     ],
 )  # fmt: skip
@@ -90,43 +89,44 @@ def test_labels_of_what_is_gathered_are_a_change(why_of: WhyOf) -> None:
     assert changes == (f"d: scores took {first}, now {now}",)
 
 
-def test_versions_and_edits_and_what_was_not_noted(why_of: WhyOf) -> None:
-    def older(made: dict[str, Any]) -> None:
-        forget_keys(made)
-        made["code"]["toys:fill.hold"]["versions"]["python"] = "2.7"
-        [unit] = [one for one in made["code"]["toys:fill.hold"]["units"] if one.endswith(":hold")]
-        made["code"]["toys:fill.hold"]["units"][unit] = "another"
+def without_keys(earlier: Record) -> Record:
+    return replace(earlier, steps=[replace(step, key="") for step in earlier.steps])
+
+
+def test_versions_and_edited_functions_are_named(why_of: WhyOf) -> None:
+    def older(earlier: Record) -> Record:
+        code = earlier.code["toys:fill.hold"]
+        [hold] = [name for name in code.units if name.endswith(":hold")]
+        changed = RecordedCode({**code.units, hold: "another"}, {**code.versions, "python": "2.7"})
+        return replace(without_keys(earlier), code={**earlier.code, "toys:fill.hold": changed})
 
     [_, changes, _] = why_of(TEXT, TEXT, "c", older)
-    assert any(one.startswith("fill.hold: python was 2.7, now 3.") for one in changes)
-    assert any(one.endswith(":hold was edited") for one in changes)
-
-    def unnoted(made: dict[str, Any]) -> None:
-        forget_keys(made)
-        made["code"].clear()
-
-    [_, changes, _] = why_of(TEXT, TEXT, "c", unnoted)
-    assert "fill.hold: its code was not noted in that run, which stored nothing" in changes
+    assert any(text.startswith("fill.hold: python was 2.7, now 3.") for text in changes)
+    assert any(text.endswith(":hold was edited") for text in changes)
 
 
-def test_what_is_not_in_the_store_is_told(why_of: WhyOf, tmp_path: Path) -> None:
-    def prune(made: dict[str, Any]) -> None:
+def test_a_run_that_stored_nothing_has_no_code_to_compare(why_of: WhyOf) -> None:
+    def unstored(earlier: Record) -> Record:
+        return replace(without_keys(earlier), code={})
+
+    [_, changes, _] = why_of(TEXT, TEXT, "c", unstored)
+    assert any("fill.hold: its code was not recorded" in text for text in changes)
+
+
+def test_a_result_that_is_not_in_the_store_has_an_unchanged_key(
+    why_of: WhyOf, tmp_path: Path
+) -> None:
+    def prune(earlier: Record) -> Record:
         for entry in tmp_path.glob("*/entries/*/*"):
             entry.unlink()
+        return earlier
 
-    def unstored(made: dict[str, Any]) -> None:
-        prune(made)
-        for one in made["steps"]:
-            del one["digests"]
+    def unstorable(earlier: Record) -> Record:
+        return replace(prune(earlier), steps=[replace(earlier.steps[0], digests=[])])
 
     text = "nodes: {a: {use: read.number}}"
-    as_it_was = "its key is as it was; "
     assert why_of(text, text, "a") == [()]
-    assert why_of(text, text, "a", prune) == [(f"{as_it_was}the result is not in the store",)]
-    said = f"{as_it_was}that run could not store its result"
-    assert why_of(text, text, "a", unstored) == [(said,)]
-
-
-def forget_keys(made: dict[str, Any]) -> None:
-    for one in made["steps"]:
-        one["key"] = "another"
+    [[pruned]] = why_of(text, text, "a", prune)
+    [[unstored]] = why_of(text, text, "a", unstorable)
+    assert pruned.endswith("the result is not in the store")
+    assert unstored.endswith("could not store its result")

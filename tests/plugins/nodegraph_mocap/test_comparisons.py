@@ -10,7 +10,7 @@ import pytest
 from pandas import DataFrame
 
 from nodegraph.plugin.registry import default_registry
-from nodegraph.runs.diff import told_apart
+from nodegraph.runs.diff import value_differences
 from nodegraph_mocap import Mask, Origin, StoredFigure, Trajectories, Weights
 
 MARKERS = ("brow", "nose", "chin")
@@ -18,7 +18,7 @@ TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
 
 
 def told(one: Any, other: Any) -> tuple[str, ...]:
-    return told_apart(one, other, default_registry().hooks.comparisons)
+    return value_differences(one, other, default_registry().hooks.comparisons)
 
 
 def moved(frames: slice, marker: int, by: float) -> Trajectories:

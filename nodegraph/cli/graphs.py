@@ -1,0 +1,102 @@
+"""The graph that a command names, its store, and its run."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from nodegraph.api import Run, run_graph
+from nodegraph.cli.arguments import input_values, pairs
+from nodegraph.cli.output import say
+from nodegraph.cli.progress import progress
+from nodegraph.errors import NodegraphError
+from nodegraph.execute import HowToRun, Listener, open_store
+from nodegraph.graph import Choices, Graph, build
+from nodegraph.graphfile import read_graph_file
+from nodegraph.plugin.registry import Registry
+from nodegraph.runs.settings import read_labels
+from nodegraph.store import Store
+
+
+def graph_of(arguments: Namespace) -> Graph:
+    """Return the graph that a command names, validated, with the choices of its options."""
+    _refuse_lock(arguments.graph)
+    registry = Registry.installed(arguments.plugin)
+    axes, only = (
+        {
+            name: read_labels(f"--{option} {name}", text)
+            for name, text in pairs(arguments, option).items()
+        }
+        for option in ("axis", "only")
+    )
+    choices = Choices(
+        input_values(arguments), axes, {name: tuple(labels) for name, labels in only.items()}
+    )
+    graph = build(read_graph_file(arguments.graph), registry, choices)
+    for notice in graph.notices:
+        say(str(notice))
+    return graph
+
+
+def _refuse_lock(path: Path) -> None:
+    if path.suffix in (".yaml", ".yml") or not path.is_file():
+        return
+    from nodegraph.lock.lockfile import is_lock
+
+    if is_lock(path):
+        raise NodegraphError(f"{path}: this is a lock; use `nodegraph verify {path}`")
+
+
+def run_folder(arguments: Namespace) -> Path:
+    """Return the default folder for runs of the graph."""
+    return Path("runs") / str(arguments.graph.stem)
+
+
+def store_of(arguments: Namespace, graph: Graph, say: Callable[[str], None] = say) -> Store:
+    """Return the store that a command uses; what is wrong with it is said."""
+    return open_store(graph.registry, arguments.store, say)
+
+
+def left_out_lines(graph: Graph) -> list[str]:
+    """Return which nodes are left out: ``left out: faces, playback: why``."""
+    return [
+        f"left out: {', '.join(nodes)}: {reason}"
+        for reason, nodes in graph.left_out_together().items()
+    ]
+
+
+def how_of(arguments: Namespace) -> HowToRun:
+    """Return where steps are computed."""
+    return HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
+
+
+def run_of(
+    arguments: Namespace,
+    graph: Graph,
+    *,
+    store: Store | None = None,
+    cache: bool = True,
+    until: Iterable[str] = (),
+    listeners: Iterable[Listener] = (),
+) -> Run:
+    """Run a graph with the options of a command, and show its progress.
+
+    Parameters
+    ----------
+    arguments
+    graph
+    store
+        By default that of the command, unless the run is without `cache`.
+    cache
+    until, listeners
+        As in `nodegraph.api.run`.
+    """
+    for line in left_out_lines(graph):
+        say(line)
+    with progress() as shown:
+        if store is None and cache:
+            store = store_of(arguments, graph, shown.say)
+        return run_graph(
+            graph, how_of(arguments), store=store, until=until, listeners=[shown.hear, *listeners]
+        )

@@ -1,0 +1,116 @@
+"""What commands print, and the files that they write."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from nodegraph.errors import NodegraphError
+from nodegraph.formatting import size_text
+
+MOST = 12
+"""How many items of a kind are printed."""
+
+
+def say(text: str) -> None:
+    """Print to standard error what is not a result."""
+    print(text, file=sys.stderr)
+
+
+def columns(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows as aligned columns."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = (
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    )
+    return "\n".join(lines)
+
+
+def counted(counts: Counter[str]) -> str:
+    """Return how many combinations of each node there are: ``fill (4), total (1)``."""
+    return ", ".join(f"{node} ({count})" for node, count in counts.items() if count)
+
+
+def first_and_more(first: str, count: int, whole: str) -> str:
+    """Return the name of the first of several items: ``fill(length=5) and 3 more of fill``."""
+    return f"{first} and {count - 1} more of {whole}" if count > 1 else first
+
+
+def few(lines: Sequence[str], kind: str = "") -> Iterator[str]:
+    """Yield the first lines, and how many more there are."""
+    yield from lines[:MOST]
+    if len(lines) > MOST:
+        yield f"and {len(lines) - MOST} more{f' {kind}' if kind else ''}"
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all, with the folders that it needs.
+
+    Raises
+    ------
+    NodegraphError
+        If it cannot be written there.
+    """
+    unfinished = path.with_name(f"{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished.write_bytes(content)
+        unfinished.replace(path)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    finally:
+        with suppress(OSError):
+            unfinished.unlink(missing_ok=True)
+
+
+def write_and_print(path: Path, content: bytes) -> None:
+    """Write a file, and print its path and its size."""
+    write_file(path, content)
+    print(f"{path} ({size_text(len(content))})")
+
+
+def refuse_existing(path: Path) -> None:
+    """Raise an error if a path exists.
+
+    Raises
+    ------
+    NodegraphError
+    """
+    if path.exists():
+        raise NodegraphError(f"{path} already exists; name another place, or remove it first")
+
+
+def refuse_unwritable(path: Path) -> None:
+    """Raise an error if a file cannot be written, before long work is done for it.
+
+    Nothing is left there, neither a file nor a folder.
+
+    Raises
+    ------
+    NodegraphError
+    """
+    try:
+        if path.is_dir():
+            raise IsADirectoryError
+        with tempfile.TemporaryFile(dir=next(parent for parent in path.parents if parent.exists())):
+            pass
+    except OSError as error:
+        raise _unwritable(path, error) from error
+
+
+def _unwritable(path: Path, error: OSError) -> NodegraphError:
+    # os.path, unlike pathlib, answers for paths that are too long as well
+    files = [parent for parent in path.parents if os.path.isfile(parent)]
+    if files:
+        reason = f"{files[0]} is a file, not a folder"
+    elif os.path.isdir(path):
+        reason = "it is a folder; name a file"
+    else:
+        reason = error.strerror or str(error)
+    return NodegraphError(f"{path}: cannot be written: {reason}; name another place with --out")

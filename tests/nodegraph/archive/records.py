@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from nodegraph.runs.record import FORMAT, Record
+from nodegraph.runs.settings import RunSettings
+
+_EMPTY = Record(
+    format=FORMAT,
+    command="nodegraph run g.yaml",
+    settings=RunSettings("g.yaml"),
+    folder="/",
+    plugins=[],
+    title="",
+    included={},
+    inputs={},
+    axes={},
+    nodes={},
+    code={},
+    known=[],
+    left_out=[],
+    counts={},
+    seconds=0.0,
+    not_kept={},
+    steps=[],
+    skipped=[],
+    versions={},
+)
+
+
+def record_with(**parts: Any) -> Record:
+    """Return the record of a run without steps, with these parts."""
+    return replace(_EMPTY, **parts)
