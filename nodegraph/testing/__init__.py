@@ -1,9 +1,9 @@
-"""Tests for any node, ours or a stranger's, and the promises of its family.
+"""Tests for any node, third-party ones included, and the promises of its family.
 
 >>> from nodegraph.testing import check_node
 >>> check_node(hold)  # doctest: +SKIP
 
-A test file of two lines does so for every node of an installed plugin:
+Two lines test every node of an installed plugin:
 
 >>> from nodegraph.testing import promises_of
 >>> test_promises = promises_of("fill")
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["check_node", "difference", "promises_of", "same"]
 
-_LATE = {
+_MODULES = {
     "check_node": "nodegraph.testing.check",
     "difference": "nodegraph.equality",
     "promises_of": "nodegraph.testing.promises",
@@ -27,9 +27,9 @@ _LATE = {
 
 
 def __getattr__(name: str) -> Any:
-    # strategies and comparisons need not wait for the machine
-    if name not in _LATE:
+    # a test that needs a comparison alone does not import the whole machine
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(_LATE[name]), name)
+    return getattr(import_module(_MODULES[name]), name)

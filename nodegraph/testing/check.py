@@ -1,4 +1,4 @@
-"""Whether a node keeps what nodes promise, and what its family promises."""
+"""Check that a node keeps the promises of all nodes, and those of its family."""
 
 from __future__ import annotations
 
@@ -16,122 +16,11 @@ from nodegraph.plugin.guards import PluginError, Source
 from nodegraph.plugin.hook_types import Contract, Tried, expect
 from nodegraph.plugin.loading import error_text, package_of
 from nodegraph.plugin.registry import Registry, default_registry
-from nodegraph.testing.specimens import cases, examples, without_specimens
-from nodegraph.testing.trial import Faults, Trial
+from nodegraph.testing.faults import Faults
+from nodegraph.testing.specimens import cases, examples, ports_without_specimens
+from nodegraph.testing.trial import Trial
 
 _OTHER_NAMES_OF_SEED = {"rng", "random", "random_seed", "random_state", "generator"}
-
-
-def unreadable(node: Node) -> str:
-    """Return why the signature is not a node's, or an empty text.
-
-    Parameters
-    ----------
-    node
-        Any.
-    """
-    try:
-        node.check()
-    except NodeError as error:
-        return str(error)
-    return ""
-
-
-def declaration_faults(node: Node, given: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what name, docstring and settings lack; `given` are values for settings.
-
-    Parameters
-    ----------
-    node
-        One that can be read.
-    given
-        Values for settings.
-    """
-    if not node.summary.strip():
-        yield "has no docstring: say in its first line what the method does; users see it in lists"
-    documented = meanings(node)
-    for name in node.settings:
-        if not documented.get(name):
-            yield (
-                f"setting {name!r} is not documented: say under 'Parameters' in the docstring what "
-                "it means; the tool shows that text to users"
-            )
-        if name in _OTHER_NAMES_OF_SEED:
-            yield f"setting {name!r} is randomness by another name: call it seed, a whole number"
-    yield from _value_faults(node, given)
-
-
-def _value_faults(node: Node, given: Mapping[str, Any]) -> Iterator[str]:
-    from pydantic import ValidationError
-
-    defaults = {one.name: one.default for one in node.settings.values() if not one.required}
-    try:
-        node.model.model_validate({**defaults, **given})
-    except ValidationError as error:
-        for one in error.errors():
-            if one["loc"] and one["type"] not in ("missing", "extra_forbidden"):
-                yield _value_fault(node, given, str(one["loc"][0]), one["msg"])
-
-
-def _value_fault(node: Node, given: Mapping[str, Any], name: str, message: str) -> str:
-    what, value = (
-        ("the given value", given[name])
-        if name in given
-        else ("the default", node.settings[name].default)
-    )
-    return (
-        f"setting {name!r}: {what} {value!r} is not {setting_kind(node, name)}: {message}; "
-        "change the value or the type and bounds"
-    )
-
-
-def citation_faults(node: Node, registry: Registry) -> Iterator[str]:
-    """Yield the keys that a node cites and its plugin does not ship, or why nobody can tell.
-
-    Parameters
-    ----------
-    node
-        Whose `cite` is looked at.
-    registry
-        Whose plugins ship BibTeX, where the node's own package has none.
-    """
-    if not node.cite:
-        return
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        try:
-            there = entry_keys(_bibtex(node, registry))
-        except PluginError as fails:
-            yield f"{fails}: mend it, or nobody learns what the node cites"
-            return
-    for one in said:
-        yield f"{one.message}: mend what its hook nodegraph_bibtex returns"
-    for key in node.cite:
-        if key not in there:
-            yield (
-                f"cites {key!r}, which its plugin does not ship ({nearest(key, there)}): put the "
-                "entry into the BibTeX that its hook nodegraph_bibtex returns"
-            )
-
-
-def _bibtex(node: Node, registry: Registry) -> Iterable[str]:
-    """Return the BibTeX of the node's package, else of its plugin, else of every plugin."""
-    parts = node.function.__module__.split(".")
-    names = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
-    brought = {one.plugin for one in registry if one.node.function is node.function}
-    plugins = [one.module for one in registry.loaded if one.name in brought]
-    for module in (*(sys.modules.get(name) for name in names), *plugins):
-        if hook := getattr(module, "nodegraph_bibtex", None):
-            return [_call_bibtex(hook)]
-    return registry.hooks.bibtex
-
-
-def _call_bibtex(hook: Callable[[], Any]) -> str:
-    try:
-        return str(expect(hook(), str))
-    except (Exception, SystemExit) as error:
-        reason = error_text(error, package_of(hook))
-        raise PluginError(f"its plugin's hook nodegraph_bibtex failed: {reason}") from error
 
 
 def check_node(
@@ -143,29 +32,36 @@ def check_node(
 ) -> None:
     """Check everything that a node promises, and all that its family does.
 
-    Its name and signature can be read; it has a docstring, which says what each setting means;
-    its defaults lie within their own bounds; its plugin ships what it cites. On every specimen
-    that the plugins ship for its ports' types (recordings with gaps, of one frame, all missing,
-    ...) it returns what its annotation says, without infinite numbers, or declines in words of
-    its own, by `nodegraph.Refusal` or ValueError; it gives the same answer twice, whatever the
-    global random state, by keyword and by position, made anew each time; and it leaves its inputs
-    as they were, and so the process: it prints nothing, writes no file, lets no RuntimeWarning of
-    numpy out, changes no environment, folder, filter of warnings or setting of numpy and
-    matplotlib. On each, its tables have no columns but those that it declares, if it does, and the
-    contracts of its family hold. It does not decline all of them; whether it does anything to
-    those that it takes is not asked, as a fill of a recording without gaps does nothing either.
+    Its name and signature can be read; its docstring documents each setting; its defaults lie
+    within their own bounds; its plugin ships the references that it cites.
+
+    The node is called on every specimen that the plugins ship for its ports' types (recordings
+    with gaps, of one frame, all missing, ...):
+
+    - It returns what its annotation declares, without infinite numbers, or declines in its own
+      words, by `nodegraph.Refusal` or ValueError; it does not decline all specimens.
+    - It returns the same result twice, whatever the global random state, with inputs by keyword
+      or by position, and in arrays of its own.
+    - It does not modify its inputs or the process: it prints nothing, writes no file, lets no
+      RuntimeWarning of numpy out, and changes no environment variable, working directory, filter
+      of warnings, or setting of numpy and matplotlib.
+    - Its tables have no columns but those that it declares, if it declares any.
+    - The contracts of its family hold.
+
+    A node that accepts a specimen need not do anything to it: a fill of a recording without gaps
+    does nothing either.
 
     Parameters
     ----------
     node
-        A function decorated with `nodegraph.node.decorator`.
+        A function decorated with `nodegraph.node`.
     inputs
         Values for ports, instead of specimens: for types of which no plugin ships any.
     settings
         Values for settings: for those that have neither a default nor an example, as in
         ``Annotated[int, Field(examples=[5])]``.
     registry
-        Whose specimens and contracts; those of all installed plugins by default.
+        The plugins with specimens and contracts; by default all that are installed.
 
     Raises
     ------
@@ -181,38 +77,111 @@ def check_node(
     if described is None:
         raise AssertionError(f"{node!r} is not a node: decorate it with @node('family.method')")
     faults = Faults()
-    _find_faults(described, inputs or {}, settings or {}, registry or default_registry(), faults)
+    _check(described, inputs or {}, settings or {}, registry or default_registry(), faults)
     if faults:
         raise AssertionError(f"{described.name} does not keep its promises:\n{faults.text()}")
 
 
-def _find_faults(
+def _check(
     node: Node,
     inputs: Mapping[str, Any],
     settings: Mapping[str, Any],
     registry: Registry,
     faults: Faults,
 ) -> None:
-    reason = unreadable(node)
-    if reason:
-        faults.add(f"cannot be read as a node: {reason}")
+    try:
+        node.check()
+    except NodeError as error:
+        faults.add(f"cannot be read as a node: {error}")
         return
     settings = {**examples(node), **settings}
-    for fault in declaration_faults(node, settings):
+    for fault in (*_declaration_faults(node, settings), *_citation_faults(node, registry)):
         faults.add(fault)
-    for fault in citation_faults(node, registry):
-        faults.add(fault)
-    uncallable = list(_uncallable(node, inputs, settings, registry))
-    for fault in uncallable:
-        faults.add(fault)
-    if not uncallable:
-        _try(node, inputs, settings, registry, faults)
+    obstacles = list(_obstacles(node, inputs, settings, registry))
+    for obstacle in obstacles:
+        faults.add(obstacle)
+    if not obstacles:
+        _call_on_specimens(node, inputs, settings, registry, faults)
 
 
-def _uncallable(
+def _declaration_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is wrong with the docstring and the settings, or with given values of these."""
+    if not node.summary.strip():
+        yield "has no docstring: say in its first line what the method does; users see it in lists"
+    documented = meanings(node)
+    for name in node.settings:
+        if not documented.get(name):
+            yield (
+                f"setting {name!r} is not documented: say under 'Parameters' in the docstring what "
+                "it means; that text is shown to users"
+            )
+        if name in _OTHER_NAMES_OF_SEED:
+            yield f"setting {name!r} is randomness by another name: call it seed, a whole number"
+    yield from _value_faults(node, settings)
+
+
+def _value_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str]:
+    from pydantic import ValidationError
+
+    defaults = _defaults(node)
+    try:
+        node.model.model_validate({**defaults, **settings})
+    except ValidationError as errors:
+        for error in errors.errors():
+            if error["loc"] and error["type"] not in ("missing", "extra_forbidden"):
+                name = str(error["loc"][0])
+                given = name in settings
+                value = settings[name] if given else defaults[name]
+                yield (
+                    f"setting {name!r}: the {'given value' if given else 'default'} {value!r} is "
+                    f"not {setting_kind(node, name)}: {error['msg']}; change the value or the "
+                    "type and bounds"
+                )
+
+
+def _citation_faults(node: Node, registry: Registry) -> Iterator[str]:
+    """Yield the keys that a node cites and its plugin does not ship, or why that is unknown."""
+    if not node.cite:
+        return
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            keys = entry_keys(_bibtex(node, registry))
+        except PluginError as error:
+            yield f"{error}: fix it, or nobody learns what the node cites"
+            return
+    for warning in caught:
+        yield f"{warning.message}: fix what its hook nodegraph_bibtex returns"
+    for key in node.cite:
+        if key not in keys:
+            yield (
+                f"cites {key!r}, which its plugin does not ship ({nearest(key, keys)}): put the "
+                "entry into the BibTeX that its hook nodegraph_bibtex returns"
+            )
+
+
+def _bibtex(node: Node, registry: Registry) -> Iterable[str]:
+    """Return the BibTeX of the node's package, else of its plugin, else of every plugin."""
+    parts = node.function.__module__.split(".")
+    packages = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
+    names = {each.plugin for each in registry if each.node.function is node.function}
+    plugins = [plugin.module for plugin in registry.loaded if plugin.name in names]
+    for module in (*map(sys.modules.get, packages), *plugins):
+        if hook := getattr(module, "nodegraph_bibtex", None):
+            try:
+                return [expect(hook(), str)]
+            except (Exception, SystemExit) as error:
+                reason = error_text(error, package_of(hook))
+                message = f"its plugin's hook nodegraph_bibtex failed: {reason}"
+                raise PluginError(message) from error
+    return registry.hooks.bibtex
+
+
+def _obstacles(
     node: Node, inputs: Mapping[str, Any], settings: Mapping[str, Any], registry: Registry
 ) -> Iterator[str]:
-    for port in without_specimens(node, inputs, registry):
+    """Yield why a node cannot be called: no value for a port or a setting, or a wrong name."""
+    for port in ports_without_specimens(node, inputs, registry):
         yield (
             f"port {port.name!r}: no installed plugin ships a specimen of {port.type.__name__}: "
             "ship one by the hook nodegraph_specimens, or test with "
@@ -224,8 +193,8 @@ def _uncallable(
     for name in settings.keys() - node.settings.keys():
         known = ", ".join(node.settings) or "none"
         yield f"settings: there is no setting {name!r}; there is {known}"
-    for name, one in node.settings.items():
-        if one.required and name not in settings:
+    for name, setting in node.settings.items():
+        if setting.required and name not in settings:
             yield (
                 f"setting {name!r} has no default: give it an example, "
                 "Annotated[..., Field(examples=[...])], or test with "
@@ -233,7 +202,7 @@ def _uncallable(
             )
 
 
-def _try(
+def _call_on_specimens(
     node: Node,
     inputs: Mapping[str, Any],
     settings: Mapping[str, Any],
@@ -242,45 +211,56 @@ def _try(
 ) -> None:
     contracts = list(registry.hooks.contracts(node.family))
     declined: list[str] = []
-    done = 0
+    is_accepted = False
     for specimen, values in cases(node, inputs, registry):
         trial = Trial(node, specimen, values, settings, faults)
-        made = trial.outputs()
-        if isinstance(made, str):
-            declined.append(f"{specimen!r}: {made}")
-        elif made is not None:
-            done += 1
-            _compare_columns(trial, made)
+        outputs = trial.outputs()
+        if isinstance(outputs, str):
+            declined.append(f"{specimen!r}: {outputs}")
+        elif outputs is not None:
+            is_accepted = True
+            _check_columns(trial, outputs)
             for contract, source in contracts:
-                _hold(contract, source, trial, made)
-    if not done and not faults:
+                _check_contract(contract, source, trial, outputs)
+    if not is_accepted and not faults:
         faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
 
 
-def _compare_columns(trial: Trial, outputs: Mapping[str, Any]) -> None:
+def _check_columns(trial: Trial, outputs: Mapping[str, Any]) -> None:
     for port in trial.node.outputs:
-        there = [str(name) for name in getattr(outputs[port.name], "columns", ())]
-        new = [name for name in there if name not in port.columns]
-        if port.columns and new:
-            trial.fault(
+        columns = [str(name) for name in getattr(outputs[port.name], "columns", ())]
+        undeclared = [name for name in columns if name not in port.columns]
+        if port.columns and undeclared:
+            trial.add_fault(
                 f"output {port.name!r} has columns that it does not declare: name them in "
-                "Columns(...), or leave that away if they depend on the data",
-                ", ".join(new),
+                "Columns(...), or omit that if they depend on the data",
+                ", ".join(undeclared),
             )
 
 
-def _hold(contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, Any]) -> None:
+def _check_contract(
+    contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, Any]
+) -> None:
     name = getattr(contract, "__name__", repr(contract))
     promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
-    family = trial.node.family
-    described = trial.node.settings
-    defaults = {name: one.default for name, one in described.items() if not one.required}
-    units = {name: one.unit for name, one in described.items() if one.unit}
-    settings = {**defaults, **trial.settings}
-    tried = Tried(trial.inputs, outputs, settings, units, trial.node.doc, trial.again)
+    node = trial.node
+    tried = Tried(
+        inputs=trial.inputs,
+        outputs=outputs,
+        settings={**_defaults(node), **trial.settings},
+        units={name: setting.unit for name, setting in node.settings.items() if setting.unit},
+        doc=node.doc,
+        again=trial.again,
+    )
     try:
-        broken = list(contract(tried))
+        violations = list(contract(tried))
     except Exception as error:
-        broken = [source.failure(name, error)]
-    for detail in broken:
-        trial.fault(f"breaks what every {family}.* node promises: {promise}", detail)
+        violations = [source.failure(name, error)]
+    for violation in violations:
+        trial.add_fault(f"breaks what every {node.family}.* node promises: {promise}", violation)
+
+
+def _defaults(node: Node) -> dict[str, Any]:
+    return {
+        name: setting.default for name, setting in node.settings.items() if not setting.required
+    }

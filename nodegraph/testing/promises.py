@@ -1,4 +1,4 @@
-"""The promises of all nodes of one plugin, as one test for pytest."""
+"""One pytest test for the promises of every node of a plugin."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def promises_of(plugin: str | Path) -> Callable[..., None]:
     Parameters
     ----------
     plugin
-        The name of an installed plugin, which is that of its entry point; or a Python file.
+        The name of an installed plugin's entry point, or a Python file.
 
     Raises
     ------
     UnknownNodeError
-        If no such plugin is installed, or it has no nodes, or it is left out; says why.
+        If no such plugin is installed, or it has no nodes, or it is left out.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def promises_of(plugin: str | Path) -> Callable[..., None]:
 
 def _registry(plugin: str | Path) -> Registry:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what is wrong with other plugins is not asked here
+        warnings.simplefilter("ignore")  # faults of other plugins do not matter here
         if Path(plugin).suffix == ".py":
             return Registry.installed([Path(plugin)])
         return default_registry()
@@ -66,14 +66,14 @@ def _registry(plugin: str | Path) -> Registry:
 
 def _nodes(plugin: str | Path, registry: Registry) -> list[Node]:
     name = Path(plugin).stem
-    found = [one.node for one in registry if one.plugin == name]
-    if found:
-        return found
-    for one in registry.broken:
-        if one.name == name:
-            raise UnknownNodeError(f"plugin {name!r} is left out: {one.reason}")
-    names = sorted({one.plugin for one in registry})
+    nodes = [registered.node for registered in registry if registered.plugin == name]
+    if nodes:
+        return nodes
+    for broken in registry.broken:
+        if broken.name == name:
+            raise UnknownNodeError(f"plugin {name!r} is left out: {broken.reason}")
+    names = sorted({registered.plugin for registered in registry})
     raise UnknownNodeError(
-        f"no plugin {name!r} with nodes is installed; {nearest(name, names)}; a plugin is named by "
-        "its entry point in the group 'nodegraph'"
+        f"no plugin {name!r} with nodes is installed; {nearest(name, names)}; a plugin has the "
+        "name of its entry point in the group 'nodegraph'"
     )

@@ -1,4 +1,4 @@
-"""What a node must leave as it found it: chance, settings of libraries, the process, the disk."""
+"""What a node must not change: random states, settings of libraries, the process, the disk."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +23,13 @@ _DRAWS = (
     "numpy.random.default_rng(seed), where `seed: int = 0` is a setting"
 )
 _PRINTS = (
-    "prints: nobody reads that among a thousand steps; tell the user with warnings.warn(...), "
-    "which the report lists"
+    "prints: nobody reads that among a thousand steps; use warnings.warn(...), which the report "
+    "lists"
 )
-_LETS_OUT = (
+_LETS_WARNINGS_OUT = (
     "lets warnings of numpy out, which the report shows to users: keep such samples out of the "
-    "calculation, or put `with numpy.errstate(...):` around the line; what users should know is a "
-    "plain warnings.warn(...)"
+    "calculation, or put `with numpy.errstate(...):` around the line; for users, write a plain "
+    "warnings.warn(...)"
 )
 _WRITES = (
     "writes files itself: only the machine writes, so that a stored result reaches the run's "
@@ -38,118 +38,112 @@ _WRITES = (
 
 
 @dataclass(frozen=True)
-class _Thing:
-    """Something that every node in the process shares: how it is read, put back, complained of."""
+class _Shared:
+    """State that all nodes of the process share: the fault of changing it, and access to it."""
 
     fault: str
     read: Callable[[], Any]
-    put_back: Callable[[Any], object]
-
-
-@dataclass
-class Left:
-    """What a call has left otherwise than it was: each fault with what shows it."""
-
-    faults: dict[str, str] = field(default_factory=dict)
+    restore: Callable[[Any], object]
 
 
 @contextmanager
-def surroundings(seed: int) -> Iterator[Left]:
-    """Watch what is called in there, and put back whatever it changes.
+def surroundings(seed: int) -> Iterator[dict[str, str]]:
+    """Watch a call, restore what it changes, and fill a mapping of fault to detail at the end.
 
     Parameters
     ----------
     seed
-        Of the global random states, which nobody should see.
+        Of the global random states during the call.
     """
-    left = Left()
-    with warnings.catch_warnings(record=True) as heard:
-        # not "ignore", which a node that silences all warnings would leave as it is
+    effects: dict[str, str] = {}
+    with warnings.catch_warnings(record=True) as caught:
+        # not "ignore", which a node that silences all warnings would leave unchanged
         warnings.simplefilter("always")
-        things = _things()
-        kept = [thing.read() for thing in things]
+        shared = _shared_states()
+        originals = [state.read() for state in shared]
         random.seed(seed)
         np.random.seed(seed)  # noqa: NPY002  (it is what is watched)
-        began = [thing.read() for thing in things]
-        said = io.StringIO()
+        before = [state.read() for state in shared]
+        printed = io.StringIO()
         try:
-            with _files_written() as written, redirect_stdout(said), redirect_stderr(said):
-                yield left
+            with _files_written() as written, redirect_stdout(printed), redirect_stderr(printed):
+                yield effects
         finally:
-            left.faults.update(_changed(things, began))
-            for thing, original in zip(things, kept, strict=True):
-                thing.put_back(original)
-            left.faults.update(_heard(said.getvalue(), heard, written))
+            effects.update(_changed(shared, before))
+            for state, original in zip(shared, originals, strict=True):
+                state.restore(original)
+            effects.update(_emitted(printed.getvalue(), caught, written))
 
 
-def _changed(things: Iterable[_Thing], began: Iterable[Any]) -> Iterator[tuple[str, str]]:
-    for thing, before in zip(things, began, strict=True):
-        if changed := difference(before, thing.read(), name="it"):
-            yield thing.fault, changed.removeprefix("it")
+def _changed(shared: Iterable[_Shared], before: Iterable[Any]) -> Iterator[tuple[str, str]]:
+    for state, value in zip(shared, before, strict=True):
+        if changed := difference(value, state.read(), name="it"):
+            yield state.fault, changed.removeprefix("it")
 
 
-def _heard(
-    said: str, heard: Iterable[warnings.WarningMessage], written: Iterable[str]
+def _emitted(
+    printed: str, caught: Iterable[warnings.WarningMessage], written: Iterable[str]
 ) -> Iterator[tuple[str, str]]:
-    if said:
-        yield _PRINTS, repr(said[:60])
-    if numeric := [one for one in heard if issubclass(one.category, RuntimeWarning)]:
-        yield _LETS_OUT, str(numeric[0].message)
-    if there := [path for path in dict.fromkeys(written) if Path(path).is_file()]:
-        # one that is gone again, a library has needed for a moment
-        yield _WRITES, ", ".join(there)
+    if printed:
+        yield _PRINTS, repr(printed[:60])
+    if numeric := [each for each in caught if issubclass(each.category, RuntimeWarning)]:
+        yield _LETS_WARNINGS_OUT, str(numeric[0].message)
+    if paths := [path for path in dict.fromkeys(written) if Path(path).is_file()]:
+        # a file that is gone again, a library needed for a moment
+        yield _WRITES, ", ".join(paths)
 
 
-def _things() -> tuple[_Thing, ...]:
-    """Return what is watched: of libraries, those that are imported already."""
+def _shared_states() -> tuple[_Shared, ...]:
+    """Return the shared states, of libraries those that are imported already."""
     return (
-        _Thing(_DRAWS, _random_states, _set_random_states),
-        _Thing(
-            _leaves("numpy's treatment of errors", "with numpy.errstate(...): around the line"),
+        _Shared(_DRAWS, _random_states, _set_random_states),
+        _Shared(
+            _changes("numpy's treatment of errors", "with numpy.errstate(...): around the line"),
             np.geterr,
-            lambda kept: np.seterr(**kept),
+            lambda original: np.seterr(**original),
         ),
-        _Thing(
-            _leaves("numpy's print options", "with numpy.printoptions(...): around the line"),
+        _Shared(
+            _changes("numpy's print options", "with numpy.printoptions(...): around the line"),
             np.get_printoptions,
-            lambda kept: np.set_printoptions(**kept),
+            lambda original: np.set_printoptions(**original),
         ),
-        _Thing(
-            _leaves("the filters of warnings", "with warnings.catch_warnings(): around the line"),
-            lambda: [str(one) for one in warnings.filters],
-            lambda kept: None,  # whoever watches has caught them
+        _Shared(
+            _changes("the filters of warnings", "with warnings.catch_warnings(): around the line"),
+            lambda: [str(each) for each in warnings.filters],
+            lambda original: None,  # catch_warnings restores them
         ),
-        _Thing(
-            _leaves("os.environ", "pass what a library needs as an argument"),
+        _Shared(
+            _changes("os.environ", "pass what a library needs as an argument"),
             lambda: dict(os.environ),
             _set_environment,
         ),
-        _Thing(_leaves("the working directory", "use whole paths"), os.getcwd, os.chdir),
-        _Thing(_leaves("sys.path", "import from installed packages"), sys.path.copy, _set_path),
-        *_of_matplotlib(),
+        _Shared(_changes("the working directory", "use whole paths"), os.getcwd, os.chdir),
+        _Shared(_changes("sys.path", "import from installed packages"), sys.path.copy, _set_path),
+        *_states_of_matplotlib(),
     )
 
 
-def _leaves(what: str, instead: str) -> str:
-    return f"changes {what} for everybody else in the process: {instead}"
+def _changes(what: str, instead: str) -> str:
+    return f"changes {what} for everything else in the process: {instead}"
 
 
-def _of_matplotlib() -> Iterator[_Thing]:
+def _states_of_matplotlib() -> Iterator[_Shared]:
     matplotlib, pyplot = sys.modules.get("matplotlib"), sys.modules.get("matplotlib.pyplot")
     if matplotlib is not None:
-        with_context = "with matplotlib.rc_context(...): around the drawing"
         parameters: Any = getattr(matplotlib, "rcParams", {})
-        yield _Thing(
-            _leaves("matplotlib.rcParams", with_context),
+        yield _Shared(
+            _changes("matplotlib.rcParams", "with matplotlib.rc_context(...): around the drawing"),
             lambda: dict(dict.items(parameters)),  # its own methods warn, and choose a backend
-            lambda kept: dict.update(parameters, kept),
+            lambda original: dict.update(parameters, original),
         )
     if pyplot is not None:
-        yield _Thing(
+        yield _Shared(
             "leaves a figure open in pyplot, which keeps it in memory for good: draw on "
             "matplotlib.figure.Figure()",
             lambda: list(pyplot.get_fignums()),
-            lambda kept: [pyplot.close(one) for one in pyplot.get_fignums() if one not in kept],
+            lambda original: [
+                pyplot.close(number) for number in pyplot.get_fignums() if number not in original
+            ],
         )
 
 
@@ -157,54 +151,49 @@ def _random_states() -> tuple[Any, ...]:
     return random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
 
 
-def _set_random_states(kept: tuple[Any, ...]) -> None:
-    random.setstate(kept[0])
-    np.random.set_state(kept[1])  # noqa: NPY002
+def _set_random_states(original: tuple[Any, ...]) -> None:
+    random.setstate(original[0])
+    np.random.set_state(original[1])  # noqa: NPY002
 
 
-def _set_environment(kept: dict[str, str]) -> None:
-    if dict(os.environ) != kept:
+def _set_environment(original: dict[str, str]) -> None:
+    if dict(os.environ) != original:
         os.environ.clear()
-        os.environ.update(kept)
+        os.environ.update(original)
 
 
-def _set_path(kept: list[str]) -> None:
-    sys.path[:] = kept
+def _set_path(original: list[str]) -> None:
+    sys.path[:] = original
 
 
 _written: dict[int, list[str]] = {}
-"""Per thread that is watched, what it has opened to write."""
+"""For each thread that is watched, the paths that it has opened to write."""
 
 
 @contextmanager
 def _files_written() -> Iterator[list[str]]:
-    """Note the files that this thread opens to write."""
-    _listen()
-    found: list[str] = []
-    here = threading.get_ident()
-    outer = _written.get(here)
-    _written[here] = found
+    """Collect the paths that this thread opens to write."""
+    if not hasattr(_note_opened, "is_installed"):
+        sys.addaudithook(_note_opened)  # which Python cannot remove again
+        _note_opened.is_installed = True  # type: ignore[attr-defined]
+    paths: list[str] = []
+    thread = threading.get_ident()
+    outer = _written.get(thread)
+    _written[thread] = paths
     try:
-        yield found
+        yield paths
     finally:
-        del _written[here]
+        del _written[thread]
         if outer is not None:
-            _written[here] = outer
-
-
-def _listen() -> None:
-    """Hear of every file that is opened; Python offers no way to stop again."""
-    if not hasattr(_note_opened, "listens"):
-        sys.addaudithook(_note_opened)
-        _note_opened.listens = True  # type: ignore[attr-defined]
+            _written[thread] = outer
 
 
 def _note_opened(event: str, arguments: tuple[Any, ...]) -> None:
     if event != "open" or not _written:
         return
     path, mode, flags = arguments
-    found = _written.get(threading.get_ident())
+    paths = _written.get(threading.get_ident())
     by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
     by_flags = isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR))
-    if found is not None and (by_mode or by_flags) and isinstance(path, (str, os.PathLike)):
-        found.append(os.path.abspath(path))
+    if paths is not None and (by_mode or by_flags) and isinstance(path, (str, os.PathLike)):
+        paths.append(os.path.abspath(path))

@@ -55,7 +55,7 @@ def raising() -> Any:
 def test_bibtex_that_cannot_be_had_is_a_fault_with_a_sentence(hook: Any, said: str) -> None:
     text = faults_of(cites, registry_with("nodegraph_bibtex", hook, cites))
     assert f"- its plugin's hook nodegraph_bibtex failed: {said}" in text
-    assert "mend it, or nobody learns what the node cites" in text
+    assert "fix it, or nobody learns what the node cites" in text
 
 
 def test_a_contract_that_fails_is_told_with_its_plugin_and_line() -> None:
