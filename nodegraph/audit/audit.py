@@ -10,7 +10,7 @@ from nodegraph.audit.repeat import SEVERAL, Case, Drift, Given, Repeats, drift, 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.call import Outcome
-from nodegraph.execute.worker.client import EndedError
+from nodegraph.execute.worker.client import WorkerEndedError
 from nodegraph.plan import Step
 from nodegraph.state import State
 
@@ -142,7 +142,7 @@ def _audited(run: Run, step: Step, repeats: Repeats, *, fed_anew: bool) -> Audit
         return Audited(step, "failed", said=(str(error),))
     try:
         elsewhere = repeats.elsewhere(case)
-    except EndedError as ended:  # here it would end this program
+    except WorkerEndedError as ended:  # here it would end this program
         return Audited(step, "differs", (PROCESS,), (f"the process {ended}",))
     return _Trial(run, step, repeats, case).audited(elsewhere, compare_stored=not fed_anew)
 

@@ -15,8 +15,8 @@ from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
-from nodegraph.execute.worker.client import Asker, Child, EndedError
-from nodegraph.execute.worker.protocol import LACKING, NOT_SENT
+from nodegraph.execute.worker.client import CallCodec, Worker, WorkerEndedError
+from nodegraph.execute.worker.protocol import ResponseKind
 from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
 from nodegraph.node.ports import Across
 from nodegraph.plugin.hook_types import Comparison
@@ -179,9 +179,9 @@ class Repeats:
         self._run = run
         # another one, which takes what the run has just stored for found, and computes no less
         self._cache = StepCache(run.plan, run.cache.store)
-        schedule = Schedule(run.plan, packer=run.packer, wanted=[])
-        self._asker = Asker(schedule, shares_files=True, are_new=True)
-        self._child: Child | None = None
+        registry = run.plan.graph.registry
+        self._codec = CallCodec(registry, run.packer, shares_files=True, is_new=True)
+        self._worker: Worker | None = None
         self._open = ExitStack()
 
     def __enter__(self) -> Repeats:
@@ -196,8 +196,8 @@ class Repeats:
         trace: TracebackType | None,
     ) -> None:
         self._open.close()
-        if self._child is not None:
-            self._child.close() if kind is None else self._child.kill()
+        if self._worker is not None:
+            self._worker.close() if kind is None else self._worker.kill()
 
     def case(self, index: int) -> Case:
         """Return the call of a step, with the inputs that the run gave it.
@@ -238,23 +238,23 @@ class Repeats:
 
         Raises
         ------
-        EndedError
+        WorkerEndedError
             If the process dies of it.
         """
-        question = self._asker.question(case.call)
-        if question is None:
+        request = self._codec.encode(case.call)
+        if request is None:
             return "the node or what feeds it cannot be sent there"
-        if self._child is None or not self._child.is_alive:
-            self._child = Child()
+        if self._worker is None or not self._worker.is_alive:
+            self._worker = Worker()
         try:
-            answer = self._child.ask(question)
-        except EndedError:
-            self._child.close()
-            self._child = None
+            response = self._worker.send(request)
+        except WorkerEndedError:
+            self._worker.close()
+            self._worker = None
             raise
-        if answer.kind in (LACKING, NOT_SENT):
-            return answer.outcome.reason
-        outcome = self._asker.outcome(answer, "a process")
+        if response.kind in (ResponseKind.MISSING, ResponseKind.UNSENDABLE):
+            return response.outcome.reason
+        outcome = self._codec.decode(response, "a process")
         return "what comes back cannot be read" if outcome is None else outcome
 
     def given(self, outcome: Outcome) -> Given:

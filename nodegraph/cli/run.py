@@ -43,7 +43,7 @@ def run(arguments: Namespace) -> int:
 
     graph = graph_of(arguments)
     # these raise errors, before an earlier run is moved aside
-    executor_of(how_of(arguments), graph.registry.hooks.executors)
+    executor_of(how_of(arguments), graph.registry)
     graph.until(arguments.until)
     folder = RunFolder(arguments.out or run_folder(arguments), graph.spec.text, graph.spec.included)
     try:

@@ -11,39 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any
 
-
-class WhileAny:
-    """Holds contexts open while anybody is inside; threads may come and go in any order.
-
-    Parameters
-    ----------
-    contexts
-        Make what the first to come enters, and the last to go leaves.
-    """
-
-    def __init__(self, *contexts: Callable[[], AbstractContextManager[Any]]) -> None:
-        self._contexts = contexts
-        self._lock = threading.Lock()
-        self._inside = 0
-        self._open = ExitStack()
-
-    @contextmanager
-    def on(self) -> Iterator[None]:
-        """Be inside."""
-        with self._lock:
-            self._inside += 1
-            if self._inside == 1:
-                for context in self._contexts:
-                    self._open.enter_context(context())
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._inside -= 1
-                if not self._inside:
-                    self._open.close()
-
-
 _VARIABLES = (
     "BLIS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
@@ -51,13 +18,45 @@ _VARIABLES = (
 """What the libraries read when they are loaded, which may be in the middle of a run."""
 
 
+class SharedContext:
+    """Contexts of a whole process, which stay open while any thread is inside.
+
+    Parameters
+    ----------
+    *contexts
+        Create what the first thread to come enters, and the last thread to go leaves.
+    """
+
+    def __init__(self, *contexts: Callable[[], AbstractContextManager[Any]]) -> None:
+        self._contexts = contexts
+        self._lock = threading.Lock()
+        self._inside = 0
+        self._stack = ExitStack()
+
+    @contextmanager
+    def entered(self) -> Iterator[None]:
+        """Be inside; threads may come and go in any order."""
+        with self._lock:
+            self._inside += 1
+            if self._inside == 1:
+                for context in self._contexts:
+                    self._stack.enter_context(context())
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._inside -= 1
+                if not self._inside:
+                    self._stack.close()
+
+
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Have numerical libraries use one thread, those included that are loaded meanwhile.
+    """Have numerical libraries use one thread in this process, also those that are loaded later.
 
-    It holds for the whole process, until the last of those that asked for it are done.
+    OpenMP is limited in the calling thread only, see `one_thread_here`.
     """
-    with _limit.on():
+    with _process.entered(), one_thread_here():
         yield
 
 
@@ -65,19 +64,24 @@ def one_thread_each() -> Iterator[None]:
 def one_thread_here() -> Iterator[None]:
     """Have OpenMP use one thread for what is called in this thread.
 
-    Its libraries keep the number for each thread, so that the limit of one holds in no other.
+    OpenMP has a limit for each thread that calls it, while other libraries have one per process.
     """
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(limits=1, user_api="openmp"):
+    with _one_thread("openmp"):
         yield
 
 
-def _loaded() -> AbstractContextManager[Any]:
-    from threadpoolctl import threadpool_limits
+def _one_thread(api: str) -> AbstractContextManager[Any]:
+    from threadpoolctl import get_cached_controller
 
-    limits: AbstractContextManager[Any] = threadpool_limits(limits=1)
-    return limits
+    # of these libraries alone: at its end, a limit sets all of its controller to what they were
+    limit: AbstractContextManager[Any] = (
+        get_cached_controller().select(user_api=api).limit(limits=1)
+    )
+    return limit
+
+
+def _blas() -> AbstractContextManager[Any]:
+    return _one_thread("blas")
 
 
 @contextmanager
@@ -93,4 +97,4 @@ def _variables() -> Iterator[None]:
                 os.environ[name] = value
 
 
-_limit = WhileAny(_variables, _loaded)
+_process = SharedContext(_variables, _blas)

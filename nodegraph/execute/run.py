@@ -46,7 +46,7 @@ def execute(
         Each is called with every `Event`, in this thread.
     """
     how = how or HowToRun()
-    executor = executor_of(how, plan.graph.registry.hooks.executors)
+    executor = executor_of(how, plan.graph.registry)
     log = EventLog(tuple(listeners), plan)
     try:
         cache = StepCache(plan, store) if store is not None else None

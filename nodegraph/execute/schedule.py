@@ -10,6 +10,7 @@ from nodegraph.execute.call import Call, Outcome, perform, skipped
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.node.ports import Absent, Across
 from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
+from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 from nodegraph.store import Packer
 
@@ -81,6 +82,11 @@ class Schedule:
         self._recompute = set(wanted or ())  # not to be taken from the store
         self._partial: set[int] = set()  # in memory, but some values are stand-ins
         self._demand([*(_last_steps(plan) if wanted is None else wanted), *self._keep])
+
+    @property
+    def registry(self) -> Registry:
+        """The plugins that define the nodes."""
+        return self.plan.graph.registry
 
     @property
     def left(self) -> int:

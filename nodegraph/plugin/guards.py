@@ -24,6 +24,7 @@ from nodegraph.plugin.hook_types import (
     Storage,
     expect,
 )
+from nodegraph.plugin.hooks import GROUP
 from nodegraph.plugin.loading import error_text
 
 Function = Callable[..., Any]
@@ -163,6 +164,8 @@ def guard_conclusion(conclusion: Conclusion, source: Source) -> Conclusion:
 
 def guard_executor(name: str, executor: Function, source: Source) -> Function:
     """Return an executor that raises `PluginError` where another fails, at whatever step."""
+    if source.plugin == GROUP:
+        return executor  # a failure is an internal error, or a listener's
     what = f"executor {name!r}"
     start = source.raising(what, lambda *arguments: iter(executor(*arguments)))
 

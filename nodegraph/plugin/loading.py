@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import importlib.util
 import sys
 import time
@@ -64,6 +65,11 @@ class NodesHookError(NodegraphError):
         self.reason = f"nodegraph_nodes raised {error_text(error)}"
         file, self.line = _last_line(error, package)
         super().__init__(f"{self.reason} ({file}:{self.line})" if file else self.reason)
+
+
+def built_in() -> Plugin:
+    """Return the plugin of this package itself, found by its module's name as others are."""
+    return Plugin(hooks.GROUP, importlib.import_module("nodegraph.built_in"))
 
 
 def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:

@@ -77,8 +77,8 @@ class Registry:
 
     @cached_property
     def hooks(self) -> HookResults:
-        """What the loaded plugins add besides nodes."""
-        return HookResults(self.loaded)
+        """What this package and the loaded plugins add besides nodes."""
+        return HookResults([loading.built_in(), *self.loaded])
 
     def __iter__(self) -> Iterator[Registered]:
         for name in sorted(self._by_name):
@@ -154,7 +154,7 @@ class Registry:
             warnings.warn(f"{file}: defines no nodes; {hint}", stacklevel=3)
 
     def _add_plugin(self, plugin: Plugin) -> None:
-        for other in self.loaded:
+        for other in (loading.built_in(), *self.loaded):
             if other.name == plugin.name:
                 raise NodegraphError(
                     f"a plugin {plugin.name!r} is already registered; choose another name"

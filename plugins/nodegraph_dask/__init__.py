@@ -11,12 +11,13 @@ from nodegraph import NodegraphError, hookimpl
 @hookimpl
 def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
     """Return the executor ``dask``."""
-    return {"dask": _dask}
+    return {"dask": dask}
 
 
-def _dask(schedule: Any, how: Any) -> Iterator[Any]:
+def dask(schedule: Any, how: Any) -> Iterator[Any]:
+    """Make calls on a Dask cluster; the packages for it are imported when it is used."""
     try:
-        from nodegraph_dask.executor import dask
+        from nodegraph_dask import executor
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in ("dask", "distributed"):
             raise
@@ -24,4 +25,4 @@ def _dask(schedule: Any, how: Any) -> Iterator[Any]:
             "the executor 'dask' needs packages that are not installed; "
             "pip install 'nodegraph[dask]'"
         ) from error
-    return dask(schedule, how)
+    return executor.dask(schedule, how)

@@ -1,133 +1,78 @@
-"""Many calls at a time, on a Dask cluster: one that runs somewhere, or one on this machine."""
+"""The executor ``dask``: many calls at a time, by the workers of a Dask cluster."""
 
 from __future__ import annotations
 
 import threading
 import uuid
-import weakref
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import Any, Generic, TypeVar
 
-import numpy as np
 from distributed import CancelledError, KilledWorker
 
-from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.executors.base import HowToRun
-from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.worker.client import Asker
-from nodegraph.execute.worker.protocol import Answer, Frame
-from nodegraph.state import State
-from nodegraph_dask.cluster import LOOK, Cluster, Crew, cluster_for
-from nodegraph_dask.worker import Sent, as_bytes_array, as_frame, work
+from nodegraph.executors import (
+    Call,
+    CallCodec,
+    HowToRun,
+    Outcome,
+    Response,
+    Schedule,
+    State,
+    one_thread_here,
+)
+from nodegraph_dask.cluster import SECONDS_BETWEEN_COUNTS, Cluster, cluster_for
+from nodegraph_dask.scatter import Scattered
+from nodegraph_dask.worker import Sent, as_frame, work
 
-_LARGE = 500_000
-_SMALL = 64_000
-
-
-class SentOnce:
-    """Buffers that the cluster has, by where they lie here."""
-
-    def __init__(self, client: Any) -> None:
-        self._client = client
-        self._sent: dict[tuple[int, int], tuple[Any, weakref.ref[Any]]] = {}
-
-    def arguments(self, buffers: Sequence[Frame]) -> list[Any]:
-        """Return each buffer as what goes along with a call: itself, or a future of it."""
-        arrays = [as_bytes_array(one) for one in buffers]
-        if sum(one.nbytes for one in arrays) < _LARGE:
-            return list(arrays)
-        return [self._future(one) if one.nbytes >= _SMALL else one for one in arrays]
-
-    def _future(self, array: Any) -> Any:
-        at = (array.ctypes.data, array.nbytes)
-        known = self._sent.get(at)
-        if known is not None and known[1]() is not None and known[0].status == "finished":
-            return known[0]
-        try:
-            future = self._client.scatter([array], hash=False, timeout=5)[0]
-        except TimeoutError:  # no worker is there to take it: the scheduler does
-            return array
-        owner = weakref.ref(_owner(array), lambda _: self._sent.pop(at, None))
-        self._sent[at] = (future, owner)
-        return future
-
-
-def _owner(array: Any) -> Any:
-    """Return the array that lives as long as the memory is in use."""
-    while isinstance(getattr(array.base, "obj", array.base), np.ndarray):
-        array = getattr(array.base, "obj", array.base)
-    return array
-
+_CALLS_PER_THREAD = 3
+"""Submitted per thread of the cluster: while one is made, others are on their way."""
+_MOST_LOSSES = 3
+"""How often a call is submitted again that was lost."""
+_SECONDS_TO_FETCH = 60.0
+"""In which a response must arrive that is ready."""
 
 T = TypeVar("T")
 
 
-class Helper(Generic[T]):
-    """Threads that do something with each thing that they are given.
+def dask(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+    """Make calls on the cluster at ``how.scheduler``, else on one that is started for the run.
 
-    Parameters
-    ----------
-    do
-        What to do.
-    failed
-        Told what `do` raises.
-    threads
-        How many at a time. They are daemons, because a node that never returns must not keep an
-        interrupted program alive.
+    On a cluster that is already running, there are as many calls at a time as its workers have
+    threads. A call whose node or values cannot be sent to another process, or that reads a file,
+    is made in this one. Workers may come and go; a call whose worker dies is submitted again.
     """
-
-    def __init__(
-        self, do: Callable[[T], None], failed: Callable[[BaseException], None], threads: int = 1
-    ) -> None:
-        self._do = do
-        self._failed = failed
-        self._things: SimpleQueue[T | None] = SimpleQueue()
-        self._threads = threads
-        for _ in range(threads):
-            threading.Thread(target=self._work, daemon=True).start()
-
-    def give(self, thing: T) -> None:
-        """Have something done."""
-        self._things.put(thing)
-
-    def close(self) -> None:
-        """Let the threads end, once they have done what they do."""
-        for _ in range(self._threads):
-            self._things.put(None)
-
-    def _work(self) -> None:
-        while (thing := self._things.get()) is not None:
-            try:
-                self._do(thing)
-            except BaseException as error:  # else whoever waits for it waits for ever
-                self._failed(error)
-            del thing
-
-
-_AHEAD = 3
-"""Calls on their way per thread of the cluster: one is made while others come and go."""
-_TRIES = 3
-_FETCH = 60.0
-"""Seconds in which an answer must arrive that is there."""
+    call = schedule.next()
+    if call is None:
+        return  # no cluster is started for nothing
+    with cluster_for(how) as cluster:
+        submissions = _Submissions(schedule, cluster)
+        try:
+            submissions.submit(call)
+            del call
+            submissions.submit_all()
+            while submissions.running:
+                yield submissions.next()
+                submissions.submit_all()
+        finally:
+            submissions.close()
 
 
 @dataclass
-class _Flight:
-    """A call on its way.
+class _Submission:
+    """A call that was submitted to the cluster.
 
     Attributes
     ----------
     call : Call
     key : str
     future : Any
-        The answer.
+        Of the response.
     losses : int
-        How often what was sent, or the answer, has been lost with a worker.
+        How often the request or the response was lost with a worker.
     deaths : int
-        How many workers have died that were to compute it, though perhaps of another call.
+        How many workers have died to which it was assigned, perhaps because of another call.
     """
 
     call: Call
@@ -137,172 +82,187 @@ class _Flight:
     deaths: int = 0
 
 
-def outcomes_of(schedule: Schedule, first: Call, cluster: Cluster) -> Iterator[tuple[int, Outcome]]:
-    """Yield (step, outcome) for a first call, and for all others that a schedule hands out."""
-    traffic = _Traffic(schedule, cluster)
-    try:
-        traffic.send(first)
-        del first
-        traffic.send_all()
-        while traffic.running:
-            yield traffic.next()
-            traffic.send_all()
-    finally:
-        traffic.close()
+class _Submissions:
+    """The calls of a run on a cluster.
 
+    The thread of the run submits calls and takes results. Dask's thread reports futures that are
+    done; a thread fetches their responses, because large ones take time; two threads make the
+    calls that cannot be submitted. All of them report to the run's thread through one queue:
+    the key of a future that is done, a submission to be made again, or a result.
 
-class _Traffic:
-    """What is on its way, and what has come back."""
+    Attributes
+    ----------
+    running : int
+        Calls without a result.
+    """
 
     def __init__(self, schedule: Schedule, cluster: Cluster) -> None:
+        self.running = 0
         self._schedule = schedule
         self._cluster = cluster
-        self._asker = Asker(schedule, shares_files=False, are_new=False)
-        self._sent_once = SentOnce(cluster.client)
-        self._crew = Crew(cluster)
-        self._back: SimpleQueue[str | _Flight | tuple[int, Outcome] | BaseException] = SimpleQueue()
-        self._here = Helper(self._make_here, self._back.put, threads=2)
-        self._receiver = Helper(self._receive, self._back.put)
-        self._flights: dict[str, _Flight] = {}
-        self._suspects: deque[_Flight] = deque()
+        registry, packer = schedule.registry, schedule.packer
+        self._codec = CallCodec(registry, packer, shares_files=False, is_new=False)
+        self._scattered = Scattered(cluster.client)
+        self._by_key: dict[str, _Submission] = {}
+        self._suspects: deque[_Submission] = deque()
         self._suspect = ""
-        self.running = 0
+        self._reports: SimpleQueue[str | _Submission | tuple[int, Outcome] | BaseException]
+        self._reports = SimpleQueue()
+        self._local = _Threads(2, self._call_here, self._reports.put)
+        self._fetching = _Threads(1, self._fetch, self._reports.put)
 
-    def send_all(self) -> None:
-        """Send calls, as many as keep all workers busy and no more."""
-        while self.running < _AHEAD * max(self._crew.threads, 1):
+    def submit_all(self) -> None:
+        """Submit as many calls as keep all workers busy."""
+        while self.running < _CALLS_PER_THREAD * max(self._cluster.threads, 1):
             call = self._schedule.next()
             if call is None:
                 return
-            self.send(call)
+            self.submit(call)
 
-    def send(self, call: Call) -> None:
-        """Send a call."""
+    def submit(self, call: Call) -> None:
+        """Submit a call."""
         self.running += 1
-        self._send(_Flight(call))
+        self._submit(_Submission(call))
 
     def next(self) -> tuple[int, Outcome]:
-        """Wait for the next outcome."""
+        """Wait for the next result."""
         while True:
             try:
-                found = self._back.get(timeout=LOOK)
+                report = self._reports.get(timeout=SECONDS_BETWEEN_COUNTS)
             except Empty:
-                found = None
-            if isinstance(found, BaseException):
-                raise found
-            if isinstance(found, tuple):
+                report = None
+            if isinstance(report, BaseException):
+                raise report
+            if isinstance(report, tuple):
                 self.running -= 1
-                return found
-            if isinstance(found, _Flight):
-                self._send_again(found)
-            elif found is not None:
-                self._land(found)
-            self._look_after_all()
+                return report
+            if isinstance(report, _Submission):
+                self._submit_again(report)
+            elif report is not None:
+                self._take_done(report)
+            if self._cluster.count_workers(is_idle=self._reports.empty()):
+                for key in list(self._by_key):  # Dask does not report all that are lost
+                    self._take_done(key)
+            if self._suspects and self._suspect not in self._by_key:
+                suspect = self._suspects.popleft()
+                self._submit(suspect)
+                self._suspect = suspect.key
 
     def close(self) -> None:
-        """Give up what is still on its way."""
-        self._here.close()
-        self._receiver.close()
-        self._flights.clear()
+        """Give up the calls that are still running."""
+        self._local.close()
+        self._fetching.close()
+        self._by_key.clear()
 
-    def _look_after_all(self) -> None:
-        if self._crew.look(may_give_up=self._back.empty()):
-            for key in list(self._flights):  # of some that are lost nobody tells
-                self._land(key)
-        if self._suspects and self._suspect not in self._flights:
-            suspect = self._suspects.popleft()
-            self._send(suspect)
-            self._suspect = suspect.key
-
-    def _send(self, flight: _Flight) -> None:
+    def _submit(self, submission: _Submission) -> None:
         self._cluster.check()
-        question = self._asker.question(flight.call)
-        if question is None:
-            self._here.give(flight.call)
+        request = self._codec.encode(submission.call)
+        if request is None:
+            self._local.put(submission.call)
             return
-        surroundings, address, head, *_ = question.frames()
-        buffers = self._sent_once.arguments(question.buffers)
-        flight.key = f"{flight.call.node.name}-{uuid.uuid4().hex}"
-        flight.future = self._cluster.client.submit(
-            work, surroundings, address, head, *buffers, key=flight.key, pure=False
+        texts = (request.environment, request.address, request.head)
+        buffers = self._scattered.arguments(request.buffers)
+        submission.key = f"{submission.call.node.name}-{uuid.uuid4().hex}"
+        submission.future = self._cluster.client.submit(
+            work, *texts, *buffers, key=submission.key, pure=False
         )
-        self._flights[flight.key] = flight
-        flight.future.add_done_callback(lambda done: self._back.put(done.key))
+        self._by_key[submission.key] = submission
+        submission.future.add_done_callback(lambda future: self._reports.put(future.key))
 
-    def _send_again(self, flight: _Flight) -> None:
-        """Send a call again whose answer was lost, or whose worker died.
+    def _submit_again(self, submission: _Submission) -> None:
+        """Submit a call again that was lost, or whose worker died.
 
-        If a worker dies, Dask cannot tell which of the calls that it had was the cause. They are
-        suspects, sent one after the other, so that the others do not fail together with it.
+        If a worker dies, Dask does not know which of the calls that it had was the cause. All are
+        suspects, and submitted one by one, so that none fails because of another.
         """
-        if flight.deaths:
-            self._suspects.append(flight)
-        elif flight.losses < _TRIES:
-            self._send(flight)
+        if submission.deaths:
+            self._suspects.append(submission)
+        elif submission.losses < _MOST_LOSSES:
+            self._submit(submission)
         else:
-            self._fail(flight.call, f"what computed it was lost {_TRIES} times")
+            self._fail(submission.call, f"what computed it was lost {_MOST_LOSSES} times")
 
-    def _land(self, key: str) -> None:
-        """Hand on a flight that has ended."""
-        flight = self._flights.get(key)
-        if flight is None or flight.future.status == "pending":
+    def _take_done(self, key: str) -> None:
+        submission = self._by_key.get(key)
+        if submission is None or submission.future.status == "pending":
             return
-        del self._flights[key]
-        if flight.future.status in ("lost", "cancelled"):
-            flight.losses += 1
-            self._send_again(flight)
+        del self._by_key[key]
+        if submission.future.status in ("lost", "cancelled"):
+            submission.losses += 1
+            self._submit_again(submission)
         else:
-            self._receiver.give(flight)
+            self._fetching.put(submission)
 
-    def _receive(self, flight: _Flight) -> None:
-        """Fetch an answer; in a thread of its own, because a large one takes its time."""
+    def _fetch(self, submission: _Submission) -> None:
+        call = submission.call
         try:
-            sent: Sent = flight.future.result(timeout=_FETCH)
+            sent: Sent = submission.future.result(timeout=_SECONDS_TO_FETCH)
         except (CancelledError, OSError, TimeoutError):
-            flight.losses += 1
-            self._back.put(flight)
+            submission.losses += 1
+            self._reports.put(submission)
         except KilledWorker as error:
-            self._suspect_or_fail(flight, error.allowed_failures + 1)
+            was_suspect = bool(submission.deaths)
+            submission.deaths += error.allowed_failures + 1
+            if was_suspect:
+                self._fail(call, f"{submission.deaths} workers that computed it died of it")
+            else:
+                self._reports.put(submission)
         except Exception as error:
-            said = f"{type(error).__name__}: {error}"
-            self._fail(flight.call, f"{self._cluster.name} could not compute it: {said}")
+            reason = f"{type(error).__name__}: {error}"
+            self._fail(call, f"{self._cluster.name} could not compute it: {reason}")
         else:
-            self._take(flight.call, sent)
-
-    def _suspect_or_fail(self, flight: _Flight, deaths: int) -> None:
-        was_suspect = bool(flight.deaths)
-        flight.deaths += deaths
-        if was_suspect:
-            self._fail(flight.call, f"{flight.deaths} workers that computed it died of it")
-        else:
-            self._back.put(flight)
-
-    def _take(self, call: Call, sent: Sent) -> None:
-        who, *frames = sent
-        answer = Answer.from_frames([as_frame(one) for one in frames])
-        outcome = self._asker.outcome(answer, f"worker {who}")
-        if outcome is None:
-            self._here.give(call)
-        else:
-            self._back.put((call.step, self._schedule.keep(call, outcome)))
+            address, *frames = sent
+            response = Response.from_frames([as_frame(frame) for frame in frames])
+            outcome = self._codec.decode(response, f"worker {address}")
+            if outcome is None:
+                self._local.put(call)
+            else:
+                self._reports.put((call.step, self._schedule.keep(call, outcome)))
 
     def _fail(self, call: Call, reason: str) -> None:
         outcome = Outcome(State.FAILED, reason=reason)
-        self._back.put((call.step, self._schedule.keep(call, outcome)))
+        self._reports.put((call.step, self._schedule.keep(call, outcome)))
 
-    def _make_here(self, call: Call) -> None:
-        self._back.put((call.step, self._schedule.perform(call)))
+    def _call_here(self, call: Call) -> None:
+        with one_thread_here():
+            self._reports.put((call.step, self._schedule.perform(call)))
 
 
-def dask(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
-    """Make calls on the cluster at ``how.scheduler``, else on one that is started for the run.
+class _Threads(Generic[T]):
+    """Threads that call a function with each item of a queue.
 
-    On a cluster that others have started, calls are as many as its workers have threads. A call
-    whose node or values cannot go to another process, or that reads a file, is made here. Workers
-    may come and go; a call whose worker dies is made again by another one.
+    Parameters
+    ----------
+    count
+        They are daemons: a node that never returns must not keep the program alive.
+    function
+    report
+        Called with what the function raises.
     """
-    first = schedule.next()
-    if first is None:
-        return  # for nothing, no cluster is started
-    with cluster_for(how) as cluster:
-        yield from outcomes_of(schedule, first, cluster)
+
+    def __init__(
+        self, count: int, function: Callable[[T], None], report: Callable[[BaseException], None]
+    ) -> None:
+        self._count = count
+        self._function = function
+        self._report = report
+        self._items: SimpleQueue[T | None] = SimpleQueue()
+        for _ in range(count):
+            threading.Thread(target=self._work, daemon=True).start()
+
+    def put(self, item: T) -> None:
+        """Add an item to the queue."""
+        self._items.put(item)
+
+    def close(self) -> None:
+        """Let the threads end after the items that are in the queue."""
+        for _ in range(self._count):
+            self._items.put(None)
+
+    def _work(self) -> None:
+        while (item := self._items.get()) is not None:
+            try:
+                self._function(item)
+            except BaseException as error:  # else the run would wait for a report for ever
+                self._report(error)
+            del item

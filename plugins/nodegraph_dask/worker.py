@@ -1,4 +1,4 @@
-"""The program of a worker of a cluster on this machine."""
+"""What runs in a worker of a Dask cluster: calls, and the program of a worker on this machine."""
 
 from __future__ import annotations
 
@@ -15,54 +15,48 @@ from typing import Any
 import numpy as np
 from distributed import Worker, get_worker
 
-from nodegraph.execute.numeric_threads import one_thread_here
-from nodegraph.execute.worker.protocol import Frame, Question
-from nodegraph.execute.worker.server import answer
+from nodegraph.executors import Frame, Request, respond
 
 Sent = tuple[Any, ...]
-"""The worker's address, then the frames of the answer; large ones as arrays of bytes."""
+"""The worker's address, then the frames of the response; large ones as arrays of bytes."""
 
 
 def work(*frames: Any) -> Sent:
-    """Answer a question, given as its frames."""
-    question = Question.from_frames([as_frame(one) for one in frames])
-    with one_thread_here():
-        said, head, *buffers = answer(question).frames()
-    return get_worker().address, said, head, *map(as_bytes_array, buffers)
+    """Return the response to a request; both are given as frames."""
+    request = Request.from_frames([as_frame(frame) for frame in frames])
+    text, head, *buffers = respond(request).frames()
+    return get_worker().address, text, head, *map(as_array, buffers)
 
 
-def as_bytes_array(buffer: Frame) -> np.ndarray[Any, np.dtype[np.uint8]]:
-    """Return bytes as what Dask sends as they lie."""
+def as_array(buffer: Frame) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    """Return a buffer as an array of bytes, which Dask sends without a copy."""
     return np.frombuffer(buffer, np.uint8) if len(buffer) else np.empty(0, np.uint8)
 
 
-def as_frame(sent: Any) -> Frame:
-    """Return what `as_bytes_array` made an array of."""
-    return sent.data.toreadonly() if isinstance(sent, np.ndarray) else bytes(sent)
-
-
-_NONE = logging.CRITICAL + 1
+def as_frame(value: Any) -> Frame:
+    """Return the buffer of which `as_array` returned an array."""
+    return value.data.toreadonly() if isinstance(value, np.ndarray) else bytes(value)
 
 
 @contextmanager
 def no_logs() -> Iterator[None]:
-    """Let Dask log nothing: what a user must know is said by this program, once."""
-    names = [one for one in logging.root.manager.loggerDict if one.startswith("distributed")]
-    loggers = [logging.getLogger(one) for one in ("distributed", *names)]
-    levels = [one.level for one in loggers]
-    for one in loggers:
-        one.setLevel(_NONE)
+    """Have Dask log nothing: the run itself reports what its user must know, once."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    loggers = [logging.getLogger(name) for name in ("distributed", *names)]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        for one, level in zip(loggers, levels, strict=True):
-            one.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def main() -> None:
-    """Compute until the standard input ends, for the scheduler of ``sys.argv[1]``."""
+    """Work for the scheduler at the address in ``sys.argv[1]`` until the standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.dup2(2, 1)  # what a node prints is none of the program's results
+    os.dup2(2, 1)  # what a node prints is no output of the program
     threading.Thread(target=_end_with_input, daemon=True).start()
     with no_logs():
         asyncio.run(_serve(*sys.argv[1:]))
@@ -76,7 +70,7 @@ async def _serve(scheduler: str, folder: str) -> None:
         local_directory=folder,
         dashboard_address="127.0.0.1:0",
         dashboard=False,
-        # a worker that is paused, or writes values to disk, would help nobody here
+        # without a limit, it neither pauses nor writes values to disk
         memory_limit=0,
     )
     async with worker:

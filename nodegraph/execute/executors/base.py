@@ -1,24 +1,16 @@
-"""What an executor is, how one is chosen, and where its settings stand."""
+"""What an executor is, what it works on, and how one is chosen."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Protocol
 
 from nodegraph.errors import NodegraphError, nearest
-
-if TYPE_CHECKING:
-    from nodegraph.execute.call import Outcome
-    from nodegraph.execute.schedule import Schedule
-
-_OURS = {
-    "serial": "nodegraph.execute.executors.serial:serial",
-    "threads": "nodegraph.execute.executors.threads:threads",
-    "processes": "nodegraph.execute.executors.processes:processes",
-}
+from nodegraph.execute.call import Call, Outcome
+from nodegraph.plugin.registry import Registry
+from nodegraph.store import Packer
 
 
 @dataclass(frozen=True)
@@ -29,9 +21,9 @@ class HowToRun:
     ----------
     executor : str
     jobs : int or None
-        Calls at a time; as many as there are processors by default.
+        Calls at a time; by default as many as there are processors.
     scheduler : str
-        Address of a cluster, for the executor that takes one.
+        Address of a cluster, for an executor that uses one.
     """
 
     executor: str = "threads"
@@ -44,47 +36,57 @@ class HowToRun:
         return (os.cpu_count() or 1) if self.jobs is None else self.jobs
 
 
-class Executor(Protocol):
-    """Makes every call that a schedule hands out, and yields each step with its outcome.
+class Schedule(Protocol):
+    """The calls of a run, as an executor sees them."""
 
-    ``schedule.next()`` returns the next call that can be made now, or None. An executor makes it
-    with ``schedule.perform(call)``, in any thread; or elsewhere, with
-    `nodegraph.execute.call.perform`, and then gives the outcome to ``schedule.keep(call,
-    outcome)``, which returns it. Whoever iterates gives each outcome to the schedule before
-    asking for the next one, so that the executor sees what has become ready.
-    """
+    @property
+    def registry(self) -> Registry:
+        """The plugins that define the nodes."""
+        ...
+
+    @property
+    def packer(self) -> Packer:
+        """How values are sent to other processes."""
+        ...
+
+    def next(self) -> Call | None:
+        """Return the next call that can be made now, or None."""
+        ...
+
+    def perform(self, call: Call) -> Outcome:
+        """Make a call in this process, in any thread, and return its outcome."""
+        ...
+
+    def keep(self, call: Call, outcome: Outcome) -> Outcome:
+        """Store the outcome of a call that was made elsewhere, in any thread, and return it."""
+        ...
+
+
+class Executor(Protocol):
+    """Makes every call that a schedule hands out, and yields each step with its outcome."""
 
     def __call__(self, schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
-        """Yield (step index, outcome) until the schedule has nothing left.
+        """Yield (step index, outcome) until the schedule has no call left and none is running.
 
-        When the iterator is closed or interrupted, everything that still runs is given up.
+        Each outcome is settled before the iterator goes on, so that the schedule then hands out
+        the calls that have become possible. When the iterator is closed or interrupted, it gives
+        up all calls that still run.
         """
         ...
 
 
-def executor_of(how: HowToRun, others: Mapping[str, Any]) -> Executor:
-    """Return the executor of that name, ours or a plugin's.
-
-    Parameters
-    ----------
-    how
-        Which one is asked for, and how many calls at a time.
-    others
-        Those of plugins, by name; they go before ours.
+def executor_of(how: HowToRun, registry: Registry) -> Executor:
+    """Return the executor that is named.
 
     Raises
     ------
     NodegraphError
-        If there is none, the number of calls is below one, or what it needs is not installed.
+        If there is none of that name, or the number of calls at a time is below one.
     """
-    names = {**_OURS, **others}
-    if how.executor not in names:
-        raise NodegraphError(f"no executor {how.executor!r}; {nearest(how.executor, names)}")
+    executors = registry.hooks.executors
+    if how.executor not in executors:
+        raise NodegraphError(f"no executor {how.executor!r}; {nearest(how.executor, executors)}")
     if how.at_a_time < 1:
         raise NodegraphError(f"jobs must be 1 or more, got {how.jobs}")
-    if how.executor in others:
-        found: Executor = others[how.executor]
-        return found
-    module, _, name = _OURS[how.executor].partition(":")
-    ours: Executor = getattr(import_module(module), name)
-    return ours
+    executor: Executor = executors[how.executor]
+    return executor

@@ -7,47 +7,72 @@ from collections.abc import Callable, Iterator
 from queue import SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.executors.base import HowToRun
+from nodegraph.execute.executors.base import HowToRun, Schedule
 from nodegraph.execute.numeric_threads import one_thread_here
-from nodegraph.execute.schedule import Schedule
 
-_Calls = SimpleQueue[Call | None]
-_Outcomes = SimpleQueue[tuple[int, Outcome] | BaseException]
+Calls = SimpleQueue[Call | None]
+Results = SimpleQueue[tuple[int, Outcome] | BaseException]
 
 
 def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make several calls at a time, each in a thread of this process."""
-    calls: _Calls = SimpleQueue()
-    outcomes: _Outcomes = SimpleQueue()
-    jobs = min(how.at_a_time, len(schedule.plan.steps))
-    # daemons, because a node that never returns must not keep an interrupted program alive
-    for _ in range(jobs):
-        work = threading.Thread(target=_work, args=(schedule.perform, calls, outcomes), daemon=True)
-        work.start()
-    running = 0
+
+    def start(calls: Calls, results: Results) -> None:
+        # daemons: a node that never returns must not keep the program alive
+        arguments = (schedule.perform, calls, results)
+        threading.Thread(target=_work, args=arguments, daemon=True).start()
+
+    return distribute(schedule, how.at_a_time, start)
+
+
+def _work(perform: Callable[[Call], Outcome], calls: Calls, results: Results) -> None:
+    with one_thread_here():
+        make_calls(perform, calls, results)
+
+
+def distribute(
+    schedule: Schedule, at_a_time: int, start: Callable[[Calls, Results], None]
+) -> Iterator[tuple[int, Outcome]]:
+    """Hand the calls of a schedule to workers, and yield their results.
+
+    Parameters
+    ----------
+    schedule
+    at_a_time
+    start
+        Starts a worker, which takes calls from one queue until it gets None, and puts their
+        results, or what must end the run, into the other. No more are started than are needed.
+    """
+    calls: Calls = SimpleQueue()
+    results: Results = SimpleQueue()
+    started = running = 0
     try:
         while True:
-            while running < jobs and (call := schedule.next()) is not None:
+            while running < at_a_time and (call := schedule.next()) is not None:
                 calls.put(call)
                 running += 1
-            del call
+                if running > started:
+                    start(calls, results)
+                    started += 1
+            del call  # else its inputs would stay in memory while a result is waited for
             if not running:
                 return
-            finished = outcomes.get()
-            if isinstance(finished, BaseException):
-                raise finished
+            result = results.get()
+            if isinstance(result, BaseException):
+                raise result
             running -= 1
-            yield finished
+            yield result
+            del result
     finally:
-        for _ in range(jobs):
+        for _ in range(started):
             calls.put(None)
 
 
-def _work(perform: Callable[[Call], Outcome], calls: _Calls, outcomes: _Outcomes) -> None:
-    with one_thread_here():
-        while (call := calls.get()) is not None:
-            try:
-                outcomes.put((call.step, perform(call)))
-            except BaseException as error:  # else whoever waits for the outcome waits for ever
-                outcomes.put(error)
-            del call
+def make_calls(perform: Callable[[Call], Outcome], calls: Calls, results: Results) -> None:
+    """Make the calls of a queue, until it gives None."""
+    while (call := calls.get()) is not None:
+        try:
+            results.put((call.step, perform(call)))
+        except BaseException as error:  # else the run would wait for a result for ever
+            results.put(error)
+        del call

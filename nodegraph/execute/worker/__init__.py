@@ -1,1 +1,1 @@
-"""What executors share that compute steps in other processes, on this machine or another."""
+"""Calls in other processes: the messages, the side that sends them, the side that responds."""

@@ -1,4 +1,4 @@
-"""Here: calls as questions to other processes, and what their answers come to."""
+"""The side that sends calls to workers, and the processes in which workers run."""
 
 from __future__ import annotations
 
@@ -15,46 +15,48 @@ from typing import cast
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.worker.protocol import (
-    INTERRUPTED,
-    LACKING,
-    NOT_SENT,
-    Address,
-    Answer,
-    Question,
-    Surroundings,
+    Environment,
+    NodeAddress,
+    Request,
+    Response,
+    ResponseKind,
     read_frames,
     write_frames,
 )
-from nodegraph.store import Unreadable, Unstorable
+from nodegraph.plugin.registry import Registry
+from nodegraph.store import Packer, Unreadable, Unstorable
 
 
-class Asker:
-    """Turns calls into questions, and answers into outcomes.
+class CallCodec:
+    """Encodes calls as requests, and decodes responses to outcomes.
 
     Parameters
     ----------
-    schedule
+    registry
+        The plugins that define the nodes.
+    packer
+        Packs values.
     shares_files
-        Whether those who answer see the same files as this process.
-    are_new
-        Whether they are started for these calls, and so have the code that there is now.
+        Whether workers see the same files as this process.
+    is_new
+        Whether workers start after this process, and so have the same code.
     """
 
-    def __init__(self, schedule: Schedule, *, shares_files: bool, are_new: bool) -> None:
-        self._packer = schedule.packer
-        self._registry = schedule.plan.graph.registry
+    def __init__(
+        self, registry: Registry, packer: Packer, *, shares_files: bool, is_new: bool
+    ) -> None:
+        self._packer = packer
+        self._registry = registry
         self._shares_files = shares_files
-        surroundings = Surroundings.of(self._registry, with_code=not are_new)
-        self._surroundings = surroundings.as_bytes()
+        self._environment = Environment.of(registry, with_code=not is_new).encode()
         self._addresses: dict[int, bytes | None] = {}
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
-    def question(self, call: Call) -> Question | None:
-        """Return a call as a question, or None if it must be made here."""
+    def encode(self, call: Call) -> Request | None:
+        """Return a call as a request, or None if it must be made in this process."""
         address = self._address(call)
-        if address is None or self._reads_files(call):
+        if address is None or (self._reads_file(call) and not self._shares_files):
             return None
         try:
             packed = self._packer.pack((dict(call.inputs), dict(call.settings)))
@@ -62,75 +64,71 @@ class Asker:
             return None
         if not packed.faithful:
             return None
-        return Question(self._surroundings, address, packed.head.encode(), packed.buffers)
+        return Request(self._environment, address, packed.head.encode(), packed.buffers)
 
-    def outcome(self, answer: Answer, who: str) -> Outcome | None:
-        """Return what an answer comes to, or None if the call must be made here.
+    def decode(self, response: Response, worker: str) -> Outcome | None:
+        """Return the outcome in a response, or None if the call must be made in this process.
 
         Parameters
         ----------
-        answer
-        who
-            Who has answered, for what is told to the user.
+        response
+        worker
+            Name of the worker in messages.
         """
-        if answer.kind == INTERRUPTED:
+        if response.kind is ResponseKind.INTERRUPTED:
             raise KeyboardInterrupt
-        if answer.kind == NOT_SENT:
+        if response.kind is ResponseKind.UNSENDABLE:
             return None
-        if answer.differs and answer.differs not in self._told:
-            self._told.add(answer.differs)
+        if response.differences and response.differences not in self._reported:
+            self._reported.add(response.differences)
             warnings.warn(
-                f"{who} has {answer.differs}: results may differ in their last digits",
+                f"{worker} has {response.differences}: results may differ in their last digits",
                 stacklevel=2,
             )
-        if answer.kind == LACKING:
-            return replace(answer.outcome, reason=f"{who} {answer.outcome.reason}")
+        if response.kind is ResponseKind.MISSING:
+            return replace(response.outcome, reason=f"{worker} {response.outcome.reason}")
         try:
-            values = self._packer.unpack(answer.head.decode(), answer.buffers)
+            values = self._packer.unpack(response.head.decode(), response.buffers)
         except Unreadable:
             return None
-        return replace(answer.outcome, values=values)
+        return replace(response.outcome, values=values)
 
     def _address(self, call: Call) -> bytes | None:
         # by identity: the plan keeps the nodes, and comparing them would read their signatures
         known = id(call.node)
         if known not in self._addresses:
-            self._addresses[known] = self._new_address(call)
+            address = NodeAddress.of(call, self._registry)
+            ports = (*call.node.inputs, *call.node.outputs)
+            can_go = address is not None and all(self._packer.travels(port.type) for port in ports)
+            self._addresses[known] = address.encode() if address is not None and can_go else None
         return self._addresses[known]
 
-    def _new_address(self, call: Call) -> bytes | None:
-        address = Address.of(call, self._registry)
-        ports = (*call.node.inputs, *call.node.outputs)
-        if address is None or not all(self._packer.travels(port.type) for port in ports):
-            return None
-        return address.as_bytes()
-
-    def _reads_files(self, call: Call) -> bool:
-        return not self._shares_files and any(
+    def _reads_file(self, call: Call) -> bool:
+        return any(
             setting.is_file and call.settings.get(name) is not None
             for name, setting in call.node.settings.items()
         )
 
 
-_START = (
+_PROGRAM = (
     "import json, sys, importlib; "
     "module, sys.path[:] = json.loads(sys.argv.pop(1)); "
     "importlib.import_module(module).main()"
 )
 
 
-def start(module: str, *words: str, answers: bool = False) -> subprocess.Popen[bytes]:
+def start(module: str, *arguments: str, pipe_output: bool = False) -> subprocess.Popen[bytes]:
     """Start ``module.main()`` in another process, which finds modules where this one does.
 
-    Its standard input is a pipe, whose end tells it to end. It is not in the foreground of the
-    terminal: Ctrl-C reaches this process alone.
+    Its standard input is a pipe; the process should end when that is closed. Ctrl-C does not reach
+    it, because it is not in the foreground of the terminal.
 
     Parameters
     ----------
     module
-    *words
+    *arguments
         Its ``sys.argv[1:]``.
-    answers
+    pipe_output
         Whether its standard output is a pipe, too.
     """
     return subprocess.Popen(
@@ -138,20 +136,20 @@ def start(module: str, *words: str, answers: bool = False) -> subprocess.Popen[b
             sys.executable,
             "-P",
             "-c",
-            _START,
+            _PROGRAM,
             json.dumps([module, list(map(str, sys.path))]),
-            *words,
+            *arguments,
         ],
         stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE if answers else None,
+        stdout=subprocess.PIPE if pipe_output else None,
         start_new_session=True,
     )
 
 
 def kill(process: subprocess.Popen[bytes]) -> None:
-    """End a program, and what it has started itself, at once."""
+    """End a process that `start` returned, and those that it has started, at once."""
     if process.returncode is not None:
-        return  # its number may be another's by now
+        return  # its number may be another process's by now
     with suppress(ProcessLookupError):
         if sys.platform == "win32":
             process.kill()
@@ -159,80 +157,73 @@ def kill(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def how_it_ended(process: subprocess.Popen[bytes]) -> str:
-    """Return how a program ended that has closed its pipes."""
-    try:
-        status = process.wait(timeout=5)
-    except subprocess.TimeoutExpired:  # it has not ended, but nobody can talk to it any more
-        kill(process)
-        process.wait()
-        return "closed its pipes"
-    if status >= 0:
-        return f"ended with exit status {status}"
-    number = -status
-    name = signal.Signals(number).name if number in set(signal.Signals) else str(number)
-    hint = " (out of memory?)" if name == "SIGKILL" else ""
-    return f"was ended by signal {name}{hint}"
+class WorkerEndedError(Exception):
+    """The worker has ended instead of responding; the text says how."""
 
 
-_LONG_ENOUGH = 5.0
-"""Seconds that a worker has to end by itself."""
+class Worker:
+    """A process that makes calls. It starts at once, and is ready when it first responds."""
 
-
-class EndedError(Exception):
-    """The worker has ended instead of answering; the text says how."""
-
-
-class Child:
-    """A worker process. It starts at once, and is ready when it first answers."""
+    _SECONDS_TO_END = 5.0
 
     def __init__(self) -> None:
-        self._process = start("nodegraph.execute.worker.server", answers=True)
+        self._process = start("nodegraph.execute.worker.server", pipe_output=True)
         self._requests = cast(BufferedWriter, self._process.stdin)
-        self._replies = cast(BufferedReader, self._process.stdout)
+        self._responses = cast(BufferedReader, self._process.stdout)
         self._is_ready = False
 
     @property
     def is_alive(self) -> bool:
-        """Whether it can be asked."""
+        """Whether it can take a request."""
         return self._process.poll() is None
 
-    def ask(self, question: Question) -> Answer:
-        """Send a question and wait for the answer.
+    def send(self, request: Request) -> Response:
+        """Send a request and wait for the response.
 
         Raises
         ------
-        EndedError
-            If the worker ends first.
+        WorkerEndedError
+            If the process ends first.
         NodegraphError
-            If it could not even start.
+            If the process does not start.
         """
         try:
-            # each side reads all of a message before it writes, so that neither waits for ever
-            write_frames(self._requests, question.frames())
+            # each side reads all of a message before it writes: neither can block the other
+            write_frames(self._requests, request.frames())
             if not self._is_ready:
-                self._is_ready = bool(read_frames(self._replies))
-            return Answer.from_frames(read_frames(self._replies))
+                self._is_ready = bool(read_frames(self._responses))
+            return Response.from_frames(read_frames(self._responses))
         except (EOFError, OSError) as error:
-            how = how_it_ended(self._process)
+            end = self._end()
             if not self._is_ready:
-                raise NodegraphError(f"a worker process does not start: it {how}") from error
-            raise EndedError(how) from error
+                raise NodegraphError(f"a worker process does not start: it {end}") from error
+            raise WorkerEndedError(end) from error
 
     def close(self) -> None:
-        """Let it end, with what it has to do at its end."""
-        self._close_pipes()
+        """Let the process end by itself, if it does so soon."""
+        for pipe in (self._requests, self._responses):
+            with suppress(OSError):  # for what it has not read
+                pipe.close()
         try:
-            self._process.wait(_LONG_ENOUGH)
+            self._process.wait(self._SECONDS_TO_END)
         except subprocess.TimeoutExpired:
             self.kill()
 
     def kill(self) -> None:
-        """End it at once; from any thread."""
+        """End the process at once; from any thread."""
         kill(self._process)
         self._process.wait()
 
-    def _close_pipes(self) -> None:
-        for pipe in (self._requests, self._replies):
-            with suppress(OSError):  # what it did not read any more
-                pipe.close()
+    def _end(self) -> str:
+        """Return how the process ended, which has closed its pipes."""
+        try:
+            status = self._process.wait(self._SECONDS_TO_END)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            return "closed its pipes"
+        if status >= 0:
+            return f"ended with exit status {status}"
+        number = -status
+        name = signal.Signals(number).name if number in set(signal.Signals) else str(number)
+        hint = " (out of memory?)" if name == "SIGKILL" else ""
+        return f"was ended by signal {name}{hint}"

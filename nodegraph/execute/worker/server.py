@@ -1,4 +1,4 @@
-"""The program of a worker process: answers one question after the other until its input ends."""
+"""The side that makes calls: the program of a worker process."""
 
 from __future__ import annotations
 
@@ -16,79 +16,74 @@ from typing import Any
 
 from nodegraph.errors import NodegraphError, UnknownNodeError
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
-from nodegraph.execute.numeric_threads import WhileAny, one_thread_each
+from nodegraph.execute.numeric_threads import SharedContext, one_thread_each
 from nodegraph.execute.worker.protocol import (
-    INTERRUPTED,
-    LACKING,
-    NOT_SENT,
-    OUTCOME,
-    Address,
-    Answer,
-    Package,
-    Question,
-    Surroundings,
+    Environment,
+    NodeAddress,
+    PackageCode,
+    Request,
+    Response,
+    ResponseKind,
     code_of,
     reached,
     read_frames,
     write_frames,
 )
 from nodegraph.node.decorator import Node, node_of
-from nodegraph.plugin.registry import Registered, Registry
+from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 from nodegraph.store import Packer, Unreadable, Unstorable
 
-_one_at_a_time = threading.RLock()
-_finders: dict[bytes, Finder] = {}
-_from_files: set[str] = set()
-_imported_code: dict[str, Package] = {}
-"""As it was when this process began to answer: later edits of files do not reach it."""
+_lock = threading.RLock()
+_finders: dict[bytes, NodeFinder] = {}
+_plugin_files: set[str] = set()
+_imported_code: dict[str, PackageCode] = {}
+"""The code of packages when they were imported: later edits of files do not reach this process."""
 
 
-class LackingError(NodegraphError):
-    """What a question asks for is not here; the text says what this process "has" or "lacks"."""
+class MissingNodeError(NodegraphError):
+    """The node of a request is not in this process; the text says what it "has" instead."""
 
 
-def finder_in(surroundings: bytes) -> Finder:
-    """Return what finds nodes in these surroundings, made once for each."""
-    with _one_at_a_time:  # threads that compute here would import one plugin twice
-        found = _finders.get(surroundings)
-        if found is None:
-            asking = Surroundings.from_bytes(surroundings)
-            _forget_files(asking)
-            found = _finders[surroundings] = Finder(asking)
-        return found
+def finder_for(environment: bytes) -> NodeFinder:
+    """Return what finds nodes for the requests of an environment, created once for each."""
+    with _lock:  # threads of one process would import a plugin twice
+        finder = _finders.get(environment)
+        if finder is None:
+            decoded = Environment.decode(environment)
+            _forget_plugin_files({Path(path).stem for path, _ in decoded.files})
+            finder = _finders[environment] = NodeFinder(decoded)
+        return finder
 
 
-def _forget_files(asking: Surroundings) -> None:
-    """Let plugin files be imported anew: those of the same names may have been others."""
-    names = {Path(path).stem for path, _ in asking.files}
-    if names & _from_files:
-        for name in names & _from_files:
-            sys.modules.pop(name, None)
-        _finders.clear()  # they would take the new classes for their own
-    _from_files.update(names)
+def _forget_plugin_files(names: set[str]) -> None:
+    """Have plugin files imported again: earlier ones of the same names may be different."""
+    for name in names & _plugin_files:
+        sys.modules.pop(name, None)
+        _finders.clear()  # their values would be of the classes of the new module
+    _plugin_files.update(names)
 
 
-class Finder:
-    """Finds nodes among the installed plugins, and in the files that came along.
+class NodeFinder:
+    """Finds nodes among the installed plugins, and in the plugin files of an environment.
 
     Attributes
     ----------
     packer : Packer
-    differs : str
-        Which versions are others here than where the question came from.
+    differences : str
+        Versions here that are not those of the environment.
     """
 
-    def __init__(self, asking: Surroundings) -> None:
+    def __init__(self, environment: Environment) -> None:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # who asks has been told of plugins that are broken
-            self._registry = Registry.installed(asking.placed())
+            warnings.simplefilter("ignore")  # the run itself warns of plugins that are broken
+            self._registry = Registry.installed(environment.plugin_files())
         self._known: dict[bytes, Node] = {}
-        # who asks could name any module as a node's: values may do so, too
+        # requests may name a node in any module, so values may be of classes of any module
         self.packer = Packer(self._registry.hooks.storages, lambda package: True)
-        self.differs = "; ".join(asking.differences(Surroundings()))
-        self._code = asking.code
-        for package, code in code_of(asking.code).items():
+        self.differences = "; ".join(environment.differences(Environment()))
+        self._code = environment.code
+        for package, code in code_of(environment.code).items():
             _imported_code.setdefault(package, code)
 
     def find(self, address: bytes) -> Node:
@@ -96,157 +91,156 @@ class Finder:
 
         Raises
         ------
-        LackingError
-            If it is not here, or comes from another version.
+        MissingNodeError
+            If this process does not have it, or another version of it.
         """
-        found = self._known.get(address)
-        if found is None:
-            with _one_at_a_time:
-                found = self._known[address] = self._find(Address.from_bytes(address))
-        return found
-
-    def _find(self, wanted: Address) -> Node:
-        try:
-            found = self._registry.find(f"{wanted.plugin}:{wanted.node}")
-        except UnknownNodeError:
-            return self._imported(wanted)
-        _check_version(found, wanted)
-        self._check_code(found.node, wanted)
-        return found.node
-
-    def _check_code(self, node: Node, wanted: Address) -> None:
-        for package in reached(node.function.__module__.partition(".")[0], self._code):
-            here = _imported_code.get(package)
-            if here is not None and here[0] != self._code[package][0]:
-                raise LackingError(
-                    f"has other code of {package} than here, for {wanted.node}; "
-                    "install the same there, and start its workers anew"
-                )
-
-    def _imported(self, wanted: Address) -> Node:
-        try:
-            found: Any = importlib.import_module(wanted.module)
-            for part in wanted.qualname.split("."):
-                found = getattr(found, part)
-        except (Exception, SystemExit) as error:
-            raise LackingError(self._lacks(wanted)) from error
-        node = node_of(found)
-        if node is None or node.name != wanted.node:
-            raise LackingError(self._lacks(wanted))
+        node = self._known.get(address)
+        if node is None:
+            with _lock:
+                node = self._known[address] = self._find(NodeAddress.decode(address))
         return node
 
-    def _lacks(self, wanted: Address) -> str:
-        for one in self._registry.broken:
-            if one.name == wanted.plugin:
-                left_out = f"has left out the plugin {one.name!r}, which brings {wanted.node}"
-                return f"{left_out}: {one.reason}"
-        versions = {one.name: one.distribution for one in self._registry.loaded}
-        there = versions.get(wanted.plugin)
-        if there is None:
-            install = f" ({wanted.distribution})" if wanted.distribution else ""
-            lacks = f"has no plugin {wanted.plugin!r}, which brings {wanted.node}"
-            return f"{lacks}; install it there{install}"
-        others = f" (it has {there}, here it is {wanted.distribution})" if there else ""
-        return f"has no node {wanted.node} in its plugin {wanted.plugin!r}{others}"
+    def _find(self, address: NodeAddress) -> Node:
+        try:
+            registered = self._registry.find(f"{address.plugin}:{address.node}")
+        except UnknownNodeError:
+            return self._imported(address)
+        if registered.distribution != address.distribution:
+            theirs = registered.distribution or "a file"
+            ours = address.distribution or "a file"
+            raise MissingNodeError(f"has {theirs}, here it is {ours}, for {address.node}")
+        package = registered.node.function.__module__.partition(".")[0]
+        for name in reached(package, self._code):
+            code = _imported_code.get(name)
+            if code is not None and code.digest != self._code[name].digest:
+                raise MissingNodeError(
+                    f"has other code of {name} than here, for {address.node}; "
+                    "install the same version there, and restart its workers"
+                )
+        return registered.node
+
+    def _imported(self, address: NodeAddress) -> Node:
+        """Return a node of no plugin, from the module that defines it."""
+        try:
+            value: Any = importlib.import_module(address.module)
+            for part in address.qualname.split("."):
+                value = getattr(value, part)
+        except (Exception, SystemExit) as error:
+            raise MissingNodeError(self._why_missing(address)) from error
+        node = node_of(value)
+        if node is None or node.name != address.node:
+            raise MissingNodeError(self._why_missing(address))
+        return node
+
+    def _why_missing(self, address: NodeAddress) -> str:
+        plugin = f"plugin {address.plugin!r}"
+        for broken in self._registry.broken:
+            if broken.name == address.plugin:
+                return f"has left out the {plugin}, which defines {address.node}: {broken.reason}"
+        distributions = {loaded.name: loaded.distribution for loaded in self._registry.loaded}
+        distribution = distributions.get(address.plugin)
+        if distribution is None:
+            version = f" ({address.distribution})" if address.distribution else ""
+            return f"has no {plugin}, which defines {address.node}; install it there{version}"
+        versions = f" (it has {distribution}, here it is {address.distribution})"
+        return f"has no node {address.node} in its {plugin}{versions if distribution else ''}"
 
 
-def _check_version(found: Registered, wanted: Address) -> None:
-    if found.distribution != wanted.distribution:
-        there, here = (one.distribution or "a file" for one in (found, wanted))
-        raise LackingError(f"has {there}, here it is {here}, for {wanted.node}")
-
-
-def answer(question: Question) -> Answer:
-    """Find the node, call it, and return what became of it."""
+def respond(request: Request) -> Response:
+    """Find the node of a request, call it, and return the response."""
     try:
-        finder = finder_in(question.surroundings)
-    except Exception as error:  # a file that came along does not import here
-        return _without_values(LACKING, f"cannot use what came along: {error}")
-    return replace(_answer(finder, question), differs=finder.differs)
+        finder = finder_for(request.environment)
+    except Exception as error:  # a plugin file does not import here
+        return _failure(ResponseKind.MISSING, f"cannot use a plugin file: {error}")
+    return replace(_response(finder, request), differences=finder.differences)
 
 
-def _answer(finder: Finder, question: Question) -> Answer:
+def _response(finder: NodeFinder, request: Request) -> Response:
     try:
-        node = finder.find(question.address)
-        inputs, settings = finder.packer.unpack(question.head.decode(), question.buffers)
-    except LackingError as error:
-        return _without_values(LACKING, str(error))
+        node = finder.find(request.address)
+        inputs, settings = finder.packer.unpack(request.head.decode(), request.buffers)
+    except MissingNodeError as error:
+        return _failure(ResponseKind.MISSING, str(error))
     except Unreadable as error:
-        return _without_values(NOT_SENT, str(error))
+        return _failure(ResponseKind.UNSENDABLE, str(error))
     try:
-        with _at_work.on():
+        with _warnings.entered(), one_thread_each():
             outcome = perform(Call(0, node, "", inputs, settings))
     except KeyboardInterrupt:
-        return _without_values(INTERRUPTED, "")
-    return _packed(finder, outcome)
-
-
-def _packed(finder: Finder, outcome: Outcome) -> Answer:
+        return _failure(ResponseKind.INTERRUPTED, "")
     try:
         packed = finder.packer.pack(outcome.values)
     except Unstorable as error:
-        return _without_values(NOT_SENT, str(error))
+        return _failure(ResponseKind.UNSENDABLE, str(error))
     if not packed.faithful:
-        return _without_values(NOT_SENT, "what would come back is a stand-in")
-    said = replace(outcome, values=())
-    return Answer(OUTCOME, said, head=packed.head.encode(), buffers=packed.buffers)
+        return _failure(ResponseKind.UNSENDABLE, "only a stand-in of a value can be sent")
+    return Response(
+        ResponseKind.OUTCOME,
+        replace(outcome, values=()),
+        head=packed.head.encode(),
+        buffers=packed.buffers,
+    )
 
 
-def _without_values(kind: str, reason: str) -> Answer:
-    return Answer(kind, Outcome(State.FAILED, reason=reason))
+def _failure(kind: ResponseKind, reason: str) -> Response:
+    return Response(kind, Outcome(State.FAILED, reason=reason))
 
 
-_at_work = WhileAny(collecting_warnings, one_thread_each)
+_warnings = SharedContext(collecting_warnings)
 
 
 def main() -> None:
-    """Answer questions from standard input on standard output."""
+    """Respond on standard output to requests from standard input."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    requests, replies = _pipes()
-    write_frames(replies, [b"ready"])
-    work = _Work(requests)
-    threading.Thread(target=work.read, daemon=True).start()
-    with one_thread_each():
-        while (question := work.next()) is not None:
-            frames = answer(question).frames()
+    requests, responses = _pipes()
+    write_frames(responses, [b"ready"])
+    reader = _Reader(requests)
+    threading.Thread(target=reader.read, daemon=True).start()
+    with one_thread_each():  # also of libraries that plugins load
+        while (request := reader.requests.get()) is not None:
+            frames = respond(request).frames()
             sys.stdout.flush()
-            work.answering = False
-            write_frames(replies, frames)
-            del question, frames
+            reader.is_busy = False
+            write_frames(responses, frames)
+            del request, frames
 
 
-class _Work:
-    """Questions as they come in, and whether one is being answered."""
+class _Reader:
+    """Reads requests in a thread of its own, to notice the end of the run during a call.
 
-    def __init__(self, requests: BufferedReader) -> None:
-        self._requests = requests
-        self._questions: SimpleQueue[Question | None] = SimpleQueue()
-        self.answering = False
+    Attributes
+    ----------
+    requests : SimpleQueue of Request
+        None is the last one.
+    is_busy : bool
+        Whether a request has no response yet.
+    """
 
-    def next(self) -> Question | None:
-        """Return the next question, or None when there will be none."""
-        return self._questions.get()
+    def __init__(self, stream: BufferedReader) -> None:
+        self._stream = stream
+        self.requests: SimpleQueue[Request | None] = SimpleQueue()
+        self.is_busy = False
 
     def read(self) -> None:
-        """Read questions; when whoever asks is gone, nobody waits for the answer either."""
+        """Read requests until the stream ends; a call that is running then ends with it."""
         while True:
             try:
-                question = Question.from_frames(read_frames(self._requests))
+                request = Request.from_frames(read_frames(self._stream))
             except (EOFError, OSError):
                 break
-            self.answering = True
-            self._questions.put(question)
-            del question
-        if self.answering:
+            self.is_busy = True
+            self.requests.put(request)
+            del request
+        if self.is_busy:
             os._exit(1)
-        self._questions.put(None)
+        self.requests.put(None)
 
 
 def _pipes() -> tuple[BufferedReader, BufferedWriter]:
-    """Take the pipes away from standard input and output: what a node prints is no answer."""
-    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.close(nothing)
+    """Take over standard input and output, so that what a node prints is no response."""
+    requests, responses = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    null = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(null, 0)
+    os.close(null)
     os.dup2(2, 1)
-    return requests, replies
+    return requests, responses

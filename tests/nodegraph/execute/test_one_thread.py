@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -50,9 +51,11 @@ def _two_threads(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-def threads_now() -> set[int]:
+def threads_now(*apis: str) -> set[int]:
+    """Return how many threads libraries use in this thread."""
     np.linalg.norm(np.ones((3, 3)))
-    return {one["num_threads"] for one in threadpool_info()}
+    infos = threadpool_info()
+    return {info["num_threads"] for info in infos if not apis or info["user_api"] in apis}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -80,13 +83,25 @@ def test_a_value_that_is_computed_again_is_the_same(tmp_path: Path) -> None:
     assert execute(plan(graph))["a"].at(trial=2) == 1
 
 
-def test_the_limit_holds_until_the_last_is_done_and_leaves_no_trace() -> None:
-    first, second = one_thread_each(), one_thread_each()
-    with first:
-        second.__enter__()
-    assert threads_now() == {1}
+def test_the_limit_holds_until_the_last_thread_leaves_and_leaves_no_trace() -> None:
+    entered, left = threading.Event(), threading.Event()
+    inside: list[set[int]] = []
+
+    def other() -> None:
+        with one_thread_each():
+            entered.set()
+            left.wait()
+            inside.append(threads_now())
+
+    thread = threading.Thread(target=other)
+    with one_thread_each():
+        thread.start()
+        entered.wait()
+    assert threads_now("blas") == {1}
     assert os.environ["OMP_NUM_THREADS"] == "1"
-    second.__exit__(None, None, None)
+    left.set()
+    thread.join()
+    assert inside == [{1}]
     assert threads_now() == {2}
     assert os.environ["OPENBLAS_NUM_THREADS"] == "2"
     assert "OMP_NUM_THREADS" not in os.environ

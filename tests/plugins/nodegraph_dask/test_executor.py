@@ -19,7 +19,7 @@ from distributed import Client, LocalCluster
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import HowToRun, Run
 from nodegraph.execute.events import Event
-from nodegraph.execute.worker.protocol import Surroundings
+from nodegraph.execute.worker.protocol import Environment
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 from nodegraph_dask import cluster as cluster_module
@@ -188,7 +188,7 @@ def test_a_worker_that_lacks_the_plugin_is_named(
     (said,) = reasons(run)
     assert said.startswith("worker tcp://127.0.0.1:")
     assert said.endswith(
-        " has no plugin 'acme', which brings acme.one; install it there (acme 0.1)"
+        " has no plugin 'acme', which defines acme.one; install it there (acme 0.1)"
     )
 
 
@@ -210,7 +210,7 @@ def test_a_worker_that_has_not_heard_of_an_edit_is_named(
     file = tmp_path / "here" / "acme_nodes.py"
     file.write_text(file.read_text().replace("return 1", "return 2"))
     (said,) = reasons(study(MANY, others.how, nodes=acme_here))
-    assert "has other code of acme_nodes than here, for acme.one; install the same" in said
+    assert "has other code of acme_nodes than here, for acme.one; install the same version" in said
 
 
 def test_other_versions_are_told_once(
@@ -219,8 +219,8 @@ def test_other_versions_are_told_once(
     two_workers: HowToRun,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    here = replace(Surroundings.of(registry, with_code=True), python="3.9", numpy="1.0")
-    monkeypatch.setattr(Surroundings, "of", lambda *_, **__: here)
+    here = replace(Environment.of(registry, with_code=True), python="3.9", numpy="1.0")
+    monkeypatch.setattr(Environment, "of", lambda *_, **__: here)
     text = "axes: {k: {count: 9}}\nnodes: {a: {use: away.pid, with: {mark: $k}}}"
     said = r"worker tcp://.* has Python .*, here it is 3\.9; numpy .*, here it is 1\.0: results may"
     with pytest.warns(UserWarning, match=said) as told:
@@ -287,7 +287,7 @@ def test_a_run_waits_for_a_worker(study: Callable[..., Run], others: Others) -> 
 def test_a_run_ends_when_there_is_no_worker_for_long(
     study: Callable[..., Run], others: Others, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster_module, "WAIT", 0.0)
+    monkeypatch.setattr(cluster_module, "SECONDS_WITHOUT_WORKERS", 0.0)
     text = """
         nodes:
           a: {use: away.number}

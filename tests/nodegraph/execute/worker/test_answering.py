@@ -13,14 +13,13 @@ from nodegraph import node
 from nodegraph.execute.call import Call
 from nodegraph.execute.worker import server
 from nodegraph.execute.worker.protocol import (
-    LACKING,
-    NOT_SENT,
-    Address,
-    Answer,
-    Question,
-    Surroundings,
+    Environment,
+    NodeAddress,
+    Request,
+    Response,
+    ResponseKind,
 )
-from nodegraph.execute.worker.server import answer
+from nodegraph.execute.worker.server import respond
 from nodegraph.node.decorator import node_of
 from nodegraph.plugin.registry import Registry
 from nodegraph.store import Packer
@@ -39,16 +38,16 @@ def number(*, k: int = 0) -> int:
 def forget(monkeypatch: pytest.MonkeyPatch) -> None:
     """Answer as a process that has not answered yet."""
     monkeypatch.setattr(server, "_finders", {})
-    monkeypatch.setattr(server, "_from_files", set())
+    monkeypatch.setattr(server, "_plugin_files", set())
 
 
 def ask(
     plugin: str, name: str, *, files: tuple[tuple[str, bytes], ...] = (), **inputs: Any
-) -> Answer:
+) -> Response:
     packed = Packer().pack((inputs, {}))
-    address = Address(plugin, name, "", __name__, name.rpartition(".")[2])
-    around = Surroundings(files).as_bytes()
-    return answer(Question(around, address.as_bytes(), packed.head.encode(), packed.buffers))
+    address = NodeAddress(plugin, name, "", __name__, name.rpartition(".")[2])
+    around = Environment(files).encode()
+    return respond(Request(around, address.encode(), packed.head.encode(), packed.buffers))
 
 
 @node("threads.warns")
@@ -61,7 +60,7 @@ def warns(x: int) -> int:
 
 def test_threads_hear_their_own_warnings() -> None:
     before = warnings.showwarning
-    answers: dict[int, Answer] = {}
+    answers: dict[int, Response] = {}
 
     def work(number: int) -> None:
         answers[number] = ask("given", "threads.warns", x=number)
@@ -90,24 +89,24 @@ def test_a_file_that_is_not_there_is_laid_down(tmp_path: Path) -> None:
 
 def test_a_file_that_does_not_import_is_told(tmp_path: Path) -> None:
     said = ask("broken", "broken.x", files=((str(tmp_path / "broken.py"), b"import no_such"),))
-    assert said.kind == LACKING
-    assert "cannot use what came along" in said.outcome.reason
+    assert said.kind == ResponseKind.MISSING
+    assert "cannot use a plugin file" in said.outcome.reason
     assert "no_such" in said.outcome.reason
 
 
 def test_a_node_that_is_not_here_is_told() -> None:
     said = ask("acme", "acme.none")
     assert (said.kind, said.outcome.reason) == (
-        LACKING,
-        "has no plugin 'acme', which brings acme.none; install it there",
+        ResponseKind.MISSING,
+        "has no plugin 'acme', which defines acme.none; install it there",
     )
 
 
 def test_what_cannot_be_unpacked_is_sent_back() -> None:
-    address = Address("given", "threads.warns", "", __name__, "warns").as_bytes()
-    around = Surroundings().as_bytes()
-    said = answer(Question(around, address, b'["value","no_such:Class",[]]'))
-    assert said.kind == NOT_SENT
+    address = NodeAddress("given", "threads.warns", "", __name__, "warns").encode()
+    around = Environment().encode()
+    said = respond(Request(around, address, b'["value","no_such:Class",[]]'))
+    assert said.kind == ResponseKind.UNSENDABLE
 
 
 def test_a_function_inside_another_has_no_address() -> None:
@@ -117,4 +116,4 @@ def test_a_function_inside_another_has_no_address() -> None:
 
     found = node_of(inside)
     assert found is not None
-    assert Address.of(Call(0, found, "given", {}, {}), Registry()) is None
+    assert NodeAddress.of(Call(0, found, "given", {}, {}), Registry()) is None

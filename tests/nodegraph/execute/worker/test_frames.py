@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from nodegraph.execute.call import Outcome
-from nodegraph.execute.worker.protocol import OUTCOME, Answer, Question, read_frames, write_frames
+from nodegraph.execute.worker.protocol import (
+    Request,
+    Response,
+    ResponseKind,
+    read_frames,
+    write_frames,
+)
 from nodegraph.state import State
 
 Pipe = tuple[BufferedReader, BufferedWriter]
@@ -43,11 +49,9 @@ def test_an_end_in_the_middle_is_no_message(pipe: Pipe, sent: bytes) -> None:
         read_frames(reader)
 
 
-def test_letters_say_the_same_after_the_way() -> None:
-    question = Question(b"around", b"where", b"[1]", (b"x", b"yz"))
-    assert Question.from_frames(question.frames()) == Question(
-        b"around", b"where", b"[1]", [b"x", b"yz"]
-    )
-    said = Outcome(State.FAILED, (), "nö", "trace\n", ("a", "b"), 1.5)
-    answer = Answer.from_frames(Answer(OUTCOME, said, "numpy 1.0", b"[2]", (b"x",)).frames())
-    assert answer == Answer(OUTCOME, said, "numpy 1.0", b"[2]", [b"x"])
+def test_messages_are_the_same_after_they_are_sent() -> None:
+    request = Request(b"environment", b"address", b"[1]", [b"x", b"yz"])
+    assert Request.from_frames(request.frames()) == request
+    outcome = Outcome(State.FAILED, (), "nö", "trace\n", ("a", "b"), 1.5)
+    response = Response(ResponseKind.OUTCOME, outcome, "numpy 1.0", b"[2]", [b"x"])
+    assert Response.from_frames(response.frames()) == response

@@ -1,0 +1,19 @@
+"""The plugin ``nodegraph``: what this package itself adds through the hooks that plugins use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from nodegraph.plugin.hooks import hookimpl
+
+
+@hookimpl
+def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
+    """Return the executors of this package."""
+    # imported late: most commands run nothing
+    from nodegraph.execute.executors.processes import processes
+    from nodegraph.execute.executors.serial import serial
+    from nodegraph.execute.executors.threads import threads
+
+    return {"serial": serial, "threads": threads, "processes": processes}
