@@ -73,15 +73,21 @@ def one_thread_here() -> Iterator[None]:
 def _one_thread(api: str) -> AbstractContextManager[Any]:
     from threadpoolctl import get_cached_controller
 
-    # of these libraries alone: at its end, a limit sets all of its controller to what they were
+    # selected, because at its end a limit resets all libraries of its controller
     limit: AbstractContextManager[Any] = (
         get_cached_controller().select(user_api=api).limit(limits=1)
     )
     return limit
 
 
-def _blas() -> AbstractContextManager[Any]:
-    return _one_thread("blas")
+@contextmanager
+def _blas() -> Iterator[None]:
+    from threadpoolctl import OpenBLASController
+
+    with _one_thread("blas"):
+        yield
+        # the last thread to leave lifts the limit, and may be another than the one that set it
+        OpenBLASController.clear_controlling_thread(force=True)
 
 
 @contextmanager
