@@ -1,4 +1,4 @@
-"""Whether two values are the same, whatever they are made of; NaN equals NaN."""
+"""Compare any two values part by part; NaN equals NaN."""
 
 from __future__ import annotations
 
@@ -12,54 +12,56 @@ import numpy as np
 _DOTS_PER_INCH = 50
 
 
-def same(one: Any, other: Any) -> bool:
-    """Return whether two values are the same in every part; NaN equals NaN.
+def same(first: Any, second: Any) -> bool:
+    """Return whether two values are equal in every part; NaN equals NaN.
 
-    Looks into dataclasses, records, sequences, mappings, arrays and pandas tables, and at the
-    pixels of matplotlib figures. Types, shapes and dtypes count.
+    Compares the parts of dataclasses, named tuples, sequences, mappings, arrays and pandas
+    tables, and the pixels of matplotlib figures. Types, shapes and dtypes count.
     """
-    return not difference(one, other)
+    return not difference(first, second)
 
 
-def difference(one: Any, other: Any, *, name: str = "value") -> str:
-    """Return where two values first differ and how, or an empty text if they are the same.
+def difference(first: Any, second: Any, *, name: str = "value") -> str:
+    """Return where two values first differ and how, or an empty text if they are equal.
 
     Parameters
     ----------
-    one, other
+    first, second
         As for `same`.
     name
-        What the text calls the value.
+        The value's name in the text.
 
     Examples
     --------
     >>> difference({"rate": [60, 120]}, {"rate": [60, 100]}, name="take")
     "take['rate'][1]: 120 and 100"
     """
-    return _difference(one, other, name, set())
+    return _difference(first, second, name, set())
 
 
-def _difference(one: Any, other: Any, at: str, seen: set[tuple[int, int]]) -> str:
-    if one is other or (id(one), id(other)) in seen:
+def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) -> str:
+    if first is second or (id(first), id(second)) in seen:
         return ""
-    if type(one) is not type(other):
-        return f"{at}: {type(one).__name__} and {type(other).__name__}"
-    if isinstance(one, np.ndarray) and not one.dtype.hasobject:
-        return _array_difference(one, other, at)
-    parts = _parts(one)
+    if type(first) is not type(second):
+        return f"{at}: {type(first).__name__} and {type(second).__name__}"
+    if isinstance(first, np.ndarray) and not first.dtype.hasobject:
+        return _array_difference(first, second, at)
+    parts = _parts(first)
     if parts is None:
-        return "" if _equal(one, other) else f"{at}: {_short(one)} and {_short(other)}"
-    seen.add((id(one), id(other)))
-    others = _parts(other) or {}
-    if parts.keys() != others.keys():
-        odd = ", ".join(sorted(f"{at}{part}" for part in parts.keys() ^ others.keys()))
+        return "" if _equal(first, second) else f"{at}: {_short(first)} and {_short(second)}"
+    seen.add((id(first), id(second)))
+    second_parts = _parts(second) or {}
+    if parts.keys() != second_parts.keys():
+        odd = ", ".join(sorted(f"{at}{name}" for name in parts.keys() ^ second_parts.keys()))
         return f"only one of them has {odd}"
-    found = (_difference(part, others[name], f"{at}{name}", seen) for name, part in parts.items())
-    return next(filter(None, found), "")
+    differences = (
+        _difference(part, second_parts[name], f"{at}{name}", seen) for name, part in parts.items()
+    )
+    return next(filter(None, differences), "")
 
 
 def _parts(value: Any) -> Mapping[str, Any] | None:
-    """Return what a value is made of, named as one would write it; None when it is one thing."""
+    """Return the parts of a value by the expressions that reach them; None if it has none."""
     if is_dataclass(value) and not isinstance(value, type):
         return {f".{field.name}": getattr(value, field.name) for field in fields(value)}
     if isinstance(value, tuple) and hasattr(value, "_fields"):
@@ -67,14 +69,14 @@ def _parts(value: Any) -> Mapping[str, Any] | None:
     if isinstance(value, Mapping):
         return {f"[{key!r}]": part for key, part in value.items()}
     if isinstance(value, (list, tuple)):
-        return {f"[{place}]": part for place, part in enumerate(value)}
+        return {f"[{index}]": part for index, part in enumerate(value)}
     if isinstance(value, np.ndarray):
         return {".shape": value.shape, ".tolist()": value.tolist()}
-    return _foreign_parts(value)
+    return _library_parts(value)
 
 
-def _foreign_parts(value: Any) -> Mapping[str, Any] | None:
-    # by name, so that neither pandas nor matplotlib is imported for what is not theirs
+def _library_parts(value: Any) -> Mapping[str, Any] | None:
+    # by name, so that neither pandas nor matplotlib is imported for values of other types
     kinds = {f"{kind.__module__.partition('.')[0]}.{kind.__name__}" for kind in type(value).mro()}
     if "pandas.DataFrame" in kinds:
         columns = {f"[{name!r}]": value.iloc[:, i] for i, name in enumerate(value.columns)}
@@ -84,8 +86,8 @@ def _foreign_parts(value: Any) -> Mapping[str, Any] | None:
         return {".index": value.index.to_numpy(), ".values": value.to_numpy()}
     if "matplotlib.Figure" in kinds:
         return {".pixels": _pixels(value)}
-    compares: Any = type(value).__eq__
-    if compares is object.__eq__ and hasattr(value, "__dict__"):
+    equals: Any = type(value).__eq__
+    if equals is object.__eq__ and hasattr(value, "__dict__"):
         return {f".{name}": part for name, part in vars(value).items()}
     return None
 
@@ -96,24 +98,24 @@ def _pixels(figure: Any) -> np.ndarray[Any, Any]:
     return np.frombuffer(file.getvalue(), dtype=np.uint8)
 
 
-def _array_difference(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any], at: str) -> str:
-    if one.dtype != other.dtype or one.shape != other.shape:
-        return f"{at}: {one.dtype} {one.shape} and {other.dtype} {other.shape}"
-    differs = one != other
-    if one.dtype.kind in "fcmM":
-        differs &= ~(np.isnan(one) & np.isnan(other))
+def _array_difference(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any], at: str) -> str:
+    if first.dtype != second.dtype or first.shape != second.shape:
+        return f"{at}: {first.dtype} {first.shape} and {second.dtype} {second.shape}"
+    differs = first != second
+    if first.dtype.kind in "fcmM":
+        differs &= ~(np.isnan(first) & np.isnan(second))
     if not differs.any():
         return ""
-    place = tuple(int(index) for index in np.argwhere(differs)[0])
-    spot = f"[{', '.join(map(str, place))}]" if place else ""
+    index = tuple(map(int, np.argwhere(differs)[0]))
+    subscript = f"[{', '.join(map(str, index))}]" if index else ""
     count = np.count_nonzero(differs)
     more = f" ({count} such places)" if count > 1 else ""
-    return f"{at}{spot}: {one[place]} and {other[place]}{more}"
+    return f"{at}{subscript}: {first[index]} and {second[index]}{more}"
 
 
-def _equal(one: Any, other: Any) -> bool:
-    both_nan = isinstance(one, (float, complex)) and one != one and other != other
-    return both_nan or bool(one == other)
+def _equal(first: Any, second: Any) -> bool:
+    both_nan = isinstance(first, (float, complex)) and first != first and second != second
+    return both_nan or bool(first == second)
 
 
 def _short(value: Any) -> str:

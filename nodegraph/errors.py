@@ -1,4 +1,4 @@
-"""What users may read: every mistake has a place, what is wrong and what there is instead."""
+"""Errors that users may see: each names the place, what is wrong, and what there is instead."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 
-class Place(NamedTuple):  # of all that is frozen, a tuple is made fastest
-    """Where something was written: a file, a line and a column, counted from 1."""
+class Place(NamedTuple):  # which is created faster than a frozen dataclass
+    """A file, with a line and a column counted from 1; or a command-line option."""
 
     file: str
     line: int = 0
@@ -21,7 +21,7 @@ class Place(NamedTuple):  # of all that is frozen, a tuple is made fastest
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One mistake: its place, what is wrong, and what there is instead."""
+    """One error in a graph: its place, what is wrong, and what there is instead."""
 
     place: Place
     message: str
@@ -33,7 +33,7 @@ class Problem:
 
 
 class NodegraphError(Exception):
-    """Any mistake that a user can mend; its text says how."""
+    """Base class of errors that a user can correct, with a message that says how."""
 
 
 class GraphError(NodegraphError):
@@ -42,17 +42,17 @@ class GraphError(NodegraphError):
     Attributes
     ----------
     problems : tuple of Problem
-        Every mistake found, in the order of their places.
+        All errors, in the order of their places.
     """
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         unique = dict.fromkeys(problems)
-        self.problems = tuple(sorted(unique, key=_reading_order))
+        self.problems = tuple(sorted(unique, key=lambda problem: problem.place))
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
 
 class NodeError(NodegraphError):
-    """A function cannot be a node as it is declared."""
+    """A function is not declared as a node must be."""
 
 
 class UnknownNodeError(NodegraphError):
@@ -60,7 +60,7 @@ class UnknownNodeError(NodegraphError):
 
 
 class Refusal(NodegraphError):
-    """Raised by a node that cannot do what is asked of this data: no failure, but counted.
+    """Raised by a node that cannot process this data: not a failure, but counted.
 
     Examples
     --------
@@ -71,31 +71,31 @@ class Refusal(NodegraphError):
 
 
 class Problems:
-    """Collects mistakes, so that all of them are told at once."""
+    """Collects errors, so that all of them are reported at once."""
 
-    def __init__(self, found: Iterable[Problem] = ()) -> None:
-        self._found: list[Problem] = list(found)
+    def __init__(self, problems: Iterable[Problem] = ()) -> None:
+        self._problems: list[Problem] = list(problems)
 
     def __bool__(self) -> bool:
-        return bool(self._found)
+        return bool(self._problems)
 
     def add(self, place: Place, message: str, instead: str = "") -> None:
-        """Note one mistake and go on."""
-        self._found.append(Problem(place, message, instead))
+        """Note one error and go on."""
+        self._problems.append(Problem(place, message, instead))
 
     def all(self) -> tuple[Problem, ...]:
-        """Return what was noted so far."""
-        return tuple(self._found)
+        """Return the errors noted so far."""
+        return tuple(self._problems)
 
     def raise_any(self) -> None:
-        """Raise a `GraphError` with all that was noted, if anything was."""
-        if self._found:
-            raise GraphError(self._found)
+        """Raise a `GraphError` with all errors noted so far, if there are any."""
+        if self._problems:
+            raise GraphError(self._problems)
 
 
 def nearest(name: object, known: Iterable[object], *, what: str = "there is") -> str:
-    """Return a hint: the nearest known name, then all that there are."""
-    names = [str(one) for one in known]
+    """Return a hint: the nearest known name, then all known names."""
+    names = [str(each) for each in known]
     if not names:
         return f"{what} none"
     close = closest(name, names)
@@ -104,19 +104,19 @@ def nearest(name: object, known: Iterable[object], *, what: str = "there is") ->
 
 
 def closest(name: object, known: Iterable[object]) -> str:
-    """Return the known name that is most like a name, upper or lower case; empty if none is."""
-    lower = {str(one).lower(): str(one) for one in known}
-    close = difflib.get_close_matches(str(name).lower(), lower, n=1, cutoff=0.6)
-    return lower[close[0]] if close else ""
+    """Return the known name that is most similar, in any case; empty if none is similar."""
+    by_lower = {str(each).lower(): str(each) for each in known}
+    close = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.6)
+    return by_lower[close[0]] if close else ""
 
 
 def listed(names: Iterable[object], most: int = 20) -> str:
-    """Return names for a sentence: the first of them, and how many more there are.
+    """Return the first names as text, and how many more there are.
 
     Parameters
     ----------
     names
-        Anything that says its name as text.
+        Strings, or objects whose ``str()`` is their name.
     most
         How many are named.
 
@@ -127,10 +127,6 @@ def listed(names: Iterable[object], most: int = 20) -> str:
     >>> listed([])
     'none'
     """
-    every = [str(one) for one in names]
-    more = f", and {len(every) - most} more" if len(every) > most else ""
-    return (", ".join(every[:most]) or "none") + more
-
-
-def _reading_order(problem: Problem) -> tuple[str, int, int]:
-    return (problem.place.file, problem.place.line, problem.place.column)
+    texts = list(map(str, names))
+    more = f", and {len(texts) - most} more" if len(texts) > most else ""
+    return (", ".join(texts[:most]) or "none") + more

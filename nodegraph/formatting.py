@@ -10,7 +10,7 @@ SIZES = {"TB": 10**12, "GB": 10**9, "MB": 10**6, "KB": 10**3, "B": 1}
 
 def size_text(size: int) -> str:
     """Return a number of bytes in a fitting unit: ``1.2 MB``."""
-    unit = next((one for one in SIZES if size >= SIZES[one]), "B")
+    unit = next((name for name in SIZES if size >= SIZES[name]), "B")
     return f"{size} B" if unit == "B" else f"{size / SIZES[unit]:.1f} {unit}"
 
 

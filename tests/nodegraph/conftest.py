@@ -182,8 +182,8 @@ def graph_of(tmp_path: Path) -> Callable[..., Graph]:
 def run_of(graph_of: Callable[..., Graph]) -> Callable[..., Run]:
     """Run a graph of toy nodes; ``how`` and ``listeners`` go to `execute`.
 
-    With ``store``, a folder, results are found and kept there; what the store says fails the test,
-    unless ``say`` hears it.
+    With ``store``, a folder, results are stored there; a warning of the store fails the test,
+    unless ``say`` takes it.
     """
 
     def run_it(
@@ -215,20 +215,20 @@ def mistakes_of(graph_of: Callable[..., Graph]) -> Callable[..., list[Problem]]:
         marked = textwrap.dedent(text)
         with pytest.raises(GraphError) as caught:
             graph_of(marked.replace(MARK, ""), **more)
-        found = list(caught.value.problems)
-        assert [str(one.place) for one in found] == places(marked), str(caught.value)
-        return found
+        problems = list(caught.value.problems)
+        assert [str(problem.place) for problem in problems] == places(marked), str(caught.value)
+        return problems
 
     return collect
 
 
 def places(marked: str) -> list[str]:
     """Return where the marks stand, in a file that has one line before the text."""
-    found = []
+    marks = []
     for number, line in enumerate(marked.splitlines(), 2):
         parts = line.split(MARK)
         column = 1
         for part in parts[:-1]:
             column += len(part)
-            found.append(f"{FILE}:{number}:{column}")
-    return found
+            marks.append(f"{FILE}:{number}:{column}")
+    return marks

@@ -23,9 +23,9 @@ def test_same_looks_into_what_values_are_made_of() -> None:
     from pandas import DataFrame
 
     def figure(height: float) -> Figure:
-        made = Drawn(figsize=(1, 1))
-        made.add_subplot().plot([0, height])
-        return made
+        drawn = Drawn(figsize=(1, 1))
+        drawn.add_subplot().plot([0, height])
+        return drawn
 
     nan = float("nan")
     assert same({"a": [nan, (1, "x")]}, {"a": [nan, (1, "x")]})
@@ -41,7 +41,7 @@ def test_same_looks_into_what_values_are_made_of() -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "other", "text"),
+    ("first", "second", "text"),
     [
         (np.array([[1.0, 2.0]]), np.array([[1.0, 3.0]]), "value[0, 1]: 2.0 and 3.0"),
         ({"rate": 60}, {"rate": 30}, "value['rate']: 60 and 30"),
@@ -52,5 +52,5 @@ def test_same_looks_into_what_values_are_made_of() -> None:
         (np.float64("nan"), np.float64(1.0), "value: np.float64(nan) and np.float64(1.0)"),
     ],
 )
-def test_a_difference_has_its_place(one: Any, other: Any, text: str) -> None:
-    assert difference(one, other) == text
+def test_a_difference_has_its_place(first: Any, second: Any, text: str) -> None:
+    assert difference(first, second) == text

@@ -5,7 +5,7 @@ import pytest
 from nodegraph.errors import GraphError, Place, Problem, Problems, closest, listed, nearest
 
 
-def test_a_problem_says_place_mistake_and_way_out() -> None:
+def test_a_problem_has_place_message_and_hint() -> None:
     problem = Problem(Place("a.yaml", 3, 7), "no node 'x'", "there is: y")
     assert str(problem) == "a.yaml:3:7: no node 'x'\n    there is: y"
 
@@ -14,13 +14,13 @@ def test_a_place_without_a_line_is_the_file() -> None:
     assert str(Problem(Place("--set k"), "wrong")) == "--set k: wrong"
 
 
-def test_problems_are_told_once_each_in_reading_order() -> None:
+def test_problems_are_reported_once_each_in_reading_order() -> None:
     problems = Problems()
     for line, column in ((2, 9), (1, 5), (2, 1), (1, 5)):
         problems.add(Place("a", line, column), "wrong")
     with pytest.raises(GraphError) as caught:
         problems.raise_any()
-    assert [str(one.place) for one in caught.value.problems] == ["a:1:5", "a:2:1", "a:2:9"]
+    assert [str(problem.place) for problem in caught.value.problems] == ["a:1:5", "a:2:1", "a:2:9"]
 
 
 def test_nothing_noted_raises_nothing() -> None:
@@ -52,7 +52,7 @@ def test_long_lists_of_names_are_cut_and_counted() -> None:
     assert listed(()) == "none"
 
 
-def test_the_closest_name_is_found_whatever_its_case() -> None:
+def test_the_closest_name_is_found_in_any_case() -> None:
     assert closest("NOSE1", ["nose1", "chin"]) == "nose1"
     assert closest("nose1", ["Nose_1", "chin"]) == "Nose_1"
     assert closest("q", ["nose1", "chin"]) == ""

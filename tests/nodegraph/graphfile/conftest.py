@@ -28,11 +28,11 @@ class Judge:
 
     @cached_property
     def schema(self) -> dict[str, Any]:
-        made = graph_schema(self.registry)
-        Draft202012Validator.check_schema(made)
-        made = json.loads(json.dumps(made, allow_nan=False))
-        assert isinstance(made, dict)
-        return made
+        schema = graph_schema(self.registry)
+        Draft202012Validator.check_schema(schema)
+        schema = json.loads(json.dumps(schema, allow_nan=False))
+        assert isinstance(schema, dict)
+        return schema
 
     @cached_property
     def validator(self) -> Draft202012Validator:
@@ -40,7 +40,10 @@ class Judge:
 
     def refusals(self, data: Any) -> list[str]:
         """What the schema has against it."""
-        return [f"{one.json_path}: {one.message}" for one in self.validator.iter_errors(data)]
+        return [
+            f"{problem.json_path}: {problem.message}"
+            for problem in self.validator.iter_errors(data)
+        ]
 
     def mistakes(self, data: Any) -> list[str]:
         """What the loader has against it; JSON is YAML that means the same."""
@@ -48,7 +51,7 @@ class Judge:
         try:
             build(read_graph_text(text, "graph.yaml", self.folder), self.registry)
         except GraphError as error:
-            return [str(one) for one in error.problems]
+            return [str(problem) for problem in error.problems]
         return []
 
 

@@ -13,7 +13,7 @@ from nodegraph.graphfile.yaml_text import read_yaml
 def read(text: str) -> tuple[AxisSpec, list[str]]:
     problems = Problems()
     axis = read_axis("k", read_yaml(text, "t.yaml"), problems)
-    return axis, [str(one) for one in problems.all()]
+    return axis, [str(problem) for problem in problems.all()]
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_a_range_of_fractions_reaches_its_last() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "place", "said"),
+    ("text", "place", "message"),
     [
         ("[]", "1:1", "has no label"),
         ("{}", "1:1", "has no label"),
@@ -78,12 +78,12 @@ def test_a_range_of_fractions_reaches_its_last() -> None:
         (f"{{range: [0.5, 1{'0' * 400}, 0.5]}}", "1:9", "range has more than 1,000,000 labels"),
     ],
 )
-def test_what_is_no_axis_is_told_at_its_place(text: str, place: str, said: str) -> None:
+def test_a_wrong_axis_is_an_error_at_its_place(text: str, place: str, message: str) -> None:
     axis, problems = read(text)
     assert len(problems) == 1
     assert problems[0].startswith(f"t.yaml:{place}: ")
-    assert said in problems[0]
-    assert not axis.labels or "twice" in said
+    assert message in problems[0]
+    assert not axis.labels or "twice" in message
 
 
 def test_an_axis_knows_where_it_was_written() -> None:

@@ -56,9 +56,9 @@ def mistake(text: str) -> str:
     ],
 )
 def test_words_mean_what_yaml_1_2_says(word: str, value: object) -> None:
-    found = plain(f"key: {word}")["key"]
-    assert found == value
-    assert type(found) is type(value)
+    scalar = plain(f"key: {word}")["key"]
+    assert scalar == value
+    assert type(scalar) is type(value)
 
 
 def test_not_a_number() -> None:
@@ -96,7 +96,7 @@ def test_an_empty_text_is_null(text: str) -> None:
     assert plain(text) is None
 
 
-def test_a_key_that_repeats_is_told_with_the_first() -> None:
+def test_a_duplicate_key_is_reported_with_the_first() -> None:
     assert mistake("a: 1\nb: {c: 1, c: 2}\na: 3\n").splitlines() == [
         "t.yaml:2:11: duplicate key 'c'; first in line 2",
         "t.yaml:3:1: duplicate key 'a'; first in line 1",
@@ -104,7 +104,7 @@ def test_a_key_that_repeats_is_told_with_the_first() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("a: !!python/object:os.system x", "t.yaml:1:4: tag 'tag:yaml.org,2002:python/object"),
         ("a: !custom x", "t.yaml:1:4: tag '!custom'"),
@@ -129,8 +129,8 @@ def test_a_key_that_repeats_is_told_with_the_first() -> None:
         ("%YAML 3.0\n---\na: 1", "t.yaml:1:1: this is not YAML"),
     ],
 )
-def test_what_is_refused_has_a_place(text: str, said: str) -> None:
-    assert mistake(text).startswith(said)
+def test_what_is_refused_has_a_place(text: str, message: str) -> None:
+    assert mistake(text).startswith(message)
 
 
 def test_an_alias_repeats_a_value_at_its_own_place() -> None:
@@ -162,7 +162,7 @@ def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
     try:
         read_yaml(text, "t.yaml").plain()
     except GraphError as error:
-        places = [one.place for one in error.problems]
+        places = [problem.place for problem in error.problems]
     else:
         places = []
     assert all(place.line >= 1 and place.column >= 1 for place in places)

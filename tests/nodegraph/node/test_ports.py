@@ -24,7 +24,7 @@ def test_a_port_takes_its_type_and_subclasses_and_truth_only_where_marked(
     assert (mismatch(source, target) is None) is fits
 
 
-def test_a_misfit_names_both_types() -> None:
+def test_a_mismatch_names_both_types() -> None:
     assert mismatch(Port("a", int), Port("b", str)) == "'b' takes str, not int"
 
 

@@ -8,14 +8,14 @@ ONE = "@book{one2001, author={A. One}, title={First things}, publisher={P}, year
 TWO = "@book{two2002, author={B. Two}, title={Second things}, publisher={P}, year={2002}}"
 
 
-def test_entries_come_as_they_were_asked_for() -> None:
-    found = references([f"{ONE}\n{TWO}"], ["two2002", "one2001", "two2002"])
-    assert list(found) == ["two2002", "one2001"]
-    assert "Second things" in found["two2002"]
-    assert "First things" in found["one2001"]
+def test_entries_come_in_the_order_of_the_keys() -> None:
+    texts = references([f"{ONE}\n{TWO}"], ["two2002", "one2001", "two2002"])
+    assert list(texts) == ["two2002", "one2001"]
+    assert "Second things" in texts["two2002"]
+    assert "First things" in texts["one2001"]
 
 
-def test_a_key_that_nobody_ships_stands_for_itself() -> None:
+def test_an_unknown_key_is_its_own_text() -> None:
     assert references([ONE], ["nobody"]) == {"nobody": "nobody (no BibTeX entry is installed)"}
     assert references([], []) == {}
 
@@ -27,8 +27,8 @@ def test_the_first_plugin_with_a_key_counts() -> None:
 
 def test_bibtex_that_cannot_be_read_is_left_out_with_a_warning() -> None:
     with pytest.warns(UserWarning, match="BibTeX"):
-        found = references(["@book{broken", TWO], ["two2002"])
-    assert "Second things" in found["two2002"]
+        texts = references(["@book{broken", TWO], ["two2002"])
+    assert "Second things" in texts["two2002"]
 
 
 def test_the_source_of_entries_is_sorted_and_can_be_read_again() -> None:

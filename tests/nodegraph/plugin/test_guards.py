@@ -63,9 +63,9 @@ def command(
         text = NODES.replace("{hook}", hook).replace("{returned}", returned)
         Path("bad_hook.py").write_text(textwrap.dedent(text))
         status = main([*words, "--plugin", "bad_hook.py"])
-        said = capsys.readouterr()
-        assert "internal error" not in said.err
-        return status, said.err
+        captured = capsys.readouterr()
+        assert "internal error" not in captured.err
+        return status, captured.err
 
     return call
 
@@ -83,8 +83,8 @@ def test_a_study_is_locked_and_verified_though_a_conclusion_fails(
     command: Callable[..., tuple[int, str]], name: str
 ) -> None:
     bad = {"hook": "nodegraph_conclusions", "returned": CONCLUSIONS[name]}
-    status, said = command("lock", "graph.yaml", **bad)
-    assert (status, "plugin 'bad_hook': " in said, "left out" in said) == (0, True, True)
+    status, errors = command("lock", "graph.yaml", **bad)
+    assert (status, "plugin 'bad_hook': " in errors, "left out" in errors) == (0, True, True)
     assert Path("graph.lock").is_file()
     assert command("verify", "graph.lock", **bad)[0] == 0
 
@@ -96,15 +96,15 @@ def test_a_study_is_locked_verified_and_compared_though_a_comparison_fails(
     command: Callable[..., tuple[int, str]], returned: str
 ) -> None:
     bad = {"hook": "nodegraph_comparisons", "returned": returned}
-    status, said = command("lock", "graph.yaml", **bad)
-    assert (status, "plugin 'bad_hook': the parts of float" in said) == (0, True)
+    status, errors = command("lock", "graph.yaml", **bad)
+    assert (status, "plugin 'bad_hook': the parts of float" in errors) == (0, True)
     assert command("verify", "graph.lock", **bad)[0] == 0
     assert command("run", "graph.yaml", "--out", "one", **bad)[0] == 0
     graph = Path("graph.yaml")
     graph.write_text(graph.read_text().replace("bad.number}", "bad.number, with: {start: 2}}"))
     assert command("run", "graph.yaml", "--out", "other", **bad)[0] == 0
-    status, said = command("diff", "one", "other", **bad)
-    assert (status, "plugin 'bad_hook': the comparison of float" in said) == (1, True)
+    status, errors = command("diff", "one", "other", **bad)
+    assert (status, "plugin 'bad_hook': the comparison of float" in errors) == (1, True)
 
 
 @pytest.mark.parametrize("returned", ["[Renderer(float, fails)]", "[Renderer(float, repr)]"])
@@ -112,12 +112,12 @@ def test_a_run_has_all_its_files_though_a_rendering_fails(
     command: Callable[..., tuple[int, str]], returned: str
 ) -> None:
     bad = {"hook": "nodegraph_renderers", "returned": returned}
-    status, said = command("run", "graph.yaml", "--out", "run", **bad)
-    assert (status, "plugin 'bad_hook': the renderer of float" in said) == (1, True)
+    status, errors = command("run", "graph.yaml", "--out", "run", **bad)
+    assert (status, "plugin 'bad_hook': the renderer of float" in errors) == (1, True)
     assert json.loads(Path("run/run.json").read_text())["steps"][0]["state"] == "done"
     assert "the renderer of float" in Path("run/report.html").read_text()
-    status, said = command("export", "run", "a", "--out", "a.csv", **bad)
-    assert (status, "plugin 'bad_hook': the renderer of float" in said) == (2, True)
+    status, errors = command("export", "run", "a", "--out", "a.csv", **bad)
+    assert (status, "plugin 'bad_hook': the renderer of float" in errors) == (2, True)
 
 
 @pytest.mark.parametrize(
@@ -136,13 +136,13 @@ def test_of_a_value_that_cannot_be_lent_a_copy_is(
     command: Callable[..., tuple[int, str]],
 ) -> None:
     bad = {"hook": "nodegraph_storages", "returned": "[Storage(float, float, float, lend=repr)]"}
-    status, said = command("run", "graph.yaml", "--out", "run", **bad)
-    assert (status, "plugin 'bad_hook': lend of float" in said) == (0, True)
+    status, errors = command("run", "graph.yaml", "--out", "run", **bad)
+    assert (status, "plugin 'bad_hook': lend of float" in errors) == (0, True)
     assert Path("run/run.json").is_file()
 
 
 @pytest.mark.parametrize(
-    ("hook", "returned", "words", "told"),
+    ("hook", "returned", "words", "message"),
     [
         (
             "executors",
@@ -184,23 +184,27 @@ def test_of_a_value_that_cannot_be_lent_a_copy_is(
     ],
 )
 def test_a_command_that_needs_what_a_plugin_does_not_have_says_whose_it_is(
-    command: Callable[..., tuple[int, str]], hook: str, returned: str, words: list[str], told: str
+    command: Callable[..., tuple[int, str]],
+    hook: str,
+    returned: str,
+    words: list[str],
+    message: str,
 ) -> None:
-    status, said = command(*words, hook=f"nodegraph_{hook}", returned=returned)
-    assert (status, told in said) == (2, True), said
+    status, errors = command(*words, hook=f"nodegraph_{hook}", returned=returned)
+    assert (status, message in errors) == (2, True), errors
 
 
 @pytest.mark.parametrize(
-    ("returned", "told"),
+    ("returned", "message"),
     [
         ("{'zz': 4}", "'zz' of nodegraph_places is left out: "),
         ("{'zz': fails}", "plugin 'bad_hook': the place zz:..., from hook nodegraph_places"),
         ("{'zz': len}", "expected Path, got int"),
     ],
 )
-def test_a_path_whose_scheme_fails_is_a_mistake_at_its_line(
-    command: Callable[..., tuple[int, str]], returned: str, told: str
+def test_a_path_whose_scheme_fails_is_an_error_at_its_line(
+    command: Callable[..., tuple[int, str]], returned: str, message: str
 ) -> None:
     Path("graph.yaml").write_text(READS_A_FILE)
-    status, said = command("check", "graph.yaml", hook="nodegraph_places", returned=returned)
-    assert (status, told in said, "graph.yaml:2" in said) == (2, True, True), said
+    status, errors = command("check", "graph.yaml", hook="nodegraph_places", returned=returned)
+    assert (status, message in errors, "graph.yaml:2" in errors) == (2, True, True), errors

@@ -44,8 +44,8 @@ def written(folder: Path, name: str, text: str) -> Path:
 
 def install(monkeypatch: pytest.MonkeyPatch, folder: Path, **entries: str) -> None:
     monkeypatch.syspath_prepend(folder)
-    made = [EntryPoint(name, value, "nodegraph") for name, value in entries.items()]
-    monkeypatch.setattr(loading, "entry_points", lambda *, group: made)
+    entry_points = [EntryPoint(name, value, "nodegraph") for name, value in entries.items()]
+    monkeypatch.setattr(loading, "entry_points", lambda *, group: entry_points)
 
 
 def test_installed_plugins_come_by_their_entry_points(
@@ -54,7 +54,7 @@ def test_installed_plugins_come_by_their_entry_points(
     written(tmp_path, "toy_one.py", NODE + HOOK)
     install(monkeypatch, tmp_path, one="toy_one")
     registry = Registry.installed()
-    assert [one.full_name for one in registry] == ["one:fill.mine"]
+    assert [registered.full_name for registered in registry] == ["one:fill.mine"]
 
 
 @pytest.mark.parametrize(
@@ -74,31 +74,31 @@ def test_a_plugin_that_does_not_import_is_named_and_the_rest_go_on(
     install(monkeypatch, tmp_path, bad="toy_bad", good="toy_good")
     with pytest.warns(UserWarning, match=f"plugin 'bad' is left out: toy_bad: .*{reason}"):
         registry = Registry.installed()
-    assert [one.full_name for one in registry] == ["good:fill.mine"]
+    assert [registered.full_name for registered in registry] == ["good:fill.mine"]
 
 
 @pytest.mark.parametrize("raised", ["KeyError('lost')", "SystemExit('lost')"])
-def test_a_plugin_whose_nodes_cannot_be_asked_for_is_told_with_hook_kind_and_line(
+def test_a_failing_nodes_hook_is_named_with_error_type_and_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, raised: str
 ) -> None:
     written(tmp_path, "toy_bad.py", HOOK.replace("return [mine]", f"raise {raised}"))
     install(monkeypatch, tmp_path, bad="toy_bad")
     kind = raised.partition("(")[0]
-    said = rf"nodegraph_nodes raised {kind}: '?lost'? \(toy_bad.py:6\)"
-    with pytest.warns(UserWarning, match=f"plugin 'bad' is left out: {said}$"):
+    message = rf"nodegraph_nodes raised {kind}: '?lost'? \(toy_bad.py:6\)"
+    with pytest.warns(UserWarning, match=f"plugin 'bad' is left out: {message}$"):
         registry = Registry.installed()
-    with pytest.raises(NodegraphError, match=rf"; left out: plugin 'bad' \({said}\)$"):
+    with pytest.raises(NodegraphError, match=rf"; left out: plugin 'bad' \({message}\)$"):
         registry.find("fill.mine")
 
 
 def test_a_file_needs_no_hook(tmp_path: Path) -> None:
-    found = loading.from_file(written(tmp_path, "toy_file.py", NODE))
-    assert [one.__name__ for one in found.module.nodegraph_nodes()] == ["mine"]
+    plugin = loading.from_file(written(tmp_path, "toy_file.py", NODE))
+    assert [each.__name__ for each in plugin.module.nodegraph_nodes()] == ["mine"]
 
 
 def test_a_file_may_have_the_hook(tmp_path: Path) -> None:
-    found = loading.from_file(written(tmp_path, "toy_hook.py", NODE + HOOK))
-    assert len(found.module.nodegraph_nodes()) == 1
+    plugin = loading.from_file(written(tmp_path, "toy_hook.py", NODE + HOOK))
+    assert len(plugin.module.nodegraph_nodes()) == 1
 
 
 def test_a_file_may_have_a_dataclass_as_its_type(tmp_path: Path) -> None:
@@ -115,21 +115,21 @@ def test_a_file_may_have_a_dataclass_as_its_type(tmp_path: Path) -> None:
         def make() -> Thing:
             return Thing(1.0)
         """.replace("\n        ", "\n")
-    found = loading.from_file(written(tmp_path, "toy_types.py", text))
-    registry = Registry.of(found.module.nodegraph_nodes())
+    plugin = loading.from_file(written(tmp_path, "toy_types.py", text))
+    registry = Registry.of(plugin.module.nodegraph_nodes())
     assert registry.find("make.thing").node.outputs[0].type.__name__ == "Thing"
 
 
 def test_a_file_named_like_a_module_leaves_that_module_alone(tmp_path: Path) -> None:
     import statistics
 
-    found = loading.from_file(written(tmp_path, "statistics.py", NODE))
-    assert found.name == "statistics"
+    plugin = loading.from_file(written(tmp_path, "statistics.py", NODE))
+    assert plugin.name == "statistics"
     assert sys.modules["statistics"] is statistics
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "said"),
+    ("name", "text", "message"),
     [
         ("toy_raises.py", "1 / 0", r"does not import: ZeroDivisionError.*toy_raises.py:1"),
         ("toy_deep.py", "import json\njson.loads('{')", r"JSONDecodeError: .*\(toy_deep.py:2\)$"),
@@ -140,9 +140,9 @@ def test_a_file_named_like_a_module_leaves_that_module_alone(tmp_path: Path) -> 
     ],
 )
 def test_a_file_that_does_not_import_is_refused(
-    tmp_path: Path, name: str, text: str, said: str
+    tmp_path: Path, name: str, text: str, message: str
 ) -> None:
-    with pytest.raises(NodegraphError, match=said):
+    with pytest.raises(NodegraphError, match=message):
         loading.from_file(written(tmp_path, name, text))
     assert Path(name).stem not in sys.modules
 
@@ -217,4 +217,7 @@ def twice(recording: float) -> float:
 same = twice
 """
     registry = Registry.installed([written(tmp_path, "toy_caller.py", text)])
-    assert [one.full_name for one in registry] == ["one:fill.mine", "toy_caller:fill.twice"]
+    assert [registered.full_name for registered in registry] == [
+        "one:fill.mine",
+        "toy_caller:fill.twice",
+    ]

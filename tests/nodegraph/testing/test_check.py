@@ -206,9 +206,9 @@ def fills_in_metres() -> Pair:
 @fault("setting 'limit' is in m: let it be in mm", "a face twice as large")
 def has_a_setting_in_metres() -> Pair:
     def limited(recording: Trajectories, limit: float) -> Trajectories:
-        made = means(recording)
-        still = np.linalg.norm(made - made.mean(axis=0), axis=2).max(axis=0) < limit
-        return filled(recording, np.where(still[:, None], made, recording.positions))
+        positions = means(recording)
+        still = np.linalg.norm(positions - positions.mean(axis=0), axis=2).max(axis=0) < limit
+        return filled(recording, np.where(still[:, None], positions, recording.positions))
 
     @node("fill.broken")
     def broken(
@@ -242,10 +242,10 @@ def has_a_setting_in_metres() -> Pair:
 @fault("Do at twice the rate, settings in Hz and s changed with it")
 def has_a_cutoff_per_frame() -> Pair:
     def averaged(recording: Trajectories, share: float) -> Trajectories:
-        made = recording.positions.copy()
-        made[1:-1] += share * (made[2:] - 2 * made[1:-1] + made[:-2])
-        made = np.where(np.isnan(made), recording.positions, made)
-        return replace(recording, positions=made, sigma=None)
+        positions = recording.positions.copy()
+        positions[1:-1] += share * (positions[2:] - 2 * positions[1:-1] + positions[:-2])
+        positions = np.where(np.isnan(positions), recording.positions, positions)
+        return replace(recording, positions=positions, sigma=None)
 
     @node("smooth.broken")
     def broken(
@@ -314,11 +314,11 @@ def adds_gaps() -> Pair:
     @node("smooth.broken")
     def broken(recording: Trajectories) -> Trajectories:
         """Smooth by the mean of three frames, where there are three."""
-        made = np.full_like(recording.positions, np.nan)
+        positions = np.full_like(recording.positions, np.nan)
         three = recording.positions[:-2] + recording.positions[1:-1] + recording.positions[2:]
-        made[1:-1] = three / 3.0
+        positions[1:-1] = three / 3.0
         nobody = np.zeros(recording.origin.shape, dtype=bool)
-        return recording.with_samples(made, changed=nobody, origin=Origin.MEASURED)
+        return recording.with_samples(positions, changed=nobody, origin=Origin.MEASURED)
 
     return broken, untouched
 
@@ -670,13 +670,13 @@ def test_a_citation_is_looked_for_in_the_plugin_of_the_node() -> None:
 
 
 def test_what_a_library_does_once_while_it_is_imported_is_no_fault() -> None:
-    done: list[bool] = []
+    calls: list[bool] = []
 
     @node("fill.late")
     def late(recording: Trajectories) -> Trajectories:
         """Import late."""
-        if not done:
-            done.append(True)
+        if not calls:
+            calls.append(True)
             print("building a cache")
             Path("cache").write_text("built")
             os.environ["A_LIBRARY"] = "here"
@@ -899,7 +899,7 @@ def test_ports_are_arguments_by_position_too() -> None:
     assert "takes 0 positional arguments but 1 was given" in text
 
 
-def test_all_faults_are_told_at_once_and_each_once() -> None:
+def test_all_faults_are_reported_at_once_and_each_once() -> None:
     @node("fill.broken")
     def broken(recording: Trajectories, *, most: int = 3) -> Trajectories:
         positions = means(recording) + 1.0
@@ -975,8 +975,8 @@ def test_a_gathering_port_gets_several_values_and_one_that_is_absent() -> None:
         return recordings.values()[0]
 
     check(first)
-    assert {len(one) for one in seen} == {2}
-    assert all(one.absent[0].kind == "refused" for one in seen)
+    assert {len(gathered) for gathered in seen} == {2}
+    assert all(gathered.absent[0].kind == "refused" for gathered in seen)
 
 
 def test_a_family_is_held_to_the_contracts_of_every_plugin() -> None:

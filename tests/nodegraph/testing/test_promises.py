@@ -92,9 +92,9 @@ def test_every_node_of_a_file_is_tested_with_each_choice(pytester: pytest.Pytest
         test_promises = promises_of(Path(__file__).with_name("toys.py"))
         """
     )
-    done = pytester.runpytest("-v", "-p", "no:cacheprovider")
-    done.assert_outcomes(passed=3)
-    done.stdout.fnmatch_lines(
+    result = pytester.runpytest("-v", "-p", "no:cacheprovider")
+    result.assert_outcomes(passed=3)
+    result.stdout.fnmatch_lines(
         ["*::test_promises?toy.number? PASSED*", "*?toy.number?sign=minus?? PASSED*"]
     )
 
@@ -108,9 +108,9 @@ def test_the_node_and_the_choice_that_break_a_promise_are_named(pytester: pytest
         test_promises = promises_of("toys.py")
         """
     )
-    done = pytester.runpytest("-p", "no:cacheprovider")
-    done.assert_outcomes(passed=2, failed=1)
-    done.stdout.fnmatch_lines(
+    result = pytester.runpytest("-p", "no:cacheprovider")
+    result.assert_outcomes(passed=2, failed=1)
+    result.stdout.fnmatch_lines(
         [
             "*toy.number does not keep its promises*",
             "*toy.number returned str where its signature promises float*",
@@ -120,18 +120,18 @@ def test_the_node_and_the_choice_that_break_a_promise_are_named(pytester: pytest
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("toyz", "no plugin 'toyz' with nodes is installed; did you mean 'toys'"),
         ("torn", "plugin 'torn' is left out: torn: ImportError: no module"),
     ],
 )
 @pytest.mark.usefixtures("_installed")
-def test_a_plugin_that_is_not_there_is_told(name: str, said: str) -> None:
-    with pytest.raises(NodegraphError, match=said):
+def test_a_plugin_that_is_not_installed_is_named(name: str, message: str) -> None:
+    with pytest.raises(NodegraphError, match=message):
         promises_of(name)
 
 
-def test_a_file_that_is_not_there_is_told() -> None:
+def test_a_missing_file_is_named() -> None:
     with pytest.raises(NodegraphError, match="no such plugin file"):
         promises_of(Path("nowhere.py"))

@@ -22,8 +22,8 @@ def write(folder: Path, **texts: str) -> None:
         path.write_text(text)
 
 
-def told(spec: GraphSpec) -> list[str]:
-    return [str(one).partition("\n")[0] for one in spec.problems]
+def messages(spec: GraphSpec) -> list[str]:
+    return [str(problem).partition("\n")[0] for problem in spec.problems]
 
 
 def test_all_files_are_read_once_with_what_they_use(tmp_path: Path) -> None:
@@ -53,7 +53,7 @@ def test_a_file_is_named_as_seen_from_the_first(
     write(tmp_path, graphs__outer=USE.format("../shared/leaf.yaml"), shared__leaf=LEAF)
     monkeypatch.chdir(tmp_path)
     spec = read_graph_file(Path("graphs/outer.yaml"))
-    assert [one.file for one in spec.graphs.values()] == ["shared/leaf.yaml"]
+    assert [used.file for used in spec.graphs.values()] == ["shared/leaf.yaml"]
 
 
 def test_a_graph_without_others_has_none() -> None:
@@ -61,41 +61,44 @@ def test_a_graph_without_others_has_none() -> None:
     assert (spec.uses, spec.graphs, spec.included, spec.written) == ({}, {}, {}, None)
 
 
-def test_what_cannot_be_read_is_told_at_each_use_and_left_out(tmp_path: Path) -> None:
+def test_an_unreadable_file_is_an_error_at_each_use(tmp_path: Path) -> None:
     write(tmp_path, outer=USE.format("leef.yaml"), leaf=LEAF)
     spec = read_graph_file(tmp_path / "outer.yaml")
-    assert [(one.place.line, one.place.column) for one in spec.problems] == [(2, 18), (2, 39)]
-    assert {one.message for one in spec.problems} == {"leef.yaml: no such graph file"}
-    assert {one.instead for one in spec.problems} == {
+    assert [(problem.place.line, problem.place.column) for problem in spec.problems] == [
+        (2, 18),
+        (2, 39),
+    ]
+    assert {problem.message for problem in spec.problems} == {"leef.yaml: no such graph file"}
+    assert {problem.instead for problem in spec.problems} == {
         "in that folder did you mean 'leaf.yaml'? there is: leaf.yaml, outer.yaml"
     }
     assert not spec.uses
 
 
-def test_a_file_that_is_not_yaml_is_told_once_at_its_own_place(tmp_path: Path) -> None:
+def test_a_file_that_is_not_yaml_is_one_error_at_its_own_place(tmp_path: Path) -> None:
     write(tmp_path, outer=USE.format("leaf.yaml"), leaf="nodegraph: 1\nnodes: [}\n")
     spec = read_graph_file(tmp_path / "outer.yaml")
-    assert [str(one.place) for one in spec.problems] == [f"{tmp_path / 'leaf.yaml'}:2:9"]
+    assert [str(problem.place) for problem in spec.problems] == [f"{tmp_path / 'leaf.yaml'}:2:9"]
 
 
-def test_mistakes_of_a_used_graph_stay_with_it(tmp_path: Path) -> None:
+def test_errors_of_a_used_graph_stay_with_it(tmp_path: Path) -> None:
     write(tmp_path, outer=USE.format("leaf.yaml"), leaf=LEAF + "titel: x\n")
     spec = read_graph_file(tmp_path / "outer.yaml")
     assert not spec.problems
-    assert [one.message for one in spec.graphs[tmp_path / "leaf.yaml"].problems] == [
+    assert [problem.message for problem in spec.graphs[tmp_path / "leaf.yaml"].problems] == [
         "unknown key 'titel'"
     ]
 
 
 def test_a_circle_is_cut_where_it_closes(tmp_path: Path) -> None:
-    one, other = USE.format("other.yaml"), USE.format("outer.yaml").replace("b: {use", "d: {use")
-    write(tmp_path, outer=one, other=other)
+    outer, other = USE.format("other.yaml"), USE.format("outer.yaml").replace("b: {use", "d: {use")
+    write(tmp_path, outer=outer, other=other)
     spec = read_graph_file(tmp_path / "outer.yaml")
     way = " -> ".join(str(tmp_path / f"{name}.yaml") for name in ("outer", "other", "outer"))
-    assert {one.message for one in spec.problems} == {
+    assert {problem.message for problem in spec.problems} == {
         f"{tmp_path / 'outer.yaml'} uses itself: {way}"
     }
-    assert {one.place.file for one in spec.problems} == {str(tmp_path / "other.yaml")}
+    assert {problem.place.file for problem in spec.problems} == {str(tmp_path / "other.yaml")}
     assert spec.uses
     assert not spec.graphs[tmp_path / "other.yaml"].uses
 
@@ -104,25 +107,25 @@ def test_too_many_labels_are_refused(tmp_path: Path) -> None:
     axes = "axes: {a: {count: 1000000}, b: {count: 1000000}}\n"
     nodes = ", ".join(f"n{index}: {{use: leaf.yaml}}" for index in range(3))
     write(tmp_path, outer=f"nodegraph: 1\nnodes: {{{nodes}}}\n", leaf=LEAF + axes)
-    (found,) = read_graph_file(tmp_path / "outer.yaml").problems
-    assert found.message.startswith("leaf.yaml: more than 5,000,000 labels")
-    assert found.place.column == nodes.rindex("leaf") + len("nodes: {") + 1
+    (problem,) = read_graph_file(tmp_path / "outer.yaml").problems
+    assert problem.message.startswith("leaf.yaml: more than 5,000,000 labels")
+    assert problem.place.column == nodes.rindex("leaf") + len("nodes: {") + 1
 
 
 def test_a_list_of_alternatives_labels_a_graph_with_its_stem() -> None:
     text = "nodegraph: 1\nnodes: {a: {alternatives: [./sub/my.clean.yaml, x.b, ../c.yml]}}"
     methods = read_graph_text(text, "t.yaml", Path("nowhere")).nodes["a"].methods
-    assert [(one.label, one.is_graph) for one in methods] == [
+    assert [(method.label, method.is_graph) for method in methods] == [
         ("my.clean", True),
         ("b", False),
         ("c", True),
     ]
 
 
-def test_a_key_that_is_there_twice_hides_no_other_mistake() -> None:
+def test_a_duplicate_key_hides_no_other_error() -> None:
     text = "nodegraph: 1\ntitle: a\ntitle: b\nnodes: {a: {sue: x.y}, a: {use: x.y}}\n"
     spec = read_graph_text(text, "t.yaml", Path())
-    assert told(spec) == [
+    assert messages(spec) == [
         "t.yaml:3:1: duplicate key 'title'; first in line 2",
         "t.yaml:4:24: duplicate key 'a'; first in line 4",
         "t.yaml:4:13: node 'a': unknown key 'sue'",
@@ -132,4 +135,4 @@ def test_a_key_that_is_there_twice_hides_no_other_mistake() -> None:
     for rest in ("b: [}", "b: *c", "? [b]: c"):
         with pytest.raises(GraphError) as caught:
             read_graph_text(f"a: 1\na: 2\n{rest}", "t.yaml", Path())
-        assert [one.place.line for one in caught.value.problems] == [2, 3]
+        assert [problem.place.line for problem in caught.value.problems] == [2, 3]

@@ -40,21 +40,21 @@ def read(text: str) -> GraphSpec:
 
 def mistakes(text: str) -> list[str]:
     try:
-        return [str(one) for one in read(text).problems]
+        return [str(problem) for problem in read(text).problems]
     except GraphError as error:
-        return [str(one) for one in error.problems]
+        return [str(problem) for problem in error.problems]
 
 
 def test_everything_that_a_file_says_is_read() -> None:
     spec = read(GOOD)
     assert not spec.problems
     assert (spec.title, spec.notes) == ("A title", "Some *notes*.\n")
-    assert {name: one.value for name, one in spec.inputs.items()} == {
+    assert {name: each.value for name, each in spec.inputs.items()} == {
         "recording": "a.c3d",
         "factor": 1.5,
     }
     assert spec.axes["actor"].labels == ("ME", "MB")
-    assert [str(one) for one in spec.known] == ["capture", "capture.gappy"]
+    assert [str(reference) for reference in spec.known] == ["capture", "capture.gappy"]
     assert spec.requires == (("numpy>=1.0", Place("t.yaml", 17, 12)),)
     assert spec.skip[0].labels == {"trial": (0,), "fill": ("strong", "pass")}
     assert str(spec.outputs["filled"]) == str(spec.report[0]) == "fill"
@@ -64,7 +64,7 @@ def test_a_variable_stands_wherever_it_is_a_whole_value() -> None:
     written = read(GOOD).nodes["capture"].settings
     path = written["path"].value
     assert (path.name, path.field, path.place) == ("recording", "", Place("t.yaml", 10, 42))
-    assert [str(one) for one in written["pair"].variables()] == ["$actor.rec", "$trial"]
+    assert [str(variable) for variable in written["pair"].variables()] == ["$actor.rec", "$trial"]
     text = GOOD.replace("$recording", "a$recording")
     assert not isinstance(read(text).nodes["capture"].settings["path"].value, Variable)
 
@@ -79,20 +79,20 @@ def test_a_reference_has_every_form() -> None:
 
 def test_alternatives_have_every_form() -> None:
     node = read(GOOD).nodes["fill"]
-    assert [(one.label, one.use) for one in node.methods] == [
+    assert [(method.label, method.use) for method in node.methods] == [
         ("", "fill.*"),
         ("strong", "fill.scale"),
         ("short", "fill.x"),
         ("pass", "pass"),
     ]
     listed = read("nodegraph: 1\nnodes: {a: {alternatives: [x.a, p:x.b, pass]}}").nodes["a"]
-    assert [one.label for one in listed.methods] == ["a", "p:b", "pass"]
+    assert [method.label for method in listed.methods] == ["a", "p:b", "pass"]
     family = read("nodegraph: 1\nnodes: {a: {alternatives: x.*}}").nodes["a"]
-    assert [one.use for one in family.methods] == ["x.*"]
+    assert [method.use for method in family.methods] == ["x.*"]
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "place", "said"),
+    ("old", "new", "place", "message"),
     [
         ("nodegraph: 1", "nodegraph: 2", "1:12", "reads format 1, not 2"),
         ("nodegraph: 1\n", "", "1:1", "the format's number is missing"),
@@ -122,16 +122,16 @@ def test_alternatives_have_every_form() -> None:
         ("    alternatives: {", "    use: x.y\n    alternatives: {", "12:5", "has both 'use' and"),
     ],
 )
-def test_what_may_not_stand_there_is_told_at_its_place(
-    old: str, new: str, place: str, said: str
+def test_a_wrong_value_is_an_error_at_its_place(
+    old: str, new: str, place: str, message: str
 ) -> None:
     assert old in GOOD
-    found = [one for one in mistakes(GOOD.replace(old, new)) if said in one]
-    assert [one.partition(": ")[0] for one in found] == [f"t.yaml:{place}"]
+    errors = [error for error in mistakes(GOOD.replace(old, new)) if message in error]
+    assert [error.partition(": ")[0] for error in errors] == [f"t.yaml:{place}"]
 
 
 @pytest.mark.parametrize(
-    ("text", "place", "said"),
+    ("text", "place", "message"),
     [
         ("", "1:1", "a graph file is a mapping"),
         ("- a\n", "1:1", "a graph file is a mapping"),
@@ -158,11 +158,11 @@ def test_what_may_not_stand_there_is_told_at_its_place(
         ("nodegraph: 1\nnodes: {a: {use: x.y, in: {from: {a: b}}}}", "2:34", "another 'from'"),
     ],
 )
-def test_a_small_file_is_told_its_one_mistake(text: str, place: str, said: str) -> None:
-    found = mistakes(text)
-    assert len(found) == 1, found
-    assert found[0].startswith(f"t.yaml:{place}: ")
-    assert said in found[0]
+def test_a_small_file_has_one_error(text: str, place: str, message: str) -> None:
+    errors = mistakes(text)
+    assert len(errors) == 1, errors
+    assert errors[0].startswith(f"t.yaml:{place}: ")
+    assert message in errors[0]
 
 
 def test_a_missing_file_names_one_that_is_there(tmp_path: Path) -> None:
@@ -189,7 +189,7 @@ def test_a_folder_cannot_be_read(tmp_path: Path) -> None:
         read_graph_file(tmp_path)
 
 
-def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
     path = tmp_path / "bom.yaml"
     path.write_text(GOOD, encoding="utf-8-sig")
     assert not read_graph_file(path).problems
@@ -220,5 +220,5 @@ def test_a_damaged_file_is_read_or_refused_and_nothing_else(
             del lines[int(share * len(lines))]
             data = bytearray(b"".join(lines))
         data = data or bytearray(b" ")
-    for one in mistakes(bytes(data).decode("utf-8", "replace")):
-        assert one.startswith("t.yaml:")
+    for error in mistakes(bytes(data).decode("utf-8", "replace")):
+        assert error.startswith("t.yaml:")

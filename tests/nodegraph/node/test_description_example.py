@@ -21,9 +21,9 @@ from nodegraph.plugin.registry import Registered, Registry
 
 
 def described(function: Any) -> Node:
-    found = node_of(function)
-    assert found is not None
-    return found
+    node_ = node_of(function)
+    assert node_ is not None
+    return node_
 
 
 @node("fill.one")
@@ -105,15 +105,15 @@ def test_several_ports_are_named_and_what_must_be_set_has_a_value_that_will_do(
     tmp_path: Path,
 ) -> None:
     text = example_of(described(several))
-    found = yaml.safe_load(text)["score"]
-    assert found["in"] == {"estimate": "estimate", "truth": "truth"}
-    given = found["with"]
-    assert given.pop("path") == FILE
-    assert (given["kind"], given["count"], given["pairs"]) == ("no", 3, [1, 1])
-    assert (given["labels"], given["shown"]) == ({"NAME": True}, 7)
-    assert 0 < given["share"] < 1
-    assert given["most"] <= -2
-    described(several).model.model_validate({**given, "path": tmp_path})
+    entry = yaml.safe_load(text)["score"]
+    assert entry["in"] == {"estimate": "estimate", "truth": "truth"}
+    settings = entry["with"]
+    assert settings.pop("path") == FILE
+    assert (settings["kind"], settings["count"], settings["pairs"]) == ("no", 3, [1, 1])
+    assert (settings["labels"], settings["shown"]) == ({"NAME": True}, 7)
+    assert 0 < settings["share"] < 1
+    assert settings["most"] <= -2
+    described(several).model.model_validate({**settings, "path": tmp_path})
     assert [line.partition(":")[0] for line in text.splitlines()] == [
         "score",
         "  use",
@@ -133,31 +133,35 @@ def test_a_node_s_own_example_counts_where_it_is_of_a_graph() -> None:
     assert not has_example(described(several))
 
 
-INSTALLED = [one for one in Registry.installed() if one.distribution.startswith("nodegraph ")]
+INSTALLED = [
+    registered
+    for registered in Registry.installed()
+    if registered.distribution.startswith("nodegraph ")
+]
 
 
 @pytest.fixture(scope="module")
 def everything() -> Registry:
     """Every node that comes with the package, and one that gives each type that they take."""
-    functions = [one.node.function for one in INSTALLED]
-    ports = {_name(port): port for one in INSTALLED for port in one.node.inputs}
+    functions = [registered.node.function for registered in INSTALLED]
+    ports = {_name(port): port for registered in INSTALLED for port in registered.node.inputs}
     return Registry.of([*functions, *(_giver(name, port) for name, port in ports.items())])
 
 
-@pytest.mark.parametrize("found", INSTALLED, ids=lambda one: one.node.name)
+@pytest.mark.parametrize("registered", INSTALLED, ids=lambda registered: registered.node.name)
 def test_the_example_of_every_node_stands_in_a_graph_that_is_well(
-    found: Registered, everything: Registry, tmp_path: Path
+    registered: Registered, everything: Registry, tmp_path: Path
 ) -> None:
     (tmp_path / FILE).touch()
-    for text in _shown(found.node):
+    for text in _shown(registered.node):
         (name,) = yaml.safe_load(text)
-        feeding = [f"{port.name}: {{use: {_name(port)}}}" for port in found.node.inputs]
+        feeding = [f"{port.name}: {{use: {_name(port)}}}" for port in registered.node.inputs]
         lines = [*text.splitlines(), *feeding]
         graph = "\n".join(["nodegraph: 1", "nodes:", *(f"  {line}" for line in lines)])
         spec = read_graph_text(graph, "graph.yaml", tmp_path)
         built = build(spec, everything, Choices(folder=tmp_path))
         (method,) = built.nodes[name].methods.values()
-        assert method.node.function is found.node.function
+        assert method.node.function is registered.node.function
 
 
 def _shown(node: Node) -> Iterable[str]:

@@ -43,7 +43,9 @@ def graph(**b: Any) -> dict[str, Any]:
 
 
 def test_nodes_and_settings_are_marked(judge: Any) -> None:
-    names = {one.get("const"): one for one in judge.schema["$defs"]["node name"]["oneOf"]}
+    names = {
+        constant.get("const"): constant for constant in judge.schema["$defs"]["node name"]["oneOf"]
+    }
     assert names["fill.old"]["deprecated"] is True
     assert "Deprecated: use fill.new." in names["fill.old"]["description"]
     assert "deprecated" not in names["fill.new"]

@@ -339,9 +339,9 @@ def test_both_refuse_a_node_that_cannot_be(name: str, judge: Any) -> None:
     "use", ["./clean.yaml", "clean.yml", "../a b/c.yaml"], ids=["here", "yml", "elsewhere"]
 )
 def test_a_graph_file_takes_any_setting_and_port(use: str, judge: Any) -> None:
-    one = {"use": use, "in": {"x": "n0"}, "with": {"factor": 1.5}}
-    forms: list[Any] = [{"a": one, "b": "fill.hold"}, ["fill.hold", use], {"a": use, "fill.*": {}}]
-    assert not judge.refusals(graph(one=one))
+    node = {"use": use, "in": {"x": "n0"}, "with": {"factor": 1.5}}
+    forms: list[Any] = [{"a": node, "b": "fill.hold"}, ["fill.hold", use], {"a": use, "fill.*": {}}]
+    assert not judge.refusals(graph(one=node))
     for alternatives in forms:
         node = {"in": "n0", "alternatives": alternatives, "with": {"max_gap": 3}}
         assert not judge.refusals(graph(one=node))
@@ -352,8 +352,8 @@ def _places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]
     """Yield where something stands in a graph, down to each word."""
     yield path
     if isinstance(value, (dict, list)):
-        for key, one in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _places(one, (*path, key))
+        for key, part in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _places(part, (*path, key))
 
 
 ODD: list[Any] = [
@@ -371,8 +371,8 @@ KEYS = (
 @st.composite
 def damaged(draw: st.DrawFn) -> dict[str, Any]:
     """Return a good graph of one or two more nodes in which up to three things are changed."""
-    chosen = draw(st.lists(st.sampled_from(sorted(GOOD)), min_size=1, max_size=2))
-    data = graph(**{f"more{i}": copy.deepcopy(GOOD[one]) for i, one in enumerate(chosen)})
+    names = draw(st.lists(st.sampled_from(sorted(GOOD)), min_size=1, max_size=2))
+    data = graph(**{f"more{i}": copy.deepcopy(GOOD[name]) for i, name in enumerate(names)})
     for _ in range(draw(st.integers(1, 3))):
         more = [("nodes", name) for name in data["nodes"] if name.startswith("more")]
         start = draw(st.sampled_from([(), *more, *more, *more]))
@@ -422,10 +422,10 @@ def installed() -> Any:
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize(("name", "text"), list(_graphs()), ids=lambda one: one[:20])
+@pytest.mark.parametrize(("name", "text"), list(_graphs()), ids=lambda text: text[:20])
 def test_every_graph_of_the_repository_is_good(name: str, text: str, installed: Any) -> None:
     data = json.loads(json.dumps(read_yaml(text, name).plain()))
-    errors = [one.message for one in Draft202012Validator(installed).iter_errors(data)]
+    errors = [problem.message for problem in Draft202012Validator(installed).iter_errors(data)]
     assert errors == []
 
 
@@ -438,9 +438,9 @@ def test_the_schema_of_what_is_installed_is_valid_and_the_same_each_time(install
 
 def test_a_node_has_its_summary_ports_and_citation(judge: Any) -> None:
     names = judge.schema["$defs"]["node name"]["oneOf"]
-    (found,) = [one for one in names if one.get("const") == "fill.hold"]
-    assert found["title"] == "fill.hold"
-    assert found["description"].split("\n\n") == [
+    (constant,) = [each for each in names if each.get("const") == "fill.hold"]
+    assert constant["title"] == "fill.hold"
+    assert constant["description"].split("\n\n") == [
         "Hold on.", "In: recording: float.", "Out: output: float.", "Plugin: toys. Cite: hold2001.",
     ]  # fmt: skip
     port = judge.schema["$defs"]["fill.hold"]["properties"]["in"]["else"]["properties"]["recording"]

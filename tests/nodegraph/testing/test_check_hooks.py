@@ -29,9 +29,9 @@ def holds(recording: Trajectories) -> Trajectories:
 def registry_with(hook: str, function: Any, *nodes: Any) -> Registry:
     """Return a registry with a plugin that has one hook, beside the one that ships specimens."""
     module = type("bad_module", (), {hook: staticmethod(hookimpl(function))})
-    made = Registry.of(nodes, plugin="bad")
-    made.loaded.extend([Plugin("mocap", nodegraph_mocap), Plugin("bad", module)])
-    return made
+    registry = Registry.of(nodes, plugin="bad")
+    registry.loaded.extend([Plugin("mocap", nodegraph_mocap), Plugin("bad", module)])
+    return registry
 
 
 def faults_of(function: Any, registry: Registry) -> str:
@@ -45,45 +45,45 @@ def raising() -> Any:
 
 
 @pytest.mark.parametrize(
-    ("hook", "said"),
+    ("hook", "message"),
     [
-        (raising, "RuntimeError: out of ink (test_bad_hooks.py:"),
+        (raising, "RuntimeError: out of ink (test_check_hooks.py:"),
         (lambda: None, "TypeError: expected str, got NoneType"),
         (lambda: ["@misc{mine2026}"], "TypeError: expected str, got list"),
     ],
 )
-def test_bibtex_that_cannot_be_had_is_a_fault_with_a_sentence(hook: Any, said: str) -> None:
+def test_a_bibtex_hook_that_fails_is_a_fault(hook: Any, message: str) -> None:
     text = faults_of(cites, registry_with("nodegraph_bibtex", hook, cites))
-    assert f"- its plugin's hook nodegraph_bibtex failed: {said}" in text
+    assert f"- its plugin's hook nodegraph_bibtex failed: {message}" in text
     assert "fix it, or nobody learns what the node cites" in text
 
 
-def test_a_contract_that_fails_is_told_with_its_plugin_and_line() -> None:
+def test_a_contract_that_fails_is_named_with_its_plugin_and_line() -> None:
     def stays(tried: Any) -> Any:
         """Stay."""
         raise RuntimeError("out of ink")
 
     text = faults_of(holds, registry_with("nodegraph_contracts", lambda: {"hold": [stays]}, holds))
     assert "breaks what every hold.* node promises: Stay" in text
-    said = "plugin 'bad': stays, from hook nodegraph_contracts, failed: RuntimeError: out of ink"
-    assert f"{said} (test_bad_hooks.py:" in text
+    message = "plugin 'bad': stays, from hook nodegraph_contracts, failed: RuntimeError: out of ink"
+    assert f"{message} (test_check_hooks.py:" in text
 
 
 @pytest.mark.parametrize(
-    ("contracts", "said"),
+    ("contracts", "message"),
     [
         ({"hold": 5}, "'hold' of nodegraph_contracts is left out: expected Iterable, got int"),
         ({"hold": [5]}, "item 0 of nodegraph_contracts is left out: expected Callable, got int"),
         ({5: []}, "5 of nodegraph_contracts is left out: expected str, got int"),
     ],
 )
-def test_contracts_that_are_none_are_told_and_left_out(contracts: Any, said: str) -> None:
-    with pytest.warns(UserWarning, match=f"^plugin 'bad': {said}$"):
+def test_contracts_of_another_type_are_left_out(contracts: Any, message: str) -> None:
+    with pytest.warns(UserWarning, match=f"^plugin 'bad': {message}$"):
         check_node(holds, registry=registry_with("nodegraph_contracts", lambda: contracts, holds))
 
 
 @pytest.mark.parametrize(
-    ("specimens", "said"),
+    ("specimens", "message"),
     [
         (
             {"Trajectories": dict},
@@ -93,15 +93,15 @@ def test_contracts_that_are_none_are_told_and_left_out(contracts: Any, said: str
         (
             {Trajectories: raising},
             "the specimens of Trajectories, from hook nodegraph_specimens, failed: "
-            r"RuntimeError: out of ink \(test_bad_hooks.py:\d+\); it is left out",
+            r"RuntimeError: out of ink \(test_check_hooks.py:\d+\); it is left out",
         ),
         ({Trajectories: list}, ".* failed: TypeError: expected Mapping, got list; it is left out"),
     ],
 )
-def test_specimens_that_cannot_be_made_are_told_and_left_out(specimens: Any, said: str) -> None:
-    with pytest.warns(UserWarning, match=f"^plugin 'bad': {said}"):
+def test_specimens_that_cannot_be_made_are_left_out(specimens: Any, message: str) -> None:
+    with pytest.warns(UserWarning, match=f"^plugin 'bad': {message}"):
         check_node(holds, registry=registry_with("nodegraph_specimens", lambda: specimens, holds))
 
 
-def test_a_node_that_gives_back_what_came_in_declines_nothing() -> None:
+def test_a_node_that_returns_its_input_declines_nothing() -> None:
     check_node(holds, registry=registry_with("nodegraph_bibtex", lambda: "", holds))

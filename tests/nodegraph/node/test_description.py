@@ -49,9 +49,9 @@ def everything(
 
 
 def described() -> Node:
-    found = node_of(everything)
-    assert found is not None
-    return found
+    node_ = node_of(everything)
+    assert node_ is not None
+    return node_
 
 
 @pytest.mark.parametrize(
@@ -73,14 +73,14 @@ def test_a_setting_says_type_bounds_and_choices(name: str, kind: str) -> None:
 
 
 def test_settings_come_with_unit_default_and_meaning() -> None:
-    found = {one.name: one for one in describe_settings(described())}
-    assert list(found)[:3] == ["length", "size", "way"]
-    assert found["length"] == SettingText(
+    texts = {setting.name: setting for setting in describe_settings(described())}
+    assert list(texts)[:3] == ["length", "size", "way"]
+    assert texts["length"] == SettingText(
         "length", "whole number >= 1 <= 9", "frames", "5", "How long, in all."
     )
-    assert (found["size"].default, found["size"].meaning) == ("required", "Both of them.")
-    assert found["way"].meaning == "Both of them."
-    assert found["undocumented"].meaning == ""
+    assert (texts["size"].default, texts["size"].meaning) == ("required", "Both of them.")
+    assert texts["way"].meaning == "Both of them."
+    assert texts["undocumented"].meaning == ""
     assert meanings(described())["recording"] == "What is measured."
 
 
@@ -153,7 +153,7 @@ def test_meanings_call_none_what_a_graph_file_calls_it() -> None:
 
     described = node_of(optional)
     assert described is not None
-    assert [one.meaning for one in describe_settings(described)] == [
+    assert [setting.meaning for setting in describe_settings(described)] == [
         "At most so many; null: any, of which none is lost.",
         "none: as it is.",
         "none: not a name.",
@@ -172,4 +172,7 @@ def odd(*, kind: Odd | None = None, size: int = 3) -> float:
 def test_a_setting_of_any_class_can_be_shown() -> None:
     described = node_of(odd)
     assert described is not None
-    assert [one.kind for one in describe_settings(described)] == ["value or null", "whole number"]
+    assert [setting.kind for setting in describe_settings(described)] == [
+        "value or null",
+        "whole number",
+    ]

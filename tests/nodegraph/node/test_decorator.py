@@ -73,9 +73,9 @@ def test_arguments_before_the_star_are_ports() -> None:
 def test_arguments_after_the_star_are_settings() -> None:
     settings = described(every).settings
     assert list(settings) == ["length", "path", "model", "way"]
-    assert [one.unit for one in settings.values()] == ["frames", "", "", ""]
-    assert [one.is_file for one in settings.values()] == [False, True, True, False]
-    assert [one.required for one in settings.values()] == [False, True, False, False]
+    assert [setting.unit for setting in settings.values()] == ["frames", "", "", ""]
+    assert [setting.is_file for setting in settings.values()] == [False, True, True, False]
+    assert [setting.required for setting in settings.values()] == [False, True, False, False]
 
 
 def test_a_named_tuple_is_several_outputs() -> None:
@@ -153,8 +153,8 @@ def test_any_word_can_name_a_setting() -> None:
     def words(*, copy: int = 1, json: int = 2, model_path: str = "", schema: str = "") -> float:
         return 0.0
 
-    made = described(words).model.model_validate_json('{"copy": 4, "schema": "x"}')
-    assert (made.copy, made.json, made.model_path, made.schema) == (4, 2, "", "x")  # type: ignore[comparison-overlap, attr-defined]
+    settings = described(words).model.model_validate_json('{"copy": 4, "schema": "x"}')
+    assert (settings.copy, settings.json, settings.model_path, settings.schema) == (4, 2, "", "x")  # type: ignore[comparison-overlap, attr-defined]
 
 
 @pytest.mark.parametrize(
@@ -222,7 +222,7 @@ def hidden_setting(x: float, *, _secret: int = 1) -> float:
 
 
 @pytest.mark.parametrize(
-    ("function", "said"),
+    ("function", "message"),
     [
         (untyped, "x has no annotation"),
         (unanswered, "return has no annotation"),
@@ -241,10 +241,10 @@ def hidden_setting(x: float, *, _secret: int = 1) -> float:
     ],
 )
 def test_what_a_signature_lacks_is_named_with_the_node(
-    function: Callable[..., Any], said: str
+    function: Callable[..., Any], message: str
 ) -> None:
     marked = node("toy.bad")(function)
-    with pytest.raises(NodeError, match=rf"toy\.bad: .*{said}"):
+    with pytest.raises(NodeError, match=rf"toy\.bad: .*{message}"):
         described(marked)
 
 
