@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import nodegraph as ng
 from nodegraph.api import reported
+from nodegraph.cli.main import main
 from nodegraph.execute import Event
 from nodegraph.graph import Graph
 from nodegraph.plugin import loading
@@ -89,6 +92,74 @@ def test_a_file_of_five_lines_joins_its_family(file: Path, tmp_path: Path) -> No
     run = ng.run(graph, only={"fill": "mine", "k": 1, "j": 3})
     assert run["fill"].value == pytest.approx(230)
     assert ng.run(ng.load(file), plugins=[str(plugin)])["fill"].run.plan.graph.axes["fill"].labels
+
+
+WRITER = """\
+from nodegraph import Files, node
+@node("write.txt")
+def txt(value: float) -> Files:
+    return Files({"value.txt": str(value).encode()})
+"""
+
+
+@pytest.fixture
+def saved(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A run of stored results, saved from Python in ``saved`` and by the command in ``ran``."""
+    monkeypatch.chdir(tmp_path)
+    Path("writer.py").write_text(WRITER)
+    choices: dict[str, Any] = {"set": {"start": 7}, "axis": {"k": [1, 5]}, "only": {"j": 3}}
+    ng.run(file.name, plugins=["writer.py"], **choices)
+    ng.run(file.name, plugins=["writer.py"], **choices).save("saved")
+    words = ["--set", "start=7", "--axis", "k=1,5", "--only", "j=3", "--plugin", "writer.py"]
+    assert main(["run", file.name, *words, "--out", "ran"]) == 0
+    return tmp_path
+
+
+def without_times(path: Path) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads((path / "run.json").read_text())
+    for part in (record, *record["steps"]):
+        del part["seconds"]
+    return record
+
+
+def test_a_saved_run_is_what_the_command_writes(saved: Path) -> None:
+    here, there = saved / "saved", saved / "ran"
+    names = {path.relative_to(here) for path in here.rglob("*")}
+    assert names == {path.relative_to(there) for path in there.rglob("*")}
+    assert without_times(here) == without_times(there)
+    assert (here / "graph.yaml").read_bytes() == (there / "graph.yaml").read_bytes()
+    kinds = [
+        [json.loads(line)["event"] for line in (folder / "events.jsonl").read_text().splitlines()]
+        for folder in (here, there)
+    ]
+    assert kinds[0] == kinds[1]
+    assert without_times(here)["settings"] == {
+        "graph": "graph.yaml",
+        "set": {"start": 7},
+        "axis": {"k": [1, 5]},
+        "only": {"j": [3]},
+        "plugins": ["writer.py"],
+    }
+
+
+def test_commands_work_on_a_saved_run(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["diff", "saved", "ran"]) == 0
+    assert main(["cite", "saved"]) == 0
+    assert main(["report", "saved", "ran", "--out", "both.html"]) == 0
+    assert main(["archive", "saved"]) == 0
+    words = ["--at", "k=5,fill=hold", "--plugin", "writer.py", "--out", "extra.txt"]
+    assert main(["export", "saved", "extra", *words]) == 0
+    assert Path("extra.txt").read_text() == "4.3"
+    assert "fill.hold" in capsys.readouterr().out
+
+
+def test_a_run_is_saved_over_another_run_only(file: Path, tmp_path: Path) -> None:
+    run = ng.run(file)
+    run.save(tmp_path / "runs" / "toy")
+    run.save(str(tmp_path / "runs" / "toy"))
+    assert len(list((tmp_path / "runs").iterdir())) == 2
+    with pytest.raises(ng.NodegraphError, match=r"graph\.yaml"):
+        run.save(file)
 
 
 def test_listeners_hear_the_run(file: Path) -> None:

@@ -89,6 +89,15 @@ def test_a_failed_step_is_repeated_alone_by_one_command(command: Command) -> Non
     assert failed["repeat"].startswith("nodegraph run toy.yaml")
 
 
+def test_a_failed_step_of_chosen_labels_is_repeated_alone(command: Command) -> None:
+    words = ["--set", "start=-100", "--only", "fill=strict,hold", "--until", "total"]
+    _, out, _ = command("run", "toy.yaml", *words)
+    alone = next(line for line in out.splitlines() if "repeat it alone" in line)
+    status, out, _ = command(*shlex.split(alone.partition("alone: ")[2])[1:], nodes=False)
+    assert status == 1
+    assert "3 steps: 2 stored, 1 failed" in out
+
+
 def test_until_runs_no_further(command: Command) -> None:
     status, out, _ = command("run", "toy.yaml", "--until", "gaps", "--until", "one")
     assert status == 0

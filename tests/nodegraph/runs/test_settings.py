@@ -1,0 +1,63 @@
+"""The command of a run has the settings of the run, whatever their values are."""
+
+from __future__ import annotations
+
+import shlex
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodegraph.runs.settings import RunSettings, read_labels, read_value
+
+SCALARS = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(allow_nan=False, allow_infinity=False),
+    st.text(st.characters(exclude_categories=["C"])),
+    st.sampled_from(
+        ["1", "1e-3", "no", "true", "", "a,b", "[x", "{", "a: b", "#", "'", " x", "*.c3d"]
+    ),
+)
+VALUES = st.recursive(
+    SCALARS, lambda parts: st.lists(parts) | st.dictionaries(st.text("ab", min_size=1), parts)
+)
+LABELS = st.one_of(
+    st.lists(SCALARS.filter(lambda label: label is not None), min_size=1),
+    st.dictionaries(st.text("ab", min_size=1), VALUES, min_size=1),
+)
+
+
+def option(settings: RunSettings) -> str:
+    """Return what follows the equals sign of the only option of a command."""
+    *_, words = shlex.split(settings.command)
+    return words.partition("=")[2]
+
+
+@given(VALUES)
+def test_an_input_keeps_its_value(value: Any) -> None:
+    text = option(RunSettings("g.yaml", set={"start": value}))
+    assert repr(read_value("--set start", text)) == repr(value)
+
+
+@given(LABELS)
+def test_an_axis_keeps_its_labels(labels: Any) -> None:
+    text = option(RunSettings("g.yaml", axis={"k": labels}))
+    assert repr(read_labels("--axis k", text)) == repr(labels)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"set": {"take": "a b.c3d", "n": 3}}, "--set 'take=a b.c3d' --set n=3"),
+        ({"axis": {"k": [1, 2], "x": {"count": 3}}}, "--axis k=1,2 --axis 'x={\"count\": 3}'"),
+        ({"only": {"fill": ["hold", "lin"]}}, "--only fill=hold,lin"),
+        ({"until": ["a", "b"], "plugins": ["p.py"]}, "--until a --until b --plugin p.py"),
+        ({"store": "kept", "executor": "serial"}, "--store kept --executor serial"),
+        ({"cache": False, "jobs": 2, "executor": "threads"}, ""),
+    ],
+)
+def test_options_are_written_as_a_user_writes_them(settings: dict[str, Any], words: str) -> None:
+    assert RunSettings("g.yaml", **settings).command == f"nodegraph run g.yaml {words}".rstrip()
