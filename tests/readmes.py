@@ -1,4 +1,4 @@
-"""The blocks of code in a README, and the commands of its shell blocks, given as they stand."""
+"""The blocks of code in a README, and the commands of its shell blocks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FEW = {
     "length: [5, 15, 45]": "length: [5, 45]",
     "alternatives: fill.*": "alternatives: [fill.muscle, fill.linear, fill.cubic]",
 }
-"""What makes the study of fills a small one, on which every command can be given."""
+"""Makes the study of fills small."""
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -25,7 +25,7 @@ def blocks(text: str, language: str) -> list[str]:
 
 
 def commands(text: str) -> Iterator[list[str]]:
-    """Yield the words of every command in the shell blocks of a page, one by one."""
+    """Yield the words of every command in the shell blocks of a page."""
     for block in blocks(text, "sh"):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
@@ -41,8 +41,8 @@ def is_ours(words: list[str]) -> bool:
     return Path(words[0]).name == "nodegraph"
 
 
-def give(words: list[str]) -> None:
-    """Give a command of the program as it stands; it must do well, and write what it says."""
+def run_command(words: list[str]) -> None:
+    """Run a command of the program; it must succeed, and write the files that it names."""
     assert main(words[1:]) == 0, words
     for option, value in pairwise(words):
         if option == "--out":
@@ -50,7 +50,7 @@ def give(words: list[str]) -> None:
 
 
 def write_small_study(path: Path) -> None:
-    """Write the study of fills with a few labels, and without the figures of the others."""
+    """Write the study of fills with a few labels, without its drawings of faces."""
     text = (ROOT / "graphs" / "fill.yaml").read_text().partition("  trajectories:\n")[0]
     text += "report: [table, ranks.table, ranks.figure]\n"
     for long, short in FEW.items():

@@ -1,4 +1,4 @@
-"""What the README shows is true: all that it shows runs, and its table of nodes is whole."""
+"""What the README shows is true: it runs, and its table of nodes is complete."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.readmes import ROOT
 
 README = (ROOT / "README.md").read_text()
 INSTALLS = (["python3", "-m", "venv"], [".venv/bin/pip", "install"], [".venv/bin/python", "-m"])
-"""How commands begin that make an environment, and test in it: continuous integration does so."""
+"""Beginnings of commands that continuous integration runs."""
 
 
 def blocks(language: str) -> list[str]:
@@ -29,8 +29,8 @@ def blocks(language: str) -> list[str]:
 
 
 def table_of_nodes() -> str:
-    """Return the README's table of nodes as it should be now."""
-    nodes = [one.node for one in Registry.installed()]
+    """Return the table of the installed nodes."""
+    nodes = (entry.node for entry in Registry.installed())
     rows = [f"| `{node.name}` | {node.summary} |" for node in nodes]
     return "\n".join(["| node | what it does |", "|---|---|", *rows])
 
@@ -52,7 +52,7 @@ def test_the_picture_shows_the_graph(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert capsys.readouterr().out.strip() == (ROOT / picture).read_text().strip()
 
 
-def test_the_graph_that_stands_where_a_node_does_is_a_good_one(tmp_path: Path) -> None:
+def test_the_graph_used_as_a_node_loads(tmp_path: Path) -> None:
     graph, clean = blocks("yaml")
     (tmp_path / "clean.yaml").write_text(clean)
     use, fixed = re.findall(r"`(?:clean: )?({(?:use|from): .*?}+)`", README)[-2:]
@@ -64,7 +64,7 @@ def test_the_graph_that_stands_where_a_node_does_is_a_good_one(tmp_path: Path) -
     assert {"clean.fill", "one"} <= loaded.nodes.keys()
 
 
-def test_the_method_that_it_adds_joins_the_comparison(tmp_path: Path) -> None:
+def test_the_added_method_joins_the_comparison(tmp_path: Path) -> None:
     code = next(block for block in blocks("python") if block.startswith("# my_fill.py"))
     (tmp_path / "my_fill.py").write_text(code)
     run = ng.run(
@@ -81,22 +81,28 @@ def test_the_method_that_it_adds_joins_the_comparison(tmp_path: Path) -> None:
     assert filled.present.sum() > gappy.present.sum()
 
 
-def test_the_walk_from_python_runs_as_it_stands() -> None:
+def test_the_python_code_runs(tmp_path: Path) -> None:
     code = next(block for block in blocks("python") if "ng.run(" in block)
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
+    shutil.copytree(ROOT / "graphs", tmp_path / "graphs")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))}
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "runs" / "fill" / "report.html").is_file()
 
 
-def test_the_table_of_nodes_is_that_of_the_installed_ones() -> None:
-    found = README.partition("<!-- nodes -->\n")[2].partition("\n<!-- end of nodes -->")[0]
-    assert found == table_of_nodes()
+def test_the_table_lists_the_installed_nodes() -> None:
+    table = README.partition("<!-- nodes -->\n")[2].partition("\n<!-- end of nodes -->")[0]
+    assert table == table_of_nodes()
 
 
-def test_a_plugin_has_the_hook_that_stands_here(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_hook_is_that_of_a_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     node, hook = blocks("python")[:2]
     package = tmp_path / "my_package"
     package.mkdir()
@@ -107,13 +113,13 @@ def test_a_plugin_has_the_hook_that_stands_here(
     entry = EntryPoint("mine", "my_package.hooks", "nodegraph")
     monkeypatch.setattr(loading, "entry_points", lambda *, group: [entry])
     try:
-        assert [one.full_name for one in Registry.installed()] == ["mine:fill.first"]
+        assert [entry.full_name for entry in Registry.installed()] == ["mine:fill.first"]
     finally:
-        for name in [one for one in sys.modules if one.partition(".")[0] == "my_package"]:
+        for name in [name for name in sys.modules if name.partition(".")[0] == "my_package"]:
             del sys.modules[name]
 
 
-def test_continuous_integration_runs_the_command_that_stands_here(tmp_path: Path) -> None:
+def test_continuous_integration_runs_the_command_for_the_tests(tmp_path: Path) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
     command = README.partition("<!-- the tests -->\n```sh\n")[2].partition("\n```")[0]
@@ -123,27 +129,27 @@ def test_continuous_integration_runs_the_command_that_stands_here(tmp_path: Path
         (tools / name).write_text("#!/bin/sh\n")
         (tools / name).chmod(0o755)
     environment = {**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
-    for status, instead in ((0, "true"), (7, "exit 7")):
-        written = README.replace(command, f"echo {status} >ran && {instead}")
-        (tmp_path / "README.md").write_text(written)
-        done = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, env=environment, check=False)
-        assert done.returncode == status
+    for status, end in ((0, "true"), (7, "exit 7")):
+        text = README.replace(command, f"echo {status} >ran && {end}")
+        (tmp_path / "README.md").write_text(text)
+        result = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, env=environment, check=False)
+        assert result.returncode == status
         assert (tmp_path / "ran").read_text() == f"{status}\n"
 
 
-def test_every_command_does_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     readmes.write_small_study(tmp_path / "graphs" / "fill.yaml")
     (tmp_path / "my_fill.py").write_text(blocks("python")[0])
     recording = ng.get_node("synthesize.face")(seconds=3.0).captured
-    written = ng.get_node("write.c3d")(recording, name="mine")
-    (tmp_path / "mine.c3d").write_bytes(written.content["mine.c3d"])
-    shown = list(readmes.commands(README))
-    for words in shown:
+    files = ng.get_node("write.c3d")(recording, name="mine")
+    (tmp_path / "mine.c3d").write_bytes(files.content["mine.c3d"])
+    commands = list(readmes.commands(README))
+    for words in commands:
         if readmes.is_ours(words):
-            readmes.give(words)
+            readmes.run_command(words)
         else:
             assert words[:3] in INSTALLS or words[:2] in INSTALLS, words
-    used = {words[1] for words in shown if readmes.is_ours(words)}
+    used = {words[1] for words in commands if readmes.is_ours(words)}
     assert used >= {"run", "export", "diff", "report", "cite", "lock", "verify", "audit", "archive"}
     assert all((tmp_path / name).stat().st_size > 1000 for name in ("filled.c3d", "figure.pdf"))

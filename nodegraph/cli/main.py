@@ -17,6 +17,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
+from nodegraph.cli.arguments import add_plugin
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.hook_types import Command
 
@@ -80,7 +81,6 @@ def _commands(words: Sequence[str]) -> Mapping[str, Command]:
     commands = {name: _built_in(name) for name in COMMANDS}
     if word.startswith("-"):
         return commands
-    from nodegraph.cli.arguments import add_plugin
     from nodegraph.plugin.registry import Registry
 
     options = ArgumentParser(add_help=False, allow_abbrev=False)
@@ -112,8 +112,14 @@ def _parser(commands: Mapping[str, Command]) -> ArgumentParser:
     )
     choices = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, command in commands.items():
-        text = command.help.replace("%", "%%")
-        choice = choices.add_parser(name, help=text, description=text, allow_abbrev=False)
+        choice = choices.add_parser(
+            name,
+            help=command.help.replace("%", "%%"),
+            description=command.help,
+            allow_abbrev=False,
+        )
+        if name not in COMMANDS:
+            add_plugin(choice)
         command.add_arguments(choice)
     return parser
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -95,10 +94,12 @@ def refuse_unwritable(path: Path) -> None:
     ------
     NodegraphError
     """
+    from tempfile import TemporaryFile
+
     try:
         if path.is_dir():
             raise IsADirectoryError
-        with tempfile.TemporaryFile(dir=next(parent for parent in path.parents if parent.exists())):
+        with TemporaryFile(dir=next(parent for parent in path.parents if parent.exists())):
             pass
     except OSError as error:
         raise _unwritable(path, error) from error

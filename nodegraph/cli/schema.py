@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
@@ -22,6 +21,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def schema(arguments: Namespace) -> int:
     """Print or write a JSON Schema of graph files."""
+    import json
+
     from nodegraph.graphfile.schema import graph_schema
     from nodegraph.plugin.registry import Registry
 

@@ -6,7 +6,6 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_executor, add_pairs, add_plugin, add_store, input_values
@@ -56,6 +55,8 @@ def verify(arguments: Namespace) -> int:
 
 @contextmanager
 def _store_for_run(store: Store, *, rerun: bool) -> Iterator[Store]:
+    from tempfile import TemporaryDirectory
+
     from nodegraph.lock.restore import Afresh
 
     if not rerun:

@@ -221,7 +221,8 @@ class Command:
     help : str
         A sentence for ``nodegraph help``.
     add_arguments : callable
-        ``add_arguments(parser)`` declares the arguments on an `argparse.ArgumentParser`.
+        ``add_arguments(parser)`` declares the arguments on an `argparse.ArgumentParser`, which
+        has ``--plugin`` already.
     call : callable
         ``call(arguments)`` runs the command with an `argparse.Namespace` and returns the exit
         status: 0, or 1 if something failed. The message of a `nodegraph.NodegraphError` is

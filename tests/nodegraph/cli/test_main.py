@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import types
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +14,8 @@ import pytest
 
 from nodegraph.cli import check
 from nodegraph.lock.lockfile import _HEAD
+from nodegraph.plugin import loading
+from nodegraph.plugin.loading import Plugin
 
 HOOK = """\
 from nodegraph import hookimpl
@@ -92,6 +95,87 @@ def test_an_interruption_ends_with_130(command: Command, monkeypatch: pytest.Mon
     monkeypatch.setattr(check, "check", interrupt)
     status, _, err = command("check", "toy.yaml")
     assert (status, err) == (130, "nodegraph: interrupted\n")
+
+
+GREETING = """\
+from nodegraph import Command, NodegraphError, hookimpl
+
+def add_arguments(parser):
+    parser.add_argument("name")
+
+def greet(arguments):
+    if arguments.name == "nobody":
+        raise NodegraphError("nobody is here")
+    if arguments.name == "text":
+        return "one"
+    print("Hello", arguments.name)
+    return 1
+
+@hookimpl
+def nodegraph_commands():
+    command = Command("Greet 100 % of a name.", add_arguments, greet)
+    return {"greet": command, "run": command, "odd": "command"}
+"""
+
+
+@pytest.fixture
+def greeting(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Install a plugin with a command; return its name once for each time it is loaded."""
+    module = types.ModuleType("greeting")
+    exec(GREETING, vars(module))
+    loads: list[str] = []
+
+    def installed() -> tuple[list[Plugin], list[object]]:
+        loads.append("greeting")
+        return [Plugin("greeting", module)], []
+
+    monkeypatch.setattr(loading, "installed", installed)
+    return loads
+
+
+def test_a_plugin_adds_a_command(command: Command, greeting: list[str]) -> None:
+    status, out, err = command("greet", "Anna", nodes=False)
+    assert (status, out) == (1, "Hello Anna\n")
+    assert "command 'run' of a plugin is left out" in err
+    assert "'odd' of nodegraph_commands is left out" in err
+
+
+def test_a_plugin_file_adds_a_command(command: Command) -> None:
+    Path("greeting.py").write_text(GREETING)
+    status, out, _ = command("greet", "Anna", "--plugin", "greeting.py", nodes=False)
+    assert (status, out) == (1, "Hello Anna\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["greet", "nobody"], 2, "nobody is here"),
+        (["greet", "text"], 2, "expected int, got str"),
+        (["greet"], 2, "name"),
+        (["great"], 2, "greet"),
+    ],
+)
+def test_a_wrong_command_of_a_plugin_is_named(
+    command: Command, greeting: list[str], words: list[str], status: int, said: str
+) -> None:
+    found, out, err = command(*words, nodes=False)
+    assert (found, out) == (status, "")
+    assert said in err
+
+
+def test_help_lists_the_commands_of_plugins(command: Command, greeting: list[str]) -> None:
+    status, out, _ = command("help", nodes=False)
+    assert status == 0
+    assert "Greet 100 % of a name." in out
+    assert "Greet 100 % of a name." in command("help", "greet", nodes=False)[1]
+
+
+@pytest.mark.parametrize("words", [["--help"], ["run", "--help"], ["--version"], ["run"]])
+def test_plugins_are_not_imported_for_built_in_words(
+    command: Command, greeting: list[str], words: list[str]
+) -> None:
+    command(*words, nodes=False)
+    assert not greeting
 
 
 def started(*words: str, **more: str) -> subprocess.CompletedProcess[bytes]:
