@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from nodegraph.formatting import name_at
-from nodegraph.gc_pause import no_collection
+from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graphfile.spec import Reference
 from nodegraph.node.ports import Absent, Label
@@ -171,7 +171,7 @@ def _moved_input(fed: StepInput, moved: Mapping[int, int]) -> StepInput:
     return replace(fed, entries=entries)
 
 
-@no_collection()
+@gc_paused()
 def plan(graph: Graph) -> Plan:
     """Return the steps that compute every node of a graph at every combination."""
     planner = _Planner(graph)

@@ -15,13 +15,11 @@ from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
-from nodegraph.gc_pause import collecting_only_what_is_new
 from nodegraph.plan import Plan
 from nodegraph.state import State
 from nodegraph.store import Packer, Store
 
 
-@collecting_only_what_is_new()
 def execute(
     plan: Plan,
     *,

@@ -98,7 +98,7 @@ class Schedule:
         while self._ready:
             index, key = heapq.heappop(self._ready)
             step = self.plan.steps[index]
-            if not self._is_first_of_key(index, key):
+            if key and not self._is_first_of_key(index, key):
                 continue
             lost = [needed for needed in step.needed if not self._load(step, needed)]
             if lost:
@@ -180,8 +180,6 @@ class Schedule:
 
     def _is_first_of_key(self, index: int, key: str) -> bool:
         """Whether no other step of the same key is being computed; else wait for that one."""
-        if not key:
-            return True
         first = self._first_of_key.setdefault(key, index)
         if first == index or first in self.outcomes:
             self._first_of_key[key] = index

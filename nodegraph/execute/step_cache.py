@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from nodegraph.execute.call import Outcome, skipped
 from nodegraph.fingerprint import Code
 from nodegraph.fingerprint.keys import Files, StepDigest, StepDigests, followed, step_key
-from nodegraph.gc_pause import no_collection
+from nodegraph.gc_pause import gc_paused
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
 from nodegraph.store import About, DamagedEntry, Entry, Packer, Store, store_folder
@@ -182,7 +182,7 @@ class StepCache:
         """Return what an audit found of a step's code, if it has several results."""
         return self._finding(self._digests.of(step).code.digest)
 
-    @no_collection()
+    @gc_paused()
     def _look_up(self) -> dict[int, Outcome]:
         stored: dict[int, Outcome] = {}
         known: dict[int, Outcome] = {}

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from nodegraph.errors import GraphError, Problems
-from nodegraph.gc_pause import no_collection
+from nodegraph.gc_pause import gc_paused
 from nodegraph.graph.model import Choices, Graph
 from nodegraph.graphfile.spec import GraphSpec
 from nodegraph.plugin.registry import Registry
 
 
-@no_collection()
+@gc_paused()
 def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -> Graph:
     """Return the typed graph of a spec, in which the graphs that it uses are inlined.
 

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
-from nodegraph.gc_pause import no_collection
+from nodegraph.gc_pause import gc_paused
 from nodegraph.graphfile.axes import read_axis
 from nodegraph.graphfile.keys import FORMAT, IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL, Form
 from nodegraph.graphfile.nodes import NodeReader, read_reference
@@ -39,7 +39,7 @@ def read_graph_file(path: Path) -> GraphSpec:
     return read_graph_text(_text_of(path), str(path), path.parent)
 
 
-@no_collection()
+@gc_paused()
 def read_graph_text(
     text: str, file: str, folder: Path, included: Mapping[str, str] | None = None
 ) -> GraphSpec:
