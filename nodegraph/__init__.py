@@ -40,6 +40,7 @@ from nodegraph.plugin.hooks import hookimpl
 
 if TYPE_CHECKING:
     from nodegraph.api import load, run
+    from nodegraph.kernels import kernel
     from nodegraph.plugin.registry import get_node
 
 __all__ = [
@@ -70,6 +71,7 @@ __all__ = [
     "closest",
     "get_node",
     "hookimpl",
+    "kernel",
     "listed",
     "load",
     "nearest",
@@ -78,7 +80,12 @@ __all__ = [
     "run",
 ]
 
-_LATE = {"load": "nodegraph.api", "run": "nodegraph.api", "get_node": "nodegraph.plugin.registry"}
+_LATE = {
+    "load": "nodegraph.api",
+    "run": "nodegraph.api",
+    "get_node": "nodegraph.plugin.registry",
+    "kernel": "nodegraph.kernels",
+}
 
 
 def __getattr__(name: str) -> Any:

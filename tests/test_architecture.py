@@ -25,7 +25,16 @@ FLOORS = (  # from the top
     {"graphfile", "store"},
     {"plugin"},
     {"node"},
-    {"equality", "errors", "formatting", "gc_pause", "import_time", "state", "validation"},
+    {
+        "equality",
+        "errors",
+        "formatting",
+        "gc_pause",
+        "import_time",
+        "kernels",
+        "state",
+        "validation",
+    },
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}
 PUBLIC = {"nodegraph": nodegraph.__all__, "nodegraph.executors": executors.__all__}
@@ -106,6 +115,13 @@ def test_plugins_import_public_names_only_and_never_each_other() -> None:
             if package.partition("_")[0] == "nodegraph" and not is_public and not is_shared:
                 wrong.append(f"{here} imports {name} from {module}")
     assert not wrong
+
+
+def test_a_module_with_kernels_takes_nothing_from_other_modules_of_its_package() -> None:
+    with_kernels = [path for path in PLUGINS.values() if ("nodegraph", "kernel") in imports(path)]
+    assert "stepwise_kernel.py" in {path.name for path in with_kernels}
+    for path in with_kernels:
+        assert not [module for module, _ in imports(path) if module.startswith("nodegraph_")], path
 
 
 def test_the_machine_has_no_word_of_motion_capture() -> None:

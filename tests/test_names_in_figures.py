@@ -13,7 +13,7 @@ from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing.specimens import cases
 from nodegraph_mocap import Figure
-from nodegraph_tables.figures import draw
+from nodegraph_tables.renderers import saved
 from tests.test_contracts import found, installed, names, needs
 
 SHOWN = {
@@ -63,7 +63,7 @@ def drawn(node: Node, registry: Registry) -> list[Figure]:
 
 def text_of(figure: Figure) -> str:
     """Return what is written in a figure; a name may be broken into lines."""
-    root = ET.fromstring(draw(figure, "svg"))
+    root = ET.fromstring(saved(figure, "svg"))
     found = ["".join(one.itertext()) for one in root.iter("{http://www.w3.org/2000/svg}text")]
     return " ".join(" ".join(found).split())
 
@@ -78,6 +78,6 @@ def test_labels_are_drawn_as_they_stand(name: str) -> None:
     made = drawn(node, installed())
     assert made, "draws none of the specimens"
     said = " ".join(map(text_of, made))
-    assert all(draw(figure, "pdf").startswith(b"%PDF") for figure in made)
+    assert all(saved(figure, "pdf").startswith(b"%PDF") for figure in made)
     if node.name not in WITHOUT_LABELS:
         assert [shown for shown in SHOWN.values() if shown not in said] == []

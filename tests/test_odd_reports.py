@@ -19,7 +19,6 @@ NO_FORMULA = r"$\frac$"
 NODES = '''
 from nodegraph import Refusal, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import TableInfo, with_info
 
 
 @node("odd.score", cite="none")
@@ -44,8 +43,9 @@ def score(recording: Trajectories, *, kind: str = "plain", trial: int = 0, more:
     odd = {"nothing": float("nan"), "endless": float("inf"), "zero": 0.0}
     value = odd.get(kind, 1.5 + trial + more)
     made = pd.DataFrame({"gap": [0, 1], "rmse": [value, 2 * value]})
-    info = TableInfo(title="<script>window.ran = 1</script>", units={"rmse": "mm"})
-    return with_info(made, info)
+    made.attrs["units"] = {"rmse": "mm"}
+    made.attrs["title"] = "<script>window.ran = 1</script>"
+    return made
 '''
 ODD = f"""
 nodegraph: 1

@@ -119,22 +119,34 @@ def test_the_hook_is_that_of_a_plugin(tmp_path: Path, monkeypatch: pytest.Monkey
             del sys.modules[name]
 
 
-def test_continuous_integration_runs_the_command_for_the_tests(tmp_path: Path) -> None:
+def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
-    command = README.partition("<!-- the tests -->\n```sh\n")[2].partition("\n```")[0]
     tools = tmp_path / "tools"
     tools.mkdir()
     for name in ("chromium", "npm", "tar", "apt-get"):
         (tools / name).write_text("#!/bin/sh\n")
-        (tools / name).chmod(0o755)
+    page, ran = README, tmp_path / "ran"
+    for name, mark in (("first", "the first run"), ("tests", "the tests")):
+        command = README.partition(f"<!-- {mark} -->\n```sh\n")[2].partition("\n```")[0]
+        page = page.replace(command, name)
+        (tools / name).write_text(f'#!/bin/sh\necho {name} "$@" >>ran; exit ${name}\n')
+    for tool in tools.iterdir():
+        tool.chmod(0o755)
+    (tmp_path / "README.md").write_text(page)
     environment = {**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
-    for status, end in ((0, "true"), (7, "exit 7")):
-        text = README.replace(command, f"echo {status} >ran && {end}")
-        (tmp_path / "README.md").write_text(text)
-        result = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, env=environment, check=False)
-        assert result.returncode == status
-        assert (tmp_path / "ran").read_text() == f"{status}\n"
+    for first, tests, expected in (
+        (0, 0, ["first", "tests"]),
+        (0, 7, ["first", "tests"]),
+        (7, 0, ["first"]),
+    ):
+        ran.write_text("")
+        statuses = {"first": str(first), "tests": str(tests)}
+        result = subprocess.run(
+            ["bash", ".ci/run"], cwd=tmp_path, env=environment | statuses, check=False
+        )
+        assert result.returncode == max(first, tests)
+        assert [line.split()[0] for line in ran.read_text().splitlines()] == expected
 
 
 def test_the_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import subprocess
 import sys
 import tarfile
@@ -14,8 +13,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-BIN = "Scripts" if os.name == "nt" else "bin"
+from tests.environments import BIN, ROOT, build, one_wheel, run
 
 HOLD = '''
 """Hold the last position over a gap."""
@@ -206,18 +204,6 @@ def write_plugin(folder: Path, name: str, modules: dict[str, str]) -> Path:
     return source
 
 
-def build(source: Path, out: Path, *what: str) -> Path:
-    """Build an sdist and a wheel from it, or what is asked, and return the folder."""
-    command = (sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out))
-    run(*command, *what, str(source))
-    return out
-
-
-def one_wheel(folder: Path, name: str) -> Path:
-    (wheel,) = folder.glob(f"{name}-*.whl")
-    return wheel
-
-
 def names(wheel: Path) -> list[str]:
     with zipfile.ZipFile(wheel) as archive:
         return sorted(archive.namelist())
@@ -230,12 +216,3 @@ def pip(place: Path) -> tuple[str, ...]:
 
 def nodegraph(place: Path, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return run(str(place / "venv" / BIN / "nodegraph"), *words, cwd=cwd)
-
-
-def run(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a command without this process's import path; it must succeed."""
-    hidden = {"PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
-    environment = {name: value for name, value in os.environ.items() if name not in hidden}
-    done = subprocess.run(words, cwd=cwd, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, f"{' '.join(words)}\n{done.stdout}\n{done.stderr}"
-    return done

@@ -263,12 +263,12 @@ class Repeats:
 
     def stored(self, index: int) -> Given | None:
         """Return what the store has of a step."""
-        key = self._run.outcomes[index].key
-        entry = self._cache.store.find(key) if key else None
+        step, key = self._run.plan.steps[index], self._run.outcomes[index].key
+        entry = self._cache.entry(step, key)
         if entry is None or entry.state != State.DONE:
             return None
         try:
-            values = self._cache.store.load(entry)
+            values = self._cache.values(step, entry)
         except DamagedEntry:
             return None
         return replace(Given.of(values, self._run.packer), digests=entry.digests)

@@ -21,7 +21,7 @@ def frame_of(values: Values) -> pd.DataFrame:
     """Return the values of a node, with a leading column for each of its axes.
 
     Tables are concatenated: their rows get the labels of their combination, a column that is
-    named like an axis is replaced by it, and the metadata of the first table is kept. Any other
+    named like an axis is replaced by it, and the `attrs` of the first table are kept. Any other
     values are one column, named after the output or the node. A combination without a value is
     one row in which the value is missing; only if there is such a row, the columns ``state`` and
     ``reason`` say for every row how its step ended.
@@ -36,8 +36,7 @@ def frame_of(values: Values) -> pd.DataFrame:
     if present and all(isinstance(value, pd.DataFrame) for value in present.values()):
         tables = [_rows(present.get(at), values.axes) for at in order]
         body = pd.concat(tables, ignore_index=True)
-        first = next(iter(present.values()))
-        body = type(first)(body).__finalize__(first)
+        body.attrs = dict(next(iter(present.values())).attrs)
         counts = [len(table) for table in tables]
     else:
         body = pd.DataFrame({_column_name(values): _column([present.get(at) for at in order])})

@@ -126,10 +126,25 @@ class StepCache:
         if index not in self._entries:
             return None
         try:
-            return self.store.load(self._entries[index])
+            return self.values(self._plan.steps[index], self._entries[index])
         except DamagedEntry:
             del self._entries[index]
             return None
+
+    def entry(self, step: Step, key: str) -> Entry | None:
+        """Return what is stored of a step under a key, without its values."""
+        outputs = len(step.method.node.outputs)
+        return self.store.find(key, outputs=outputs) if key else None
+
+    def values(self, step: Step, entry: Entry) -> tuple[Any, ...]:
+        """Return the values of an entry of a step.
+
+        Raises
+        ------
+        DamagedEntry
+            If they are not what was written, or of other types than the node's outputs.
+        """
+        return self.store.load(entry, [port.type for port in step.method.node.outputs])
 
     def save(self, step: Step, key: str, outcome: Outcome) -> Outcome:
         """Store an outcome, in any thread, and return it with its key and its digests."""
@@ -200,7 +215,7 @@ class StepCache:
         return stored | known
 
     def _find(self, step: Step, key: str) -> Outcome | None:
-        entry = self.store.find(key) if key else None
+        entry = self.entry(step, key)
         if entry is None:
             return None
         self._entries[step.index] = entry

@@ -201,11 +201,11 @@ class Files:
     def _content(self, path: str) -> str:
         status = os.stat(path)
         mark = [status.st_size, status.st_mtime_ns, status.st_ino]
-        known = self._known.get(path)
-        if isinstance(known, list) and known[:1] == [mark]:
-            return str(known[1])
-        with open(path, "rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        match self._known.get(path):
+            case [known, str(digest)] if known == mark:
+                return digest
+        with open(path, "rb") as opened:
+            digest = hashlib.file_digest(opened, "sha256").hexdigest()
         # a file that was written just now may be written again within one tick of its clock
         if time.time_ns() - status.st_mtime_ns > SETTLED:
             self._known[path] = [mark, digest]

@@ -18,8 +18,12 @@ from nodegraph.fingerprint.source import (
 )
 
 STATEMENTS = "<statements>"
-NOT_FOLLOWED = {("nodegraph.node.decorator", "node"), ("nodegraph.plugin.hooks", "hookimpl")}
-"""Decorators that leave a function as it is; all of the machine hangs on them."""
+NOT_FOLLOWED = {
+    ("nodegraph.node.decorator", "node"),
+    ("nodegraph.plugin.hooks", "hookimpl"),
+    ("nodegraph.kernels", "_keep"),
+}
+"""Functions that leave another as it is; all of the machine hangs on the first two."""
 
 
 class Module:

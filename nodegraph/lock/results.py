@@ -253,7 +253,7 @@ class Results:
 
     def _stored(self, index: int) -> tuple[str, ...]:
         key, cache = self._run.outcomes[index].key, self._run.cache
-        entry = cache.store.find(key) if cache is not None and key else None
+        entry = cache.entry(self._run.plan.steps[index], key) if cache is not None else None
         return entry.digests if entry is not None else ()
 
     def _shown(self, index: int) -> tuple[Any, ...]:

@@ -278,7 +278,7 @@ class _Taken:
         return self._floats(array, at) if array.dtype.kind in "fc" else plain
 
     def _array(self, plain: list[Any], at: str) -> Any:
-        array = array_together(plain[2:], self._buffers[plain[1]])
+        array = array_together(self._buffers[plain[1]], *plain[2:])
         if array.dtype.kind in "fc":
             return self._floats(array, at)
         content = hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()

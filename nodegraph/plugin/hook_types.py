@@ -59,9 +59,6 @@ class Rendered:
     scripts, styles : tuple of str
         JavaScript and CSS that the fragment needs. A page has each text once, however many values
         need it. Scripts run in this order once the page is complete.
-    answer : tuple of str
-        Sentences with which the value answers the question of the study. The report begins with
-        them.
 
     Raises
     ------
@@ -76,7 +73,6 @@ class Rendered:
     files: Mapping[str, bytes] = field(default_factory=dict)
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
-    answer: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_fields(self)
@@ -88,8 +84,6 @@ class Rendered:
                 raise TypeError(f"Rendered.{tag}s: expected a tuple of str")
             if any(f"</{tag}" in text.lower() for text in texts):
                 raise ValueError(f"Rendered.{tag}s: a {tag} in a page must not contain </{tag}")
-        if not all(isinstance(sentence, str) for sentence in self.answer):
-            raise TypeError("Rendered.answer: expected a tuple of str")
 
 
 @dataclass(frozen=True)
@@ -128,7 +122,8 @@ class Storage:
     take_apart : callable
         Returns the value as a composition of such plain values.
     put_together : callable
-        Returns the value again.
+        Returns the value again. What is stored may be damaged: whatever is raised for parts that
+        `take_apart` does not return has the value computed again.
     faithful : bool
         Whether `put_together` returns an equal value. If not, it returns a stand-in that can only
         be shown, and a step that needs the value computes it again.

@@ -15,9 +15,10 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from importlib import import_module
-from math import prod
+from inspect import signature
+from math import inf, prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -58,6 +59,263 @@ class Unreadable(NodegraphError):
     """What was kept cannot be put together again."""
 
 
+if TYPE_CHECKING:
+    Buffer = bytes | bytearray | memoryview | NDArray[np.uint8]
+
+_KINDS = frozenset("biufcmMSU")
+_OF_ONE_MACHINE = frozenset("gG")
+"""Long doubles: the same name means other numbers on another processor."""
+_MOST_AXES = 64
+_EMPTY = 2**28
+"""Bytes of an array whose axes of no length had one: what is computed of it may take them."""
+_LAST_CHARACTER = 0x10FFFF
+
+
+def array_apart(array: NDArray[Any]) -> tuple[list[Any], memoryview]:
+    """Return an array's type, shape and layout, and its bytes: no copy unless it has gaps.
+
+    The layout is the order of axes from the slowest to the fastest in memory, or nothing where
+    that is their own order; strides follow only where they do not result from it.
+    """
+    kind = type_name(array.dtype)
+    shape = list(array.shape)
+    if not array.nbytes and _is_too_long(shape, array.itemsize):
+        raise Unstorable(f"array of shape {array.shape}", "it has no numbers, and is too long")
+    if array.flags.c_contiguous:
+        return [kind, shape], _bytes_of(array)
+    order = sorted(range(array.ndim), key=lambda axis: -abs(array.strides[axis]))
+    moved = array.transpose(order)
+    if moved.flags.c_contiguous:
+        return [kind, shape, order], _bytes_of(moved)
+    return [kind, shape, order, list(array.strides)], _bytes_of(moved.copy(order="C"))
+
+
+def array_together(
+    buffer: Buffer,
+    name: str,
+    shape: list[int],
+    order: list[int] | None = None,
+    strides: list[int] | None = None,
+    *,
+    room: float = inf,
+) -> NDArray[Any]:
+    """Return the array again, read-only, upon the given bytes themselves.
+
+    Parameters
+    ----------
+    buffer
+        Its bytes.
+    name, shape, order, strides
+        What `array_apart` returned; everything is checked before any memory is taken.
+    room
+        Bytes that an array with gaps may take.
+
+    Raises
+    ------
+    Unreadable
+        If that describes no array of these bytes.
+    """
+    import numpy as np
+
+    kind, size = _type_named(name), len(buffer)
+    _check_shape(shape, kind.itemsize, size)
+    axes = range(len(shape))
+    if order is not None and sorted(order) != list(axes):
+        raise Unreadable(f"{order} is no order of {len(axes)} axes")
+    memory = np.frombuffer(buffer, np.uint8) if size else np.empty(0, np.uint8)
+    lengths = shape if order is None else [shape[axis] for axis in order]
+    slow_to_fast: NDArray[Any] = np.ndarray(lengths, kind, memory)
+    if not slow_to_fast.flags.aligned:
+        slow_to_fast = slow_to_fast.copy()
+    if kind.kind == "U" and size:
+        _check_characters(slow_to_fast)
+    slow_to_fast.flags.writeable = False
+    if order is None:
+        return slow_to_fast
+    if strides is not None:
+        return _with_gaps(slow_to_fast, order, shape, strides, room)
+    return slow_to_fast.transpose([order.index(axis) for axis in axes])
+
+
+def span(shape: Iterable[int], strides: Iterable[int], itemsize: int) -> int:
+    """Return how many bytes lie between the ends of an array, its gaps included."""
+    steps = zip(shape, strides, strict=True)
+    return sum((length - 1) * abs(stride) for length, stride in steps) + itemsize
+
+
+def room_for_gaps(size: int) -> int:
+    """Return how many bytes all arrays with gaps in a value may take, of as many bytes of arrays.
+
+    A view of a large array may be a few numbers far apart. What is kept of it is small, and must
+    not take any amount of memory when it is read.
+    """
+    return 2**28 + 16 * size
+
+
+def type_name(kind: np.dtype[Any]) -> str:
+    """Return a text from which numpy makes the very same type.
+
+    Raises
+    ------
+    Unstorable
+        If there is none: objects, records, types of other libraries, long doubles.
+    """
+    import numpy as np
+
+    shown = f"array of {kind.name}"
+    if kind.kind not in _KINDS:
+        raise Unstorable(shown, "only numbers, texts and times are kept as arrays")
+    if kind.char in _OF_ONE_MACHINE:
+        raise Unstorable(shown, "its bytes mean other numbers on another processor")
+    for name in (kind.str, f"{kind.str[0]}{kind.char}"):
+        again = np.dtype(name)
+        if again == kind and again.char == kind.char:
+            return name
+    raise Unstorable(shown)
+
+
+def number_apart(number: np.generic) -> list[str]:
+    """Return the type and the bytes of a number of numpy's, such as ``numpy.float32(1)``."""
+    return [type_name(number.dtype), number.tobytes().hex()]
+
+
+def number_together(name: str, content: str) -> Any:
+    """Return the number again.
+
+    Raises
+    ------
+    Unreadable
+        If that describes no number.
+    """
+    import numpy as np
+
+    kind, memory = _type_named(name), bytes.fromhex(content)
+    if len(memory) != kind.itemsize:
+        raise Unreadable(f"a number of {kind.itemsize} bytes has {len(memory)}")
+    return np.frombuffer(memory, kind)[0]
+
+
+def _bytes_of(array: NDArray[Any]) -> memoryview:
+    import numpy as np
+
+    if not array.nbytes:
+        return memoryview(b"")
+    # through uint8, because times have no buffer of their own
+    return array.reshape(-1).view(np.uint8).data
+
+
+@lru_cache(maxsize=256)
+def _type_named(name: str) -> np.dtype[Any]:
+    """Return the type that `type_name` gives that name."""
+    import numpy as np
+
+    kind = np.dtype(name)
+    if kind.kind not in _KINDS or type_name(kind) != name:
+        raise Unreadable(f"{name!r} is no type of an array that is kept")
+    return kind
+
+
+def _check_shape(shape: list[int], itemsize: int, size: int) -> None:
+    if len(shape) > _MOST_AXES:
+        raise Unreadable(f"an array has {len(shape)} axes")
+    for length in shape:
+        if type(length) is not int or length < 0:
+            raise Unreadable(f"an array has the shape {shape}")
+    needed = prod(shape) * itemsize
+    if needed != size:
+        raise Unreadable(f"an array of {needed} bytes has {size}")
+    if not size and _is_too_long(shape, itemsize):
+        raise Unreadable(f"an array without numbers has the shape {shape}")
+
+
+def _is_too_long(shape: Iterable[int], itemsize: int) -> bool:
+    return prod(length or 1 for length in shape) * max(itemsize, 1) > _EMPTY
+
+
+def _check_characters(texts: NDArray[Any]) -> None:
+    """Refuse texts of what are no characters: numpy fails wherever one of them is looked at."""
+    codes = texts.reshape(-1).view(texts.dtype.str[0] + "u4")
+    if codes.max() > _LAST_CHARACTER:
+        raise Unreadable("an array of texts has what is no character")
+
+
+def _with_gaps(
+    packed: NDArray[Any], order: list[int], shape: list[int], strides: list[int], room: float
+) -> NDArray[Any]:
+    """Return the array in memory of its own, spaced as it was."""
+    import numpy as np
+
+    if not packed.size or not all(type(stride) is int for stride in strides):
+        raise Unreadable("an array has gaps that no array has")
+    size = span(shape, strides, packed.itemsize)
+    if size > room:
+        raise Unreadable(f"an array of {packed.nbytes} bytes is spread over {size}")
+    memory = np.zeros(size, np.uint8)
+    back = zip(shape, strides, strict=True)
+    start = sum((length - 1) * -stride for length, stride in back if stride < 0)
+    spaced: NDArray[Any] = np.ndarray(shape, packed.dtype, memory, start, strides)
+    spaced.transpose(order)[...] = packed
+    memory.flags.writeable = spaced.flags.writeable = False
+    return spaced
+
+
+def is_numpys(kind: type) -> bool:
+    """Return whether values of the type are arrays of numpy, or numbers taken from them."""
+    if not kind.__module__.startswith("numpy"):
+        return False
+    import numpy as np
+
+    return kind is np.ndarray or (issubclass(kind, np.generic) and kind.__module__ == "numpy")
+
+
+def numpys_way(kind: type) -> Callable[[Any, Apart], Any]:
+    """Return what takes values of such a type apart."""
+    import numpy as np
+
+    def array(value: Any, apart: Apart) -> Any:
+        parts, buffer = array_apart(value)
+        if len(parts) > 3:
+            apart.gaps += span(value.shape, value.strides, value.itemsize)
+        return ["array", apart.keep(buffer), *parts]
+
+    if kind is np.ndarray:
+        return array
+    if kind is np.str_:
+        # str() of it would drop zeros at its end
+        return lambda value, apart: ["numpy.str", apart.plain("".join(value))]
+    if kind is np.bytes_:
+        return lambda value, apart: ["numpy.bytes", bytes(value).hex()]
+    return lambda value, apart: ["number", *number_apart(value)]
+
+
+def _array_again(together: Together, number: int, *parts: Any) -> Any:
+    return together.array(together.buffer(number), parts)
+
+
+def _number_again(together: Together, name: str, content: str) -> Any:
+    return number_together(name, content)
+
+
+def _numpys_str(together: Together, plain: Any) -> Any:
+    import numpy as np
+
+    return np.str_(together.text(plain))
+
+
+def _numpys_bytes(together: Together, content: str) -> Any:
+    import numpy as np
+
+    return np.bytes_(bytes.fromhex(content))
+
+
+NUMPYS: dict[str, Callable[..., Any]] = {
+    "array": _array_again,
+    "number": _number_again,
+    "numpy.str": _numpys_str,
+    "numpy.bytes": _numpys_bytes,
+}
+
+
 _UNSET = object()
 
 
@@ -67,12 +325,15 @@ def class_name(kind: type) -> str:
     Raises
     ------
     Unstorable
-        If it is no dataclass, holds more than its fields, or is not found by its name.
+        If it is no dataclass, holds more than its fields, cannot check them alone, or is not found
+        by its name.
     """
     if not is_dataclass(kind):
         raise Unstorable(kind.__name__, "a Value is kept if it is a dataclass")
     if kind.__new__ is not object.__new__:  # a mapping, an array, an exception besides
         raise Unstorable(kind.__name__, "it is more than its fields")
+    if len(signature(getattr(kind, "__post_init__", _no_check)).parameters) > 1:
+        raise Unstorable(kind.__name__, "its __post_init__ needs more than its fields")
     if _found(sys.modules.get(kind.__module__), kind.__qualname__) is not kind:
         raise Unstorable(kind.__name__, f"{kind.__module__} has no class {kind.__qualname__}")
     return f"{kind.__module__}:{kind.__qualname__}"
@@ -118,24 +379,50 @@ def contents(value: Any, names: tuple[str, ...]) -> list[Any]:
 
 
 def with_contents(kind: type[Value], given: Mapping[str, Any]) -> Value:
-    """Return a value with these fields as they are: nothing is checked or computed anew.
+    """Return a value with these fields as they are: none is computed anew.
+
+    They are checked by the class's own `__post_init__`, which is called with another value of the
+    same fields.
 
     Raises
     ------
     Unreadable
-        If the class has other fields now.
+        If the class has other fields now, or makes fields of other types of these.
     """
-    if set(field_names(kind)) != set(given):
+    if field_names(kind) != tuple(given):
         raise Unreadable(f"{kind.__name__} has other fields than when it was kept")
-    made = object.__new__(kind)
-    for name, value in given.items():
-        object.__setattr__(made, name, value)
-    return made
+    check: Callable[[Value], None] = getattr(kind, "__post_init__", _no_check)
+    if check is not _no_check:
+        trial = _with_fields(kind, given)
+        check(trial)
+        for name, value in given.items():
+            _check_type(f"{kind.__name__}.{name}", value, getattr(trial, name))
+    return _with_fields(kind, given)
 
 
 def field_names(kind: type) -> tuple[str, ...]:
     """Return the names of a dataclass' fields."""
     return tuple(field.name for field in fields(kind))
+
+
+def _no_check(value: Value) -> None:
+    pass
+
+
+def _with_fields(kind: type[Value], given: Mapping[str, Any]) -> Value:
+    value = object.__new__(kind)
+    for name, field in given.items():
+        object.__setattr__(value, name, field)
+    return value
+
+
+def _check_type(where: str, value: Any, due: Any) -> None:
+    """Refuse a field of another type than its class makes of it."""
+    kind = type(value)
+    if kind is not type(due):
+        raise Unreadable(f"{where} is {kind.__name__}, not {type(due).__name__}")
+    if is_numpys(kind) and value.dtype != due.dtype:
+        raise Unreadable(f"{where} is of {value.dtype}, not of {due.dtype}")
 
 
 def _attribute(value: Any, name: str) -> Any:
@@ -150,183 +437,37 @@ def _found(module: Any, qualified: str) -> Any:
     return found
 
 
-if TYPE_CHECKING:
-    Buffer = bytes | bytearray | memoryview | NDArray[np.uint8]
-
-_KINDS = frozenset("biufcmMSU")
-_OF_ONE_MACHINE = frozenset("gG")
-"""Long doubles: the same name means other numbers on another processor."""
-
-
-def array_apart(array: NDArray[Any]) -> tuple[list[Any], memoryview]:
-    """Return an array's type, shape and layout, and its bytes: no copy unless it has gaps.
-
-    The layout is the order of axes from the slowest to the fastest in memory, or nothing where
-    that is their own order; strides follow only where they do not result from it.
-    """
-    kind = type_name(array.dtype)
-    shape = list(array.shape)
-    if array.flags.c_contiguous:
-        return [kind, shape], _bytes_of(array)
-    order = sorted(range(array.ndim), key=lambda axis: -abs(array.strides[axis]))
-    moved = array.transpose(order)
-    if moved.flags.c_contiguous:
-        return [kind, shape, order], _bytes_of(moved)
-    return [kind, shape, order, list(array.strides)], _bytes_of(moved.copy(order="C"))
-
-
-def array_together(parts: list[Any], buffer: Buffer) -> NDArray[Any]:
-    """Return the array again, read-only, upon the given bytes themselves."""
-    import numpy as np
-
-    kind, shape = np.dtype(parts[0]), tuple(parts[1])
-    order = list(parts[2] if len(parts) > 2 else range(len(shape)))
-    memory = _memory(buffer, prod(shape) * kind.itemsize)
-    slow_to_fast = np.ndarray(tuple(shape[axis] for axis in order), kind, memory)
-    if not slow_to_fast.flags.aligned:
-        slow_to_fast = slow_to_fast.copy()
-    slow_to_fast.flags.writeable = False
-    if len(parts) > 3:
-        return _with_gaps(slow_to_fast, order, shape, tuple(parts[3]))
-    return slow_to_fast.transpose([order.index(axis) for axis in range(len(shape))])
-
-
-def type_name(kind: np.dtype[Any]) -> str:
-    """Return a text from which numpy makes the very same type.
-
-    Raises
-    ------
-    Unstorable
-        If there is none: objects, records, types of other libraries, long doubles.
-    """
-    import numpy as np
-
-    shown = f"array of {kind.name}"
-    if kind.kind not in _KINDS:
-        raise Unstorable(shown, "only numbers, texts and times are kept as arrays")
-    if kind.char in _OF_ONE_MACHINE:
-        raise Unstorable(shown, "its bytes mean other numbers on another processor")
-    for name in (kind.str, f"{kind.str[0]}{kind.char}"):
-        again = np.dtype(name)
-        if again == kind and again.char == kind.char:
-            return name
-    raise Unstorable(shown)
-
-
-def number_apart(number: np.generic) -> list[str]:
-    """Return the type and the bytes of a number of numpy's, such as ``numpy.float32(1)``."""
-    return [type_name(number.dtype), number.tobytes().hex()]
-
-
-def number_together(parts: list[str]) -> Any:
-    """Return the number again."""
-    import numpy as np
-
-    return np.frombuffer(bytes.fromhex(parts[1]), parts[0])[0]
-
-
-def _bytes_of(array: NDArray[Any]) -> memoryview:
-    import numpy as np
-
-    if not array.nbytes:
-        return memoryview(b"")
-    # through uint8, because times have no buffer of their own
-    return array.reshape(-1).view(np.uint8).data
-
-
-def _memory(buffer: Buffer, size: int) -> NDArray[np.uint8]:
-    import numpy as np
-
-    if len(buffer) != size:
-        raise Unreadable(f"an array of {size} bytes has {len(buffer)}")
-    return np.frombuffer(buffer, np.uint8) if size else np.empty(0, np.uint8)
-
-
-def _with_gaps(
-    packed: NDArray[Any], order: list[int], shape: tuple[int, ...], strides: tuple[int, ...]
-) -> NDArray[Any]:
-    """Return the array in memory of its own, spaced as it was."""
-    import numpy as np
-
-    reach = [(length - 1) * stride for length, stride in zip(shape, strides, strict=True)]
-    memory = np.zeros(sum(map(abs, reach)) + packed.itemsize, np.uint8)
-    start = -sum(one for one in reach if one < 0)
-    spaced: NDArray[Any] = np.ndarray(shape, packed.dtype, memory, start, strides)
-    spaced.transpose(order)[...] = packed
-    memory.flags.writeable = spaced.flags.writeable = False
-    return spaced
-
-
-def is_numpys(kind: type) -> bool:
-    """Return whether values of the type are arrays of numpy, or numbers taken from them."""
-    if not kind.__module__.startswith("numpy"):
-        return False
-    import numpy as np
-
-    return kind is np.ndarray or (issubclass(kind, np.generic) and kind.__module__ == "numpy")
-
-
-def numpys_way(kind: type) -> Callable[[Any, Apart], Any]:
-    """Return what takes values of such a type apart."""
-    import numpy as np
-
-    def array(value: Any, apart: Apart) -> Any:
-        parts, buffer = array_apart(value)
-        return ["array", apart.keep(buffer), *parts]
-
-    if kind is np.ndarray:
-        return array
-    if kind is np.str_:
-        # str() of it would drop zeros at its end
-        return lambda value, apart: ["numpy.str", apart.plain("".join(value))]
-    if kind is np.bytes_:
-        return lambda value, apart: ["numpy.bytes", bytes(value).hex()]
-    return lambda value, apart: ["number", *number_apart(value)]
-
-
-def _array_again(plain: list[Any], together: Together) -> Any:
-    return array_together(plain[2:], together.buffers[plain[1]])
-
-
-def _number_again(plain: list[Any], together: Together) -> Any:
-    return number_together(plain[1:])
-
-
-def _numpys_str(plain: list[Any], together: Together) -> Any:
-    import numpy as np
-
-    return np.str_(together.value(plain[1]))
-
-
-def _numpys_bytes(plain: list[Any], together: Together) -> Any:
-    import numpy as np
-
-    return np.bytes_(bytes.fromhex(plain[1]))
-
-
-NUMPYS: dict[str, Callable[[list[Any], Together], Any]] = {
-    "array": _array_again,
-    "number": _number_again,
-    "numpy.str": _numpys_str,
-    "numpy.bytes": _numpys_bytes,
-}
-
-
 _PATH = type(Path())
 _LARGEST = 2**63
 """From here on, decimal digits of whole numbers take long, and Python refuses very many."""
+_DEEPEST = 100
+"""Levels of lists in lists: what is kept must be read again wherever in the program that is."""
 
 Way = Callable[[Any, "Apart"], Any]
+Restorer = Callable[..., Any]
+"""Called with a `Together` and what follows the first word of a list."""
 
 
 class Apart:
-    """One value being taken apart: its buffers so far, and whether all of it comes back."""
+    """One value being taken apart.
 
-    __slots__ = ("_ways", "buffers", "faithful")
+    Attributes
+    ----------
+    buffers : list of memoryview
+        So far.
+    gaps : int
+        Bytes of memory in which its arrays that have gaps lie.
+    faithful : bool
+        Whether all of it comes back.
+    """
+
+    __slots__ = ("_depth", "_ways", "buffers", "faithful", "gaps")
 
     def __init__(self, ways: Mapping[type, Way]) -> None:
         self._ways = ways
+        self._depth = 0
         self.buffers: list[memoryview] = []
+        self.gaps = 0
         self.faithful = True
 
     def plain(self, value: Any) -> Any:
@@ -335,11 +476,16 @@ class Apart:
 
     def all(self, values: Iterable[Any], outer: str) -> list[Any]:
         """Return what something is made of, and say where something lies that cannot be kept."""
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise RecursionError
         try:
-            return [self._ways[type(value)](value, self) for value in values]
+            plain = [self._ways[type(value)](value, self) for value in values]
         except Unstorable as error:
             error.inside += (outer,)
             raise
+        self._depth -= 1
+        return plain
 
     def keep(self, buffer: memoryview) -> int:
         """Keep bytes beside the text and return their number."""
@@ -348,23 +494,86 @@ class Apart:
 
 
 class Together:
-    """One value being put together from its text and buffers."""
+    """One value being put together from its text and buffers, neither of which is trusted.
 
-    __slots__ = ("_ways", "buffers")
+    Parameters
+    ----------
+    ways
+    buffers
+        Each belongs to one place in the text, in the same order.
+    stand_ins
+        Whether what stands in for a value may be in it.
+    """
 
     def __init__(
-        self, ways: Mapping[str, Callable[[list[Any], Together], Any]], buffers: Sequence[Buffer]
+        self, ways: Mapping[str, Restorer], buffers: Sequence[Buffer], *, stand_ins: bool
     ) -> None:
         self._ways = ways
-        self.buffers = buffers
+        self._buffers = buffers
+        self._next = 0
+        self._depth = 0
+        self._known: dict[Any, Any] = {}
+        self.stand_ins = stand_ins
+
+    def whole(self, plain: Any) -> Any:
+        """Return the value that `Apart.plain` made this and all buffers of."""
+        value = self.value(plain)
+        if self._next != len(self._buffers):
+            raise Unreadable(f"{len(self._buffers)} buffers, of which {self._next} have a place")
+        return value
 
     def value(self, plain: Any) -> Any:
         """Return the value that `Apart.plain` made this of."""
-        return self._ways[plain[0]](plain, self) if isinstance(plain, list) else plain
+        return self._ways[plain[0]](self, *plain[1:]) if isinstance(plain, list) else plain
 
     def all(self, plain: Iterable[Any]) -> list[Any]:
         """Return several values."""
-        return [self.value(one) for one in plain]
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise Unreadable("it is nested too deeply")
+        values = [self.value(part) for part in plain]
+        self._depth -= 1
+        return values
+
+    def text(self, plain: Any) -> str:
+        """Return a value that is a text."""
+        text = self.value(plain)
+        if not isinstance(text, str):
+            raise Unreadable(f"a text is a {type(text).__name__}")
+        return text
+
+    def buffer(self, number: int) -> Buffer:
+        """Return the next buffer, which has that number."""
+        if number != self._next:
+            raise Unreadable(f"buffer {number} stands where buffer {self._next} is due")
+        self._next += 1
+        return self._buffers[number]
+
+    def content(self, buffer: Buffer) -> bytes:
+        """Return a copy of a buffer, the same one wherever that buffer has a further place."""
+        if id(buffer) not in self._known:
+            self._known[id(buffer)] = bytes(buffer)
+        content: bytes = self._known[id(buffer)]
+        return content
+
+    def array(self, buffer: Buffer, parts: Sequence[Any]) -> NDArray[Any]:
+        """Return an array; with gaps, the same one wherever that buffer has a further place."""
+        if len(parts) < 4:
+            return array_together(buffer, *parts)
+        name, shape, order, strides = parts
+        at = id(buffer), name, *map(tuple, (shape, order, strides))
+        if at not in self._known:
+            array = array_together(buffer, *parts, room=self._room)
+            self._room -= span(shape, strides, array.itemsize)
+            self._known[at] = array
+        known: NDArray[Any] = self._known[at]
+        return known
+
+    @cached_property
+    def _room(self) -> int:
+        """How many bytes arrays with gaps may still take."""
+        sizes = {id(buffer): len(buffer) for buffer in self._buffers}
+        return room_for_gaps(sum(sizes.values()))
 
 
 def way_of(kind: type, storage: Storage | None) -> Way:
@@ -395,7 +604,7 @@ def storage_name(storage: Storage) -> str:
 
 def restorers(
     storages: Iterable[Storage], packages: Callable[[str], bool]
-) -> Mapping[str, Callable[[list[Any], Together], Any]]:
+) -> Mapping[str, Restorer]:
     """Return what puts each kind of list together, by its first word."""
     by_name = {storage_name(one): one for one in reversed(tuple(storages))}
     return {
@@ -479,21 +688,49 @@ def _stored(storage: Storage, name: str, value: Any, apart: Apart) -> Any:
     return ["stored", name, *apart.all((parts,), type(value).__name__)]
 
 
-def _dict_again(plain: list[Any], together: Together) -> Any:
-    parts = together.all(plain[1:])
-    return dict(zip(parts[::2], parts[1::2], strict=True))
+def _dict_again(together: Together, *plain: Any) -> dict[Any, Any]:
+    parts = together.all(plain)
+    again = dict(zip(parts[::2], parts[1::2], strict=True))
+    if 2 * len(again) < len(parts):
+        raise Unreadable("a dict has a key twice")
+    return again
 
 
-def _restored(by_name: Mapping[str, Storage], plain: list[Any], together: Together) -> Any:
-    storage = by_name.get(plain[1])
+def _across_again(together: Together, *plain: Any) -> Across[Any]:
+    axes, entries, absent, known = together.all(plain)
+    whole = (
+        all(isinstance(axis, str) for axis in axes)
+        and all(isinstance(labels, dict) for labels, _ in entries)
+        and all(isinstance(lacking, Absent) for lacking in absent)
+        and isinstance(known, dict)
+    )
+    if not whole:
+        raise Unreadable("what was gathered is not what is gathered")
+    return Across(axes, entries, absent, known)
+
+
+def _absent_again(together: Together, *plain: Any) -> Absent:
+    labels, kind, reason = together.all(plain)
+    if not (isinstance(labels, dict) and isinstance(kind, str) and isinstance(reason, str)):
+        raise Unreadable("what is absent has no labels or no reason")
+    return Absent(labels, kind, reason)
+
+
+def _restored(by_name: Mapping[str, Storage], together: Together, name: str, plain: Any) -> Any:
+    storage = by_name.get(name)
     if storage is None:
-        raise Unreadable(f"no plugin says how to put a {plain[1]} together")
-    return storage.put_together(together.value(plain[2]))
+        raise Unreadable(f"no plugin says how to put a {name} together")
+    if not (storage.faithful or together.stand_ins):
+        raise Unreadable(f"something stands in for a {storage.type.__name__}")
+    (parts,) = together.all((plain,))
+    return storage.put_together(parts)
 
 
-def _restored_value(packages: Callable[[str], bool], plain: list[Any], together: Together) -> Any:
-    given = dict(zip(plain[2], together.all(plain[3:]), strict=True))
-    return with_contents(class_named(plain[1], packages), given)
+def _restored_value(
+    packages: Callable[[str], bool], together: Together, name: str, names: list[str], *plain: Any
+) -> Value:
+    given = dict(zip(names, together.all(plain), strict=True))
+    return with_contents(class_named(name, packages), given)
 
 
 BASIC: dict[type, Way] = {
@@ -509,17 +746,17 @@ BASIC: dict[type, Way] = {
     dict: _dict,
 }
 
-_RESTORED: dict[str, Callable[[list[Any], Together], Any]] = {
-    "int": lambda plain, together: int(plain[1], 16),
-    "float": lambda plain, together: struct.unpack("<d", bytes.fromhex(plain[1]))[0],
-    "str": lambda plain, together: bytes.fromhex(plain[1]).decode("utf-8", "surrogatepass"),
-    "bytes": lambda plain, together: bytes(together.buffers[plain[1]]),
-    "path": lambda plain, together: Path(together.value(plain[1])),
-    "tuple": lambda plain, together: tuple(together.all(plain[1:])),
-    "list": lambda plain, together: together.all(plain[1:]),
+_RESTORED: dict[str, Restorer] = {
+    "int": lambda together, digits: int(digits, 16),
+    "float": lambda together, content: struct.unpack("<d", bytes.fromhex(content))[0],
+    "str": lambda together, content: bytes.fromhex(content).decode("utf-8", "surrogatepass"),
+    "bytes": lambda together, number: together.content(together.buffer(number)),
+    "path": lambda together, plain: Path(together.text(plain)),
+    "tuple": lambda together, *plain: tuple(together.all(plain)),
+    "list": lambda together, *plain: together.all(plain),
     "dict": _dict_again,
-    "across": lambda plain, together: Across(*together.all(plain[1:])),
-    "absent": lambda plain, together: Absent(*together.all(plain[1:])),
+    "across": _across_again,
+    "absent": _absent_again,
 }
 
 
@@ -528,6 +765,13 @@ __all__ = ["Packed", "Packer", "Unreadable", "Unstorable"]
 T = TypeVar("T")
 
 _encode = json.JSONEncoder(check_circular=False, allow_nan=False, separators=(",", ":")).encode
+
+
+def _refuse(part: Any) -> Any:
+    raise Unreadable(f"{str(part)[:20]} is no part of a value")
+
+
+_decode = json.JSONDecoder(object_pairs_hook=_refuse, parse_constant=_refuse).decode
 
 
 @dataclass(frozen=True)
@@ -556,8 +800,12 @@ class Packed:
     @cached_property
     def digest(self) -> str:
         """The SHA-256 over the text, which has types, shapes and layouts, and all buffers."""
-        said = "\n".join((self.head, *self.sums))
-        return hashlib.sha256(said.encode("ascii")).hexdigest()
+        return digest_of(self.head, self.sums)
+
+
+def digest_of(head: str, sums: Iterable[str]) -> str:
+    """Return the digest of a value from its text and the SHA-256 of each buffer."""
+    return hashlib.sha256("\n".join((head, *sums)).encode("ascii")).hexdigest()
 
 
 class Packer:
@@ -597,21 +845,35 @@ class Packer:
             head = _encode(apart.plain(value))
         except RecursionError:
             raise Unstorable(type(value).__name__, "it is nested too deeply") from None
+        if apart.gaps > room_for_gaps(sum(map(len, apart.buffers))):
+            why = "its arrays are views with large gaps: copy them"
+            raise Unstorable(type(value).__name__, why)
         return Packed(head, tuple(apart.buffers), apart.faithful)
 
-    def unpack(self, head: str, buffers: Sequence[Buffer] = ()) -> Any:
+    def unpack(self, head: str, buffers: Sequence[Buffer] = (), *, stand_ins: bool = True) -> Any:
         """Put a value together; its arrays lie in the given buffers, and nobody can write there.
+
+        Whatever the text and the buffers are, this takes no more memory than they do, times a
+        small number.
+
+        Parameters
+        ----------
+        head, buffers
+            As `pack` returned them.
+        stand_ins
+            Whether what stands in for a value may be in it.
 
         Raises
         ------
         Unreadable
             If that is not possible.
         """
+        together = Together(self._restorers, buffers, stand_ins=stand_ins)
         try:
-            return Together(self._restorers, buffers).value(json.loads(head))
+            return together.whole(_decode(head))
         except (Unreadable, MemoryError):
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise Unreadable(f"{type(error).__name__}: {error}") from error
 
     def digest(self, value: Any) -> str:

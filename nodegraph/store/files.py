@@ -75,12 +75,12 @@ def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
     """
     import numpy as np
 
-    memory = np.empty(size, np.uint8)
-    pieces = memory.data
     summed = hashlib.sha256()
     with open(path, "rb", buffering=0) as opened:
         if os.fstat(opened.fileno()).st_size != size:
             return None
+        memory = np.empty(size, np.uint8)
+        pieces = memory.data
         filled = 0
         while got := opened.readinto(pieces[filled : filled + _PIECE]):
             # what has just been read is still close to the processor
@@ -88,6 +88,12 @@ def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
             filled += got
     memory.flags.writeable = False
     return memory if filled == size and summed.hexdigest() == wanted else None
+
+
+def is_whole(path: str, name: str) -> bool:
+    """Return whether the SHA-256 of a file's content is its name."""
+    with open(path, "rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest() == name
 
 
 def seal(text: str) -> bytes:
@@ -151,7 +157,8 @@ class Blobs:
         Raises
         ------
         Unreadable
-            If they are not there, or not what they were; they are removed then.
+            If they are not there, or not what they were, for which they are removed; or if there
+            are more or fewer.
         """
         path = self.path(name)
         try:
@@ -160,7 +167,9 @@ class Blobs:
             raise Unreadable(f"{path}: {error.strerror}") from error
         if found is None:
             with suppress(OSError):
-                os.unlink(path)
+                # what is whole, and of another size than an entry says, is of use to others
+                if not is_whole(path, name):
+                    os.unlink(path)
             raise Unreadable(f"{path} is not what was written")
         return found
 

@@ -6,22 +6,24 @@ at once: every file is written under another name first, so that nobody ever see
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import json
 import os
 import threading
 import time
+from binascii import a2b_base64, b2a_base64
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from nodegraph.errors import NodegraphError
 from nodegraph.store import files
-from nodegraph.store.codec import Packed, Packer, Unreadable, Unstorable
+from nodegraph.store.codec import Packed, Packer, Unreadable, Unstorable, digest_of
 from nodegraph.store.files import Blobs
 
 if TYPE_CHECKING:
@@ -32,6 +34,10 @@ _INLINE = 2048
 """Bytes up to which an array lies in the entry itself."""
 
 _encode = json.JSONEncoder(check_circular=False, separators=(",", ":")).encode
+
+_Sum = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+_Number = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Part = str | tuple[_Sum, Annotated[int, Field(ge=0)]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +67,8 @@ class About:
     seconds: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A stored result, without its values.
+class Entry(BaseModel):
+    """A stored result, without its values: what its file holds.
 
     Attributes
     ----------
@@ -78,29 +83,43 @@ class Entry:
         One per output, of its content.
     faithful : tuple of bool
         One per output: whether it is the value itself, and no stand-in to be shown.
-    size : int
-        In bytes, with all arrays.
     outputs : list
         Of each output its text and where its buffers lie: a text for bytes in base 64, a pair of
         SHA-256 and size for a blob.
     """
 
-    key: str
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    key: _Sum
     node: str
     step: str
-    state: str
+    state: Annotated[str, Field(pattern="^(done|refused)$")]
     reason: str
     warnings: tuple[str, ...]
-    seconds: float
-    created: float
-    digests: tuple[str, ...]
+    seconds: _Number
+    created: _Number
+    digests: tuple[_Sum, ...]
     faithful: tuple[bool, ...]
-    size: int
-    outputs: list[tuple[Any, list[Any]]]
+    outputs: list[tuple[_Part, list[_Part]]]
+    _length: int = 0
+
+    @model_validator(mode="after")
+    def _check_outputs(self) -> Entry:
+        if not len(self.outputs) == len(self.digests) == len(self.faithful):
+            raise ValueError("each output has a digest, and is faithful or not")
+        if self.outputs and self.state != "done":
+            raise ValueError("what was refused has no output")
+        return self
+
+    @property
+    def size(self) -> int:
+        """In bytes, with all arrays."""
+        return self._length + sum(self.blobs().values())
 
     def blobs(self) -> dict[str, int]:
         """Return name and size of each blob that the entry needs."""
-        return _blobs(self.outputs)
+        parts = (part for head, buffers in self.outputs for part in (head, *buffers))
+        return dict(part for part in parts if not isinstance(part, str))
 
 
 def entry_of(key: str, about: About, packed: Sequence[Packed], blobs: Blobs) -> tuple[Entry, bytes]:
@@ -111,97 +130,112 @@ def entry_of(key: str, about: About, packed: Sequence[Packed], blobs: Blobs) -> 
     OSError
         If a blob cannot be written.
     """
-    outputs = [[_head(one.head, blobs), _buffers(one, blobs)] for one in packed]
-    said = {
-        "key": key,
-        "node": about.node,
-        "step": about.step,
-        "state": about.state,
-        "reason": about.reason,
-        "warnings": list(about.warnings),
-        "seconds": about.seconds,
-        "created": time.time(),
-        "digests": [one.digest for one in packed],
-        "faithful": [one.faithful for one in packed],
-        "beside": sum(_blobs(outputs).values()),
-        "outputs": outputs,
-    }
-    content = files.seal(_encode(said))
-    return _entry(said, len(content)), content
+    entry = Entry(
+        key=key,
+        node=about.node,
+        step=_writable(about.step),
+        state=about.state,
+        reason=_writable(about.reason),
+        warnings=tuple(map(_writable, about.warnings)),
+        seconds=about.seconds,
+        created=time.time(),
+        digests=tuple(one.digest for one in packed),
+        faithful=tuple(one.faithful for one in packed),
+        outputs=[(_head(one.head, blobs), _buffers(one, blobs)) for one in packed],
+    )
+    content = files.seal(_encode(entry.model_dump()))
+    entry._length = len(content)
+    return entry, content
 
 
-def read_entry(content: bytes, key: str = "") -> Entry | None:
-    """Return the entry in a file's content, or None if it is damaged or another key's."""
+def read_entry(content: bytes, key: str, outputs: int | None = None) -> Entry | None:
+    """Return the entry in a file's content, or None if it is damaged.
+
+    Parameters
+    ----------
+    content
+    key
+        An entry of another key is damaged.
+    outputs
+        How many values a result has; an entry with another number of them is damaged.
+    """
     text = files.unseal(content)
     if text is None:
         return None
-    said = json.loads(text)
-    return _entry(said, len(content)) if said["key"] == key or not key else None
+    try:
+        entry = Entry.model_validate_json(text)
+    except ValidationError:
+        return None
+    if entry.key != key:
+        return None
+    if outputs is not None and entry.state == "done" and len(entry.outputs) != outputs:
+        return None
+    entry._length = len(content)
+    return entry
 
 
-def packed_parts(entry: Entry, blobs: Blobs) -> list[tuple[str, list[Buffer]]]:
-    """Return the text and the buffers of each output; equal buffers are one.
+def packed_parts(entry: Entry, blobs: Blobs) -> Iterator[tuple[str, list[Buffer]]]:
+    """Yield the text and the buffers of each output; equal buffers are one.
 
     Raises
     ------
     Unreadable
-        If a blob is not what it was.
+        If a blob is not what it was, or an output is not what its digest says.
     """
-    found = {name: blobs.get(name, size) for name, size in entry.blobs().items()}
-    parts = []
-    for head, buffers in entry.outputs:
-        text = head if isinstance(head, str) else bytes(found[head[0]]).decode("ascii")
-        parts.append((text, [_buffer(one, found) for one in buffers]))
-    return parts
+    known = {name: blobs.get(name, size) for name, size in entry.blobs().items()}
+    for (part, parts), digest in zip(entry.outputs, entry.digests, strict=True):
+        buffers: list[Buffer] = []
+        sums: list[str] = []
+        try:
+            head = part if isinstance(part, str) else bytes(known[part[0]]).decode("ascii")
+            for one in parts:
+                if isinstance(one, str):
+                    content = a2b_base64(one, strict_mode=True)
+                    buffers.append(content)
+                    sums.append(_sum(content))
+                else:
+                    buffers.append(known[one[0]])
+                    sums.append(one[0])
+            whole = digest_of(head, sums) == digest
+        except ValueError as error:
+            raise Unreadable(f"an output is not text: {error}") from error
+        if not whole:
+            raise Unreadable("an output is not what its digest says")
+        yield head, buffers
 
 
-def _entry(said: dict[str, Any], size: int) -> Entry:
-    return Entry(
-        said["key"],
-        said["node"],
-        said["step"],
-        said["state"],
-        said["reason"],
-        tuple(said["warnings"]),
-        said["seconds"],
-        said["created"],
-        tuple(said["digests"]),
-        tuple(said["faithful"]),
-        size + said["beside"],
-        said["outputs"],
-    )
-
-
-def _blobs(outputs: Iterable[Any]) -> dict[str, int]:
-    parts = (part for head, buffers in outputs for part in (head, *buffers))
-    return {part[0]: part[1] for part in parts if isinstance(part, list)}
-
-
-def _head(head: str, blobs: Blobs) -> Any:
+def _head(head: str, blobs: Blobs) -> _Part:
     if len(head) <= _INLINE:
         return head
     content = head.encode("ascii")
-    name = hashlib.sha256(content).hexdigest()
+    name = _sum(content)
     blobs.put(name, content)
-    return [name, len(content)]
+    return name, len(content)
 
 
-def _buffers(packed: Packed, blobs: Blobs) -> list[Any]:
-    kept: list[Any] = []
+def _buffers(packed: Packed, blobs: Blobs) -> list[_Part]:
+    parts: list[_Part] = []
     for number, buffer in enumerate(packed.buffers):
         if len(buffer) <= _INLINE:
-            kept.append(base64.b64encode(buffer).decode("ascii"))
+            parts.append(b2a_base64(buffer, newline=False).decode("ascii"))
         else:
             blobs.put(packed.sums[number], buffer)
-            kept.append([packed.sums[number], len(buffer)])
-    return kept
+            parts.append((packed.sums[number], len(buffer)))
+    return parts
 
 
-def _buffer(part: Any, found: dict[str, Any]) -> Any:
-    return base64.b64decode(part) if isinstance(part, str) else found[part[0]]
+def _sum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _writable(text: str) -> str:
+    """Return a text without halves of characters, such as a file's unreadable name has."""
+    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()
 
 
 _HOUR = 3600.0
+_LONGEST = 500
+"""Characters of a reason, which may quote what an entry holds."""
 _README = """\
 Results that nodegraph has stored. Any of it may be removed: it is computed again when it is needed.
 `nodegraph cache` tells how much there is, `nodegraph cache prune` removes what was long unused.
@@ -245,22 +279,26 @@ class Store:
         self._blobs = Blobs(f"{self._root}/blobs")
         self._make()
 
-    def find(self, key: str) -> Entry | None:
+    def find(self, key: str, *, outputs: int | None = None) -> Entry | None:
         """Return what is stored under a key, without its values.
 
         A damaged entry is removed, told, and not found.
+
+        Parameters
+        ----------
+        key
+        outputs
+            How many the node has; an entry with another number of values is damaged.
         """
         path = f"{self._entries}/{key[:2]}/{key[2:]}.json"
         try:
             content, changed = files.read(path)
-            entry = read_entry(content, key)
+            entry = read_entry(content, key, outputs)
         except (FileNotFoundError, NotADirectoryError):
             return None
         except OSError as error:
             self._tell(f"stored results cannot be read: {self.folder}: {error.strerror}")
             return None
-        except (ValueError, LookupError, TypeError):
-            entry = None
         if entry is None:
             self._remove_damaged(path, "a stored result is damaged")
         elif time.time() - changed > _HOUR:
@@ -268,8 +306,14 @@ class Store:
                 os.utime(path)
         return entry
 
-    def load(self, entry: Entry) -> tuple[Any, ...]:
+    def load(self, entry: Entry, types: Iterable[type] = ()) -> tuple[Any, ...]:
         """Return the values of an entry; their arrays are read-only.
+
+        Parameters
+        ----------
+        entry
+        types
+            Of the node's outputs; a value of another type is damaged, unless it is a stand-in.
 
         Raises
         ------
@@ -277,11 +321,15 @@ class Store:
             If they are not what was written. The entry is removed.
         """
         try:
-            parts = packed_parts(entry, self._blobs)
-            return tuple(self.packer.unpack(head, buffers) for head, buffers in parts)
+            values = tuple(self._values(entry))
+            for value, faithful, kind in zip(values, entry.faithful, types, strict=False):
+                if faithful and not isinstance(value, kind):
+                    raise Unreadable(f"it is {type(value).__name__}, not {kind.__name__}")
+            return values
         except Unreadable as error:
             path = f"{self._entries}/{entry.key[:2]}/{entry.key[2:]}.json"
-            text = f"the stored result of {entry.step} ({entry.node}) cannot be used: {error}"
+            why = str(error)[:_LONGEST]
+            text = f"the stored result of {entry.step} ({entry.node}) cannot be used: {why}"
             self._remove_damaged(path, text)
             raise DamagedEntry(f"{text}; entry {entry.key}") from error
 
@@ -323,9 +371,14 @@ class Store:
         try:
             text = files.unseal(files.read(f"{self._root}/{name}.json")[0])
             found = json.loads(text) if text is not None else {}
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             return {}
         return found if isinstance(found, dict) else {}
+
+    def _values(self, entry: Entry) -> Iterator[Any]:
+        parts = packed_parts(entry, self._blobs)
+        for (head, buffers), faithful in zip(parts, entry.faithful, strict=True):
+            yield self.packer.unpack(head, buffers, stand_ins=not faithful)
 
     def _make(self) -> None:
         if os.path.isdir(self._root):

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence, Set
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -100,7 +99,7 @@ class Upkeep:
         there = sorted(self.entries(), key=lambda one: one.used)
         aged = [one for one in there if older_than is not None and now - one.used > older_than]
         left = there[len(aged) :]
-        more = _too_many(left, keep) if keep is not None else []
+        more = _too_many(left, self._blob_sizes(), keep) if keep is not None else []
         removed = sum((_removed(one.path, Amount(1, 0, one.length)) for one in aged + more), _NONE)
         needed = {name for one in left[len(more) :] for name in one.entry.blobs()}
         removed += self._without_damaged({one.path for one in there}, now)
@@ -125,6 +124,9 @@ class Upkeep:
         found = self._all(self._blobs)
         return (one for one in found if not one.name.endswith(files.UNFINISHED))
 
+    def _blob_sizes(self) -> dict[str, int]:
+        return {_name(blob): _size(blob) for blob in self._blob_files()}
+
     def _all(self, folder: str) -> Iterator[os.DirEntry[str]]:
         return (one for inner in files.folders_in(folder) for one in files.files_in(inner.path))
 
@@ -138,8 +140,7 @@ class Upkeep:
     def _without_unneeded(self, needed: Set[str], now: float) -> Amount:
         removed = _NONE
         for blob in self._blob_files():
-            name = os.path.basename(os.path.dirname(blob.path)) + blob.name
-            if name not in needed and now - _changed(blob) > _HOUR:
+            if _name(blob) not in needed and now - _changed(blob) > _HOUR:
                 removed += _removed(blob.path, Amount(0, 1, _size(blob)))
         return removed
 
@@ -154,25 +155,26 @@ class Upkeep:
 
 
 def _kept(path: str) -> Kept | None:
-    with suppress(OSError, ValueError, LookupError, TypeError):
+    folder, name = os.path.split(path)
+    try:
         content, used = files.read(path)
-        entry = read_entry(content)
-        return Kept(entry, path, used, len(content)) if entry is not None else None
-    return None
+    except OSError:
+        return None
+    entry = read_entry(content, os.path.basename(folder) + name.removesuffix(_ENTRY))
+    return Kept(entry, path, used, len(content)) if entry is not None else None
 
 
-def _too_many(there: Sequence[Kept], keep: int) -> list[Kept]:
+def _too_many(there: Sequence[Kept], sizes: Mapping[str, int], keep: int) -> list[Kept]:
     """Return which entries go, the first ones first, for the rest to have so few bytes."""
     readers = Counter(name for one in there for name in one.entry.blobs())
-    sizes = {name: size for one in there for name, size in one.entry.blobs().items()}
-    total = sum(one.length for one in there) + sum(sizes.values())
+    total = sum(one.length for one in there) + sum(sizes.get(name, 0) for name in readers)
     gone: list[Kept] = []
     for one in there:
         if total <= keep:
             break
         gone.append(one)
         readers.subtract(one.entry.blobs().keys())
-        freed = sum(size for name, size in one.entry.blobs().items() if not readers[name])
+        freed = sum(sizes.get(name, 0) for name in one.entry.blobs() if not readers[name])
         total -= one.length + freed
     return gone
 
@@ -183,6 +185,10 @@ def _removed(path: str, amount: Amount) -> Amount:
     except FileNotFoundError:  # another program was quicker
         return _NONE
     return amount
+
+
+def _name(blob: os.DirEntry[str]) -> str:
+    return os.path.basename(os.path.dirname(blob.path)) + blob.name
 
 
 def _size(found: os.DirEntry[str]) -> int:

@@ -7,18 +7,14 @@ helper in another one. A missing sample is NaN, and does not equal itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, fastmath={"contract"}
-)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, fastmath={"contract"}, forceinline=True
-)
+from nodegraph import kernel
+
+compiled = kernel(fastmath={"contract"})
+inlined = kernel(fastmath={"contract"}, forceinline=True)
 
 Vector = tuple[float, float, float]
 

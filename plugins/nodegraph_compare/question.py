@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, cast, get_args
 
 from nodegraph import Across, ColumnOf, LabelOf, listed, nearest
-from nodegraph_tables import BetterEnd, info_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -54,11 +53,15 @@ def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
         yield f" in the table of {told}" if told else "", table
 
 
+End = Literal["lower", "higher", "none"]
 Better = Literal["declared", "lower", "higher", "none"]
 
 
-def better_end(scores: Across[Table], metric: str, better: Better) -> BetterEnd:
-    """Return which end of the metric is better: as set, else as the tables declare, else lower.
+def better_end(scores: Across[Table], metric: str, better: Better) -> End:
+    """Return which end of the metric is better: as asked, else as the tables declare, else lower.
+
+    A table declares it in ``attrs["better"]``, a mapping of column to ``lower``, ``higher`` or
+    ``none``, the last for a column that is best at some value between.
 
     Parameters
     ----------
@@ -67,25 +70,31 @@ def better_end(scores: Across[Table], metric: str, better: Better) -> BetterEnd:
     metric
         The column of numbers.
     better
-        The setting; ``declared``: as the tables declare it in `TableInfo.better`.
+        What was asked for; ``declared``: as the tables say.
 
     Raises
     ------
     ValueError
-        If the tables declare different ends.
+        If the tables declare two ends, or something else.
     """
     if better != "declared":
         return better
-    ends = {info_of(table).better.get(metric, "lower") for table in scores.values()}
-    if len(ends) > 1:
+    told = {one.attrs.get("better", {}).get(metric, "lower") for one in scores.values()}
+    wrong = sorted(str(one) for one in told if one not in get_args(End))
+    if wrong:
+        raise ValueError(
+            f"a table declares {wrong[0]!r} as the better end of {metric!r}; "
+            f"there are: {', '.join(get_args(End))}"
+        )
+    if len(told) > 1:
         raise ValueError(
             f"the tables declare different ends of {metric!r} as the better one: "
-            f"{', '.join(sorted(ends))}; give `better`"
+            f"{', '.join(sorted(told))}; give `better`"
         )
-    return ends.pop()
+    return cast(End, told.pop())
 
 
-def sign_of(end: BetterEnd) -> float:
+def sign_of(end: End) -> float:
     """Return 1.0, or -1.0 where higher is better: the best has the lowest value times this."""
     return -1.0 if end == "higher" else 1.0
 
@@ -111,7 +120,7 @@ class Question:
     within: tuple[str, ...]
     blocks: tuple[str, ...]
     averaged: tuple[str, ...]
-    better: BetterEnd = "lower"
+    better: End = "lower"
 
     @property
     def compared(self) -> tuple[str, ...]:
@@ -168,7 +177,7 @@ def ask(
 
 def unit_of(scores: Across[Table], metric: str) -> str:
     """Return the unit of the metric, as the first table has it; empty if it says none."""
-    return info_of(scores.values()[0]).units.get(metric, "")
+    return str(scores.values()[0].attrs.get("units", {}).get(metric, ""))
 
 
 def blocks_name(scores: Across[Table], question: Question) -> str:

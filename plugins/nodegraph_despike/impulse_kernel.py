@@ -8,17 +8,15 @@ with them holds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from heapq import heappop, heappush
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, forceinline=True
-)
+from nodegraph import kernel
+
+compiled = kernel()
+inlined = kernel(forceinline=True)
 
 
 @compiled

@@ -7,16 +7,14 @@ helper in another one.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, forceinline=True
-)
+from nodegraph import kernel
+
+compiled = kernel()
+inlined = kernel(forceinline=True)
 
 _TIE = 1.0 + 1e-9
 """Sums this close are equal, so that rounding does not choose between them."""

@@ -9,16 +9,14 @@ starts from and at the frame that it is for.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, forceinline=True
-)
+from nodegraph import kernel
+
+compiled = kernel()
+inlined = kernel(forceinline=True)
 
 MEAN, COSINE, MUSCLE, MUSCLE_NORMALIZED, WATERS = range(5)
 WEIGHTS = {

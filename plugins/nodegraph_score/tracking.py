@@ -9,7 +9,6 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,12 +22,7 @@ UNITS = {
     "tracked": "share",
     "fragments": "count",
 }
-BETTER: dict[str, BetterEnd] = {
-    "samples": "none",
-    "links": "none",
-    "right": "higher",
-    "tracked": "higher",
-}
+BETTER = {"samples": "none", "links": "none", "right": "higher", "tracked": "higher"}
 
 
 @node("score.tracking", cite="bernardin2008")
@@ -86,8 +80,10 @@ def tracking(
     rows = [_row(track[truth.present[:, column], column]) for column in range(len(truth.markers))]
     table = DataFrame(rows, columns=list(UNITS))
     table.insert(0, "marker", np.array(truth.markers, dtype=object))
-    notes = tuple(_notes(estimate, track))
-    return with_info(table, TableInfo(title="Tracks", notes=notes, units=UNITS, better=BETTER))
+    table.attrs.update(
+        title="Tracks", notes=_notes(estimate, track), units=dict(UNITS), better=dict(BETTER)
+    )
+    return table
 
 
 def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:

@@ -7,18 +7,14 @@ graphs have other steps that can run meanwhile.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, error_model="numpy"
-)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, forceinline=True
-)
+from nodegraph import kernel
+
+compiled = kernel(error_model="numpy")
+inlined = kernel(forceinline=True)
 
 CAP = 300
 """Rounds after which a run stops, settled or not; runs on recorded faces take about ten."""

@@ -7,17 +7,12 @@ multiply-adds, which round less often.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from numba import njit
+from nodegraph import kernel
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, fastmath={"contract"}
-)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, fastmath={"contract"}, forceinline=True
-)
+compiled = kernel(fastmath={"contract"})
+inlined = kernel(fastmath={"contract"}, forceinline=True)
 
 BLOCK = 2048
 """Numbers that are worked on at a time: what a pass has touched, the next finds in the cache."""

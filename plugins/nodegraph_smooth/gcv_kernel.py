@@ -9,16 +9,14 @@ five bands that do not change along it, and is split into ``L D L'``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
-inlined: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, forceinline=True
-)
+from nodegraph import kernel
+
+compiled = kernel()
+inlined = kernel(forceinline=True)
 
 LEAST, MOST = 1e-4, 1e10
 """Between which lambda is looked for: goes through the samples; the limit of what is accurate."""

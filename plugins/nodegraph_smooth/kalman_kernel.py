@@ -9,13 +9,13 @@ state itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+from nodegraph import kernel
+
+compiled = kernel()
 
 
 @compiled

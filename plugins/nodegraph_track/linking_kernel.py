@@ -5,13 +5,13 @@ A kernel calls only kernels of its own file: numba's cache notices an edit of no
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+from nodegraph import kernel
+
+compiled = kernel()
 
 
 @compiled

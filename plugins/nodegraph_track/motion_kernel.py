@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from nodegraph_track.linking_kernel import compiled
+from nodegraph import kernel
+
+compiled = kernel()
 
 
 @compiled

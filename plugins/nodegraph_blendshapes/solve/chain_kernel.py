@@ -6,13 +6,13 @@ The matrix of the normal equations is block tridiagonal: a block of K x K for ea
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(cache=True, nogil=True)
+from nodegraph import kernel
+
+compiled = kernel()
 
 
 @compiled

@@ -15,15 +15,13 @@ this module only when one runs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"}
-)
+from nodegraph import kernel
+
+compiled = kernel(error_model="numpy", fastmath={"reassoc", "contract"})
 
 PULL = 1e-14
 """A gradient is zero up to this share of ``|column| |target|``, what rounding leaves of it."""

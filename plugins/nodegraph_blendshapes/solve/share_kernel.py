@@ -10,15 +10,13 @@ the centre, until nothing is left of the difference. With a smaller share where 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    cache=True, nogil=True, error_model="numpy"
-)
+from nodegraph import kernel
+
+compiled = kernel(error_model="numpy")
 
 SHARES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 ENOUGH = 5e-12

@@ -16,12 +16,7 @@ from nodegraph.fingerprint import Code, Reached
 from nodegraph.plugin.registry import Registry, default_registry
 
 ROOT = Path(__file__).parents[3]
-MACHINE = {
-    "nodegraph.errors",
-    "nodegraph.plugin.hook_types",
-    "nodegraph.node.ports",
-    "nodegraph.node.values",
-}
+MACHINE = {f"nodegraph.{name}" for name in ("errors", "hook_objects", "kernels", "ports", "values")}
 
 
 def followed(registry: Registry) -> set[str]:
@@ -74,6 +69,12 @@ def test_a_fill_reaches_its_kernel_and_no_other_fill(answers: dict[str, Reached]
     assert "nodegraph_mocap.recording:Trajectories" in reached.units
     assert not [unit for unit in reached.units if unit.startswith("nodegraph_fill.guenter")]
     assert {"numpy", "numba", "python"} <= set(reached.versions)
+
+
+def test_where_machine_code_is_kept_does_not_count(answers: dict[str, Reached]) -> None:
+    reached = answers["fill:fill.muscle"]
+    assert [unit for unit in reached.units if ".kernels:" in unit] == ["nodegraph.kernels:kernel"]
+    assert "platformdirs" not in reached.versions
 
 
 @settings(max_examples=10, deadline=None)

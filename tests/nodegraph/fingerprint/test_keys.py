@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from nodegraph import Across, InputFile, NodegraphError, hookimpl, node
 from nodegraph.execute import Event, Run
 from nodegraph.plugin.hook_types import Storage
 from nodegraph.plugin.loading import Plugin
+from nodegraph.store import Packer, Store
 
 RunOf = Callable[..., Run]
 TEXT = "nodes: {a: {use: read.file, with: {path: one.txt}}, b: {use: fill.hold, in: a}}"
@@ -43,6 +46,25 @@ def test_nothing_is_kept_of_a_file_that_changed_while_it_was_read(
     }
     path.write_text("1")
     assert run_of(TEXT, store=store)["b"].value == 2
+
+
+@pytest.mark.parametrize(
+    "known", [None, 5, [], [[1, 2, 3]], ["mark"], ["mark", 5], ["mark", "x", "y"], {"mark": "x"}]
+)
+def test_what_is_remembered_of_a_file_in_another_form_is_found_anew(
+    run_of: RunOf, tmp_path: Path, known: Any
+) -> None:
+    path, store = tmp_path / "one.txt", Store(tmp_path / "store", Packer(), pytest.fail)
+    path.write_text("1")
+    os.utime(path, (0, 0))
+    assert run_of(TEXT, store=store.folder)["b"].value == 2
+    mark = store.recall("files")[str(path)][0]
+    if isinstance(known, list):
+        known = [mark if part == "mark" else part for part in known]
+    store.remember("files", {str(path): known})
+    again = run_of(TEXT, store=store.folder)
+    assert again["b"].value == 2
+    assert again.counts()["stored"] == 2
 
 
 @node("read.last")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from itertools import permutations
@@ -143,6 +144,74 @@ def test_too_few_or_too_many_bytes_are_noticed() -> None:
     for length in (0, 23, 25, 32):
         with pytest.raises(Unreadable, match="24 bytes"):
             PACKER.unpack(head, [bytes(length)])
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        ["|O", [3]],
+        ["|V8", [3]],
+        ["<f8,<f8", [3]],
+        ["(3,)<f8", [1]],
+        ["float64", [3]],
+        [None, [3]],
+        ["<f8", [2]],
+        ["<f8", [3, 2**64]],
+        ["<f8", [-1, -3]],
+        ["<f8", [True, 3]],
+        ["<f8", [3.0]],
+        ["<f8", [3] + [1] * 64],
+        ["<f8", {}],
+        ["<f8", [3], [1]],
+        ["<f8", [3], ["0"]],
+        ["<f8", [3], [0], []],
+        ["<f8", [3], [0], [2**40]],
+        ["<f8", [3], [0], [-(2**40)]],
+        ["<f8", [3], [0], [8.0]],
+        ["<f8", [3], None, [16]],
+        ["<f8", [3], [0], [8], 0],
+        ["<U6", [1]],
+        ["<f8"],
+        [],
+    ],
+    ids=str,
+)
+def test_what_describes_no_array_of_these_bytes_is_unreadable(parts: list[Any]) -> None:
+    with pytest.raises(Unreadable):
+        PACKER.unpack(json.dumps(["array", 0, *parts]), [b"\xff" * 24])
+
+
+@pytest.mark.parametrize("shape", [[2**40, 0], [0, 2**20, 2**20]], ids=str)
+def test_no_array_without_numbers_is_as_long_as_one_likes(shape: list[int]) -> None:
+    with pytest.raises(Unreadable, match="shape"):
+        PACKER.unpack(json.dumps(["array", 0, "<f8", shape]), [b""])
+    with pytest.raises(Unstorable, match="too long"):
+        PACKER.pack(np.empty(shape))
+    assert there_and_back(np.empty((10**6, 0, 3))).shape == (10**6, 0, 3)
+
+
+def test_a_view_of_much_more_memory_is_refused() -> None:
+    large = np.zeros((2**20, 40))
+    half = large[: 2**19 : 2**10, 3]
+    assert_same(there_and_back(half), half)
+    with pytest.raises(Unstorable, match=r"tuple cannot be kept: .*copy"):
+        PACKER.pack((1, large[:: 2**10, 3]))
+
+
+def test_views_with_gaps_take_together_no_more_memory_than_one() -> None:
+    views = [np.zeros(2**12)[:: 2**9] + number for number in range(3)]
+    head = ["list", *(["array", n, "<f8", [8], [0], [2**25]] for n in range(len(views)))]
+    with pytest.raises(Unreadable, match="spread"):
+        PACKER.unpack(json.dumps(head), [one.tobytes() for one in views])
+    same = views[0].tobytes()
+    first, *others = PACKER.unpack(json.dumps(head), [same] * 3)
+    assert all(one is first for one in others)
+
+
+def test_bytes_that_have_several_places_are_copied_once() -> None:
+    same = memoryview(bytes(5000))
+    back = PACKER.unpack('["tuple",["bytes",0],["bytes",1]]', [same, same])
+    assert back[0] is back[1]
 
 
 def test_numpy_is_not_imported_for_plain_values() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ import numpy as np
 import pytest
 
 from nodegraph.store import About, DamagedEntry, Entry, Packer, Store
+
+from .forged import forge, output, payload
 
 ABOUT = About("fill.muscle", "fill(length=45)", "done")
 KEY, OTHER = "ab" + "0" * 62, "ab" + "1" * 62
@@ -99,6 +102,46 @@ def test_a_damaged_blob_goes_with_its_entry(
     assert len(said) == 1
     assert store.find(KEY) is None
     assert store.load(kept(store))[0].tolist() == ARRAY.tolist()
+
+
+def test_an_array_stays_that_is_whole_though_an_entry_says_otherwise(
+    store: Store, files: Files
+) -> None:
+    kept(store)
+    other = kept(store, OTHER)
+    own = payload(files("entries")[0])["outputs"][0]
+    name, size = own[1][0]
+    forge(files("entries")[0], output(own[0], [name, size + 8]))
+    forged = store.find(KEY)
+    assert forged is not None
+    with pytest.raises(DamagedEntry):
+        store.load(forged)
+    assert store.load(other)[0].tolist() == ARRAY.tolist()
+
+
+def test_values_of_other_types_or_numbers_than_a_node_has_are_damage(
+    store: Store, said: list[str]
+) -> None:
+    entry = kept(store)
+    assert store.load(entry, (np.ndarray,))[0].tolist() == ARRAY.tolist()
+    with pytest.raises(DamagedEntry, match="ndarray, not float"):
+        store.load(entry, (float,))
+    kept(store)
+    assert store.find(KEY, outputs=1) is not None
+    assert store.find(KEY, outputs=2) is None
+    assert store.find(KEY) is None
+    assert store.save(KEY, replace(ABOUT, state="refused", reason="no"), ()) is not None
+    assert store.find(KEY, outputs=2) is not None
+    assert len(said) == 2
+
+
+def test_a_step_that_is_named_after_an_unreadable_file_is_found(store: Store) -> None:
+    about = replace(ABOUT, step="read(file=take_\udcff.c3d)")
+    saved = store.save(KEY, about, (1.5,))
+    assert saved is not None
+    assert store.find(KEY) == saved
+    assert saved.step.startswith("read(file=take_")
+    saved.step.encode()
 
 
 def test_what_cannot_be_put_together_any_more_is_removed(store: Store, files: Files) -> None:

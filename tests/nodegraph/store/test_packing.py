@@ -6,7 +6,7 @@ import struct
 import sys
 import types
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from enum import IntEnum
 from functools import cached_property
 from pathlib import Path
@@ -44,6 +44,39 @@ class Slotted(Value):
 @dataclass
 class Loose(Value):
     first: int
+
+
+@dataclass(frozen=True)
+class Checked(Value):
+    rate: float
+    marks: tuple[int, ...] = ()
+    numbers: Any = None
+
+    def __post_init__(self) -> None:
+        if not self.rate > 0:
+            raise ValueError("rate must be positive")
+        object.__setattr__(self, "rate", float(self.rate))
+        object.__setattr__(self, "marks", tuple(self.marks))
+        if self.numbers is not None:
+            object.__setattr__(self, "numbers", np.asarray(self.numbers, float))
+
+
+@dataclass(frozen=True)
+class Leaving(Value):
+    first: int
+
+    def __post_init__(self) -> None:
+        if self.first > 1:
+            sys.exit("too much")
+
+
+@dataclass(frozen=True)
+class Scaled(Value):
+    first: float
+    scale: InitVar[float]
+
+    def __post_init__(self, scale: float) -> None:
+        object.__setattr__(self, "first", self.first * scale)
 
 
 class NoDataclass(Value):
@@ -313,11 +346,85 @@ def test_what_nobody_can_put_together_any_more_is_said() -> None:
         Packer().unpack(head)
 
 
-@pytest.mark.parametrize("head", ["", "{", "[]", '["nothing"]', '["array",0,"<f8",[1]]',
-                                  '["dict",1]', '["across"]', '["bytes",3]'])  # fmt: skip
+@pytest.mark.parametrize(
+    "head",
+    [
+        "", "{", "[]", "{}", "NaN", "-Infinity", "[[[", "1 2", "é", "[1]", "[null]", "[[]]",
+        '["nothing"]', '["array",0,"<f8",[1]]', '["list",{"a":1}]', '["dict",1]', '["dict",[],1]',
+        '["dict",1,2,1,3]', '["bytes",3]', '["bytes",-1]', '["bytes"]', '["int","x"]', '["int",1]',
+        '["int","1","2"]', '["float","00"]', '["float",1]', '["str","ff"]', '["str","x"]',
+        '["path",1]', '["path",["tuple"]]', '["numpy.str",1]', '["numpy.bytes","x"]',
+        '["number","<f8","00"]', '["number","|O","0000000000000000"]', '["number","<f8"]',
+        '["across"]', '["across",1,2,3,4]', '["across",["tuple",1],["tuple"],["tuple"],["dict"]]',
+        '["across",["tuple"],["tuple",["tuple",1,2]],["tuple"],["dict"]]',
+        '["across",["tuple"],["tuple"],["tuple",1],["dict"]]', '["absent",1,"refused","x"]',
+        '["absent",["dict"],"refused",1]', '["absent",["dict"]]', '["value"]', '["value",1,[],2]',
+        '["value","nodegraph.node.values:Files",["content"]]',
+        '["stored"]', '["stored",["list"],1]',
+    ],
+)  # fmt: skip
 def test_what_is_no_value_is_unreadable(head: str) -> None:
     with pytest.raises(Unreadable):
         Packer().unpack(head)
+
+
+def test_every_buffer_has_one_place() -> None:
+    for head in ("1", '["bytes",0]', '["list",["bytes",1],["bytes",0]]', '["tuple",["bytes",0]]'):
+        with pytest.raises(Unreadable, match="buffer"):
+            Packer().unpack(head, [b"a", b"b"])
+
+
+def test_what_is_kept_is_nested_no_deeper_than_it_can_be_read() -> None:
+    value: Any = None
+    for depth in range(1, 200):
+        value = [value]
+        try:
+            packed = Packer().pack(value)
+        except Unstorable:
+            assert depth > 50
+            break
+        assert Packer().unpack(packed.head) == value
+    with pytest.raises(Unreadable, match="nested"):
+        Packer().unpack('["list",' * depth + "1" + "]" * depth)
+
+
+def test_a_value_comes_back_if_its_class_takes_its_fields() -> None:
+    head = Packer().pack(Checked(2.0, (1, 2))).head
+    assert Packer().unpack(head) == Checked(2.0, (1, 2))
+    for wrong in ("-2.0", "2", '"x"', "null"):
+        with pytest.raises(Unreadable):
+            Packer().unpack(head.replace("2.0", wrong))
+    with pytest.raises(Unreadable, match=r"Checked\.marks is list, not tuple"):
+        Packer().unpack(head.replace('["tuple"', '["list"'))
+    packed = Packer().pack(Checked(2.0, (), np.zeros(2)))
+    with pytest.raises(Unreadable, match=r"Checked\.numbers is of float32, not of float64"):
+        Packer().unpack(packed.head.replace("<f8", "<f4"), [bytes(8)])
+
+
+def test_a_class_that_ends_the_program_does_not_end_it() -> None:
+    with pytest.raises(Unreadable, match="SystemExit"):
+        Packer().unpack(Packer().pack(Leaving(1)).head.replace("1", "2"))
+
+
+def test_a_class_whose_check_needs_more_than_fields_is_refused() -> None:
+    with pytest.raises(Unstorable, match="__post_init__"):
+        Packer().pack(Scaled(1.0, 2.0))
+
+
+def test_a_storage_that_fails_makes_nothing() -> None:
+    def fail(parts: Any) -> Thing:
+        raise SystemExit(3)
+
+    head = things().pack(Thing()).head
+    with pytest.raises(Unreadable, match="SystemExit"):
+        Packer([Storage(Thing, Thing, fail)]).unpack(head)
+
+
+def test_nothing_stands_in_where_the_value_itself_is_due() -> None:
+    packed = things(faithful=False).pack([Thing(1)])
+    assert things(faithful=False).unpack(packed.head)[0].parts == [1]
+    with pytest.raises(Unreadable, match="stands in for a Thing"):
+        things(faithful=False).unpack(packed.head, stand_ins=False)
 
 
 def test_a_stand_in_is_known_as_one_wherever_it_lies() -> None:

@@ -17,6 +17,8 @@ import pytest
 from nodegraph import Across, Storage
 from nodegraph.store import About, Packer, Store, store_folder
 
+from .forged import seal
+
 ROOT = Path(__file__).parents[3]
 ABOUT = About("fill.muscle", "fill(length=45)", "done", "", ("3 gaps",), 1.5)
 KEY = "ab" + "0" * 62
@@ -175,6 +177,8 @@ def test_something_small_is_remembered(store: Store, said: list[str], files: Fil
     store.remember("code", {"c": 0.1})
     assert store.recall("code") == {"c": 0.1}
     assert store.recall("files") == {"b": {}}
+    seal(store.folder / "format-1" / "files.json", b"[" * 100_000)
+    assert store.recall("files") == {}
     code = next(one for one in files() if one.name == "code.json")
     code.write_bytes(code.read_bytes().replace(b"0.1", b"0.2"))
     assert store.recall("code") == {}

@@ -10,6 +10,8 @@ import pytest
 
 from nodegraph.store import About, Amount, Packer, Store, Upkeep
 
+from .forged import forge
+
 HOUR, DAY = 3600.0, 86400.0
 Files = Callable[..., list[Path]]
 Age = Callable[[Path, float], None]
@@ -62,6 +64,24 @@ def test_how_much_there_is(filled: Store, upkeep: Upkeep, files: Files) -> None:
     listed = sorted(upkeep.entries(), key=lambda one: one.used)
     assert [one.entry.step for one in listed] == ["s0", "s1", "s2", "s3"]
     assert all(one.entry.size == 8000 + one.length for one in listed)
+
+
+def test_an_entry_in_the_place_of_another_is_not_listed(
+    filled: Store, upkeep: Upkeep, files: Files
+) -> None:
+    first, second, *_ = files("entries")
+    second.write_bytes(first.read_bytes())
+    assert [one.entry.step for one in upkeep.entries()].count("s0") == 1
+    forge(first, lambda data: data.update(key="../../../victim"))
+    assert sorted(one.entry.step for one in upkeep.entries()) == ["s2", "s3"]
+
+
+def test_no_result_goes_for_the_size_that_another_entry_claims(
+    filled: Store, upkeep: Upkeep, files: Files
+) -> None:
+    forge(files("entries")[3], lambda data: data["outputs"][1][1].append(["0" * 64, 2**60]))
+    upkeep.prune(keep=10**6)
+    assert sorted(one.entry.step for one in upkeep.entries()) == ["s0", "s1", "s2", "s3"]
 
 
 @pytest.mark.parametrize(

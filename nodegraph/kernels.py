@@ -1,0 +1,91 @@
+"""Kernels: functions that numba compiles, whose machine code is kept in the user's cache folder.
+
+numba itself keeps it in the package. What lies there belongs to no distribution: it stays when the
+package is uninstalled, and what remains of the folder looks like a package.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from platformdirs import user_cache_path
+
+
+def kernel(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return a decorator that compiles a function with numba, to run without the GIL.
+
+    The machine code is kept in ``nodegraph/kernels`` in the user's cache folder, or in
+    ``NUMBA_CACHE_DIR`` if that is set, and never in the package. Where that cannot be written,
+    every process compiles for itself. Machine code belongs to the content of the function's file:
+    a change of what a kernel takes from other files of its package, such as constants, options or
+    other kernels, goes unnoticed.
+
+    Parameters
+    ----------
+    **options
+        Options of `numba.njit`, such as ``fastmath``.
+    """
+
+    def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+        dispatcher: Callable[..., Any] = numba.njit(nogil=True, **options)(function)
+        if not numba.config.DISABLE_JIT:
+            _keep(dispatcher)
+        return dispatcher
+
+    return compiled
+
+
+def _keep(dispatcher: Any) -> None:
+    with suppress(OSError):  # a function that is in no file is compiled in every process
+        dispatcher._cache = _Cache(dispatcher.py_func)
+
+
+class _Locator:
+    """The folder of a function's machine code: copies of a file share it, and no two versions do.
+
+    numba calls its methods.
+    """
+
+    def __init__(self, function: Callable[..., Any], file: str) -> None:
+        path = Path(file).absolute()
+        content = f"numba {numba.__version__}\n".encode() + path.read_bytes()
+        self._digest = hashlib.sha256(content).hexdigest()
+        self._line = function.__code__.co_firstlineno
+        self._py_file = file  # numba names it in warnings
+        root = numba.config.CACHE_DIR or user_cache_path("nodegraph") / "kernels"
+        self._folder = Path(root) / f"{path.parent.name}-{self._digest[:16]}"
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> _Locator:
+        return cls(function, file)
+
+    def ensure_cache_path(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return self._digest
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+class _Storage(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (_Locator,)
+
+
+class _Cache(FunctionCache):  # type: ignore[misc]
+    _impl_class = _Storage
+
+    @contextmanager
+    def _guard_against_spurious_io_errors(self) -> Iterator[None]:
+        with suppress(OSError):  # a folder that cannot be written, a full disk
+            yield

@@ -1,0 +1,127 @@
+"""Machine code of kernels: where it is kept, and when it is used again."""
+
+from __future__ import annotations
+
+import os
+import runpy
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SOURCE = """
+from nodegraph import kernel
+
+@kernel()
+def scaled(value):
+    return {factor} * value
+"""
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The user's cache folder, which is not there yet."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
+    monkeypatch.setattr("numba.config.CACHE_DIR", "")
+    return folder
+
+
+def write(folder: Path, factor: float) -> Path:
+    """Write a module with a kernel; its size and time do not depend on the factor."""
+    folder.mkdir(exist_ok=True)
+    path = folder / "scaling.py"
+    path.write_text(SOURCE.format(factor=factor))
+    os.utime(path, (10**9, 10**9))
+    return path
+
+
+def load(path: Path) -> Callable[..., Any]:
+    """Return the kernel of a module, as a new process would."""
+    function: Callable[..., Any] = runpy.run_path(str(path))["scaled"]
+    return function
+
+
+def hits(function: Any) -> int:
+    """Return how many times machine code was read from a file."""
+    return sum(function.stats.cache_hits.values())
+
+
+def test_machine_code_is_kept_in_the_cache_folder_and_used_again(
+    cache: Path, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "package", 2.0)
+    for count in (0, 1):
+        function = load(path)
+        assert function(3.0) == 6.0
+        assert hits(function) == count
+    assert list((cache / "nodegraph" / "kernels").rglob("scaling.scaled-*.nbc"))
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_folder_that_numba_is_set_to_is_used(
+    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path / "numba"))
+    assert load(write(tmp_path / "package", 2.0))(3.0) == 6.0
+    assert list((tmp_path / "numba").rglob("scaling.scaled-*.nbc"))
+    assert not cache.exists()
+
+
+@pytest.mark.parametrize("set_to", ["", "numba"])
+def test_a_kernel_compiles_where_the_folder_cannot_be_written(
+    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, set_to: str
+) -> None:
+    monkeypatch.setattr("numba.config.CACHE_DIR", set_to and str(tmp_path / set_to))
+    (tmp_path / set_to if set_to else cache).touch()
+    path = write(tmp_path / "package", 2.0)
+    assert load(path)(3.0) == 6.0
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_kernel_compiles_where_the_folder_goes_away(cache: Path, tmp_path: Path) -> None:
+    path = write(tmp_path / "package", 2.0)
+    load(path)(3.0)
+    function = load(path)
+    shutil.rmtree(cache)
+    cache.touch()
+    assert function(3.0) == 6.0
+
+
+def test_another_version_in_its_place_is_compiled(cache: Path, tmp_path: Path) -> None:
+    for factor in (2.0, 4.0):
+        function = load(write(tmp_path / "package", factor))
+        assert function(3.0) == 3.0 * factor
+        assert hits(function) == 0
+
+
+def test_copies_share_machine_code(cache: Path, tmp_path: Path) -> None:
+    for place, count in (("here", 0), ("there", 1)):
+        (tmp_path / place).mkdir()
+        function = load(write(tmp_path / place / "package", 2.0))
+        assert function(3.0) == 6.0
+        assert hits(function) == count
+
+
+def test_two_installed_versions_keep_their_machine_code_apart(cache: Path, tmp_path: Path) -> None:
+    for count in (0, 1):
+        for name, factor in (("old", 2.0), ("new", 4.0)):
+            function = load(write(tmp_path / name, factor))
+            assert function(3.0) == 3.0 * factor
+            assert hits(function) == count
+
+
+def test_a_kernel_without_a_file_compiles(cache: Path) -> None:
+    names: dict[str, Any] = {}
+    exec(SOURCE.format(factor=2.0), names)
+    assert names["scaled"](3.0) == 6.0
+
+
+def test_without_compilation_a_kernel_is_the_function(
+    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
+    assert load(write(tmp_path / "package", 2.0))(3.0) == 6.0
+    assert not cache.exists()

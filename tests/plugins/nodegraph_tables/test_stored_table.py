@@ -1,0 +1,203 @@
+"""A table comes back exactly, or is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nodegraph_tables.storage import put_together, take_apart
+
+RNG = np.random.default_rng(3)
+
+
+def objects(*values: Any) -> pd.Series[Any]:
+    held = np.empty(len(values), dtype=object)
+    for place, value in enumerate(values):
+        held[place] = value
+    return pd.Series(held, dtype=object)
+
+
+def inserted() -> pd.DataFrame:
+    """Numbers that lie in memory row by row, with texts before them."""
+    table = pd.DataFrame(RNG.normal(size=(1001, 5)), columns=list("abcde"))
+    table.insert(0, "method", "muscle")
+    return table
+
+
+def with_attributes() -> pd.DataFrame:
+    table = pd.DataFrame({"a": [1.5]})
+    table.attrs = {"title": "T", "notes": ["one"], "units": {"a": "mm"}}
+    return table
+
+
+ZERO: Any = pd.array([0.0, 1.0, None], dtype="Float64")
+TABLES = {
+    "numbers": pd.DataFrame({"a": [1, 2], "b": [1.5, np.nan], "c": [True, False]}),
+    "small kinds": pd.DataFrame({"a": np.ones(2, "f4"), "b": np.ones(2, "u1"), "c": [1j, 2]}),
+    "texts": pd.DataFrame({"a": ["x", None], "b": ["é", ""]}),
+    "strings with NA": pd.DataFrame({"a": pd.array(["x", None], dtype="string")}),
+    "objects": pd.DataFrame({"a": objects(1, "x", None, (1, 2), [3], np.nan, True)}),
+    "texts as objects": pd.DataFrame({"a": objects("x", "y")}),
+    "times": pd.DataFrame(
+        {"a": pd.to_datetime(["2020-01-01", "NaT"]), "b": pd.to_timedelta([1, 2], unit="s")}
+    ),
+    "nullable": pd.DataFrame(
+        {
+            "a": pd.array([1, None], dtype="Int64"),
+            "b": pd.array([1.5, None], dtype="Float32"),
+            "c": pd.array([True, None], dtype="boolean"),
+            "d": pd.array([2**64 - 1, None], dtype="UInt64"),
+        }
+    ),
+    "NaN beside NA": pd.DataFrame({"a": ZERO / ZERO}),
+    "categories": pd.DataFrame(
+        {
+            "a": pd.Categorical(["x", "y", None], categories=["y", "x", "z"], ordered=True),
+            "b": pd.Categorical([3, 1, 3]),
+        }
+    ),
+    "one name twice": pd.DataFrame(np.eye(3), columns=["a", "a", "b"], index=["x", "x", "y"]),
+    "names of any kind": pd.DataFrame(
+        [[1, 2.0, "x", None]], columns=pd.Index(["a", 1, None, 2.5], dtype=object)
+    ),
+    "names of columns": pd.DataFrame([[1, 2]], columns=pd.Index(["a", "b"], name="metric")),
+    "numbered columns": pd.DataFrame(np.eye(2, dtype="f4")),
+    "columns on levels": pd.DataFrame(
+        np.eye(2), columns=pd.MultiIndex.from_product([["m"], ["x", "y"]], names=["k", None])
+    ),
+    "rows on levels": pd.DataFrame(
+        {"a": [1, 2]}, index=pd.MultiIndex.from_tuples([(1, "x"), (2, None)], names=["i", None])
+    ),
+    "counted rows": pd.DataFrame({"a": [1, 2]}, index=pd.RangeIndex(4, 0, -2, name="r")),
+    "named rows": pd.DataFrame({"a": [1]}, index=pd.Index([5], name=("t", 1))),
+    "dated rows": pd.DataFrame({"a": [1]}, index=pd.DatetimeIndex(["2020-01-01"])),
+    "rows of categories": pd.DataFrame({"a": [1]}, index=pd.CategoricalIndex(["q"])),
+    "no rows": pd.DataFrame({"a": np.empty(0, "f4"), "b": pd.Series([], dtype=str)}),
+    "no columns": pd.DataFrame(index=[1, 2]),
+    "nothing": pd.DataFrame(),
+    "attributes": with_attributes(),
+    "no name twice": pd.DataFrame({"a": [1]}).set_flags(allows_duplicate_labels=False),
+    "row by row": pd.DataFrame(RNG.normal(size=(1001, 5))),
+    "inserted": inserted(),
+    "every second": inserted().iloc[::2],
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_comes_back_exactly(name: str) -> None:
+    table = TABLES[name]
+    back = put_together(take_apart(table))
+    pd.testing.assert_frame_equal(
+        table, back, check_exact=True, check_flags=True, check_freq=True, check_column_type=True
+    )
+    assert type(back.index) is type(table.index)
+    assert type(back.columns) is type(table.columns)
+    assert back.index.names == table.index.names
+    assert back.attrs == table.attrs
+    for place in range(table.shape[1]):
+        one, other = table.iloc[:, place], back.iloc[:, place]
+        assert one.dtype == other.dtype
+        assert list(map(type, one)) == list(map(type, other))
+
+
+def test_bits_of_numbers_are_kept() -> None:
+    bits = np.array([0x7FF8000000000001, 1 << 63, 1], np.uint64)
+    back = put_together(take_apart(pd.DataFrame({"a": bits.view("f8")})))
+    assert back["a"].to_numpy().view("u8").tolist() == bits.tolist()
+
+
+def test_a_value_beside_the_mask_is_kept_where_it_is_not_missing() -> None:
+    back = put_together(take_apart(TABLES["NaN beside NA"]))["a"].array
+    assert list(back.isna()) == list(TABLES["NaN beside NA"]["a"].array.isna())
+    assert pd.isna(back[0]) == pd.isna(TABLES["NaN beside NA"]["a"].array[0])
+
+
+def test_a_table_that_was_put_together_can_be_changed() -> None:
+    for table in (TABLES["numbers"], TABLES["nullable"]):
+        parts = take_apart(table)
+        for part in parts["data"]:
+            part[1].flags.writeable = False  # as what comes from the store
+        back = put_together(parts)
+        back.iloc[0, 0] = 7
+        assert back.iloc[0, 0] == 7
+        assert table.iloc[0, 0] == 1
+
+
+class Special(pd.DataFrame):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("table", "told"),
+    [
+        (pd.DataFrame({"x": pd.to_datetime(["2020-01-01"]).tz_localize("UTC")}), "'x'.*UTC"),
+        (pd.DataFrame({"x": pd.period_range("2020", periods=2)}), "'x'.*period"),
+        (pd.DataFrame({"x": pd.arrays.SparseArray([0, 1])}), "'x'.*Sparse"),
+        (pd.DataFrame({"x": pd.interval_range(0, 2)}), "'x'.*interval"),
+        (pd.DataFrame({"x": [1]}, index=pd.period_range("2020", periods=1)), "PeriodIndex"),
+        (pd.DataFrame({"x": [1]}, index=pd.date_range("2020", periods=1)), "DatetimeIndex"),
+        (Special({"x": [1]}), "Special is more"),
+    ],
+)
+def test_what_would_not_come_back_exactly_is_refused(table: pd.DataFrame, told: str) -> None:
+    with pytest.raises(TypeError, match=told):
+        take_apart(table)
+
+
+RANGE = ("range", 0, 2, 1, None)
+EMPTY = ("range", 0, 0, 1, None)
+CODES = np.array([0, 1])
+
+
+def levels(codes: Any) -> tuple[Any, ...]:
+    """Return an index on one level."""
+    return ("multi", [RANGE], [codes], [None])
+
+
+FORGED: dict[str, dict[str, Any]] = {
+    "no parts": {"columns": 1, "index": None, "data": 5},
+    "a column of one number": {"data": [("numpy", np.float64(1))]},
+    "a column of rows": {"data": [("numpy", np.zeros((2, 1)))]},
+    "a longer column": {"data": [("numpy", np.zeros(3))]},
+    "a column of an unknown kind": {"data": [("odd", np.zeros(2), np.zeros(2, bool))]},
+    "a text for a column": {"data": [("objects", "ab")]},
+    "numbers as texts": {"data": [("text", [1, 2], "python", True)]},
+    "a column without missing values": {"data": [("integer", np.zeros(2, int))]},
+    "missing values of another length": {
+        "data": [("integer", np.zeros(2, int), np.zeros(3, bool))]
+    },
+    "categories beyond the last": {
+        "data": [("categorical", np.array([0, 7]), ("range", 0, 2, 1, None), False)]
+    },
+    "more categories than can be": {
+        "data": [("categorical", np.array([0, 1]), ("range", 0, 2**40, 1, None), False)]
+    },
+    "an endless index": {"index": ("range", 0, 2**40, 1, None), "data": [], "columns": EMPTY},
+    "an endless index of one number": {
+        "index": ("range", 0, 2**40, 1, None), "data": [("numpy", np.float64(1))]
+    },
+    "an index without numbers": {"index": ("range", 0, "2", 1, None)},
+    "an index that is none": {"index": ("odd", 1)},
+    "an index with no name": {"index": ("range", 0, 2, 1, [])},
+    "a code beyond its level": {"index": levels(np.array([0, 9]))},
+    "a code below its level": {"index": levels(np.array([0, -2]))},
+    "codes that are no numbers": {"index": levels([0, 1])},
+    "codes that are fractions": {"index": levels(np.array([0.0, 1.0]))},
+    "codes in rows": {"index": levels(np.array([[0], [1]]))},
+    "fewer codes than levels": {"index": ("multi", [RANGE, RANGE], [CODES], [None, None])},
+    "levels of levels": {"index": ("multi", [levels(CODES)], [CODES], [None])},
+    "more columns": {"columns": ("range", 0, 5, 1, None)},
+    "attributes that are none": {"attrs": 5},
+    "names twice": {"columns": ("index", ("objects", ["a", "a"]), None), "unique": True},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FORGED)
+def test_parts_of_no_table_are_refused(name: str) -> None:
+    parts = take_apart(TABLES["numbers"].iloc[:, :1])
+    assert put_together(parts).shape == (2, 1)
+    with pytest.raises((ValueError, TypeError, AttributeError, KeyError)):
+        put_together(parts | FORGED[name])

@@ -1,0 +1,85 @@
+"""Wheels and checkouts replace each other in an environment, whatever was there before."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.environments import ROOT, Environment, build, one_wheel
+
+GRAPH = """
+nodegraph: 1
+nodes:
+  capture: {use: read.recording, with: {path: "sample:face"}}
+  smooth: {use: smooth.one_euro, in: capture}
+  table: {use: score.roughness, in: smooth}
+report: [table]
+"""
+"""Reads a file of the package, and compiles a function."""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel built from the tree."""
+    return one_wheel(build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel"), "nodegraph")
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Environment:
+    """An environment without nodegraph, with a graph beside it."""
+    (tmp_path / "graph.yaml").write_text(GRAPH)
+    return Environment.create(tmp_path)
+
+
+def check_all_is_there(place: Environment) -> None:
+    """Check that nodes and example graphs are listed."""
+    assert {"fill.muscle", "fill.kalman"} <= set(place.run("nodegraph", "nodes", "fill").split())
+    assert "fill" in place.run("nodegraph", "examples").split()
+
+
+def test_a_run_writes_nothing_into_the_packages(place: Environment, wheel: Path) -> None:
+    place.install(wheel)
+    installed = place.files()
+    place.run("nodegraph", "run", "graph.yaml", "--executor", "processes")
+    assert place.files() == installed
+    assert list(place.home.rglob("nodegraph/kernels/*/one_euro_kernel.*.nbc"))
+
+
+def test_wheel_and_checkout_replace_each_other(place: Environment, wheel: Path) -> None:
+    before = place.files()
+    for source, steps in (
+        ([wheel], "3 computed"),
+        ([wheel], "3 stored"),
+        (["-e", ROOT], "3 stored"),
+        ([wheel], "3 stored"),
+    ):
+        place.install("--force-reinstall", *source)
+        check_all_is_there(place)
+        assert f"3 steps: {steps}" in place.run("nodegraph", "run", "graph.yaml")
+    place.uninstall("nodegraph")
+    assert place.files() == before
+
+
+@pytest.mark.parametrize("source", ["wheel", "checkout"])
+def test_what_an_earlier_version_left_hides_nothing(
+    place: Environment, wheel: Path, source: str
+) -> None:
+    for package in (ROOT / "plugins").glob("nodegraph_*"):
+        left = place.site_packages / package.name / "__pycache__"
+        left.mkdir(parents=True)
+        (left / "a_kernel.run-1.py311.nbi").touch()
+    place.install(*([wheel] if source == "wheel" else ["-e", ROOT]))
+    check_all_is_there(place)
+
+
+def test_kernels_compile_where_neither_packages_nor_home_can_be_written(
+    place: Environment, wheel: Path
+) -> None:
+    place.install("--no-compile", wheel)
+    for package in place.site_packages.glob("nodegraph_*"):
+        (package / "__pycache__").touch()  # a file where a folder would be written
+    place.home.touch()
+    installed = place.files()
+    assert "3 steps: 3 computed" in place.run("nodegraph", "run", "graph.yaml")
+    assert place.files() == installed
