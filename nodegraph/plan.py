@@ -1,11 +1,12 @@
-"""Typed graph -> steps: every combination of axes once, shared prefixes once, in a lean order."""
+"""Plan the steps of a graph: every combination of axes once, and equal calls once."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.formatting import name_at
 from nodegraph.gc_pause import gc_paused
@@ -14,12 +15,14 @@ from nodegraph.graphfile.spec import Reference
 from nodegraph.node.ports import Absent, Label
 from nodegraph.state import State
 
+if TYPE_CHECKING:
+    import networkx as nx
+
 Combination = tuple[Label, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Output:
-    """One output of a step: the step's index, and the position among its outputs."""
+class Output(NamedTuple):
+    """One output of a step: the index of the step, and the position among its outputs."""
 
     step: int
     position: int
@@ -27,7 +30,7 @@ class Output:
 
 @dataclass(frozen=True, slots=True)
 class Gathered:
-    """What a gathering port takes: outputs with their labels, and combinations left out.
+    """What feeds a gathering port: outputs with their labels, and the combinations left out.
 
     Attributes
     ----------
@@ -43,8 +46,24 @@ class Gathered:
     absent: tuple[tuple[Combination, str], ...]
     known: tuple[tuple[Label, ...], ...]
 
+    def skipped(self) -> tuple[Absent, ...]:
+        """Return the combinations left out as a node sees them."""
+        return tuple(
+            Absent(dict(zip(self.axes, at, strict=True)), State.SKIPPED.value, reason)
+            for at, reason in self.absent
+        )
+
 
 StepInput = Output | Gathered
+
+
+def outputs_in(inputs: Iterable[StepInput]) -> Iterator[Output]:
+    """Yield every output that feeds some ports."""
+    for source in inputs:
+        if isinstance(source, Gathered):
+            yield from (output for _, output in source.entries)
+        else:
+            yield source
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +73,7 @@ class Step:
     Attributes
     ----------
     index : int
-        Its place in the order of the plan: what it needs comes before it.
+        Its place in the plan, after the steps that feed it.
     node : str
     method : Method
     labels : mapping of axis to label
@@ -62,7 +81,7 @@ class Step:
     settings : mapping
         What the function is called with.
     shown : mapping
-        The same as a reader wrote it.
+        The settings in the form in which they were written.
     inputs : mapping of port to Output or Gathered
     needed : tuple of int
         The steps that feed it, each once.
@@ -84,11 +103,7 @@ class Step:
 
     def reads(self) -> Iterator[Output]:
         """Yield the outputs that feed it."""
-        for fed in self.inputs.values():
-            if isinstance(fed, Gathered):
-                yield from (output for _, output in fed.entries)
-            else:
-                yield fed
+        return outputs_in(self.inputs.values())
 
 
 @dataclass(frozen=True)
@@ -99,7 +114,7 @@ class Plan:
     ----------
     graph : Graph
     steps : tuple of Step
-        Each after what feeds it, and as soon after it as can be, so that values are released early.
+        Each after those that feed it, and soon after them, so that values are released early.
     cells : mapping of node to (mapping of combination to step index)
     skipped : mapping of node to (mapping of combination to reason)
     """
@@ -109,66 +124,23 @@ class Plan:
     cells: Mapping[str, Mapping[Combination, int]]
     skipped: Mapping[str, Mapping[Combination, str]]
 
+    @cached_property
+    def network(self) -> nx.DiGraph[int]:
+        """The indices of the steps, with an edge from each step to every reader of it.
 
-def absent_of(gathered: Gathered) -> tuple[Absent, ...]:
-    """Return the combinations that the plan itself has left out of a gathering."""
-    return tuple(
-        Absent(dict(zip(gathered.axes, at, strict=True)), State.SKIPPED.value, reason)
-        for at, reason in gathered.absent
-    )
+        Examples
+        --------
+        >>> networkx.ancestors(plan.network, step.index)  # doctest: +SKIP
+        """
+        import networkx as nx
 
-
-def lean_order(steps: list[Step]) -> list[int]:
-    """Return the steps depth first from the last ones, so that few values wait at a time."""
-    read = {needed for step in steps for needed in step.needed}
-    order: list[int] = []
-    done: set[int] = set()
-    for last in (step for step in steps if step.index not in read):
-        pending = [(last, iter(last.needed))]
-        done.add(last.index)
-        while pending:
-            step, needs = pending[-1]
-            following = next((one for one in needs if one not in done), None)
-            if following is None:
-                order.append(step.index)
-                pending.pop()
-            else:
-                done.add(following)
-                pending.append((steps[following], iter(steps[following].needed)))
-    return order
-
-
-def needed_by(inputs: Mapping[str, StepInput]) -> tuple[int, ...]:
-    """Return the steps that feed the ports of another, each once."""
-    found: dict[int, None] = {}
-    for fed in inputs.values():
-        if isinstance(fed, Output):
-            found[fed.step] = None
-        else:
-            found.update((output.step, None) for _, output in fed.entries)
-    return tuple(found)
-
-
-def moved_step(step: Step, moved: Mapping[int, int]) -> Step:
-    """Return a step, and what it says of others, with the indices that they have now."""
-    inputs = {port: _moved_input(fed, moved) for port, fed in step.inputs.items()}
-    return Step(
-        moved[step.index],
-        step.node,
-        step.method,
-        step.labels,
-        step.settings,
-        step.shown,
-        inputs,
-        tuple([moved[one] for one in step.needed]),
-    )
-
-
-def _moved_input(fed: StepInput, moved: Mapping[int, int]) -> StepInput:
-    if isinstance(fed, Output):
-        return Output(moved[fed.step], fed.position)
-    entries = tuple((at, Output(moved[one.step], one.position)) for at, one in fed.entries)
-    return replace(fed, entries=entries)
+        network: nx.DiGraph[int] = nx.DiGraph()
+        network.add_nodes_from(range(len(self.steps)))
+        network.add_edges_from(
+            (source, step.index) for step in self.steps for source in step.needed
+        )
+        nx.freeze(network)
+        return network
 
 
 @gc_paused()
@@ -180,141 +152,141 @@ def plan(graph: Graph) -> Plan:
     return planner.plan()
 
 
+class _Draft(NamedTuple):
+    """A step before the order is known: it names others by the order in which they were added."""
+
+    node: str
+    method: Method
+    labels: Mapping[str, Label]
+    row: Combination
+    inputs: Mapping[str, StepInput]
+    needed: tuple[int, ...]
+
+
 class _Planner:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._steps: list[Step] = []
-        self._same: dict[tuple[Any, ...], int] = {}
+        self._drafts: list[_Draft] = []
+        self._by_call: dict[tuple[Any, ...], int] = {}
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
-        self._axes_like: dict[tuple[str, ...], tuple[Label, ...]] = {}
+        self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}
 
     def add(self, node: GraphNode) -> None:
+        """Add the steps of a node; those of the nodes that feed it must be there."""
         cells: dict[Combination, int] = {}
         skipped: dict[Combination, str] = {}
         self._cells[node.name], self._skipped[node.name] = cells, skipped
-        texts = {label: _texts(method) for label, method in node.methods.items()}
+        # equal texts are equal settings
+        texts = {
+            label: {row: repr(sorted(values.items())) for row, values in m.settings.values.items()}
+            for label, m in node.methods.items()
+        }
         for combination in itertools.product(*(self._labels(axis) for axis in node.axes)):
             labels = dict(zip(node.axes, combination, strict=True))
             reason = self._skip_reason(labels)
-            if not reason:
-                reason = self._add_step(node, labels, texts, cells, combination)
-            if reason:
-                skipped[combination] = reason
+            step = reason or self._step(node, labels, texts)
+            if isinstance(step, str):
+                skipped[combination] = step
+            else:
+                cells[combination] = step
 
     def plan(self) -> Plan:
-        order = lean_order(self._steps)
-        moved = {old: new for new, old in enumerate(order)}
-        steps = tuple(moved_step(self._steps[old], moved) for old in order)
+        """Return the plan of all that was added."""
+        order = _depth_first_order([draft.needed for draft in self._drafts])
+        index = [0] * len(order)
+        for new, old in enumerate(order):
+            index[old] = new
+        steps = tuple(_ordered_step(self._drafts[old], new, index) for new, old in enumerate(order))
         cells = {
-            name: {combination: moved[step] for combination, step in found.items()}
-            for name, found in self._cells.items()
+            name: {combination: index[step] for combination, step in cells.items()}
+            for name, cells in self._cells.items()
         }
         return Plan(self._graph, steps, cells, self._skipped)
 
-    def _add_step(
+    def _step(
         self,
         node: GraphNode,
         labels: Mapping[str, Label],
         texts: Mapping[str, Mapping[Combination, str]],
-        cells: dict[Combination, int],
-        combination: Combination,
-    ) -> str:
-        """Add the step of one combination; return why there is none, if there is none."""
+    ) -> int | str:
+        """Return the step of one combination, or why there is none."""
         label = str(labels[node.name]) if node.has_alternatives else ""
         method = node.methods[label]
         inputs: dict[str, StepInput] = {}
-        for port, fed in method.inputs.items():
-            found = self._input(node, fed, labels)
-            if isinstance(found, str):
-                return found
-            inputs[port] = found
-        row = tuple(labels[axis] for axis in method.settings.axes)
-        same = (method.plugin, method.node.name, texts[label][row], *inputs.items())
-        index = self._same.setdefault(same, len(self._steps))
-        if index == len(self._steps):
-            settings = method.settings
-            self._steps.append(
-                Step(
-                    index,
-                    node.name,
-                    method,
-                    labels,
-                    settings.values[row],
-                    settings.shown[row],
-                    inputs,
-                    needed_by(inputs),
-                )
-            )
-        cells[combination] = index
-        return ""
+        for port, feed in method.inputs.items():
+            source = self._input(node, feed, labels)
+            if isinstance(source, str):
+                return source
+            inputs[port] = source
+        row = tuple([labels[axis] for axis in method.settings.axes])
+        call = (method.plugin, method.node.name, texts[label][row], *inputs.items())
+        index = self._by_call.setdefault(call, len(self._drafts))
+        if index == len(self._drafts):
+            needed = tuple(dict.fromkeys([output.step for output in outputs_in(inputs.values())]))
+            self._drafts.append(_Draft(node.name, method, labels, row, inputs, needed))
+        return index
 
     def _input(
-        self, node: GraphNode, fed: Reference | Gather, labels: Mapping[str, Label]
+        self, node: GraphNode, feed: Reference | Gather, labels: Mapping[str, Label]
     ) -> StepInput | str:
-        if isinstance(fed, Reference):
-            return self._output(fed, labels)
-        axes = self._gathered_axes(node, fed)
+        if isinstance(feed, Reference):
+            return self._output(feed, labels)
+        axes = self._gathered_axes(node, feed)
         entries: list[tuple[Combination, Output]] = []
         absent: list[tuple[Combination, str]] = []
-        for label, source in fed.sources.items():
-            for here in self._combinations(node, source):
-                found = self._output(source, {**labels, **here})
-                named = {**here, fed.axis: label}
-                at = tuple(named.get(axis, "") for axis in axes)
-                if isinstance(found, str):
-                    absent.append((at, found))
+        for label, source in feed.sources.items():
+            free = self._free_axes(node, source)
+            for combination in itertools.product(*(self._labels(axis) for axis in free)):
+                at = dict(zip(free, combination, strict=True))
+                output = self._output(source, {**labels, **at})
+                at[feed.axis] = label
+                row = tuple(at.get(axis, "") for axis in axes)
+                if isinstance(output, str):
+                    absent.append((row, output))
                 else:
-                    entries.append((at, found))
+                    entries.append((row, output))
         if not entries:
             return "everything that it gathers is left out"
-        # a node of a graph that is used as a node knows its axes by the names they have there
-        inside = tuple(map(node.local_name, axes))
-        return Gathered(inside, tuple(entries), tuple(absent), self._known(axes, fed))
-
-    def _known(self, axes: tuple[str, ...], fed: Gather) -> tuple[tuple[Label, ...], ...]:
-        """Return every label of each gathered axis.
-
-        Labels that a port gives of its own are, where they are those of an axis, that axis's.
-        """
-        own = tuple(fed.sources)
-        return tuple(self._like(own) if axis == fed.axis else self._labels(axis) for axis in axes)
-
-    def _like(self, own: tuple[str, ...]) -> tuple[Label, ...]:
-        """Return the labels of the first axis that has all of these, else these."""
-        if own not in self._axes_like:  # asked for every combination of a node
-            every = (one.labels for one in self._graph.axes.values())
-            found = (labels for labels in every if set(own) <= set(map(str, labels)))
-            self._axes_like[own] = next(found, own)
-        return self._axes_like[own]
-
-    def _gathered_axes(self, node: GraphNode, fed: Gather) -> tuple[str, ...]:
-        found = {axis for one in fed.sources.values() for axis in self._free(node, one)}
-        named = tuple(axis for axis in node.gathered if axis in found)
-        return (fed.axis, *named) if fed.axis else named
-
-    def _free(self, node: GraphNode, source: Reference) -> tuple[str, ...]:
-        """Return the axes of a source that the node gathers."""
-        axes = self._graph.nodes[source.node].axes
-        return tuple(one for one in axes if one in node.gathered and one not in source.at)
-
-    def _combinations(self, node: GraphNode, source: Reference) -> Iterator[dict[str, Label]]:
-        free = self._free(node, source)
-        for combination in itertools.product(*(self._labels(axis) for axis in free)):
-            yield dict(zip(free, combination, strict=True))
+        # a node inside a graph used as a node sees its axes under the names that they have there
+        names = tuple(map(node.local_name, axes))
+        known = tuple(
+            self._labels_like(tuple(feed.sources)) if axis == feed.axis else self._labels(axis)
+            for axis in axes
+        )
+        return Gathered(names, tuple(entries), tuple(absent), known)
 
     def _output(self, source: Reference, labels: Mapping[str, Label]) -> Output | str:
         node = self._graph.nodes[source.node]
-        at = tuple(source.at[axis] if axis in source.at else labels[axis] for axis in node.axes)
-        index = self._cells[source.node].get(at)
-        if index is None:
+        at = tuple([source.at[axis] if axis in source.at else labels[axis] for axis in node.axes])
+        step = self._cells[source.node].get(at)
+        if step is None:
             return self._skipped[source.node].get(at, f"{source.node} is left out")
-        outputs = self._steps[index].method.node.outputs
-        names = [port.name for port in outputs]
-        return Output(index, names.index(source.port) if source.port else 0)
+        if not source.port:
+            return Output(step, 0)
+        outputs = self._drafts[step].method.node.outputs
+        return Output(step, [port.name for port in outputs].index(source.port))
+
+    def _gathered_axes(self, node: GraphNode, feed: Gather) -> tuple[str, ...]:
+        free = {axis for source in feed.sources.values() for axis in self._free_axes(node, source)}
+        axes = tuple(axis for axis in node.gathered if axis in free)
+        return (feed.axis, *axes) if feed.axis else axes
+
+    def _free_axes(self, node: GraphNode, source: Reference) -> tuple[str, ...]:
+        """Return the axes of a source that the node gathers."""
+        axes = self._graph.nodes[source.node].axes
+        return tuple(axis for axis in axes if axis in node.gathered and axis not in source.at)
 
     def _labels(self, axis: str) -> tuple[Label, ...]:
         return self._graph.axes[axis].labels
+
+    def _labels_like(self, own: tuple[str, ...]) -> tuple[Label, ...]:
+        """Return the labels of the first axis that has all of a port's own labels, else these."""
+        if own not in self._known_labels:  # needed for every combination of a node
+            axes = (axis.labels for axis in self._graph.axes.values())
+            like = (labels for labels in axes if set(own) <= set(map(str, labels)))
+            self._known_labels[own] = next(like, own)
+        return self._known_labels[own]
 
     def _skip_reason(self, labels: Mapping[str, Label]) -> str:
         for item in self._graph.spec.skip:
@@ -323,6 +295,35 @@ class _Planner:
         return ""
 
 
-def _texts(method: Method) -> dict[Combination, str]:
-    """Return each row of settings as one text: equal texts are equal settings."""
-    return {row: repr(sorted(values.items())) for row, values in method.settings.values.items()}
+def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:
+    """Return the steps, each after those that it needs, so that few values wait at a time."""
+    import networkx as nx
+
+    read = {source for sources in needed for source in sources}
+    network: nx.DiGraph[int] = nx.DiGraph()
+    network.add_nodes_from(step for step in range(len(needed)) if step not in read)
+    network.add_edges_from(
+        (step, source) for step, sources in enumerate(needed) for source in sources
+    )
+    return list(nx.dfs_postorder_nodes(network))
+
+
+def _ordered_step(draft: _Draft, index: int, indices: Sequence[int]) -> Step:
+    settings = draft.method.settings
+    return Step(
+        index,
+        draft.node,
+        draft.method,
+        draft.labels,
+        settings.values[draft.row],
+        settings.shown[draft.row],
+        {port: _renumbered(source, indices) for port, source in draft.inputs.items()},
+        tuple([indices[step] for step in draft.needed]),
+    )
+
+
+def _renumbered(source: StepInput, indices: Sequence[int]) -> StepInput:
+    if isinstance(source, Output):
+        return Output(indices[source.step], source.position)
+    entries = [(at, Output(indices[step], position)) for at, (step, position) in source.entries]
+    return replace(source, entries=tuple(entries))

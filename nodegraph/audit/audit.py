@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+import networkx as nx
+
 from nodegraph.audit.repeat import SEVERAL, Case, Drift, Given, Repeats, drift, floor_of
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
@@ -103,7 +105,8 @@ def audit(run: Run, steps: Iterable[int]) -> Iterator[Audited]:
     with Repeats(run) as repeats:
         for index in sorted(set(steps)):
             step = run.plan.steps[index]
-            found = _audited(run, step, repeats, fed_anew=bool(wavering & _above(run, step)))
+            upstream = nx.ancestors(run.plan.network, index)
+            found = _audited(run, step, repeats, fed_anew=bool(wavering & upstream))
             if found.grade == "differs":
                 wavering.add(index)
             if found.is_one_of_several and run.cache is not None:
@@ -117,18 +120,6 @@ def _first(run: Run, steps: list[int]) -> int:
 
 def _has_result(outcome: Outcome) -> bool:
     return outcome.state.has_value
-
-
-def _above(run: Run, step: Step) -> set[int]:
-    """Return all steps that a step is made of."""
-    found: set[int] = set()
-    pending = [step]
-    while pending:
-        for needed in pending.pop().needed:
-            if needed not in found:
-                found.add(needed)
-                pending.append(run.plan.steps[needed])
-    return found
 
 
 def _audited(run: Run, step: Step, repeats: Repeats, *, fed_anew: bool) -> Audited:

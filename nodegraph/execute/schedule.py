@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from nodegraph.execute.call import Call, Outcome, perform, skipped
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.node.ports import Absent, Across
-from nodegraph.plan import Gathered, Output, Plan, Step, StepInput, absent_of
+from nodegraph.plan import Gathered, Output, Plan, Step, StepInput
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 from nodegraph.store import Packer
@@ -248,7 +248,7 @@ class Schedule:
 
     def _gather(self, source: Gathered) -> Across[Any]:
         entries = []
-        absent = list(absent_of(source))
+        absent = list(source.skipped())
         for combination, output in source.entries:
             labels = dict(zip(source.axes, combination, strict=True))
             outcome = self.outcomes[output.step]

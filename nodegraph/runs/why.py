@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import networkx as nx
+
 from nodegraph.execute.events import plain
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Output, Plan, Step, StepInput
@@ -88,14 +90,8 @@ class Why:
 
     def _all_changes(self, step: Step) -> tuple[str, ...]:
         """Return the changes of a step and of everything upstream, each once."""
-        needed = {step.index}
-        pending = [step]
-        while pending:
-            for index in pending.pop().needed:
-                if index not in needed:
-                    needed.add(index)
-                    pending.append(self._plan.steps[index])
-        changes = (text for index in sorted(needed) for text in self._own_changes(index))
+        indices = {step.index} | nx.ancestors(self._plan.network, step.index)
+        changes = (text for index in sorted(indices) for text in self._own_changes(index))
         return tuple(dict.fromkeys(changes))
 
     def _own_changes(self, index: int) -> tuple[str, ...]:
