@@ -1,4 +1,7 @@
-"""Wheels as users get them: what is in ours, and a stranger's plugin beside it in a clean place."""
+"""Wheels as users get them: the content of ours, and a third-party plugin beside it.
+
+The third-party wheel adds one of each: a method, a figure, an executor and a command.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ from nodegraph import Unit, node
 from nodegraph_mocap import Origin, Trajectories
 
 
-@node("fill.hold", cite="stranger2026")
+@node("fill.hold", cite="lab2026")
 def hold(
     recording: Trajectories,
     *,
@@ -49,29 +52,103 @@ def hold(
     return recording.with_samples(positions, changed=held, origin=Origin.FILLED)
 '''
 
-PLUGIN = '''
-"""A plugin from elsewhere."""
+SPARKLINE = '''
+"""A type of its own, a figure that returns it, and how it is shown."""
 
-from nodegraph import hookimpl
+from dataclasses import dataclass
+
+import numpy as np
+
+from nodegraph import Rendered, Value, node
+from nodegraph_mocap import Trajectories
+
+
+@dataclass(frozen=True)
+class Sparkline(Value):
+    heights: tuple[float, ...]
+
+
+@node("plot.sparkline")
+def sparkline(recording: Trajectories) -> Sparkline:
+    """Plot the height of the head."""
+    return Sparkline(tuple(np.nanmean(recording.positions[..., 1], axis=1).tolist()))
+
+
+def render(value: Sparkline, title: str) -> Rendered:
+    points = " ".join(f"{x},{-y:.1f}" for x, y in enumerate(value.heights))
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg"><polyline points="{points}"/></svg>'
+    return Rendered(svg, f"{len(value.heights)} heights", files={".svg": svg.encode()})
+'''
+
+PLUGIN = '''
+"""A plugin that adds a method, a figure, an executor and a command."""
+
+from nodegraph import Command, Renderer, get_node, hookimpl
 
 
 @hookimpl
 def nodegraph_nodes():
-    from nodegraph_stranger.hold import hold
+    from nodegraph_lab.hold import hold
+    from nodegraph_lab.sparkline import sparkline
 
-    return [hold]
+    return [hold, sparkline]
 
 
 @hookimpl
 def nodegraph_bibtex():
-    return """@article{stranger2026,
-        author = {Stranger, A.}, title = {Standing still}, journal = {Elsewhere}, year = {2026}
+    return """@article{lab2026,
+        author = {Lab, A.}, title = {Standing still}, journal = {Journal}, year = {2026}
     }"""
+
+
+@hookimpl
+def nodegraph_renderers():
+    from nodegraph_lab.sparkline import Sparkline, render
+
+    return [Renderer(Sparkline, render)]
+
+
+@hookimpl
+def nodegraph_executors():
+    return {"one-by-one": one_by_one}
+
+
+def one_by_one(schedule, how):
+    print("one by one")
+    while (call := schedule.next()) is not None:
+        yield call.step, schedule.perform(call)
+
+
+@hookimpl
+def nodegraph_commands():
+    return {"count": Command("Count the markers of a file.", add_arguments, count)}
+
+
+def add_arguments(parser):
+    parser.add_argument("file")
+
+
+def count(arguments):
+    from pathlib import Path
+
+    recording = get_node("read.recording")(path=Path(arguments.file))
+    print(len(recording.markers), "markers")
+    return 0
 '''
+
+GRAPH = """
+nodegraph: 1
+title: Heights
+nodes:
+  capture: {use: read.recording, with: {path: "sample:face"}}
+  fill: {use: fill.hold, in: capture}
+  heights: {use: plot.sparkline, in: fill}
+report: [heights]
+"""
 
 CHECK = """
 from nodegraph.testing import check_node
-from nodegraph_stranger.hold import hold
+from nodegraph_lab.hold import hold
 
 check_node(hold)
 """
@@ -91,14 +168,13 @@ def through_sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def place(tmp_path_factory: pytest.TempPathFactory, wheels: Path) -> Path:
-    """A clean environment into which our wheel and a stranger's were installed."""
-    folder = tmp_path_factory.mktemp("stranger")
-    stranger = build(
-        write_plugin(folder, "stranger", {"__init__": PLUGIN, "hold": HOLD}), wheels, "--wheel"
-    )
+    """A new environment in which our wheel and a third-party wheel are installed."""
+    folder = tmp_path_factory.mktemp("third_party")
+    modules = {"__init__": PLUGIN, "hold": HOLD, "sparkline": SPARKLINE}
+    third_party = build(write_plugin(folder, "lab", modules), wheels, "--wheel")
     run(sys.executable, "-m", "venv", str(folder / "venv"))
     run(*pip(folder), str(one_wheel(wheels, "nodegraph")), cwd=folder)
-    run(*pip(folder), str(one_wheel(stranger, "nodegraph_stranger")), cwd=folder)
+    run(*pip(folder), str(one_wheel(third_party, "nodegraph_lab")), cwd=folder)
     return folder
 
 
@@ -130,7 +206,7 @@ def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheels: Path, through_s
     assert {"tests/test_third_party.py", "graphs/fill.yaml", "LICENSE"} <= inside
 
 
-def test_a_stranger_s_method_joins_the_comparison(place: Path, tmp_path: Path) -> None:
+def test_a_third_party_method_joins_the_comparison(place: Path, tmp_path: Path) -> None:
     listed = nodegraph(place, "nodes", "fill", cwd=tmp_path)
     assert "fill.hold" in listed.stdout
     assert "Repeat the last measured position over each gap." in listed.stdout
@@ -147,6 +223,20 @@ def test_a_stranger_s_method_joins_the_comparison(place: Path, tmp_path: Path) -
     assert "Standing still" in (tmp_path / "runs" / "fill" / "report.html").read_text("utf-8")
 
     run(str(place / "venv" / BIN / "python"), "-c", CHECK, cwd=tmp_path)
+
+
+def test_a_third_party_figure_executor_and_command_work_like_ours(
+    place: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "heights.yaml").write_text(GRAPH)
+    out = nodegraph(place, "run", "heights.yaml", "--executor", "one-by-one", cwd=tmp_path).stdout
+    assert "one by one" in out
+    assert "<polyline points=" in (tmp_path / "runs/heights/report.html").read_text("utf-8")
+    assert (tmp_path / "runs/heights/heights.svg").is_file()
+
+    nodegraph(place, "export", "runs/heights", "fill", "--out", "fill.csv", cwd=tmp_path)
+    assert nodegraph(place, "count", "fill.csv", cwd=tmp_path).stdout == "60 markers\n"
+    assert "Count the markers" in nodegraph(place, "help", cwd=tmp_path).stdout
 
 
 def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(
@@ -171,8 +261,8 @@ def test_a_new_plugin_is_installed_and_passes_its_own_tests(place: Path, tmp_pat
         assert "Whatever the method is published in" in shown
         nodegraph(place, "examples", "hold_on", cwd=tmp_path)
         nodegraph(place, "run", "hold_on.yaml", "--axis", "trial=0", cwd=tmp_path)
-        done = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=source)
-        assert "3 passed" in done.stdout
+        result = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=source)
+        assert "3 passed" in result.stdout
         method = source / "hold_on" / "method.py"
         method.write_text(method.read_text("utf-8").replace("Repeat each", "Say again each"))
         assert "Say again each" in nodegraph(place, "nodes", "fill", cwd=tmp_path).stdout
