@@ -1,33 +1,33 @@
-"""Every installed node keeps its promises, a stranger's as well as ours."""
+"""Every installed node keeps its promises, with its defaults and with each choice of a setting."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 import pytest
 
 from nodegraph.node.decorator import Node
-from nodegraph.plugin.bibliography import references
-from nodegraph.plugin.registry import Registered, Registry, default_registry
+from nodegraph.plugin.bibliography import entry_keys
+from nodegraph.plugin.registry import default_registry
 from nodegraph.testing import check_node
+from nodegraph.testing.specimens import variants
 from nodegraph_files import sample_folder
 
 HERE = Path(__file__).parent
-NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
+REQUIRED: Mapping[str, Callable[[], Mapping[str, Any]]] = {
     "blendshapes.from_frames": lambda: {"frames": {"smile": 15, "jawOpen": 30}},
     "compare.curve": lambda: {"x": "frames"},
     "markers.rename": lambda: {"names": {"nose": "forehead", "forehead": "nose"}},
     "plot.scatter": lambda: {"x": "rmse"},
     "points.literal": lambda: {"points": {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}},
-    "read.head": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "head.obj"},
+    "read.head": lambda: {"path": HERE / "plugins" / "nodegraph_files" / "head.obj"},
     "read.model": lambda: {"path": sample_folder("face")},
     "read.recording": lambda: {"path": sample_folder("face")},
     "read.marker_set": lambda: {"path": sample_folder("face")},
     "recording.resample": lambda: {"rate": 44.1},
-    "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_mocap" / "weights.csv"},
+    "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_files" / "weights.csv"},
     "select.greedy": lambda: {"k": 5},
     "select.pfa": lambda: {"k": 5},
     "select.qr": lambda: {"k": 5},
@@ -37,63 +37,41 @@ NEEDS: Mapping[str, Callable[[], Mapping[str, Any]]] = {
 """Values for settings that have no default."""
 
 SMALL: Mapping[str, Mapping[str, Any]] = {"gaps.cut": {"length": 2, "count": 3}}
-"""Values with which more of the specimens, which are short, can be done."""
+"""Values for choices of settings, with which a node accepts more of the specimens."""
+
+INSTALLED = default_registry()
 
 
-@cache
-def installed() -> Registry:
-    return default_registry()
+def required(node: Node) -> Mapping[str, Any]:
+    return REQUIRED[node.name]() if node.name in REQUIRED else {}
 
 
-def names() -> list[str]:
-    return sorted(one.full_name for one in installed())
-
-
-def choices() -> Iterator[tuple[str, str, Any]]:
-    """Yield every node, setting and choice that is not the default."""
-    for name in names():
-        for setting in found(name).node.settings.values():
-            kind = setting.annotation
-            options = (True, False) if kind is bool else get_args(kind)
-            if kind is bool or get_origin(kind) is Literal:
-                yield from ((name, setting.name, one) for one in options if one != setting.default)
-
-
-def found(name: str) -> Registered:
-    return installed().find(name)
+def cases() -> Iterator[Any]:
+    for registered in sorted(INSTALLED, key=lambda registered: registered.full_name):
+        for label, choice in variants(registered.node):
+            settings = {**SMALL.get(registered.node.name, {}), **choice} if choice else {}
+            yield pytest.param(registered.node, settings, id=f"{registered.full_name}{label}")
 
 
 def test_every_plugin_is_installed_and_imports() -> None:
-    assert not installed().broken
-    assert names()
+    assert not INSTALLED.broken
+    assert list(INSTALLED)
 
 
-@pytest.mark.parametrize("name", names())
-def test_node_keeps_its_promises(name: str) -> None:
-    node = found(name).node
-    check_node(node.function, settings=needs(node))
+@pytest.mark.parametrize(("node", "settings"), list(cases()))
+def test_node_keeps_its_promises(node: Node, settings: Mapping[str, Any]) -> None:
+    check_node(node.function, settings={**required(node), **settings})
 
 
-@pytest.mark.parametrize(("name", "setting", "choice"), list(choices()))
-def test_node_keeps_its_promises_with_each_choice(name: str, setting: str, choice: Any) -> None:
-    node = found(name).node
-    settings = {**needs(node), **SMALL.get(node.name, {}), setting: choice}
-    check_node(node.function, settings=settings)
+def test_every_citation_is_installed() -> None:
+    keys = set(entry_keys(INSTALLED.hooks.bibtex))
+    missing = {registered.full_name: set(registered.node.cite) - keys for registered in INSTALLED}
+    assert not {name: absent for name, absent in missing.items() if absent}
 
 
-@pytest.mark.parametrize("name", names())
-def test_node_cites_what_its_plugin_ships(name: str) -> None:
-    told = references(installed().hooks.bibtex, found(name).node.cite)
-    absent = [key for key, text in told.items() if text.startswith(f"{key} (")]
-    assert not absent, f"no plugin ships a BibTeX entry {', '.join(absent)}"
-
-
-def test_every_contract_says_what_it_promises() -> None:
-    for promised in installed().hooks._manager.hook.nodegraph_contracts():
-        for family, contracts in promised.items():
-            assert family in installed().families
-            assert all((one.__doc__ or "").strip() for one in contracts)
-
-
-def needs(node: Node) -> Mapping[str, Any]:
-    return NEEDS[node.name]() if node.name in NEEDS else {}
+def test_every_contract_states_what_it_promises_and_has_a_family() -> None:
+    for plugin in INSTALLED.loaded:
+        hook: Callable[[], Any] = getattr(plugin.module, "nodegraph_contracts", dict)
+        for family, contracts in hook().items():
+            assert family in INSTALLED.families
+            assert all((contract.__doc__ or "").strip() for contract in contracts)

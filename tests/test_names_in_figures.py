@@ -1,4 +1,4 @@
-"""Names are drawn as they stand in the figures of every installed node, a stranger's as well."""
+"""Names are drawn as they stand in the figures of every installed node."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ import pytest
 
 from nodegraph import Across, Refusal
 from nodegraph.node.decorator import Node
-from nodegraph.plugin.registry import Registry
 from nodegraph.testing.specimens import cases
 from nodegraph_mocap import Figure
 from nodegraph_tables.renderers import saved
-from tests.test_contracts import found, installed, names, needs
+from tests.test_contracts import INSTALLED, required
 
 SHOWN = {
     r"$\frac$": r"$\frac$",
@@ -30,10 +29,11 @@ WITHOUT_LABELS = {"compare.importance"}
 """Nodes whose figures name the axes and no label."""
 
 
-def figures() -> list[str]:
-    return [
-        name for name in names() if any(port.type is Figure for port in found(name).node.outputs)
-    ]
+FIGURES = [
+    registered.full_name
+    for registered in INSTALLED
+    if any(port.type is Figure for port in registered.node.outputs)
+]
 
 
 def relabelled(value: Any) -> Any:
@@ -46,38 +46,38 @@ def relabelled(value: Any) -> Any:
     )
 
 
-def drawn(node: Node, registry: Registry) -> list[Figure]:
+def drawn(node: Node) -> list[Figure]:
     """Return the figures that a node draws of the first specimen that it does not decline."""
-    for _, values in cases(node, {}, registry):
+    for _, values in cases(node, {}, INSTALLED):
         inputs = {port: relabelled(value) for port, value in values.items()}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                made = node.function(**inputs, **needs(node))
+                returned = node.function(**inputs, **required(node))
             except (Refusal, ValueError):
                 continue
-        outputs = [made] if isinstance(made, Figure) else list(made)
-        return [one for one in outputs if isinstance(one, Figure)]
+        outputs = [returned] if isinstance(returned, Figure) else list(returned)
+        return [output for output in outputs if isinstance(output, Figure)]
     return []
 
 
 def text_of(figure: Figure) -> str:
     """Return what is written in a figure; a name may be broken into lines."""
     root = ET.fromstring(saved(figure, "svg"))
-    found = ["".join(one.itertext()) for one in root.iter("{http://www.w3.org/2000/svg}text")]
-    return " ".join(" ".join(found).split())
+    texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
+    return " ".join(" ".join(texts).split())
 
 
 def test_there_are_figures() -> None:
-    assert {"plot:plot.faces", "compare:compare.table", "score:score.alignment"} <= set(figures())
+    assert {"plot:plot.faces", "compare:compare.table", "score:score.alignment"} <= set(FIGURES)
 
 
-@pytest.mark.parametrize("name", figures())
+@pytest.mark.parametrize("name", FIGURES)
 def test_labels_are_drawn_as_they_stand(name: str) -> None:
-    node = found(name).node
-    made = drawn(node, installed())
-    assert made, "draws none of the specimens"
-    said = " ".join(map(text_of, made))
-    assert all(saved(figure, "pdf").startswith(b"%PDF") for figure in made)
+    node = INSTALLED.find(name).node
+    figures = drawn(node)
+    assert figures, "draws none of the specimens"
+    text = " ".join(map(text_of, figures))
+    assert all(saved(figure, "pdf").startswith(b"%PDF") for figure in figures)
     if node.name not in WITHOUT_LABELS:
-        assert [shown for shown in SHOWN.values() if shown not in said] == []
+        assert [shown for shown in SHOWN.values() if shown not in text] == []
