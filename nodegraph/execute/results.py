@@ -11,7 +11,7 @@ from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, collecting_warnings
 from nodegraph.execute.executors.base import HowToRun
 from nodegraph.execute.executors.serial import serial
-from nodegraph.execute.frames import frame_of
+from nodegraph.execute.frames import frame
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
@@ -213,8 +213,26 @@ class Values:
         return self._value(plan.cells[self.node][combination])
 
     def frame(self) -> pd.DataFrame:
-        """Return the values as one table, with a column for each axis."""
-        return frame_of(self)
+        """Return the values as one table, with a column for each axis.
+
+        Tables are concatenated; any other values are one column. A combination without a value is
+        one row in which the value is missing; only if there is such a row, the columns ``state``
+        and ``reason`` say for every row how its step ended.
+        """
+        plan, outcomes = self.run.plan, self.run.outcomes
+        values = {tuple(labels.values()): value for labels, value in self}
+        absent = {at: outcomes[index] for at, index in plan.cells[self.node].items()}
+        absent |= {
+            at: Outcome(State.SKIPPED, reason=reason)
+            for at, reason in plan.skipped[self.node].items()
+        }
+        absent = {at: outcome for at, outcome in absent.items() if at not in values}
+        axes = {axis: plan.graph.axes[axis].labels for axis in self.axes}
+        # a node with alternatives is an axis itself
+        output = plan.graph.nodes[self.node].first.node.outputs[0].name
+        names = (self.port or self.node, output, f"{self.node}_{output}")
+        column = next((name for name in names if name not in axes), names[-1])
+        return frame(self.node, column, axes, values, absent)
 
     def shown(self) -> Iterator[tuple[dict[str, Label], Any]]:
         """Yield labels and values, or stand-ins that are stored of values to be shown."""

@@ -10,7 +10,6 @@ from pandas.testing import assert_frame_equal
 
 from nodegraph import Refusal, node
 from nodegraph.execute import Run
-from nodegraph.execute.frames import frame_of
 
 AXES = """
     axes: {k: [1, 2], trial: {count: 2}}
@@ -40,7 +39,7 @@ def states(found: pd.DataFrame) -> dict[tuple[int, str], tuple[str, str]]:
 
 
 def test_numbers_stand_in_one_column_named_after_the_node(run_of: Callable[..., Run]) -> None:
-    found = frame_of(run_of(AXES)["gaps"])
+    found = run_of(AXES)["gaps"].frame()
     expected = pd.DataFrame(
         {"k": [1, 1, 2, 2], "trial": [0, 1, 0, 1], "gaps": [-3.0, -2.9, -2.0, -1.9]}
     )
@@ -49,12 +48,12 @@ def test_numbers_stand_in_one_column_named_after_the_node(run_of: Callable[..., 
 
 def test_numbers_of_one_output_are_named_after_it(run_of: Callable[..., Run]) -> None:
     run = run_of(AXES)
-    assert list(frame_of(run["gaps.hidden"]).columns) == ["k", "trial", "hidden"]
-    assert frame_of(run["gaps.hidden"])["hidden"].tolist() == [4, 4, 4, 4]
+    assert list(run["gaps.hidden"].frame().columns) == ["k", "trial", "hidden"]
+    assert run["gaps.hidden"].frame()["hidden"].tolist() == [4, 4, 4, 4]
 
 
 def test_a_node_without_axes_has_one_row(run_of: Callable[..., Run]) -> None:
-    found = frame_of(run_of("nodes: {a: {use: text.write, with: {text: hello}}}")["a"])
+    found = run_of("nodes: {a: {use: text.write, with: {text: hello}}}")["a"].frame()
     assert_frame_equal(found, pd.DataFrame({"a": ["hello"]}))
 
 
@@ -66,14 +65,14 @@ def test_the_axis_of_the_alternatives_and_their_values_are_told_apart(
       a: {use: read.number}
       fill: {in: a, alternatives: [fill.hold, fill.scale]}
     """
-    found = frame_of(run_of(text)["fill"])
+    found = run_of(text)["fill"].frame()
     expected = pd.DataFrame({"fill": ["hold", "scale"], "output": [2.0, 2.0]})
     assert_frame_equal(found, expected)
 
 
 def test_rows_of_tables_get_the_labels_and_the_axis_wins(run_of: Callable[..., Run]) -> None:
     text = f"{AXES}      score: {{use: score.rows, in: gaps}}\n"
-    found = frame_of(run_of(text, more=[rows])["score"])
+    found = run_of(text, more=[rows])["score"].frame()
     assert list(found.columns) == ["k", "trial", "gap", "rmse"]
     assert found["k"].tolist() == [1, 1, 1, 1, 2, 2, 2, 2]
     assert found["trial"].tolist() == [0, 0, 1, 1, 0, 0, 1, 1]
@@ -92,7 +91,7 @@ def test_combinations_without_a_value_are_told(run_of: Callable[..., Run]) -> No
     skip: [{k: 3, fill: [fails, hold]}]
     """
     run = run_of(text)
-    found = frame_of(run["fill"])
+    found = run["fill"].frame()
     assert list(found.columns) == ["k", "fill", "output", "state", "reason"]
     told = states(found)
     assert told[-1, "positive"] == ("refused", "-1.0 is negative")
@@ -101,7 +100,7 @@ def test_combinations_without_a_value_are_told(run_of: Callable[..., Run]) -> No
     assert told[2, "hold"] == ("done", "")
     assert found["output"].isna().tolist() == (found["state"] != "done").tolist()
     assert len(found) == 9
-    assert states(frame_of(run["next"]))[-1, "fails"][0] == "skipped"
+    assert states(run["next"].frame())[-1, "fails"][0] == "skipped"
 
 
 @pytest.mark.filterwarnings("error")
@@ -109,7 +108,7 @@ def test_a_refused_table_is_a_row_and_columns_of_the_tables_are_kept(
     run_of: Callable[..., Run],
 ) -> None:
     text = f"{AXES}      score: {{use: score.few, in: gaps}}\n"
-    found = frame_of(run_of(text, more=[few])["score"])
+    found = run_of(text, more=[few])["score"].frame()
     assert list(found.columns) == ["k", "trial", "marker", "state", "score_state", "reason"]
     assert found["score_state"].tolist() == ["refused", "done", "done", "done"]
     assert found["marker"].tolist()[1:] == ["m1", "m1", "m1"]
@@ -120,7 +119,7 @@ def test_a_refused_table_is_a_row_and_columns_of_the_tables_are_kept(
 def test_anything_else_stands_there_itself(run_of: Callable[..., Run]) -> None:
     text = f"{AXES}      table: {{use: compare.table, in: gaps, over: [trial]}}\n"
     run = run_of(text)
-    found = frame_of(run["table"])
+    found = run["table"].frame()
     assert found["k"].tolist() == [1, 2]
     assert [one.scores.axes for one in found["table"]] == [("trial",), ("trial",)]
 
@@ -131,6 +130,6 @@ def test_nothing_but_failures_is_a_table_too(run_of: Callable[..., Run]) -> None
       a: {use: read.number, with: {start: -1}}
       b: {use: strict.fails, in: a}
     """
-    found = frame_of(run_of(text)["b"])
+    found = run_of(text)["b"].frame()
     assert found["b"].isna().all()
     assert found["state"].tolist() == ["failed"]
