@@ -1,4 +1,4 @@
-"""Nodes that executors call in other processes, given to them as a plugin file."""
+"""A plugin file of nodes that executors call in other processes."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Cut(NamedTuple):
     hidden: int
 
 
-class Stranger:
-    """What nobody knows how to send."""
+class Opaque:
+    """A value that cannot be sent."""
 
     def __init__(self, number: float) -> None:
         self.number = number
@@ -47,10 +47,10 @@ def pair(*, seed: int = 0, rows: int = 40) -> Pair:
 
 @node("away.cut")
 def cut(whole: Pair, *, length: Annotated[int, Field(ge=1)] = 5, at: tuple[int, ...] = (3,)) -> Cut:
-    kept = whole.first.copy()
+    positions = whole.first.copy()
     for start in at:
-        kept[start : start + length] = np.nan
-    return Cut(Pair(read_only(kept), whole.second), int(np.isnan(kept).sum()))
+        positions[start : start + length] = np.nan
+    return Cut(Pair(read_only(positions), whole.second), int(np.isnan(positions).sum()))
 
 
 @node("away.mean")
@@ -61,7 +61,7 @@ def mean(pair: Pair, *, power: float = 1.0) -> float:
 @node("away.table")
 def table(scores: Across[float], hidden: Across[int] | None = None) -> str:
     rows = [f"{sorted(at.items())} {value.hex()}" for at, value in scores]
-    return "\n".join([*rows, *(str(one) for one in scores.absent), str(hidden and len(hidden))])
+    return "\n".join([*rows, *map(str, scores.absent), str(hidden and len(hidden))])
 
 
 @node("away.size")
@@ -89,18 +89,18 @@ def file_pid(*, path: InputFile) -> int:
     return os.getpid()
 
 
-@node("away.stranger")
-def stranger(x: int) -> Stranger:
-    return Stranger(float(os.getpid()))
+@node("away.opaque")
+def opaque(x: int) -> Opaque:
+    return Opaque(float(os.getpid()))
 
 
 @node("away.list")
 def listed(x: int) -> list:  # type: ignore[type-arg]
-    return [Stranger(float(os.getpid()))]
+    return [Opaque(float(os.getpid()))]
 
 
 @node("away.known")
-def known(x: Stranger) -> int:
+def known(x: Opaque) -> int:
     return int(x.number)
 
 

@@ -1,4 +1,4 @@
-"""Studies of a plugin file of their own: what goes to another process must be found there."""
+"""Fixtures for tests of executors: studies whose nodes can be called in other processes."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ SCRIPT = """
     run = execute(plan(build(spec, registry, Choices())), how=how, keep=["b"])
     print(run.counts()["done"])
 """
-"""It has no ``if __name__ == "__main__":``."""
+"""A script without ``if __name__ == "__main__":``."""
 
 
 @pytest.fixture(scope="session")
@@ -155,8 +155,8 @@ def fifo(tmp_path: Path) -> Callable[[str], Path]:
 
 def reason(run: Run, node: str) -> str:
     """Return why the only step of a node has no value."""
-    (found,) = (outcome for step, outcome in run.settled() if step.node == node)
-    return found.reason
+    (matching,) = (outcome for step, outcome in run.settled() if step.node == node)
+    return matching.reason
 
 
 @pytest.fixture

@@ -77,7 +77,7 @@ def environment() -> dict[str, str]:
 def ended(folder: Path, bad: str, *words: str) -> tuple[int, dict[str, Any], str]:
     """Run the graph with one bad node; return exit status, record and errors."""
     (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
-    done = subprocess.run(
+    finished = subprocess.run(
         command(folder, *words),
         env=environment(),
         capture_output=True,
@@ -85,9 +85,9 @@ def ended(folder: Path, bad: str, *words: str) -> tuple[int, dict[str, Any], str
         check=False,
         timeout=100,
     )
-    assert "Traceback" not in done.stderr
+    assert "Traceback" not in finished.stderr
     record = json.loads((folder / "out" / "run.json").read_text())
-    return done.returncode, record, done.stderr
+    return finished.returncode, record, finished.stderr
 
 
 BAD = {
@@ -104,14 +104,14 @@ def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
     status, record, _ = ended(tmp_path, ", ".join(BAD), "--executor", executor)
     assert status == 1
     assert record["counts"] == {**record["counts"], "done": 2, "failed": 4}
-    failed = {one["use"]: one["reason"] for one in record["steps"] if one["state"] == "failed"}
+    failed = {step["use"]: step["reason"] for step in record["steps"] if step["state"] == "failed"}
     assert failed == BAD
 
 
 def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path) -> None:
     status, record, _ = ended(tmp_path, "bad.dies", "--executor", "processes", "--jobs", "1")
     assert status == 1
-    [failed] = (one for one in record["steps"] if one["state"] == "failed")
+    [failed] = (step for step in record["steps"] if step["state"] == "failed")
     assert failed["use"] == "bad.dies"
     assert "exit status 7" in failed["reason"]
     assert record["counts"]["done"] == 2
@@ -121,8 +121,10 @@ def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: 
     (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, good.sum", "good.sum, bad.dies"))
     words = ["--executor", "serial"]
     for _ in range(2):
-        done = subprocess.run(command(tmp_path, *words), env=environment(), check=False, timeout=60)
-        assert done.returncode == 7
+        finished = subprocess.run(
+            command(tmp_path, *words), env=environment(), check=False, timeout=60
+        )
+        assert finished.returncode == 7
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     kinds = [json.loads(line)["event"] for line in events]
     assert (kinds.count("stored"), kinds.count("done")) == (2, 0)
@@ -144,8 +146,8 @@ def test_a_node_that_never_returns_is_interrupted(tmp_path: Path, executor: str)
         assert started.poll() is None, started.stderr and started.stderr.read()
         time.sleep(0.01)
     started.send_signal(signal.SIGINT)
-    _, said = started.communicate(timeout=30)
+    _, errors = started.communicate(timeout=30)
     assert started.returncode == 130
-    assert "the same command continues from there" in said
+    assert "the same command continues from there" in errors
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     assert [json.loads(line)["event"] for line in events].count("done") >= 1

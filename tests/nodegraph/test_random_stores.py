@@ -1,4 +1,4 @@
-"""Random graphs with stored results come to what they come to without any."""
+"""Random graphs have the same results with a store as without."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def word_of(name: str, *parts: object, kind: type[Word] = Word) -> Word:
     return kind(digest.hex()[:12], np.resize(letters, 400 if digest[1] % 2 else 3))
 
 
-def told(word: Word | None) -> object:
+def content_of(word: Word | None) -> object:
     return word and (word.text, word.letters.tobytes())
 
 
@@ -79,19 +79,19 @@ def make(*, mark: int = 0) -> Pair:
 
 @node("word.join")
 def join(first: Word, second: Word | None = None, *, mark: int = 0) -> Word:
-    return word_of("join", told(first), told(second), mark)
+    return word_of("join", content_of(first), content_of(second), mark)
 
 
 @node("word.draw")
 def draw(first: Word, second: Word | None = None, *, mark: int = 0) -> Word:
-    return word_of("draw", told(first), told(second), mark, kind=Sketch)
+    return word_of("draw", content_of(first), content_of(second), mark, kind=Sketch)
 
 
 @node("word.all")
 def gather(parts: Across[Word], second: Word | None = None, *, mark: int = 0) -> Word:
-    there = [(sorted(labels.items()), told(word)) for labels, word in parts]
-    absent = [(sorted(one.labels.items()), one.kind, one.reason) for one in parts.absent]
-    return word_of("all", there, absent, told(second), mark)
+    there = [(sorted(labels.items()), content_of(word)) for labels, word in parts]
+    absent = [(sorted(entry.labels.items()), entry.kind, entry.reason) for entry in parts.absent]
+    return word_of("all", there, absent, content_of(second), mark)
 
 
 NODES = (make, join, draw, gather)
@@ -122,7 +122,7 @@ class Drawn:
 
 
 class Study:
-    """A random graph, the ways to run it, and what it comes to without stored results."""
+    """A random graph, and its runs with and without a store."""
 
     def __init__(self, seed: int, folder: Path) -> None:
         self.chance = random.Random(seed)
@@ -134,10 +134,10 @@ class Study:
         self.skip = self.chance.choice(["", "", "i", "j"])
 
     def plan(self) -> Plan:
-        used = [axis for axis in AXES if any(one.mark == f"${axis}" for one in self.drawn)]
+        used = [axis for axis in AXES if any(node.mark == f"${axis}" for node in self.drawn)]
         lines = ["nodegraph: 1", "axes: {" if used else ""]
         lines += [f"  {axis}: {list(AXES[axis])}," for axis in used] + ["}" if used else ""]
-        lines += ["nodes:", *(one.text() for one in self.drawn)]
+        lines += ["nodes:", *(node.text() for node in self.drawn)]
         if self.skip in used:
             lines.append(f"skip: [{{{self.skip}: {AXES[self.skip][0]}}}]")
         return plan(build(read_graph_text("\n".join(lines), "random.yaml", Path()), self.registry))
@@ -149,19 +149,19 @@ class Study:
         hear: Iterable[Callable[[Event], None]] = (),
     ) -> tuple[Run, list[int]]:
         """Run with the store; return the indices of the steps that were called, too."""
-        made, events = self.plan(), list[Event]()
+        steps, events = self.plan(), list[Event]()
         store = open_store(self.registry, self.folder, say)
-        keep = [name for name in made.graph.nodes if self.chance.random() < 0.3]
-        self.kept = {index for name in keep for index in made.cells[name].values()}
+        keep = [name for name in steps.graph.nodes if self.chance.random() < 0.3]
+        self.kept = {index for name in keep for index in steps.cells[name].values()}
         listeners = [events.append, *hear]
-        run = execute(made, how=how, store=store, keep=keep, listeners=listeners)
-        last = [one.detail for one in events if one.kind == "progress"][-1:]
-        assert all(one["left"] == 0 for one in last)
-        return run, [one.step for one in events if one.kind == "started"]
+        run = execute(steps, how=how, store=store, keep=keep, listeners=listeners)
+        last = [event.detail for event in events if event.kind == "progress"][-1:]
+        assert all(detail["left"] == 0 for detail in last)
+        return run, [event.step for event in events if event.kind == "started"]
 
     def alone(self) -> Run:
-        made = self.plan()
-        return execute(made, how=WAYS[0], keep=list(made.graph.nodes))
+        steps = self.plan()
+        return execute(steps, how=WAYS[0], keep=list(steps.graph.nodes))
 
     def change(self) -> None:
         at = self.chance.randrange(len(self.drawn))
@@ -171,10 +171,10 @@ class Study:
         choice = self.chance.choice
         drawn = [Drawn("n0", "make", mark="$i"), Drawn("n1", "make", mark="$j")]
         for number in range(2, self.chance.randint(5, 8)):
-            chosen = sum(one.kind == "choose" for one in drawn)
-            kinds = ["join", "draw", "all", "all"] + ["choose"] * (2 if chosen < 2 else 0)
-            ports = [one.name for one in drawn]
-            ports += [f"{one.name}.sketch" for one in drawn if one.kind == "make"]
+            choices = sum(node.kind == "choose" for node in drawn)
+            kinds = ["join", "draw", "all", "all"] + ["choose"] * (2 if choices < 2 else 0)
+            ports = [node.name for node in drawn]
+            ports += [f"{node.name}.sketch" for node in drawn if node.kind == "make"]
             mark = choice(["7", "8", "$i", "$j"])
             second = choice(["", choice(ports)])
             drawn.append(Drawn(f"n{number}", choice(kinds), choice(ports), second, mark))
@@ -184,32 +184,32 @@ class Study:
 def same(run: Run, alone: Run, *, unneeded: bool = False) -> None:
     """Assert that a run ended as one without stored results did."""
     for step, expected in alone.settled():
-        found = run.outcomes[step.index]
-        if not (unneeded and found.state == "unneeded"):
-            assert (found.state, found.reason) == (expected.state, expected.reason), step.name
+        actual = run.outcomes[step.index]
+        if not (unneeded and actual.state == "unneeded"):
+            assert (actual.state, actual.reason) == (expected.state, expected.reason), step.name
 
 
 def same_values(run: Run, alone: Run) -> None:
     """Assert that a run gives each value as one without stored results does."""
     for step, _ in alone.settled(State.DONE):
-        found, expected = run.values_of(step.index), alone.values_of(step.index)
-        assert list(map(told, found)) == list(map(told, expected)), step.name
-        assert list(map(type, found)) == list(map(type, expected)), step.name
+        actual, expected = run.values_of(step.index), alone.values_of(step.index)
+        assert list(map(content_of, actual)) == list(map(content_of, expected)), step.name
+        assert list(map(type, actual)) == list(map(type, expected)), step.name
 
 
 class Needed:
-    """Says plainly which steps must be called, given those that are stored."""
+    """Determines which steps must be called, from those that are stored."""
 
-    def __init__(self, alone: Run, stored: set[int], kept: set[int]) -> None:
+    def __init__(self, alone: Run, stored: set[int], keep: set[int]) -> None:
         self._alone = alone
         self._steps = alone.plan.steps
         self._stored = stored
         self.called: set[int] = set()
         self._certain: dict[int, bool] = {}
-        read = {one for step in self._steps for one in step.needed}
+        read = {index for step in self._steps for index in step.needed}
         self._settled: set[int] = set()
         for step in self._steps:
-            if step.index not in read or step.index in kept:
+            if step.index not in read or step.index in keep:
                 self._settle(step)
 
     def _settle(self, step: Step) -> None:
@@ -219,8 +219,8 @@ class Needed:
         self._settled.add(step.index)
         if step.index in self._stored and self._is_certain(step):
             return
-        for one in step.needed:
-            self._settle(self._steps[one])
+        for index in step.needed:
+            self._settle(self._steps[index])
         if step.index not in self._stored and self._state(step.index) != "skipped":
             self._call(step)
 
@@ -228,22 +228,22 @@ class Needed:
         if step.index in self.called:
             return
         self.called.add(step.index)
-        for one in step.needed:
-            self._settle(self._steps[one])
-            values = self._alone.in_memory.get(one, ())
-            read = {output.position for output in step.reads() if output.step == one}
+        for index in step.needed:
+            self._settle(self._steps[index])
+            values = self._alone.in_memory.get(index, ())
+            read = {output.position for output in step.reads() if output.step == index}
             lent = any(type(values[position]) is Sketch for position in read if values)
-            if lent or (one not in self._stored and self._state(one) == "done"):
-                self._call(self._steps[one])
+            if lent or (index not in self._stored and self._state(index) == "done"):
+                self._call(self._steps[index])
 
     def _is_certain(self, step: Step) -> bool:
         """Whether a step's key is known before anything is computed."""
         if step.index not in self._certain:
             gathered = [fed for fed in step.inputs.values() if isinstance(fed, Gathered)]
-            entries = {one.step for fed in gathered for _, one in fed.entries}
+            entries = {output.step for fed in gathered for _, output in fed.entries}
             self._certain[step.index] = all(
-                self._is_certain(self._steps[one]) for one in step.needed
-            ) and all(self._state(one) == "done" or self._is_known(one) for one in entries)
+                self._is_certain(self._steps[index]) for index in step.needed
+            ) and all(self._state(index) == "done" or self._is_known(index) for index in entries)
         return self._certain[step.index]
 
     def _is_known(self, index: int) -> bool:
@@ -252,8 +252,9 @@ class Needed:
         if self._state(index) != "skipped":
             return index in self._stored and self._is_certain(step)
         for fed in step.inputs.values():
-            outputs = [one for _, one in fed.entries] if isinstance(fed, Gathered) else [fed]
-            if all(self._state(one.step) != "done" and self._is_known(one.step) for one in outputs):
+            outputs = [output for _, output in fed.entries] if isinstance(fed, Gathered) else [fed]
+            steps = [output.step for output in outputs]
+            if all(self._state(index) != "done" and self._is_known(index) for index in steps):
                 return True
         return False
 
@@ -302,42 +303,42 @@ def test_a_setting_has_its_dependants_computed_and_no_others(study: Study, how: 
 
 
 @pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
-def test_damage_is_told_and_mended(study: Study, how: HowToRun) -> None:
+def test_damage_is_reported_and_repaired(study: Study, how: HowToRun) -> None:
     alone = study.alone()
     study.run(how)
     damaged = damage(study)
     keys = keys_in(study.folder) - {path.parent.name + path.stem for path in damaged}
-    said: list[str] = []
-    run, called = study.run(how, said.append)
+    messages: list[str] = []
+    run, called = study.run(how, messages.append)
     same(run, alone, unneeded=True)
     for path, content in damaged.items():
         if "entries" in path.parts and content is not None and read(path) != content:
-            assert any(str(path) in line for line in said)
+            assert any(str(path) in line for line in messages)
     blobs = {path.parent.name + path.name for path in damaged if "blobs" in path.parts}
     harmed = {entry.key for entry in entries(study) if blobs & entry.blobs().keys()}
     assert set(called) <= Needed(alone, there(run, keys - harmed), study.kept).called
-    faithful = [one for one in called if not is_sketch(alone, one)]
+    faithful = [index for index in called if not is_sketch(alone, index)]
     assert len(faithful) == len(set(faithful))
     same_values(run, alone)
 
 
 @pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
-def test_a_run_goes_on_where_it_was_interrupted(study: Study, how: HowToRun) -> None:
+def test_a_run_continues_where_it_was_interrupted(study: Study, how: HowToRun) -> None:
     alone = study.alone()
-    heard: list[Event] = []
+    events: list[Event] = []
     most = study.chance.randrange(4 * len(alone.outcomes))
 
     def hear(event: Event) -> None:
-        heard.append(event)
-        if len(heard) == most:
+        events.append(event)
+        if len(events) == most:
             raise KeyboardInterrupt
 
     with suppress(KeyboardInterrupt):
         study.run(how, hear=[hear])
-    done = {event.step for event in heard if event.kind in ("done", "refused")}
+    finished = {event.step for event in events if event.kind in ("done", "refused")}
     run, called = study.run(how)
     same(run, alone)
-    assert not {one for one in done.intersection(called) if not is_sketch(alone, one)}
+    assert not {index for index in finished.intersection(called) if not is_sketch(alone, index)}
     same_values(run, alone)
 
 
@@ -345,10 +346,10 @@ def test_two_runs_may_use_a_store_at_once(study: Study) -> None:
     alone = study.alone()
     runs: list[Run] = []
     both = [threading.Thread(target=lambda: runs.append(study.run(WAYS[1])[0])) for _ in range(2)]
-    for one in both:
-        one.start()
-    for one in both:
-        one.join()
+    for thread in both:
+        thread.start()
+    for thread in both:
+        thread.join()
     assert len(runs) == 2
     for run in runs:
         same(run, alone, unneeded=True)
@@ -361,7 +362,7 @@ def is_sketch(alone: Run, index: int) -> bool:
 
 
 def entries(study: Study) -> Iterator[Entry]:
-    return (one.entry for one in Upkeep(study.folder).entries())
+    return (listed.entry for listed in Upkeep(study.folder).entries())
 
 
 def read(path: Path) -> bytes | None:
@@ -372,16 +373,16 @@ def damage(study: Study) -> dict[Path, bytes | None]:
     """Damage some files of the store; return what they hold now, None where they are gone."""
     files = sorted(study.folder.glob("*/entries/*/*")) + sorted(study.folder.glob("*/blobs/*/*"))
     before = {path: path.read_bytes() for path in files}
-    chosen = study.chance.sample(files, min(len(files), study.chance.randint(1, 6)))
-    for path in chosen:
+    damaged = study.chance.sample(files, min(len(files), study.chance.randint(1, 6)))
+    for path in damaged:
         how, content = study.chance.choice(["gone", "cut", "swapped"]), path.read_bytes()
-        others = [one for one in files if one.exists() and one != path]
-        if how == "gone" or not content or not others:
+        rest = [file for file in files if file.exists() and file != path]
+        if how == "gone" or not content or not rest:
             path.unlink()
         elif how == "cut":
             path.write_bytes(content[: study.chance.randrange(len(content))])
         else:
-            other = study.chance.choice(others)
+            other = study.chance.choice(rest)
             path.write_bytes(other.read_bytes())
             other.write_bytes(content)
     return {path: read(path) for path in files if read(path) != before[path]}

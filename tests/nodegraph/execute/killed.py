@@ -72,7 +72,7 @@ def study(folder: Path) -> Run:
     """Run, and note which steps are started and done."""
     registry = Registry.of([noise, gain, level, total])
     graph = build(read_graph_text(GRAPH, "killed.yaml", folder), registry, Choices())
-    made = plan(graph)
+    steps = plan(graph)
 
     def hear(event: Event) -> None:
         if event.kind == "done":
@@ -81,7 +81,7 @@ def study(folder: Path) -> Run:
             note("step", event.step)
 
     store = open_store(registry, folder, lambda text: note("said", text))
-    return execute(made, how=HowToRun("serial"), store=store, keep=["total"], listeners=[hear])
+    return execute(steps, how=HowToRun("serial"), store=store, keep=["total"], listeners=[hear])
 
 
 def wait_for_more(log: Path, child: int) -> None:
@@ -111,13 +111,13 @@ def killed_at_random(folder: Path, log: Path) -> int:
 
 def computed_twice(log: Path) -> list[int]:
     """Return steps that were started after they were done."""
-    done: set[int] = set()
+    finished: set[int] = set()
     twice: list[int] = []
     for line in log.read_text().splitlines():
         word, *rest = line.split()
         if word == "done":
-            done.add(int(rest[0]))
-        elif word == "step" and int(rest[0]) in done:
+            finished.add(int(rest[0]))
+        elif word == "step" and int(rest[0]) in finished:
             twice.append(int(rest[0]))
     return twice
 

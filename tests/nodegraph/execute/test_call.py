@@ -142,9 +142,9 @@ def inside() -> float:
 
 
 def called(function: Callable[..., Any], **inputs: Any) -> Outcome:
-    found = node_of(function)
-    assert found is not None
-    return perform(Call(0, found, "toys", inputs, {}))
+    described = node_of(function)
+    assert described is not None
+    return perform(Call(0, described, "toys", inputs, {}))
 
 
 @pytest.mark.parametrize(
@@ -213,11 +213,11 @@ def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str
         ),
     ],
 )
-def test_a_write_into_an_input_is_told_as_such(
-    function: Callable[..., Any], given: Any, said: str
+def test_a_write_into_an_input_is_named(
+    function: Callable[..., Any], value: Any, message: str
 ) -> None:
     advice = "it modifies its input; copy it before writing: "
-    assert called(function, x=given).message == f"{advice}{said}"
+    assert called(function, x=value).message == f"{advice}{message}"
 
 
 def test_a_disk_that_cannot_be_written_is_no_input() -> None:
@@ -252,15 +252,15 @@ def test_warnings_become_part_of_the_outcome() -> None:
     assert outcome.warnings == ("3 of 9 gaps left open", "slow")
 
 
-def test_each_thread_hears_its_own_warnings() -> None:
-    found: dict[int, Outcome] = {}
+def test_each_call_collects_its_own_warnings() -> None:
+    outcomes: dict[int, Outcome] = {}
 
     def work(number: int) -> None:
         def warn() -> float:
             warnings.warn(f"I am {number}", stacklevel=2)
             return 0.0
 
-        found[number] = called(node("call.warn")(warn))
+        outcomes[number] = called(node("call.warn")(warn))
 
     with collecting_warnings():
         threads = [threading.Thread(target=work, args=(number,)) for number in range(8)]
@@ -268,10 +268,11 @@ def test_each_thread_hears_its_own_warnings() -> None:
             thread.start()
         for thread in threads:
             thread.join()
-    assert {n: one.warnings for n, one in found.items()} == {n: (f"I am {n}",) for n in range(8)}
+    expected = {number: (f"I am {number}",) for number in range(8)}
+    assert {number: outcome.warnings for number, outcome in outcomes.items()} == expected
 
 
-def test_warnings_from_elsewhere_are_shown_as_before() -> None:
+def test_other_warnings_are_shown_as_before() -> None:
     with pytest.warns(UserWarning, match="from the machine"), collecting_warnings():
         warnings.warn("from the machine", stacklevel=1)
 
@@ -309,17 +310,17 @@ def array(x: float) -> np.ndarray:
         (leaves, f"GeneratorExit: early ({raised_in(leaves)})"),
     ],
 )
-def test_whatever_a_node_raises_becomes_a_reason(function: Any, said: str) -> None:
+def test_whatever_a_node_raises_becomes_a_reason(function: Any, message: str) -> None:
     described = node_of(function)
     assert described is not None
     outcome = perform(Call(0, described, "toys", {"x": 1.0}, {}))
-    assert (outcome.state, outcome.message) == ("failed", said)
+    assert (outcome.state, outcome.message) == ("failed", message)
     outcome.trace.encode()
 
 
 def test_what_a_node_made_cannot_be_unlocked() -> None:
     described = node_of(array)
     assert described is not None
-    (made,) = perform(Call(0, described, "toys", {"x": 1.0}, {})).values
+    (value,) = perform(Call(0, described, "toys", {"x": 1.0}, {})).values
     with pytest.raises(ValueError, match="WRITEABLE"):
-        made.setflags(write=True)
+        value.setflags(write=True)

@@ -29,12 +29,12 @@ def test_counts_and_what_is_left_add_up(run_of: Callable[..., Run]) -> None:
         """
     events: list[Event] = []
     run = run_of(text, listeners=[events.append])
-    told = [dict(one.detail) for one in events if one.kind == "progress"]
-    assert len(told) == len(run.plan.steps)
-    for one in told:
-        one.pop("to_go")
-        assert sum(one.values()) == len(run.plan.steps)
-    assert told[-1]["left"] == 0
+    progress = [dict(event.detail) for event in events if event.kind == "progress"]
+    assert len(progress) == len(run.plan.steps)
+    for counts in progress:
+        counts.pop("to_go")
+        assert sum(counts.values()) == len(run.plan.steps)
+    assert progress[-1]["left"] == 0
 
 
 @node("stop.interrupt")
@@ -42,7 +42,7 @@ def interrupt(x: float) -> float:
     raise KeyboardInterrupt
 
 
-def test_an_interruption_is_told(run_of: Callable[..., Run]) -> None:
+def test_an_interruption_is_an_event(run_of: Callable[..., Run]) -> None:
     events: list[Event] = []
     text = "nodes: {a: {use: read.number}, b: {use: stop.interrupt, in: a}}"
     with pytest.raises(KeyboardInterrupt):

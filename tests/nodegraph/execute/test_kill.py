@@ -22,10 +22,10 @@ def test_fifty_kills_cost_nothing_that_was_finished(tmp_path: Path) -> None:
         program, env=environment, capture_output=True, text=True, check=False, timeout=120
     )
     assert ended.returncode == 0, ended.stderr
-    found = json.loads(ended.stdout)
-    assert found["kills"] == 50
-    assert 0 < found["done before the last run"] < 421
-    assert found["computed then"] > 0
-    assert found["twice"] == []
-    assert found["said"] == []
-    assert found["same"]
+    report = json.loads(ended.stdout)
+    assert report["kills"] == 50
+    assert 0 < report["done before the last run"] < 421
+    assert report["computed then"] > 0
+    assert report["twice"] == []
+    assert report["said"] == []
+    assert report["same"]

@@ -69,14 +69,14 @@ def test_values_that_were_released_are_computed_again(run: Run, calls: list[str]
         (lambda run: run["fill"].at(k=2, fill="hold"), r"skip: k = 2, fill = hold"),
     ],
 )
-def test_a_wrong_question_is_told_what_there_is(
-    run: Run, ask: Callable[[Run], object], said: str
+def test_a_wrong_name_is_an_error_with_what_there_is(
+    run: Run, ask: Callable[[Run], object], message: str
 ) -> None:
-    with pytest.raises(NodegraphError, match=said):
+    with pytest.raises(NodegraphError, match=message):
         ask(run)
 
 
-def test_a_node_that_was_left_out_says_why(run_of: Callable[..., Run]) -> None:
+def test_a_node_that_is_left_out_has_a_reason(run_of: Callable[..., Run]) -> None:
     text = TEXT.replace("skip:", "  x: {use: fill.hold, in: {from: a, at: {k: 2}}}\nskip:").replace(
         "skip: [{k: 2, fill: hold}]", ""
     )
@@ -87,7 +87,9 @@ def test_a_node_that_was_left_out_says_why(run_of: Callable[..., Run]) -> None:
         _ = run["x"]
 
 
-def test_what_cannot_be_computed_again_is_told(run_of: Callable[..., Run], tmp_path: Path) -> None:
+def test_a_value_that_cannot_be_computed_again_is_an_error(
+    run_of: Callable[..., Run], tmp_path: Path
+) -> None:
     path = tmp_path / "take.txt"
     path.write_text("1.5")
     run = run_of(
@@ -104,7 +106,7 @@ def test_what_cannot_be_computed_again_is_told(run_of: Callable[..., Run], tmp_p
         _ = run["b"].value
 
 
-def test_a_run_says_in_a_line_what_it_is(run_of: Callable[..., Run]) -> None:
+def test_the_text_of_a_run_is_one_line(run_of: Callable[..., Run]) -> None:
     run = run_of("axes: {k: [1, 2]}\nnodes: {a: {use: read.number, with: {start: $k}}}")
     assert repr(run) == "<Run of 'toy.yaml': 2 done>"
     assert repr(run["a"]) == "<Values of 'a': 2 along k>"

@@ -55,7 +55,7 @@ def test_what_fails_does_not_stop_the_others(run_of: Callable[..., Run], how: Ho
             {"k": -1, "some": "fail"}, "failed", "some(k=-1, some=fail) failed: -1.0 is negative"
         ),
     ]
-    assert {at["k"]: len(one.scores.entries) for at, one in run["each"]} == {
+    assert {at["k"]: len(seen.scores.entries) for at, seen in run["each"]} == {
         -1: 1,
         1: 3,
         2: 3,
@@ -63,7 +63,7 @@ def test_what_fails_does_not_stop_the_others(run_of: Callable[..., Run], how: Ho
     }
 
 
-def test_a_skipped_step_says_what_it_lacked(run_of: Callable[..., Run]) -> None:
+def test_a_skipped_step_names_the_step_that_it_needs(run_of: Callable[..., Run]) -> None:
     run = run_of(ISOLATION)
     outcome = run.outcomes[run.plan.cells["lost"][()]]
     assert outcome.state == "skipped"
@@ -93,10 +93,10 @@ def test_a_gathering_node_is_not_run_when_all_is_absent(
 def listened(run_of: Callable[..., Run], text: str, **more: Any) -> list[Event]:
     events: list[Event] = []
     run_of(text, listeners=[events.append], **more)
-    return [one for one in events if one.kind != "progress"]
+    return [event for event in events if event.kind != "progress"]
 
 
-def test_events_tell_what_happens_in_order(run_of: Callable[..., Run]) -> None:
+def test_events_come_in_order(run_of: Callable[..., Run]) -> None:
     text = """
         nodes:
           a: {use: read.number, with: {start: -1}}
@@ -105,7 +105,7 @@ def test_events_tell_what_happens_in_order(run_of: Callable[..., Run]) -> None:
           d: {use: strict.fails, in: a}
         """
     events = listened(run_of, text)
-    assert [(one.kind, one.node) for one in events] == [
+    assert [(event.kind, event.node) for event in events] == [
         ("planned", ""),
         ("started", "a"),
         ("done", "a"),
@@ -122,7 +122,7 @@ def test_events_tell_what_happens_in_order(run_of: Callable[..., Run]) -> None:
     assert events[4].detail["reason"] == "-1.0 is negative"
     counts = {state: count for state, count in events[-1].detail.items() if count}
     assert counts == {"done": 1, "refused": 1, "failed": 1, "skipped": 1}
-    seconds = [one.seconds for one in events]
+    seconds = [event.seconds for event in events]
     assert seconds == sorted(seconds)
 
 
@@ -135,15 +135,16 @@ def test_an_event_is_plain_data(run_of: Callable[..., Run]) -> None:
 
 
 @pytest.mark.parametrize("how", WAYS)
-def test_every_step_is_told_once(run_of: Callable[..., Run], how: HowToRun) -> None:
+def test_every_step_has_one_event_of_its_end(run_of: Callable[..., Run], how: HowToRun) -> None:
     events = listened(run_of, ISOLATION, how=how)
-    settled = [one.step for one in events if one.kind in ("done", "refused", "failed", "skipped")]
+    states = ("done", "refused", "failed", "skipped")
+    settled = [event.step for event in events if event.kind in states]
     assert sorted(settled) == list(range(events[0].detail["steps"]))
-    place = {(one.kind, one.step): number for number, one in enumerate(events)}
+    place = {(event.kind, event.step): number for number, event in enumerate(events)}
     assert all(
-        place["started", one.step] < number
-        for number, one in enumerate(events)
-        if one.kind in ("done", "refused", "failed")
+        place["started", event.step] < number
+        for number, event in enumerate(events)
+        if event.kind in ("done", "refused", "failed")
     )
 
 
@@ -164,8 +165,9 @@ def test_warnings_of_nodes_land_in_outcomes_and_events(
     run = run_of(text, more=[warn], how=how, listeners=[events.append])
     for (k,), index in run.plan.cells["b"].items():
         assert run.outcomes[index].warnings == (f"{k} gaps left open",)
-    told = [one for one in events if one.kind == "done" and one.node == "b"]
-    assert all(one.detail["warnings"] == [f"{one.labels['k']} gaps left open"] for one in told)
+    for event in events:
+        if event.kind == "done" and event.node == "b":
+            assert event.detail["warnings"] == [f"{event.labels['k']} gaps left open"]
 
 
 @pytest.mark.parametrize(
@@ -175,8 +177,10 @@ def test_warnings_of_nodes_land_in_outcomes_and_events(
         (HowToRun(jobs=0), "jobs must be 1 or more, got 0"),
     ],
 )
-def test_a_wrong_way_to_run_is_told(run_of: Callable[..., Run], how: HowToRun, said: str) -> None:
-    with pytest.raises(NodegraphError, match=said):
+def test_a_wrong_way_to_run_is_an_error(
+    run_of: Callable[..., Run], how: HowToRun, message: str
+) -> None:
+    with pytest.raises(NodegraphError, match=message):
         run_of("nodes: {a: {use: read.number}}", how=how)
 
 

@@ -1,4 +1,4 @@
-"""A key holds for what was read, also when files change while a run goes on."""
+"""Keys, also of files that change during a run."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def write(path: Path, content: str) -> Callable[[Event], None]:
     return hear
 
 
-def test_nothing_is_kept_of_a_file_that_changed_while_it_was_read(
+def test_nothing_is_stored_of_a_file_that_changed_while_it_was_read(
     run_of: RunOf, tmp_path: Path
 ) -> None:
     path, store = tmp_path / "one.txt", tmp_path / "store"
@@ -74,7 +74,7 @@ def read_last(*, path: InputFile) -> float:
     return number
 
 
-def test_a_file_that_goes_while_it_is_read_costs_the_result_and_not_the_run(
+def test_a_file_that_is_removed_while_it_is_read_costs_the_stored_result_only(
     run_of: RunOf, tmp_path: Path
 ) -> None:
     (tmp_path / "one.txt").write_text("1")
@@ -94,17 +94,17 @@ def sum_many(many: np.ndarray) -> float:
 
 
 def test_a_value_is_not_computed_again_of_another_file(run_of: RunOf, tmp_path: Path) -> None:
-    path, store, said = tmp_path / "one.txt", tmp_path / "store", list[str]()
+    path, store, messages = tmp_path / "one.txt", tmp_path / "store", list[str]()
     path.write_text("1")
     text = TEXT.replace("read.file", "read.many").replace("fill.hold", "sum.many")
-    run = run_of(text, store=store, say=said.append, more=[read_many, sum_many])
+    run = run_of(text, store=store, say=messages.append, more=[read_many, sum_many])
     [blob] = store.glob("*/blobs/*/*")
     blob.unlink()
     path.write_text("50")
     for _ in range(2):
         with pytest.raises(NodegraphError, match="a file that it depends on has changed"):
             run["a"].at()
-    assert (run["b"].value, len(said)) == (3000, 1)
+    assert (run["b"].value, len(messages)) == (3000, 1)
     path.write_text("1")
     assert run["a"].value[0] == 1
 
@@ -116,7 +116,9 @@ class Picture:
         self.text = text
 
 
-PICTURES = Storage(Picture, lambda one: one.text, lambda text: Picture("stand-in"), faithful=False)
+PICTURES = Storage(
+    Picture, lambda picture: picture.text, lambda text: Picture("stand-in"), faithful=False
+)
 TIMES: Counter[float] = Counter()
 
 
@@ -143,7 +145,7 @@ def label(picture: Picture, *, unit: str) -> str:
     return picture.text + unit
 
 
-def test_a_result_is_kept_for_what_was_gathered_and_not_for_what_was_expected(
+def test_a_result_is_stored_for_what_was_gathered_and_not_for_what_was_expected(
     run_of: RunOf, tmp_path: Path
 ) -> None:
     text = """
@@ -170,8 +172,8 @@ def test_a_result_is_kept_for_what_was_gathered_and_not_for_what_was_expected(
     assert run_of(text, **more)["d"].value == "3cm"
 
 
-@node("labels.told")
-def labels_told(parts: Across[float]) -> str:
+@node("labels.all")
+def all_labels(parts: Across[float]) -> str:
     return ", ".join(str(label) for label in parts.labels("parts"))
 
 
@@ -182,9 +184,9 @@ def test_a_node_knows_labels_that_it_does_not_gather_and_its_key_knows_them_too(
         axes: {start: [10, 20]}
         nodes:
           a: {use: read.shaky, with: {start: $start}}
-          b: {use: labels.told, in: {parts: {"20": {from: a, at: {start: 20}}}}}
+          b: {use: labels.all, in: {parts: {"20": {from: a, at: {start: 20}}}}}
         """
-    more = {"more": [shaky, labels_told], "store": tmp_path}
+    more = {"more": [shaky, all_labels], "store": tmp_path}
     TIMES.clear()
     assert run_of(text, **more)["b"].value == "10, 20"
     assert run_of(text.replace("20]", "20, 30]"), **more)["b"].value == "10, 20, 30"

@@ -1,4 +1,4 @@
-"""Studies on a Dask cluster: on one of the run's own, and on one that others have started."""
+"""Studies on a Dask cluster: on one of the run's own, and on one that is already running."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from nodegraph_dask.worker import no_logs
 OWN = HowToRun("dask", 2)
 
 
-class Others:
-    """A scheduler that others have started, and workers to be added to it."""
+class SharedCluster:
+    """A running scheduler, and workers to be added to it."""
 
     def __init__(self, cluster: Any) -> None:
         self._cluster = cluster
@@ -38,7 +38,7 @@ class Others:
 
     def add(self, *, path: str = "", without: str = "", wait: bool = True) -> None:
         """Start a worker with another folder of modules, or without one."""
-        folders = [path, *(one for one in sys.path if one != without)]
+        folders = [path, *(folder for folder in sys.path if folder != without)]
         there = os.pathsep.join(filter(None, folders))
         words = ["worker", self.how.scheduler, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         started = subprocess.Popen(
@@ -59,34 +59,34 @@ class Others:
 
 
 @contextmanager
-def started_by_others() -> Iterator[Others]:
+def shared_cluster() -> Iterator[SharedCluster]:
     with no_logs():
         options = {"host": "127.0.0.1", "dashboard_address": ":0"}
-        with LocalCluster(n_workers=0, **options) as cluster:  # type: ignore[no-untyped-call]
-            others = Others(cluster)
+        with LocalCluster(n_workers=0, **options) as local:  # type: ignore[no-untyped-call]
+            cluster = SharedCluster(local)
             try:
-                yield others
+                yield cluster
             finally:
-                others.end()
+                cluster.end()
 
 
 @pytest.fixture
-def others() -> Iterator[Others]:
+def empty_cluster() -> Iterator[SharedCluster]:
     """A scheduler without workers."""
-    with started_by_others() as found:
-        yield found
+    with shared_cluster() as cluster:
+        yield cluster
 
 
 @pytest.fixture(scope="module")
 def two_workers() -> Iterator[HowToRun]:
     """A cluster of two workers that serves several runs."""
-    with started_by_others() as found:
-        found.add(wait=False)
-        found.add()
-        yield found.how
+    with shared_cluster() as cluster:
+        cluster.add(wait=False)
+        cluster.add()
+        yield cluster.how
 
 
-def test_results_are_those_of_one_step_after_the_other(
+def test_results_are_those_of_the_serial_executor(
     same_as_serial: Callable[[HowToRun], bool], made_here: list[str], two_workers: HowToRun
 ) -> None:
     assert same_as_serial(two_workers)
@@ -101,7 +101,7 @@ def test_a_large_value_is_sent_once(
     scatter = Client.scatter
 
     def count(client: Client, arrays: list[Any], **options: Any) -> Any:
-        sent.extend(one.nbytes for one in arrays)
+        sent.extend(array.nbytes for array in arrays)
         return scatter(client, arrays, **options)  # type: ignore[no-untyped-call]
 
     monkeypatch.setattr(Client, "scatter", count)
@@ -178,42 +178,42 @@ def reasons(run: Run) -> set[str]:
     return {outcome.reason for _, outcome in run.settled(State.FAILED)}
 
 
-def test_a_worker_that_lacks_the_plugin_is_named(
-    study: Callable[..., Run], others: Others, tmp_path: Path, acme_here: Registry
+def test_a_worker_without_the_plugin_is_named(
+    study: Callable[..., Run], empty_cluster: SharedCluster, tmp_path: Path, acme_here: Registry
 ) -> None:
-    others.add(path=str(tmp_path / "here"))
-    others.add(without=str(tmp_path / "here"))
-    run = study(MANY, others.how, nodes=acme_here)
+    empty_cluster.add(path=str(tmp_path / "here"))
+    empty_cluster.add(without=str(tmp_path / "here"))
+    run = study(MANY, empty_cluster.how, nodes=acme_here)
     assert run.counts()["done"] > 0
-    (said,) = reasons(run)
-    assert said.startswith("worker tcp://127.0.0.1:")
-    assert said.endswith(
+    (reason,) = reasons(run)
+    assert reason.startswith("worker tcp://127.0.0.1:")
+    assert reason.endswith(
         " has no plugin 'acme', which defines acme.one; install it there (acme 0.1)"
     )
 
 
 def test_a_worker_with_another_version_is_named(
-    study: Callable[..., Run], others: Others, tmp_path: Path, acme_here: Registry
+    study: Callable[..., Run], empty_cluster: SharedCluster, tmp_path: Path, acme_here: Registry
 ) -> None:
-    others.add(path=acme(tmp_path / "there", "0.2"), without=str(tmp_path / "here"))
-    run = study(MANY, others.how, nodes=acme_here)
-    (said,) = reasons(run)
-    assert said.endswith(" has acme 0.2, here it is acme 0.1, for acme.one")
+    empty_cluster.add(path=acme(tmp_path / "there", "0.2"), without=str(tmp_path / "here"))
+    run = study(MANY, empty_cluster.how, nodes=acme_here)
+    (reason,) = reasons(run)
+    assert reason.endswith(" has acme 0.2, here it is acme 0.1, for acme.one")
     assert run.counts()["failed"] == 40
 
 
-def test_a_worker_that_has_not_heard_of_an_edit_is_named(
-    study: Callable[..., Run], others: Others, tmp_path: Path, acme_here: Registry
+def test_a_worker_with_code_from_before_an_edit_is_named(
+    study: Callable[..., Run], empty_cluster: SharedCluster, tmp_path: Path, acme_here: Registry
 ) -> None:
-    others.add()
-    assert study(MANY, others.how, nodes=acme_here).counts()["done"] == 40
+    empty_cluster.add()
+    assert study(MANY, empty_cluster.how, nodes=acme_here).counts()["done"] == 40
     file = tmp_path / "here" / "acme_nodes.py"
     file.write_text(file.read_text().replace("return 1", "return 2"))
-    (said,) = reasons(study(MANY, others.how, nodes=acme_here))
-    assert "has other code of acme_nodes than here, for acme.one; install the same version" in said
+    (reason,) = reasons(study(MANY, empty_cluster.how, nodes=acme_here))
+    assert "has other code of acme_nodes than here, for acme.one" in reason
 
 
-def test_other_versions_are_told_once(
+def test_other_versions_are_reported_once(
     study: Callable[..., Run],
     registry: Registry,
     two_workers: HowToRun,
@@ -222,14 +222,14 @@ def test_other_versions_are_told_once(
     here = replace(Environment.of(registry, with_code=True), python="3.9", numpy="1.0")
     monkeypatch.setattr(Environment, "of", lambda *_, **__: here)
     text = "axes: {k: {count: 9}}\nnodes: {a: {use: away.pid, with: {mark: $k}}}"
-    said = r"worker tcp://.* has Python .*, here it is 3\.9; numpy .*, here it is 1\.0: results may"
-    with pytest.warns(UserWarning, match=said) as told:
+    message = r"worker tcp://.* has Python .*, here it is 3\.9; numpy .*, here it is 1\.0"
+    with pytest.warns(UserWarning, match=message) as warned:
         run = study(text, two_workers)
-    assert len(told) == 1
+    assert len(warned) == 1
     assert run.counts()["done"] == 9
 
 
-def test_two_thousand_steps_end_complete_though_a_worker_is_killed(
+def test_a_run_is_complete_though_a_worker_is_killed(
     study: Callable[..., Run], tmp_path: Path
 ) -> None:
     mark = tmp_path / "killed"
@@ -275,17 +275,17 @@ def test_a_value_that_is_lost_with_its_worker_is_sent_again(
     assert {value for _, value in run["size"]} == {20000 * 36 * 8}
 
 
-def test_a_run_waits_for_a_worker(study: Callable[..., Run], others: Others) -> None:
+def test_a_run_waits_for_a_worker(study: Callable[..., Run], empty_cluster: SharedCluster) -> None:
     def add(event: Event) -> None:
         if event.kind == "started" and event.node == "a":
-            others.add(wait=False)
+            empty_cluster.add(wait=False)
 
-    run = study("nodes: {a: {use: away.number}}", others.how, listeners=[add])
+    run = study("nodes: {a: {use: away.number}}", empty_cluster.how, listeners=[add])
     assert run["a"].value == 7
 
 
-def test_a_run_ends_when_there_is_no_worker_for_long(
-    study: Callable[..., Run], others: Others, monkeypatch: pytest.MonkeyPatch
+def test_a_run_gives_up_after_long_without_workers(
+    study: Callable[..., Run], empty_cluster: SharedCluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster_module, "SECONDS_WITHOUT_WORKERS", 0.0)
     text = """
@@ -298,11 +298,11 @@ def test_a_run_ends_when_there_is_no_worker_for_long(
     def end(event: Event) -> None:
         seen.append(f"{event.node} {event.kind}")
         if event.kind == "done":
-            others.end()
+            empty_cluster.end()
 
-    others.add()
+    empty_cluster.add()
     with pytest.raises(NodegraphError, match=r"the Dask cluster at tcp://.* has had no worker"):
-        study(text, others.how, listeners=[end])
+        study(text, empty_cluster.how, listeners=[end])
     assert "a done" in seen
 
 
@@ -315,10 +315,10 @@ def test_a_run_ends_when_there_is_no_worker_for_long(
         ("xyz://127.0.0.1:1", "'xyz://127.0.0.1:1' is not the address of a Dask scheduler"),
     ],
 )
-def test_an_address_at_which_nobody_answers(
-    study: Callable[..., Run], address: str, said: str
+def test_an_address_without_a_scheduler(
+    study: Callable[..., Run], address: str, message: str
 ) -> None:
-    with pytest.raises(NodegraphError, match=said):
+    with pytest.raises(NodegraphError, match=message):
         study("nodes: {a: {use: away.number}}", HowToRun("dask", scheduler=address))
 
 
@@ -330,7 +330,7 @@ def test_an_address_at_which_something_else_listens(study: Callable[..., Run]) -
 
 
 def test_dask_must_be_installed(study: Callable[..., Run], monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in [one for one in sys.modules if one.startswith("nodegraph") and "dask" in one]:
+    for name in [name for name in sys.modules if name.startswith("nodegraph") and "dask" in name]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(NodegraphError, match=r"pip install 'nodegraph\[dask\]'"):
@@ -339,8 +339,8 @@ def test_dask_must_be_installed(study: Callable[..., Run], monkeypatch: pytest.M
 
 def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Popen[str]]) -> None:
     nodes = "{x: {use: away.pid}, a: {use: script.own, in: x}, b: {use: away.prints, in: a}}"
-    said, complained = script(nodes, "dask").communicate(timeout=60)
-    assert (said, complained) == ("3\n", "noise\n")
+    output, complained = script(nodes, "dask").communicate(timeout=60)
+    assert (output, complained) == ("3\n", "noise\n")
 
 
 def test_ctrl_c_ends_a_script_with_its_workers(

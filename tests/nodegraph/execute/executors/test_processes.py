@@ -30,7 +30,7 @@ def has_ended(pid: int) -> bool:
     return False
 
 
-def test_results_are_those_of_one_step_after_the_other(
+def test_results_are_those_of_the_serial_executor(
     same_as_serial: Callable[[HowToRun], bool], made_here: list[str]
 ) -> None:
     assert same_as_serial(TWO)
@@ -39,7 +39,7 @@ def test_results_are_those_of_one_step_after_the_other(
     assert made_here.count("away.mean") == 4
 
 
-def test_calls_are_made_in_as_many_processes_as_asked_for(study: Callable[..., Run]) -> None:
+def test_no_more_processes_run_than_jobs(study: Callable[..., Run]) -> None:
     text = "nodes: {a: {use: away.pid, with: {mark: $k}}}\naxes: {k: {count: 12}}"
     pids = {value for _, value in study(text, TWO)["a"]}
     assert 1 <= len(pids) <= 2
@@ -69,8 +69,10 @@ def test_no_more_processes_start_than_there_are_calls_at_a_time(study: Callable[
     assert run.counts()["done"] == 3
 
 
-@pytest.mark.parametrize(("makes", "takes"), [("stranger", "known"), ("list", "known_first")])
-def test_what_cannot_be_sent_stays_here(study: Callable[..., Run], makes: str, takes: str) -> None:
+@pytest.mark.parametrize(("makes", "takes"), [("opaque", "known"), ("list", "known_first")])
+def test_a_value_that_cannot_be_sent_stays_here(
+    study: Callable[..., Run], makes: str, takes: str
+) -> None:
     text = f"""
         nodes:
           x: {{use: away.pid}}
@@ -80,7 +82,9 @@ def test_what_cannot_be_sent_stays_here(study: Callable[..., Run], makes: str, t
     assert study(text, ONE)["b"].value == os.getpid()
 
 
-def test_a_node_that_nobody_else_can_import_is_called_here(run_of: Callable[..., Run]) -> None:
+def test_a_node_that_cannot_be_imported_is_called_here(
+    run_of: Callable[..., Run],
+) -> None:
     @node("local.pid")
     def local(x: float) -> int:
         return os.getpid()
@@ -100,7 +104,7 @@ def test_large_values_go_both_ways(study: Callable[..., Run]) -> None:
     assert [value for _, value in study(text, TWO)["c"]] == 3 * [60000 * 36 * 8]
 
 
-def test_what_a_node_says_and_raises_comes_back(study: Callable[..., Run]) -> None:
+def test_warnings_and_errors_of_nodes_come_back(study: Callable[..., Run]) -> None:
     text = """
         nodes:
           x: {use: away.pid}
@@ -112,12 +116,12 @@ def test_what_a_node_says_and_raises_comes_back(study: Callable[..., Run]) -> No
           writes: {use: away.writes, in: pair}
         """
     here, there = (outcomes(study(text, how)) for how in (HowToRun("serial"), ONE))
-    assert {name: one.state for name, one in there.items()} == {
+    assert {name: outcome.state for name, outcome in there.items()} == {
         "x": "done", "pair": "done", "warns": "done", "refuses": "refused", "fails": "failed",
         "lies": "failed", "writes": "failed",
     }  # fmt: skip
-    assert {name: one.reason for name, one in there.items()} == {
-        name: one.reason for name, one in here.items()
+    assert {name: outcome.reason for name, outcome in there.items()} == {
+        name: outcome.reason for name, outcome in here.items()
     }
     assert there["warns"].warnings == ("two of them are odd",)
     assert "away.py" in there["fails"].trace
@@ -135,10 +139,10 @@ def test_a_process_that_ends_fails_its_step_alone(study: Callable[..., Run]) -> 
         """
     run = study(text, TWO)
     assert run.counts() == {**run.counts(), "done": 8, "failed": 2}
-    found = outcomes(run)
-    assert found["exits"].reason == "the process that computed it ended with exit status 3"
+    ended = outcomes(run)
+    assert ended["exits"].reason == "the process that computed it ended with exit status 3"
     by_signal = "the process that computed it was ended by signal SIGKILL (out of memory?)"
-    assert found["killed"].reason == by_signal
+    assert ended["killed"].reason == by_signal
 
 
 def test_a_node_can_end_the_run(study: Callable[..., Run]) -> None:
@@ -174,8 +178,8 @@ def test_an_interruption_ends_a_node_that_never_returns(
 
 def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Popen[str]]) -> None:
     nodes = "{x: {use: away.pid}, a: {use: script.own, in: x}, b: {use: away.prints, in: a}}"
-    said, complained = script(nodes, "processes").communicate(timeout=60)
-    assert (said, complained) == ("3\n", "noise\n")
+    output, complained = script(nodes, "processes").communicate(timeout=60)
+    assert (output, complained) == ("3\n", "noise\n")
 
 
 def test_processes_end_with_the_one_that_started_them(

@@ -1,4 +1,4 @@
-"""What is stored is not computed again, and what decides a result decides its key."""
+"""A stored result is not computed again, unless something that decides it has changed."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ nodes:
   error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
   table: {use: compare.table, in: error}
 """
+SHORT = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}}"
 MADE: list[str] = []
 PICKY = """
 axes: {start: [-1, 1, 2]}
@@ -52,7 +53,7 @@ def test_a_second_run_computes_nothing(
     assert list(second["fill"]) == list(first["fill"])
 
 
-def test_nothing_is_read_that_nobody_asks_for(
+def test_only_values_that_are_used_are_read(
     run_of: RunOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run_of(STUDY, store=tmp_path)
@@ -122,7 +123,7 @@ def test_a_refusal_is_stored_with_what_it_makes_of_a_gathering(
     assert second.counts()["stored"] == 8
     assert second["d"].value == first["d"].value
     absent = second["d"].value.scores.absent
-    assert [(one.labels, one.kind) for one in absent] == [({"start": -1}, "refused")]
+    assert [(entry.labels, entry.kind) for entry in absent] == [({"start": -1}, "refused")]
 
 
 def test_a_failure_is_tried_again_and_changes_only_what_gathers_it(
@@ -170,7 +171,7 @@ def test_one_key_is_computed_once_in_a_run(
 
 
 @pytest.fixture
-def made() -> list[str]:
+def called() -> list[str]:
     """Names of the nodes of this file that have been called."""
     MADE.clear()
     return MADE
@@ -186,44 +187,44 @@ nodes:
 
 @pytest.mark.parametrize("what", ["entry", "blob"])
 @pytest.mark.parametrize("how", WAYS)
-def test_a_damaged_result_is_computed_again_and_told(
-    run_of: RunOf, made: list[str], tmp_path: Path, what: str, how: HowToRun
+def test_a_damaged_result_is_computed_again_and_reported(
+    run_of: RunOf, called: list[str], tmp_path: Path, what: str, how: HowToRun
 ) -> None:
     first = run_of(RAMPS, more=ARRAYS, store=tmp_path)
     if what == "entry":
         damaged = entry_of(tmp_path, first.outcomes[first.plan.cells["a"][()]].key)
     else:
-        [damaged] = (one for one in tmp_path.rglob("blobs/*/*") if one.is_file())
+        [damaged] = (path for path in tmp_path.rglob("blobs/*/*") if path.is_file())
     damaged.write_bytes(damaged.read_bytes()[:-20])
-    made.clear()
-    said: list[str] = []
+    called.clear()
+    messages: list[str] = []
     changed = RAMPS.replace("add: 1", "add: 3").replace("add: 2", "add: 4")
-    run = run_of(changed, more=ARRAYS, store=tmp_path, say=said.append, how=how)
+    run = run_of(changed, more=ARRAYS, store=tmp_path, say=messages.append, how=how)
     total = sum(range(3000))
     assert (run["b"].value, run["c"].value) == (total + 3, total + 4)
-    assert made == ["array.ramp"]
-    assert len(said) == 1
-    assert "computed again" in said[0]
-    made.clear()
+    assert called == ["array.ramp"]
+    assert len(messages) == 1
+    assert "computed again" in messages[0]
+    called.clear()
     assert run_of(changed, more=ARRAYS, store=tmp_path).counts()["stored"] == 3
 
 
 def test_what_is_damaged_when_it_is_asked_for_is_computed_again(
-    run_of: RunOf, made: list[str], tmp_path: Path
+    run_of: RunOf, called: list[str], tmp_path: Path
 ) -> None:
     run_of(RAMPS, more=ARRAYS, store=tmp_path)
-    said: list[str] = []
-    run = run_of(RAMPS, more=ARRAYS, store=tmp_path, say=said.append)
+    messages: list[str] = []
+    run = run_of(RAMPS, more=ARRAYS, store=tmp_path, say=messages.append)
     for path in tmp_path.rglob("blobs/*/*"):
         path.write_bytes(b"")
-    made.clear()
+    called.clear()
     assert run["a"].value.sum() == sum(range(3000))
-    assert (made, len(said)) == (["array.ramp"], 1)
+    assert (called, len(messages)) == (["array.ramp"], 1)
 
 
 @pytest.mark.parametrize("how", WAYS)
 def test_a_stand_in_is_shown_and_never_given_to_a_reader(
-    run_of: RunOf, made: list[str], tmp_path: Path, how: HowToRun
+    run_of: RunOf, called: list[str], tmp_path: Path, how: HowToRun
 ) -> None:
     text = """
         nodes:
@@ -236,28 +237,28 @@ def test_a_stand_in_is_shown_and_never_given_to_a_reader(
     plugin = Plugin("pictures", module)
     more = {"more": (draw, size), "plugins": [plugin], "store": tmp_path, "how": how}
     run_of(text, **more)
-    made.clear()
+    called.clear()
     second = run_of(text, **more)
-    assert made == []
+    assert called == []
     assert [value for _, value in second["a"].shown()] == ["a picture of 2"]
     assert second["a"].value.text == "2"
-    assert made == ["picture.draw"]
-    made.clear()
+    assert called == ["picture.draw"]
+    called.clear()
     third = run_of(text.replace("add: 1}", "add: 3}"), **more)
-    assert made == ["picture.draw"]
+    assert called == ["picture.draw"]
     assert third["b"].value == 4
 
 
-def test_events_tell_what_was_stored(run_of: RunOf, tmp_path: Path) -> None:
+def test_events_list_what_was_stored(run_of: RunOf, tmp_path: Path) -> None:
     events: list[Event] = []
     run_of(PICKY, store=tmp_path)
     run_of(PICKY.replace("fill.hold", "fill.scale"), store=tmp_path, listeners=[events.append])
-    kinds = [one.kind for one in events if one.kind != "progress"]
+    kinds = [event.kind for event in events if event.kind != "progress"]
     assert Counter(kinds[:7]) == {"planned": 1, "stored": 5, "refused": 1}
     assert kinds[7:] == ["skipped", *["started", "done"] * 3, "finished"]
-    refused = next(one for one in events if one.kind == "refused")
+    refused = next(event for event in events if event.kind == "refused")
     assert refused.detail["stored"] is True
-    last = [one.detail for one in events if one.kind == "progress"][-1]
+    last = [event.detail for event in events if event.kind == "progress"][-1]
     assert last == {
         "run": 3, "stored": 5, "refused": 1, "failed": 0, "skipped": 1, "unneeded": 0,
         "left": 0, "to_go": 0,
@@ -304,3 +305,25 @@ def draw(*, x: float) -> Picture:
 @node("picture.size")
 def size(picture: Picture, *, add: float = 0.0) -> float:
     return len(picture.text) + add
+
+
+def test_each_reason_why_results_are_not_stored_is_counted(run_of: RunOf, tmp_path: Path) -> None:
+    first = run_of(SHORT, store=tmp_path)
+    assert first.cache is not None
+    assert first.not_stored() == []
+    first.cache.distrust(first.plan.steps[0], "a second call")
+    later = run_of(SHORT, store=tmp_path)
+    assert later.not_stored() == [
+        "1 results are not stored: read.number: an audit found that it gives another answer in a "
+        "second call",
+        "1 results are not stored: they are made of results that are not stored",
+    ]
+    assert later.cache is not None
+    assert [later.cache.distrusted(step) for step in later.plan.steps] == [
+        "an audit found that it gives another answer in a second call",
+        "",
+    ]
+
+
+def test_a_run_without_a_store_gives_no_reasons(run_of: RunOf) -> None:
+    assert run_of(SHORT).not_stored() == []

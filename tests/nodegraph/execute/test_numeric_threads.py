@@ -63,7 +63,7 @@ def _openmp() -> None:
     """A library that keeps the number of its threads for each thread that calls it."""
     import sklearn.cluster  # noqa: F401
 
-    assert "openmp" in {one["user_api"] for one in threadpool_info()}
+    assert "openmp" in {info["user_api"] for info in threadpool_info()}
 
 
 @pytest.mark.parametrize("executor", ["serial", "threads", "processes"])

@@ -36,7 +36,7 @@ def number(*, k: int = 0) -> int:
 
 @pytest.fixture(autouse=True)
 def forget(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Answer as a process that has not answered yet."""
+    """Respond as a new process does."""
     monkeypatch.setattr(server, "_finders", {})
     monkeypatch.setattr(server, "_plugin_files", set())
 
@@ -58,7 +58,7 @@ def warns(x: int) -> int:
     return x
 
 
-def test_threads_hear_their_own_warnings() -> None:
+def test_each_call_collects_its_own_warnings() -> None:
     before = warnings.showwarning
     answers: dict[int, Response] = {}
 
@@ -66,47 +66,47 @@ def test_threads_hear_their_own_warnings() -> None:
         answers[number] = ask("given", "threads.warns", x=number)
 
     both = [threading.Thread(target=work, args=(number,)) for number in (1, 2)]
-    for one in both:
-        one.start()
-    for one in both:
-        one.join()
-    assert {number: one.outcome.warnings for number, one in answers.items()} == {
+    for thread in both:
+        thread.start()
+    for thread in both:
+        thread.join()
+    assert {number: response.outcome.warnings for number, response in answers.items()} == {
         1: ("number 1",),
         2: ("number 2",),
     }
     assert warnings.showwarning is before
 
 
-def test_a_file_that_is_not_there_is_laid_down(tmp_path: Path) -> None:
+def test_a_plugin_file_that_does_not_exist_here_is_copied(tmp_path: Path) -> None:
     gone = str(tmp_path / "elsewhere" / "carried.py")
     results = [
         ask("carried", "carried.number", files=((gone, FILE.format(number).encode()),)).head
         for number in (1, 2, 1)
     ]
-    assert [json.loads(one) for one in results] == [["tuple", 1], ["tuple", 2], ["tuple", 1]]
+    assert [json.loads(head) for head in results] == [["tuple", 1], ["tuple", 2], ["tuple", 1]]
     sys.modules.pop("carried")
 
 
-def test_a_file_that_does_not_import_is_told(tmp_path: Path) -> None:
-    said = ask("broken", "broken.x", files=((str(tmp_path / "broken.py"), b"import no_such"),))
-    assert said.kind == ResponseKind.MISSING
-    assert "cannot use a plugin file" in said.outcome.reason
-    assert "no_such" in said.outcome.reason
+def test_a_plugin_file_that_does_not_import_is_reported(tmp_path: Path) -> None:
+    response = ask("broken", "broken.x", files=((str(tmp_path / "broken.py"), b"import no_such"),))
+    assert response.kind == ResponseKind.MISSING
+    assert "cannot use a plugin file" in response.outcome.reason
+    assert "no_such" in response.outcome.reason
 
 
-def test_a_node_that_is_not_here_is_told() -> None:
-    said = ask("acme", "acme.none")
-    assert (said.kind, said.outcome.reason) == (
+def test_a_missing_node_is_reported() -> None:
+    response = ask("acme", "acme.none")
+    assert (response.kind, response.outcome.reason) == (
         ResponseKind.MISSING,
         "has no plugin 'acme', which defines acme.none; install it there",
     )
 
 
-def test_what_cannot_be_unpacked_is_sent_back() -> None:
+def test_a_value_that_cannot_be_unpacked_is_reported() -> None:
     address = NodeAddress("given", "threads.warns", "", __name__, "warns").encode()
     around = Environment().encode()
-    said = respond(Request(around, address, b'["value","no_such:Class",[]]'))
-    assert said.kind == ResponseKind.UNSENDABLE
+    response = respond(Request(around, address, b'["value","no_such:Class",[]]'))
+    assert response.kind == ResponseKind.UNSENDABLE
 
 
 def test_a_function_inside_another_has_no_address() -> None:
@@ -114,6 +114,6 @@ def test_a_function_inside_another_has_no_address() -> None:
     def inside(x: int) -> int:
         return x
 
-    found = node_of(inside)
-    assert found is not None
-    assert NodeAddress.of(Call(0, found, "given", {}, {}), Registry()) is None
+    described = node_of(inside)
+    assert described is not None
+    assert NodeAddress.of(Call(0, described, "given", {}, {}), Registry()) is None

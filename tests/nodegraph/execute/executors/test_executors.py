@@ -1,12 +1,17 @@
+"""What holds for every executor, and executors of plugins."""
+
 from __future__ import annotations
 
+import textwrap
 import threading
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
-from nodegraph import node
+from nodegraph import NodegraphError, node
 from nodegraph.execute import HowToRun, Run
+from nodegraph.plugin.registry import Registry
 
 WAYS = [HowToRun("serial"), HowToRun("threads", 1), HowToRun("threads", 4)]
 TEXT = """
@@ -72,3 +77,49 @@ def test_an_interruption_ends_the_run(run_of: Callable[..., Run], how: HowToRun)
     text = "nodes: {a: {use: read.number}, b: {use: stop.interrupt, in: a}}"
     with pytest.raises(KeyboardInterrupt):
         run_of(text, more=[interrupt], how=how)
+
+
+PLUGIN = """
+    from nodegraph import hookimpl, node
+    from nodegraph.executors import perform
+
+    CALLED = []
+
+    @node("acme.number")
+    def number(*, k: int = 0) -> int:
+        return k
+
+    def noting(schedule, how):
+        while (call := schedule.next()) is not None:
+            CALLED.append(how.executor)
+            yield call.step, schedule.keep(call, perform(call))
+
+    @hookimpl
+    def nodegraph_executors():
+        return {"noting": noting, "serial": noting}
+    """
+
+
+@pytest.fixture
+def acme(tmp_path: Path) -> Path:
+    """A plugin file with an executor of two names, one of which is taken."""
+    path = tmp_path / "acme.py"
+    path.write_text(textwrap.dedent(PLUGIN))
+    return path
+
+
+def test_a_plugin_adds_an_executor_but_replaces_none(study: Callable[..., Run], acme: Path) -> None:
+    registry = Registry.installed([acme])
+    called = registry.loaded[-1].module.CALLED
+    text = "axes: {k: [1, 2]}\nnodes: {a: {use: acme.number, with: {k: $k}}}"
+    with pytest.warns(UserWarning, match="'acme': 'serial' of nodegraph_executors is left out"):
+        run = study(text, HowToRun("noting"), nodes=registry)
+    assert [value for _, value in run["a"]] == [1, 2]
+    assert called == ["noting", "noting"]
+    study(text, HowToRun("serial"), nodes=registry)
+    assert called == ["noting", "noting"]
+
+
+def test_the_name_of_the_built_in_plugin_is_taken(acme: Path) -> None:
+    with pytest.raises(NodegraphError, match="'nodegraph' is already registered"):
+        Registry.installed([acme.rename(acme.with_name("nodegraph.py"))])
