@@ -199,7 +199,7 @@ def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str
 
 
 @pytest.mark.parametrize(
-    ("function", "given", "said"),
+    ("function", "value", "message"),
     [
         (
             writes,
@@ -303,7 +303,7 @@ def array(x: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("function", "said"),
+    ("function", "message"),
     [
         (mute, f"Mute: its message cannot be shown ({raised_in(mute)})"),
         (unprintable, f"\\udcff ({raised_in(unprintable)})"),

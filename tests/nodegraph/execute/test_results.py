@@ -59,7 +59,7 @@ def test_values_that_were_released_are_computed_again(run: Run, calls: list[str]
 
 
 @pytest.mark.parametrize(
-    ("ask", "said"),
+    ("ask", "message"),
     [
         (lambda run: run["fil"], r"no node 'fil'; did you mean 'fill'"),
         (lambda run: run["gaps.trth"], r"'gaps' has no output 'trth'; did you mean 'truth'"),

@@ -171,7 +171,7 @@ def test_warnings_of_nodes_land_in_outcomes_and_events(
 
 
 @pytest.mark.parametrize(
-    ("how", "said"),
+    ("how", "message"),
     [
         (HowToRun("thread"), "no executor 'thread'; did you mean 'threads'"),
         (HowToRun(jobs=0), "jobs must be 1 or more, got 0"),

@@ -307,7 +307,7 @@ def test_a_run_gives_up_after_long_without_workers(
 
 
 @pytest.mark.parametrize(
-    ("address", "said"),
+    ("address", "message"),
     [
         ("tcp://127.0.0.1:1", "no Dask scheduler answers at tcp://127.0.0.1:1; start one with"),
         ("127.0.0.1:99999999", "no Dask scheduler answers at 127.0.0.1:99999999"),
