@@ -27,7 +27,7 @@ def frame(
     """Return the values of a node, with a leading column for each of its axes.
 
     Tables are concatenated: their rows get the labels of their combination, a column that is
-    named like an axis is replaced by it, and the `attrs` of the first table are kept. Any other
+    named like an axis is replaced by it, and the metadata of the first table is kept. Any other
     values are one column. A combination without a value is one row in which the value is missing;
     only if there is such a row, the columns ``state`` and ``reason`` say for every row how its
     step ended.
@@ -49,7 +49,8 @@ def frame(
     if values and all(isinstance(value, pd.DataFrame) for value in values.values()):
         tables = [_rows(values.get(at), axes) for at in order]
         body = pd.concat(tables, ignore_index=True)
-        body.attrs = dict(next(iter(values.values())).attrs)
+        first = next(iter(values.values()))
+        body = type(first)(body).__finalize__(first)
         counts = [len(table) for table in tables]
     else:
         body = pd.DataFrame({column: _series([values.get(at) for at in order])})
