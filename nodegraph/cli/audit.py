@@ -59,7 +59,9 @@ def _rows(
     yield "node", "method", "grade", "cases", "what"
     for (node, label), steps in by_method.items():
         method = run.plan.graph.nodes[node].methods[label].node.name
-        worst = max((audited[index] for index in steps), key=lambda one: WORSE.index(one.grade))
+        worst = max(
+            (audited[index] for index in steps), key=lambda result: WORSE.index(result.grade)
+        )
         count = sum(audited[index].grade == worst.grade for index in steps)
         cases = f"{count} of {len(steps)}" if count < len(steps) else str(len(steps))
         yield node, method, worst.grade, cases, worst.text

@@ -94,9 +94,9 @@ def run_of(
     """
     for line in left_out_lines(graph):
         say(line)
-    with progress() as shown:
+    with progress() as display:
         if store is None and cache:
-            store = store_of(arguments, graph, shown.say)
+            store = store_of(arguments, graph, display.say)
         return run_graph(
-            graph, how_of(arguments), store=store, until=until, listeners=[shown.hear, *listeners]
+            graph, how_of(arguments), store=store, until=until, listeners=[display, *listeners]
         )

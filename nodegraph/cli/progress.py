@@ -1,4 +1,4 @@
-"""What a person sees in a terminal: progress while a run goes on, and lines otherwise."""
+"""The progress of a run on standard error: a bar in a terminal, else a line now and then."""
 
 from __future__ import annotations
 
@@ -17,16 +17,13 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 _MOST_LINES = 20
-_MOMENT = 0.1
+_INTERVAL = 0.1
 _COUNTS = ("run", State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
 
 
 @contextmanager
-def progress() -> Iterator[Shown]:
-    """Give what shows a run's progress: a bar in a terminal, else a line now and then.
-
-    It is a listener of a run; its `say` shows a text of its own.
-    """
+def progress() -> Iterator[Display]:
+    """Show the progress of a run, whose listener is the display that is returned."""
     if sys.stderr.isatty():
         with _bar() as bar, bar.closing():
             yield bar
@@ -36,8 +33,8 @@ def progress() -> Iterator[Shown]:
             yield lines
 
 
-class Shown(ABC):
-    """Shows what a run tells; of what goes wrong the first lines, then only how much more."""
+class Display(ABC):
+    """Shows events: how far the run is, and the first steps that fail or are refused."""
 
     def __init__(self) -> None:
         self._lines = 0
@@ -45,15 +42,11 @@ class Shown(ABC):
         self._planned = 0
 
     def __call__(self, event: Event) -> None:
-        """Hear an event."""
-        self.hear(event)
-
-    def hear(self, event: Event) -> None:
-        """Show an event; of single steps only those that went wrong."""
+        """Show an event."""
         if event.kind == EventKind.PLANNED:
             self._planned = event.detail["steps"]
         if event.kind in (State.FAILED, State.REFUSED):
-            self._wrong(event)
+            self._show_step(event)
         elif event.kind not in (State.DONE, State.STORED, State.SKIPPED):
             self.show(event)
 
@@ -63,11 +56,11 @@ class Shown(ABC):
 
     @abstractmethod
     def show(self, event: Event) -> None:
-        """Show how far the run is, by an event that tells more than how one step ended."""
+        """Show an event that is not the end of a step."""
 
     @contextmanager
     def closing(self) -> Iterator[None]:
-        """Say in the end, also of a run that is interrupted, how much more went wrong."""
+        """Show at the end, also of an interrupted run, how many more steps failed."""
         try:
             yield
         finally:
@@ -75,12 +68,12 @@ class Shown(ABC):
                 self.say(f"and {count} more {kind}")
 
     def settled(self, detail: Mapping[str, Any]) -> tuple[int, int]:
-        """Return how many steps are settled, and of how many: what is not needed is in neither."""
+        """Return how many steps have ended, and of how many; unneeded ones are in neither."""
         settled = sum(detail[name] for name in _COUNTS)
-        # while stored results are looked up, nobody knows yet what is left
+        # while stored results are looked up, the number of steps left is not known
         return settled, settled + detail["left"] if detail["left"] else self._planned
 
-    def _wrong(self, event: Event) -> None:
+    def _show_step(self, event: Event) -> None:
         if self._lines == _MOST_LINES:
             self._more[event.kind] += 1
         else:
@@ -99,36 +92,36 @@ def _bar() -> Iterator[_Bar]:
         MofNCompleteColumn(),
         TextColumn("{task.fields[counts]}", markup=False),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
-        yield _Bar(shown, shown.add_task("planning", total=None, counts=""))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        yield _Bar(bar, bar.add_task("planning", total=None, counts=""))
 
 
-class _Bar(Shown):
-    """A bar that is drawn anew as seldom as a person can see, however many steps there are."""
+class _Bar(Display):
+    """A bar, which is not updated for every step: there may be many in a second."""
 
-    def __init__(self, shown: Progress, task: TaskID) -> None:
+    def __init__(self, bar: Progress, task: TaskID) -> None:
         super().__init__()
-        self._shown = shown
+        self._bar = bar
         self._task = task
-        self._named = -_MOMENT
+        self._named = -_INTERVAL
 
     def say(self, text: str) -> None:
-        self._shown.console.print(text, markup=False, highlight=False, soft_wrap=True)
+        self._bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     def show(self, event: Event) -> None:
         if event.kind == EventKind.PLANNED:
-            self._shown.update(self._task, total=self._planned)
+            self._bar.update(self._task, total=self._planned)
         elif event.kind == EventKind.PROGRESS:
             settled, total = self.settled(event.detail)
             counts = counts_text(event.detail)
-            self._shown.update(self._task, completed=settled, total=total, counts=counts)
-        elif event.kind == EventKind.STARTED and event.seconds - self._named >= _MOMENT:
+            self._bar.update(self._task, completed=settled, total=total, counts=counts)
+        elif event.kind == EventKind.STARTED and event.seconds - self._named >= _INTERVAL:
             self._named = event.seconds
-            self._shown.update(self._task, description=event.node)
+            self._bar.update(self._task, description=event.node)
 
 
-class _Lines(Shown):
-    """One line at the start, at each tenth of the way, for what goes wrong, and at the end."""
+class _Lines(Display):
+    """A line at the start, at the end, and after each tenth of the steps."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -150,13 +143,12 @@ class _Lines(Shown):
     def _advance(self, detail: Mapping[str, Any]) -> None:
         settled, total = self.settled(detail)
         tenths = 10 * settled // total if total else 0
-        if tenths > self._tenths:
-            self._tenths = tenths
-            if not detail["run"] and not detail["failed"]:
-                return  # stored results are looked up faster than anybody reads
-            computed = detail["run"] + detail["failed"] + detail["refused"]
-            if computed == self._computed:
-                return  # as where all else is skipped
+        if tenths <= self._tenths:
+            return
+        self._tenths = tenths
+        computed = detail["run"] + detail["failed"] + detail["refused"]
+        is_slow = detail["run"] or detail["failed"]  # stored results take no time
+        if is_slow and computed > self._computed:
             self._computed = computed
             self.say(f"{settled} of {total} steps: {counts_text(detail)}")
 
@@ -176,11 +168,8 @@ def _clock(seconds: float) -> str:
 
 
 def settled_line(event: Event) -> str:
-    """Return one line that says what became of a step."""
+    """Return one line on the end of a step: ``failed: fill(length=5): no frame``."""
     where = name_at(event.node, event.labels)
-    return _printable(f"{event.kind}: {where}: {event.detail.get('reason', '')}")
-
-
-def _printable(text: str) -> str:
-    """Return text on one line, without what a terminal would take for a command."""
-    return "".join(one if one.isprintable() else " " for one in text)
+    text = f"{event.kind}: {where}: {event.detail.get('reason', '')}"
+    # control characters would be commands to the terminal
+    return "".join(character if character.isprintable() else " " for character in text)

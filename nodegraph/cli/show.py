@@ -37,7 +37,7 @@ def show(arguments: Namespace) -> int:
     settings = describe_settings(node)
     if settings:
         head = ("setting", "default", "unit", "is", "meaning")
-        rows = [(one.name, one.default, one.unit, one.kind, one.meaning) for one in settings]
+        rows = [(row.name, row.default, row.unit, row.kind, row.meaning) for row in settings]
         parts.append(columns([head, *rows]))
     parts.append(without_parameters(node.doc))
     if not has_example(node):

@@ -153,7 +153,7 @@ def _values(moved: list[Moved], lock: Lock, results: Results, stored: Kept) -> I
     first = moved[0]
     if first.grade.said:
         yield first.grade.said
-    largest = max(moved, key=lambda one: one.grade.apart)
+    largest = max(moved, key=lambda other: other.grade.apart)
     if largest.grade.apart:
         most = "" if len(moved) == 1 else f", {largest.cell.name} most"
         yield f"by {largest.grade.apart:.2g} times their usual size (root mean square{most})"

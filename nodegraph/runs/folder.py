@@ -1,4 +1,4 @@
-"""The folder of a run: made so that no earlier result is lost."""
+"""The folder of a run, which is written so that no earlier result is lost."""
 
 from __future__ import annotations
 
@@ -21,23 +21,27 @@ GRAPH = "graph.yaml"
 
 
 class RunFolder:
-    """Where a run writes; events are written as they happen.
+    """The folder that a run writes to; events are written as they happen.
 
     Parameters
     ----------
     path
-        A run that lies there is moved aside, its name followed by the time it ended; one that
-        was interrupted before it had any result is replaced.
+        An earlier run there is moved: its folder is renamed to end with the time at which it was
+        written. A run that was interrupted before it had a result is replaced.
     graph
         The text of the graph file.
     used
         The texts of the graph files that it uses, by their paths from its own.
 
+    Attributes
+    ----------
+    moved : Path or None
+        The new path of the earlier run.
+
     Raises
     ------
     NodegraphError
-        If something else lies there, or another run is writing there, or the folder cannot be
-        made.
+        If the folder is not a run folder, another run is writing to it, or it cannot be made.
     """
 
     def __init__(self, path: Path, graph: str, used: Mapping[str, str] | None = None) -> None:
@@ -57,7 +61,7 @@ class RunFolder:
             raise NodegraphError(f"{path}: the run cannot be written there: {error}") from error
 
     def hear(self, event: Event) -> None:
-        """Write one event as a line of JSON; a folder that is full costs the lines, not the run."""
+        """Write an event as a line of JSON; where that fails, the run goes on without."""
         self._begun |= event.kind in (State.DONE, State.FAILED)
         if self._events.closed:
             return
@@ -69,7 +73,7 @@ class RunFolder:
                 self._events.close()
 
     def abandon(self) -> None:
-        """Undo what was done to begin a run that could not begin; the earlier one comes back."""
+        """Remove the folder of a run that could not begin, and move the earlier run back."""
         self._events.close()
         if not self._begun:
             shutil.rmtree(self._place)
@@ -77,7 +81,7 @@ class RunFolder:
                 self._place.with_name(self.moved.name).rename(self._place)
 
     def finish(self, files: Mapping[str, bytes], record: str) -> None:
-        """Write what the run came to; the record last, since it says that all is there."""
+        """Write the files of a finished run, and last its record."""
         try:
             for name, content in files.items():
                 target = self._place / name
@@ -104,16 +108,14 @@ def _make_room(path: Path) -> Path | None:
         return None
     if _is_written(path / EVENTS):
         raise _busy(path)
-    marks = [one for one in (path / RECORD, path / EVENTS) if one.is_file()]
-    if marks and {one.name for one in path.iterdir()} <= {EVENTS, GRAPH}:
-        shutil.rmtree(path)  # a run that was interrupted: it holds no result
+    marks = [file for file in (path / RECORD, path / EVENTS) if file.is_file()]
+    if marks and {file.name for file in path.iterdir()} <= {EVENTS, GRAPH}:
+        shutil.rmtree(path)  # an interrupted run without results
         return None
     if marks:
         ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("%Y-%m-%dT%H-%M-%S")
         return path.rename(_free(path.with_name(f"{path.name}-{ended}")))
-    raise NodegraphError(
-        f"{path} holds something that is not a run; name another folder with --out"
-    )
+    raise NodegraphError(f"{path} exists and is not a run folder; name another folder with --out")
 
 
 def _is_written(events: Path) -> bool:
@@ -133,7 +135,7 @@ def _locked(file: TextIOWrapper) -> bool:
     except BlockingIOError:
         return False
     except (ImportError, OSError):
-        pass  # neither this system nor this disk knows locks
+        pass  # this system or this disk has no locks
     return True
 
 
@@ -143,4 +145,4 @@ def _busy(path: Path) -> NodegraphError:
 
 def _free(path: Path) -> Path:
     numbered = (path.with_name(f"{path.name}.{number}") for number in range(2, 10_000))
-    return next(one for one in (path, *numbered) if not one.exists())
+    return next(free for free in (path, *numbered) if not free.exists())

@@ -379,13 +379,13 @@ def read_record(path: Path) -> Record:
             f"{path} is of format {written}, and only {FORMAT} can be read; run the graph again"
         )
     try:
-        found = _adapter().validate_python(data)
+        record = _adapter().validate_python(data)
     except ValidationError as error:
         fault = first_error(error, data)
     else:
-        fault = next(_faults(found), "")
+        fault = next(_faults(record), "")
         if not fault:
-            return found
+            return record
     raise NodegraphError(f"{path} cannot be read ({fault}); run the graph again")
 
 

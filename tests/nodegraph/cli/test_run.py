@@ -130,7 +130,7 @@ def test_a_store_that_cannot_be_used_costs_no_result(command: Command) -> None:
         (["--jobs", "0"], "jobs must be 1 or more, got 0"),
         (["--jobs", "many"], "invalid int value"),
         (["--executor", "serail"], "did you mean 'serial'"),
-        (["--out", "toys.py"], "toys.py holds something that is not a run"),
+        (["--out", "toys.py"], "toys.py exists and is not a run folder"),
         (["--out", "toys.py/x"], "cannot be written there"),
     ],
 )

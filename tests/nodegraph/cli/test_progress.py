@@ -1,3 +1,5 @@
+"""Progress is shown as a bar in a terminal, and as lines otherwise."""
+
 from __future__ import annotations
 
 import io
@@ -6,48 +8,47 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from nodegraph.cli.output import columns
-from nodegraph.cli.progress import Shown, counts_text, progress, settled_line
+from nodegraph.cli.progress import Display, counts_text, progress, settled_line
 from nodegraph.execute import Event
 
 _COUNTED = {"done": "run"}
 
 
 class FakeTerminal(io.StringIO):
-    """Standard error of a person who looks at it, or of a file."""
+    """Standard error, which may be a terminal."""
 
 
 def events(states: Iterable[str], *, left: int | None = None, every: int = 1) -> list[Event]:
-    """Return what a run tells whose steps end so."""
+    """Return the events of a run whose steps end in these states."""
     states = list(states)
-    told = [Event("planned", 0.0, detail={"steps": len(states), "nodes": 2})]
+    run = [Event("planned", 0.0, detail={"steps": len(states), "nodes": 2})]
     counts = dict.fromkeys(("run", "stored", "refused", "failed", "skipped"), 0)
     for number, state in enumerate(states):
         kinds = [state] if state in ("stored", "skipped") else ["started", state]
-        why = {"reason": "no frame"}
-        told += [Event(kind, number / 5, number, "fill", {"k": number}, why) for kind in kinds]
+        reason = {"reason": "no frame"}
+        run += [Event(kind, number / 5, number, "fill", {"k": number}, reason) for kind in kinds]
         counts[_COUNTED.get(state, state)] += 1
         if (number + 1) % every == 0:
             rest = len(states) - number - 1 if left is None else left
             detail = {**counts, "left": rest, "to_go": 12.2}
-            told.append(Event("progress", number / 5, detail=detail))
-    told.append(Event("finished", 3.0, detail={"done": counts["run"], **counts, "unneeded": 0}))
-    return told
+            run.append(Event("progress", number / 5, detail=detail))
+    run.append(Event("finished", 3.0, detail={"done": counts["run"], **counts, "unneeded": 0}))
+    return run
 
 
-def shown(told: Iterable[Event]) -> None:
-    with progress() as listener:
-        for event in told:
-            listener(event)
+def show(run: Iterable[Event]) -> None:
+    with progress() as display:
+        for event in run:
+            display(event)
 
 
-def faked(monkeypatch: pytest.MonkeyPatch, *, is_terminal: bool = True) -> FakeTerminal:
-    found = FakeTerminal()
-    monkeypatch.setattr(found, "isatty", lambda: is_terminal)
-    monkeypatch.setattr("sys.stderr", found)
+def fake_stderr(monkeypatch: pytest.MonkeyPatch, *, is_terminal: bool = True) -> FakeTerminal:
+    terminal = FakeTerminal()
+    monkeypatch.setattr(terminal, "isatty", lambda: is_terminal)
+    monkeypatch.setattr("sys.stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "120")
-    return found
+    return terminal
 
 
 def plain(terminal: FakeTerminal) -> str:
@@ -55,7 +56,7 @@ def plain(terminal: FakeTerminal) -> str:
 
 
 def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    shown(events(["done"] * 98 + ["failed", "refused"]))
+    show(events(["done"] * 98 + ["failed", "refused"]))
     out, err = capsys.readouterr()
     lines = err.splitlines()
     assert out == ""
@@ -72,49 +73,49 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
     assert len(lines) == 14
 
 
-def test_steps_that_are_not_needed_are_not_waited_for(
+def test_unneeded_steps_are_not_in_the_total(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    told = events(["stored"] * 9 + ["done"], left=10)
-    shown([told[0], told[-2], told[-1]])
+    run = events(["stored"] * 9 + ["done"], left=10)
+    show([run[0], run[-2], run[-1]])
     assert "10 of 20 steps: run 1 · stored 9" in capsys.readouterr().err
 
 
-def test_while_stored_results_are_looked_up_all_steps_count(
+def test_all_planned_steps_are_in_the_total_while_results_are_looked_up(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    told = events(["done"] + ["stored"] * 19, left=0)
-    shown([told[0], *told[3:6]])
+    run = events(["done"] + ["stored"] * 19, left=0)
+    show([run[0], *run[3:6]])
     assert "2 of 20 steps: run 1 · stored 1" in capsys.readouterr().err
 
 
-def test_stored_results_alone_are_told_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
-    shown(events(["stored"] * 20))
+def test_stored_results_alone_are_counted_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
+    show(events(["stored"] * 20))
     assert capsys.readouterr().err.splitlines() == [
         "20 steps of 2 nodes",
         "finished after 3.0 s: run 0 · stored 20",
     ]
 
 
-def test_what_is_skipped_after_a_failure_is_told_at_the_end(
+def test_skipped_steps_after_a_failure_are_counted_at_the_end(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    shown(events(["failed"] + ["skipped"] * 19))
+    show(events(["failed"] + ["skipped"] * 19))
     assert capsys.readouterr().err.splitlines()[2:] == [
         "2 of 20 steps: run 0 · failed 1 · skipped 1 · left 18 · 0:12 to go",
         "finished after 3.0 s: run 0 · failed 1 · skipped 19",
     ]
 
 
-def test_a_run_of_no_steps_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    shown(events([]))
+def test_a_run_without_steps(capsys: pytest.CaptureFixture[str]) -> None:
+    show(events([]))
     lines = capsys.readouterr().err.splitlines()
     assert lines == ["0 steps of 2 nodes", "finished after 3.0 s: run 0"]
 
 
 def test_a_bar_in_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = faked(monkeypatch)
-    shown(events(["done", "failed", "skipped", "refused", "stored"], left=33))
+    terminal = fake_stderr(monkeypatch)
+    show(events(["done", "failed", "skipped", "refused", "stored"], left=33))
     text = plain(terminal)
     assert "failed: fill(k=1): no frame\n" in text
     assert "refused: fill(k=3): no frame\n" in text
@@ -123,50 +124,50 @@ def test_a_bar_in_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("is_terminal", [True, False])
-def test_of_much_that_goes_wrong_the_first_is_told_and_the_rest_counted(
+def test_the_first_failures_are_shown_and_the_rest_are_counted(
     monkeypatch: pytest.MonkeyPatch, is_terminal: bool
 ) -> None:
-    found = faked(monkeypatch, is_terminal=is_terminal)
-    shown(events(["refused"] * 40 + ["failed"] * 16, every=100))
-    lines = [line.strip() for line in plain(found).splitlines()]
+    terminal = fake_stderr(monkeypatch, is_terminal=is_terminal)
+    show(events(["refused"] * 40 + ["failed"] * 16, every=100))
+    lines = [line.strip() for line in plain(terminal).splitlines()]
     assert sum(line.startswith("refused: fill") for line in lines) == 20
     assert not any(line.startswith("failed: fill") for line in lines)
     assert "and 20 more refused" in lines
     assert "and 16 more failed" in lines
 
 
-def test_an_interrupted_run_is_told_as_far_as_it_went(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interrupted_run_counts_its_failures(capsys: pytest.CaptureFixture[str]) -> None:
     def interrupted() -> Iterator[Event]:
         yield from events(["failed"] * 30, every=100)[:-1]
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        shown(interrupted())
+        show(interrupted())
     assert capsys.readouterr().err.splitlines()[-1] == "and 10 more failed"
 
 
 @pytest.mark.parametrize("is_terminal", [True, False])
-def test_a_text_is_said(monkeypatch: pytest.MonkeyPatch, is_terminal: bool) -> None:
-    found = faked(monkeypatch, is_terminal=is_terminal)
-    with progress() as listener:
-        assert isinstance(listener, Shown)
-        listener.say("the store [bold]cannot[/bold] be written")
-    assert "the store [bold]cannot[/bold] be written\n" in plain(found)
+def test_a_text_is_shown_as_it_is(monkeypatch: pytest.MonkeyPatch, is_terminal: bool) -> None:
+    terminal = fake_stderr(monkeypatch, is_terminal=is_terminal)
+    with progress() as display:
+        assert isinstance(display, Display)
+        display.say("the store [bold]cannot[/bold] be written")
+    assert "the store [bold]cannot[/bold] be written\n" in plain(terminal)
 
 
-def test_the_bar_is_changed_seldom_however_many_steps_are_stored(
+def test_the_bar_is_not_updated_for_every_step(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     from rich.progress import Progress
 
     calls: list[object] = []
     monkeypatch.setattr(Progress, "update", lambda self, task, **how: calls.append(how))
-    faked(monkeypatch)
-    shown(events(["stored"] * 10_000, every=100))
+    fake_stderr(monkeypatch)
+    show(events(["stored"] * 10_000, every=100))
     assert len(calls) == 101
 
 
-def test_what_runs_now_is_named_a_few_times_a_second(
+def test_the_current_node_is_updated_ten_times_a_second(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     from rich.progress import Progress
@@ -175,8 +176,8 @@ def test_what_runs_now_is_named_a_few_times_a_second(
     monkeypatch.setattr(
         Progress, "update", lambda self, task, **how: named.append(how.get("description", ""))
     )
-    faked(monkeypatch)
-    shown([Event("started", n / 1000, n, f"node{n}") for n in range(250)])
+    fake_stderr(monkeypatch)
+    show([Event("started", n / 1000, n, f"node{n}") for n in range(250)])
     assert named == ["node0", "node100", "node200"]
 
 
@@ -195,8 +196,3 @@ def test_a_step_without_labels_is_its_node() -> None:
 def test_a_reason_is_one_line_without_commands_to_the_terminal() -> None:
     event = Event("failed", 0.0, 1, "a", detail={"reason": "two\nlines\x1b[2J"})
     assert settled_line(event) == "failed: a: two lines [2J"
-
-
-def test_columns_are_aligned() -> None:
-    assert columns([("a", "bb"), ("ccc", "d")]) == "a    bb\nccc  d"
-    assert columns([]) == ""
