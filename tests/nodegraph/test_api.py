@@ -36,7 +36,7 @@ def mine(recording: float, *, max_gap: int | None = None) -> float:
 
 @pytest.fixture(autouse=True)
 def _only_toys(monkeypatch: pytest.MonkeyPatch, toys: Registry) -> None:
-    described = [one.node.function for one in toys]
+    described = [entry.node.function for entry in toys]
 
     class Module:
         nodegraph_nodes = staticmethod(lambda: described)
@@ -69,7 +69,7 @@ def test_a_path_runs_too(file: Path) -> None:
     assert ng.run(str(file), set={"start": 10}, executor="serial")["a"].value == 10
 
 
-def test_what_is_chosen_in_running_comes_on_top_of_what_was_loaded(file: Path) -> None:
+def test_choices_of_run_come_on_top_of_those_of_load(file: Path) -> None:
     graph = ng.load(file, set={"start": 10}, axis={"k": [7, 8]}, only={"j": [4]})
     run = ng.run(graph, only={"k": [8]})
     assert run["a"].value == 10
@@ -80,7 +80,7 @@ def test_what_is_chosen_in_running_comes_on_top_of_what_was_loaded(file: Path) -
     assert labels(graph)["k"] == (7, 8)
 
 
-def test_a_word_alone_is_one_label(file: Path) -> None:
+def test_a_single_label_needs_no_list(file: Path) -> None:
     assert labels(ng.load(file, only={"fill": "scale"}))["fill"] == ("scale",)
 
 
@@ -168,7 +168,7 @@ def test_listeners_hear_the_run(file: Path) -> None:
     assert (events[0].kind, events[-1].kind) == ("planned", "finished")
 
 
-def test_a_mistake_is_told_before_anything_runs(file: Path, calls: list[str]) -> None:
+def test_an_error_is_raised_before_anything_runs(file: Path, calls: list[str]) -> None:
     file.write_text(TEXT.replace("fill.hold", "fill.hodl"))
     with pytest.raises(ng.GraphError, match=r"graph\.yaml:9:16: no node 'fill\.hodl'"):
         ng.run(file)

@@ -84,11 +84,11 @@ def test_a_run_shows_how_its_steps_ended_and_why(run: Run) -> None:
     assert "script" not in read.tags
     for text in ("1 failed", "1 refused", "Failed (1)", "Refused (1)", "Left out (1)"):
         assert text in read.texts
-    said = " ".join(read.texts)
+    shown = " ".join(read.texts)
     assert re.search(
-        r"fill \(strict.fails\) -1.0 is negative \(conftest.py:\d+\) k=-1, fill=fails", said
+        r"fill \(strict.fails\) -1.0 is negative \(conftest.py:\d+\) k=-1, fill=fails", shown
     )
-    assert "fill (strict.positive) -1.0 is negative k=-1, fill=positive" in said
+    assert "fill (strict.positive) -1.0 is negative k=-1, fill=positive" in shown
 
 
 def test_a_run_shows_what_its_report_shows_and_folds_what_is_long(run: Run) -> None:
@@ -102,7 +102,7 @@ def test_a_run_shows_what_its_report_shows_and_folds_what_is_long(run: Run) -> N
     assert read.folded == notes + text + many + fill + graph
 
 
-def test_failures_with_one_reason_are_told_once(run_of: Callable[..., Run]) -> None:
+def test_failures_with_one_reason_are_listed_once(run_of: Callable[..., Run]) -> None:
     text = """
     axes: {trial: {count: 9}}
     nodes:
@@ -115,9 +115,11 @@ def test_failures_with_one_reason_are_told_once(run_of: Callable[..., Run]) -> N
     def always(recording: float) -> float:
         raise ValueError("always")
 
-    said = " ".join(Read(run_html(run_of(text, more=[always]))).texts)
-    assert re.search(r"always \(test_notebook.py:\d+\) trial=0; trial=1; trial=2; and 6 more", said)
-    assert "Failed (9)" in said
+    shown = " ".join(Read(run_html(run_of(text, more=[always]))).texts)
+    assert re.search(
+        r"always \(test_notebook.py:\d+\) trial=0; trial=1; trial=2; and 6 more", shown
+    )
+    assert "Failed (9)" in shown
 
 
 def test_colours_follow_the_reader_and_the_notebook(run: Run) -> None:

@@ -71,7 +71,7 @@ def archived(command: Command, *words: str) -> tuple[dict[str, bytes], str]:
 def metadata(files: dict[str, bytes]) -> dict[str, dict[str, Any]]:
     described = json.loads(files["ro-crate-metadata.json"])
     assert described["@context"][0] == "https://w3id.org/ro/crate/1.1/context"
-    entities = {one["@id"]: one for one in described["@graph"]}
+    entities = {entity["@id"]: entity for entity in described["@graph"]}
     assert len(entities) == len(described["@graph"])
     return entities
 
@@ -80,11 +80,11 @@ def references(value: Any) -> Iterator[str]:
     if isinstance(value, dict):
         if set(value) == {"@id"}:
             yield value["@id"]
-        for one in value.values():
-            yield from references(one)
+        for part in value.values():
+            yield from references(part)
     elif isinstance(value, list):
-        for one in value:
-            yield from references(one)
+        for part in value:
+            yield from references(part)
 
 
 def test_every_file_is_described_as_it_is(command: Command) -> None:
@@ -92,15 +92,17 @@ def test_every_file_is_described_as_it_is(command: Command) -> None:
     files, err = archived(command)
     assert err == ""
     entities = metadata(files)
-    described = {unquote(at): one for at, one in entities.items() if "File" in str(one["@type"])}
+    described = {
+        unquote(at): entity for at, entity in entities.items() if "File" in str(entity["@type"])
+    }
     assert described.keys() == files.keys() - {"ro-crate-metadata.json"}
-    for name, one in described.items():
-        assert one["sha256"] == hashlib.sha256(files[name]).hexdigest()
-        assert int(one["contentSize"]) == len(files[name])
-    parts = {unquote(one["@id"]) for one in entities["./"]["hasPart"]}
+    for name, entity in described.items():
+        assert entity["sha256"] == hashlib.sha256(files[name]).hexdigest()
+        assert int(entity["contentSize"]) == len(files[name])
+    parts = {unquote(entity["@id"]) for entity in entities["./"]["hasPart"]}
     assert parts == described.keys()
-    for one in entities.values():
-        for at in references({name: part for name, part in one.items() if name != "@id"}):
+    for entity in entities.values():
+        for at in references({name: part for name, part in entity.items() if name != "@id"}):
             assert at in entities or at.startswith("https://w3id.org/ro/crate/"), at
 
 
@@ -109,7 +111,7 @@ def test_the_description_is_that_of_a_workflow_run(command: Command) -> None:
     files, _ = archived(command)
     entities = metadata(files)
     root = entities["./"]
-    profiles = {one["@id"] for one in root["conformsTo"]}
+    profiles = {entity["@id"] for entity in root["conformsTo"]}
     assert "https://w3id.org/ro/wfrun/workflow/0.5" in profiles
     main = entities[root["mainEntity"]["@id"]]
     assert main["@type"] == ["File", "SoftwareSourceCode", "ComputationalWorkflow"]
@@ -119,16 +121,16 @@ def test_the_description_is_that_of_a_workflow_run(command: Command) -> None:
     assert action["instrument"] == {"@id": "toy.yaml"}
     assert action["actionStatus"] == "http://schema.org/CompletedActionStatus"
     assert action["startTime"] <= action["endTime"]
-    read = {one["@id"] for one in action["object"]}
-    given = {"#value-factor", "#labels-length", "#labels-fill"}
-    assert read == {"numbers/one.txt", "inputs/two.txt", *given}
-    made = {one["@id"] for one in action["result"]}
-    assert made == {one for one in files if one.startswith("run/")}
-    assert {"run/report.html", "run/run.json", "run/events.jsonl"} <= made
+    read = {entity["@id"] for entity in action["object"]}
+    parameters_read = {"#value-factor", "#labels-length", "#labels-fill"}
+    assert read == {"numbers/one.txt", "inputs/two.txt", *parameters_read}
+    results = {entity["@id"] for entity in action["result"]}
+    assert results == {name for name in files if name.startswith("run/")}
+    assert {"run/report.html", "run/run.json", "run/events.jsonl"} <= results
     assert entities["numbers/one.txt"]["exampleOfWork"] == {"@id": "#input-start"}
     assert entities["#input-start"]["additionalType"] == "File"
     assert entities["#value-factor"]["value"] == 2
-    parameters = {one["@id"] for one in main["input"]}
+    parameters = {entity["@id"] for entity in main["input"]}
     assert parameters == {"#input-start", "#input-factor", "#axis-length", "#axis-fill"}
 
 
@@ -171,11 +173,11 @@ def test_no_path_of_this_machine_is_in_it(command: Command, tmp_path: Path) -> N
         plain = gzip.decompress(content) if name.endswith(".gz") else content
         for path in (str(tmp_path), str(Path.home()), sys.prefix, "/somebody/elses"):
             assert path.encode() not in plain, name
-    made = json.loads(files["run/run.json"])
-    assert made["command"] == (
+    record_archived = json.loads(files["run/run.json"])
+    assert record_archived["command"] == (
         "nodegraph run toy.yaml --set start=inputs/one.txt --plugin plugins/toys.py"
     )
-    [reason] = [one["reason"] for one in made["steps"] if one["state"] == "failed"]
+    [reason] = [step["reason"] for step in record_archived["steps"] if step["state"] == "failed"]
     assert reason == "inputs/one.txt: no good"
     entities = metadata(files)
     assert entities["#run"]["actionStatus"] == "http://schema.org/FailedActionStatus"
@@ -188,12 +190,12 @@ def test_it_runs_again_where_it_is_unpacked(
     assert ran(command, "--set", "start=far away/two.txt", "--axis", "length=2,3") == 0
     files, _ = archived(command)
     readme = files["README.md"].decode()
-    [line] = [one.strip() for one in readme.splitlines() if one.startswith("    nodegraph run")]
+    [line] = [text.strip() for text in readme.splitlines() if text.startswith("    nodegraph run")]
     assert line == (
         "nodegraph run toy.yaml --set start=inputs/two.txt --axis length=2,3 "
         "--plugin plugins/toys.py"
     )
-    for module in [name for name, one in sys.modules.items() if name == "toys"]:
+    for module in [name for name, module_ in sys.modules.items() if name == "toys"]:
         del sys.modules[module]
     there = tmp_path / "unpacked"
     with zipfile.ZipFile("ran.zip") as file:
@@ -203,7 +205,7 @@ def test_it_runs_again_where_it_is_unpacked(
     words = [*line.split()[1:], "--store", "kept", "--out", "again"]
     assert command(*words, nodes=False)[0] == 0
     was, now = (
-        {(one["node"], str(one["labels"])): one["digests"] for one in json.loads(text)["steps"]}
+        {(step["node"], str(step["labels"])): step["digests"] for step in json.loads(text)["steps"]}
         for text in (Path("run/run.json").read_text(), Path("again/run.json").read_text())
     )
     assert was == now
@@ -271,7 +273,7 @@ def other_inputs(command: Command) -> None:
     assert command("lock", "study/toy.yaml", "--set", "factor=3", "--store", "kept")[0] == 0
 
 
-def elsewhere(command: Command) -> None:
+def lock_elsewhere(command: Command) -> None:
     words = ("--out", "locks/toy.lock", "--store", "kept")
     assert command("lock", "study/toy.yaml", *words)[0] == 0
     Path("locks/toy.lock").replace("study/toy.lock")
@@ -286,30 +288,30 @@ def no_lock(_: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("damage", "said"),
+    ("damage", "reason"),
     [
         (other_graph, "it froze another graph than this run's, or another text of it"),
         (other_axes, "it froze other axes than this run's: length"),
         (other_inputs, "it froze other inputs than this run's: factor"),
-        (elsewhere, "it was written to lie elsewhere than beside toy.yaml"),
+        (lock_elsewhere, "it was written to lie elsewhere than beside toy.yaml"),
         (cut_off, "the lock is cut off"),
         (no_lock, "this is no lock; `nodegraph lock GRAPH` writes one"),
     ],
 )
-def test_a_lock_of_something_else_is_told_or_refused(
-    command: Command, damage: Callable[[Command], None], said: str
+def test_a_lock_of_another_run_is_named_or_refused(
+    command: Command, damage: Callable[[Command], None], reason: str
 ) -> None:
     locked_and_run(command)
     damage(command)
     files, err = archived(command)
-    assert f"not in it: lock {Path.cwd()}/study/toy.lock: {said}" in err
+    assert f"not in it: lock {Path.cwd()}/study/toy.lock: {reason}" in err
     assert "toy.lock" not in files
     assert "nodegraph verify" not in files["README.md"].decode()
-    assert said in files["README.md"].decode()
+    assert reason in files["README.md"].decode()
     Path("ran.zip").unlink()
     status, out, err = command("archive", "ran", "--lock", "study/toy.lock", nodes=False)
     assert (status, out) == (2, "")
-    assert f"study/toy.lock: {said}" in err
+    assert f"study/toy.lock: {reason}" in err
     assert not Path("ran.zip").exists()
 
 
@@ -325,11 +327,11 @@ def test_plugin_files_are_those_that_ran(command: Command) -> None:
     assert ran(command) == 0
     Path("toys.py").write_bytes(was.replace(b"x - length", b"x + length"))
     files, err = archived(command)
-    said = "plugin plugins/toys.py: it is gone from"
-    assert f"not in it: {said} {Path.cwd()}, or is no longer as the run used it" in err
+    reason = "plugin plugins/toys.py: it is gone from"
+    assert f"not in it: {reason} {Path.cwd()}, or is no longer as the run used it" in err
     assert "plugins/toys.py" not in files
     readme = files["README.md"].decode()
-    assert said in readme
+    assert reason in readme
     assert "Run it again here, with the same versions of the packages below, and with what is" in (
         readme
     )
@@ -352,10 +354,10 @@ def test_from_another_folder_the_same_goes_in(
     status, _, err = command("archive", "../ran", nodes=False)
     assert (status, err) == (0, "")
     with zipfile.ZipFile("../ran.zip") as file:
-        found = {name: file.read(name) for name in file.namelist()}
-    assert found.keys() == files.keys()
+        there = {name: file.read(name) for name in file.namelist()}
+    assert there.keys() == files.keys()
     for name in ("plugins/toys.py", "toy.yaml", "toy.lock", "numbers/one.txt", "README.md"):
-        assert found[name] == files[name]
+        assert there[name] == files[name]
 
 
 def test_where_the_folder_of_the_run_is_gone_it_says_so(
@@ -384,7 +386,7 @@ def test_where_the_folder_of_the_run_is_gone_it_says_so(
     assert {"plugins/toys.py", "numbers/one.txt", "toy.lock"} <= files.keys()
 
 
-def test_a_place_where_nothing_can_be_written_is_told_before_the_work(command: Command) -> None:
+def test_an_unwritable_place_is_refused_before_the_work(command: Command) -> None:
     assert ran(command) == 0
     Path("taken").write_text("mine")
     before = sorted(Path().rglob("*"))
@@ -416,7 +418,7 @@ def test_a_run_that_stored_nothing_does_not_know_what_it_read(command: Command) 
     assert "has not noted which files it read" in err
 
 
-def test_what_is_no_run_is_refused(command: Command) -> None:
+def test_a_folder_that_is_not_a_run_is_refused(command: Command) -> None:
     Path("empty").mkdir()
     status, _, err = command("archive", "empty", nodes=False)
     assert status == 2
@@ -439,7 +441,7 @@ def test_another_archive_is_never_replaced(command: Command) -> None:
     assert Path("ran.zip").read_bytes() == first
 
 
-def test_what_is_no_archive_is_never_replaced(command: Command) -> None:
+def test_a_file_that_is_not_an_archive_is_never_replaced(command: Command) -> None:
     assert ran(command) == 0
     Path("ran.zip").write_text("mine")
     status, _, err = command("archive", "ran", nodes=False)

@@ -66,11 +66,11 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
 
     status, out, _ = command("run", "toy.yaml", *_STORE, "--out", "ran")
     assert status == 0
-    told = "odd.process: an audit found that it gives another answer in another process"
-    assert f"1 results are not stored: {told}" in out
+    reason = "odd.process: an audit found that it gives another answer in another process"
+    assert f"1 results are not stored: {reason}" in out
     assert "this result is one of several, and is not stored" in Path("ran/run.json").read_text()
     # the same again, with the same code: an audit does not take it back
-    assert told in command("audit", "toy.yaml", "--only", "fill=hold", *_STORE)[1]
+    assert reason in command("audit", "toy.yaml", "--only", "fill=hold", *_STORE)[1]
 
     assert command("cache", "clear", *_STORE, nodes=False)[0] == 0
     assert "an audit found" not in command("run", "toy.yaml", *_STORE, "--out", "ran")[1]
@@ -95,7 +95,7 @@ def test_a_node_that_dies_ends_nothing_else(command: Command) -> None:
     assert rows(out)[0][2] == "identical"
 
 
-def test_a_wrong_graph_is_told_before_anything_runs(command: Command) -> None:
+def test_an_invalid_graph_is_an_error_before_anything_runs(command: Command) -> None:
     Path("toy.yaml").write_text("nodegraph: 1\nnodes: {a: {use: toy.nothing}}\n")
     status, _, err = command("audit", "toy.yaml", *_STORE)
     assert status == 2

@@ -19,10 +19,10 @@ def folder(tmp_path: Path) -> Path:
     """A store with three results: one of a number, two of arrays, each used a day earlier."""
     folder = tmp_path / "kept"
     store = Store(folder, Packer(), print)
-    done = About("toy.number", "a", "done", seconds=0.0042)
+    about = About("toy.number", "a", "done", seconds=0.0042)
     cut = About("toy.cut", "gaps(length=5)", "done", seconds=200.0)
     refused = About("fill.strict", "fill(length=5)", "refused", "too small", seconds=3.21)
-    store.save("aa" * 32, done, (1.5,))
+    store.save("aa" * 32, about, (1.5,))
     store.save("bb" * 32, cut, (np.zeros(500_000),))
     store.save("cc" * 32, refused, ())
     now = (folder / "format-1" / "README").stat().st_mtime
@@ -47,7 +47,7 @@ def test_the_store_of_the_environment(
     assert str(folder) in command("cache", nodes=False)[1]
 
 
-def test_results_of_another_version_are_told(command: Command, tmp_path: Path) -> None:
+def test_results_of_another_version_are_mentioned(command: Command, tmp_path: Path) -> None:
     (tmp_path / "format-0").mkdir()
     _, out, _ = command("cache", "--store", str(tmp_path), nodes=False)
     assert out.startswith("0 results")
@@ -104,7 +104,7 @@ def test_the_longest_unused_goes(
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["prune"], "--older"),
         (["prune", "--older", "30"], "such as 30d, 12h, 45m"),
@@ -117,12 +117,12 @@ def test_the_longest_unused_goes(
     ],
 )
 def test_a_wrong_word_removes_nothing(
-    command: Command, folder: Path, words: list[str], told: str
+    command: Command, folder: Path, words: list[str], reason: str
 ) -> None:
     status, out, err = command("cache", *words, "--store", str(folder), nodes=False)
     assert status == 2
     assert out == ""
-    assert told in err
+    assert reason in err
     assert command("cache", "--store", str(folder), nodes=False)[1].startswith("3 results")
 
 

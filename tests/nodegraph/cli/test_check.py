@@ -50,7 +50,7 @@ def test_check_takes_choices(command: Command) -> None:
     assert status == 0
 
 
-def test_check_tells_all_mistakes(command: Command) -> None:
+def test_all_errors_are_reported(command: Command) -> None:
     text = Path("toy.yaml").read_text()
     Path("toy.yaml").write_text(text.replace("toy.cut", "toy.cutt").replace("toy.sum", "toy.sun"))
     status, out, err = command("check", "toy.yaml")
@@ -77,7 +77,7 @@ def test_a_name_claimed_by_two_plugins_names_both(command: Command) -> None:
     assert (status, out.count("fill.hold")) == (0, 2)
 
 
-def test_a_node_of_a_file_that_is_not_named_is_told_the_option(command: Command) -> None:
+def test_the_option_for_plugin_files_is_mentioned(command: Command) -> None:
     Path("toy.yaml").write_text(Path("toy.yaml").read_text().replace("toy.sum", "toy.more"))
     status, _, err = command("check", "toy.yaml")
     assert status == 2
@@ -85,7 +85,7 @@ def test_a_node_of_a_file_that_is_not_named_is_told_the_option(command: Command)
     assert "--plugin FILE" in err
 
 
-def test_a_file_without_nodes_is_told(command: Command) -> None:
+def test_a_file_without_nodes_is_a_warning(command: Command) -> None:
     Path("bare.py").write_text("def fill(x):\n    return x\n")
     status, _, err = command("check", "toy.yaml", "--plugin", "bare.py")
     assert status == 0
@@ -94,7 +94,7 @@ def test_a_file_without_nodes_is_told(command: Command) -> None:
     )
 
 
-def test_an_installed_plugin_that_does_not_import_is_told_and_the_rest_go_on(
+def test_an_installed_plugin_that_does_not_import_is_a_warning(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     broken = loading.BrokenPlugin("bad", "bad_module: ImportError: no libfoo")

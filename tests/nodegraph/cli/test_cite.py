@@ -114,7 +114,7 @@ def test_values_at_which_there_is_no_result_are_not_named(command: Command) -> N
     assert "`toy.cut` (`length` 1 frames)" in command("cite", "runs/toy", nodes=False)[1]
 
 
-def test_without_any_result_nothing_is_said_to_have_run(command: Command) -> None:
+def test_a_run_without_results_cites_nothing(command: Command) -> None:
     with_methods_that_never_end()
     Path("toys.py").write_text(Path("toys.py").read_text().replace("return start", "return 1 / 0"))
     assert command("run", "toy.yaml")[0] == 1

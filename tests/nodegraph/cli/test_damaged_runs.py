@@ -44,8 +44,8 @@ def places(data: Any, at: Place = ()) -> Iterator[Place]:
     if at:
         yield at
     if isinstance(data, dict):
-        for key, one in data.items():
-            yield from places(one, (*at, key))
+        for key, part in data.items():
+            yield from places(part, (*at, key))
     elif isinstance(data, list):
         for index in sorted({0, len(data) - 1} if data else ()):
             yield from places(data[index], (*at, index))
@@ -54,28 +54,28 @@ def places(data: Any, at: Place = ()) -> Iterator[Place]:
 def changed(data: Any, at: Place) -> Iterator[Any]:
     """Yield data without what is at a place, and with something else there."""
     for other in (..., *OTHERS):
-        made = copy.deepcopy(data)
-        inner = made
+        damaged = copy.deepcopy(data)
+        inner = damaged
         for key in at[:-1]:
             inner = inner[key]
         if other is ...:
             del inner[at[-1]]
         else:
             inner[at[-1]] = other
-        yield made
+        yield damaged
 
 
 def read_by(command: Command, readers: Iterable[tuple[str, ...]]) -> str:
     """Give commands that read the run; return what they say on stderr."""
-    said = ""
+    errors = ""
     for words in readers:
         status, _, err = command(*words, nodes=words[0] == "why")
         assert "internal error" not in err, (words, err)
         assert status in (0, 1, 2)
-        said += err
+        errors += err
         for new in Path().glob("new.*"):
             new.unlink()
-    return said
+    return errors
 
 
 def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
@@ -87,11 +87,11 @@ def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
             try:
                 SavedRun(ran)
             except NodegraphError as error:
-                told = str(error)
-                assert told.startswith(("ran/run.json cannot be read (", "ran/run.json is of")), (
-                    told
-                )
-                assert told.endswith("run the graph again"), told
+                message = str(error)
+                assert message.startswith(
+                    ("ran/run.json cannot be read (", "ran/run.json is of")
+                ), message
+                assert message.endswith("run the graph again"), message
             else:
                 read_by(command, READERS if count < 3 else ())
 
@@ -116,7 +116,7 @@ def test_the_key_that_lacks_is_named(command: Command, ran: Path, key: str, at: 
 
 
 @pytest.mark.parametrize(
-    ("step", "said"),
+    ("step", "reason"),
     [
         ({"node": "nowhere"}, "steps.0: no node 'nowhere'"),
         ({"use": "fill.hold"}, "steps.0: 'a' has no method 'fill.hold'"),
@@ -126,16 +126,18 @@ def test_the_key_that_lacks_is_named(command: Command, ran: Path, key: str, at: 
         ({"key": "../../odd"}, "steps.0.key: string should match pattern"),
     ],
 )
-def test_steps_that_fit_nothing_else_are_told(ran: Path, step: dict[str, Any], said: str) -> None:
+def test_steps_that_refer_to_nothing_are_named(
+    ran: Path, step: dict[str, Any], reason: str
+) -> None:
     data = json.loads((ran / "run.json").read_text())
     data["steps"][0] |= step
     (ran / "run.json").write_text(json.dumps(data))
     with pytest.raises(NodegraphError) as caught:
         SavedRun(ran)
-    assert said in str(caught.value)
+    assert reason in str(caught.value)
 
 
-def test_what_is_no_record_at_all_is_told(command: Command, ran: Path) -> None:
+def test_a_file_that_is_not_a_record_is_an_error(command: Command, ran: Path) -> None:
     for text in ("", "[]", "7", "[" * 100_000, '{"format": 99}', "\0"):
         (ran / "run.json").write_text(text)
         assert "run the graph again" in read_by(command, READERS[:1])
@@ -154,9 +156,9 @@ def test_a_study_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
             try:
                 read_study(ran)
             except NodegraphError as error:
-                told = str(error)
-                assert told.startswith("ran/study.json.gz cannot be read ("), told
-                assert told.endswith("); run the graph again"), told
+                message = str(error)
+                assert message.startswith("ran/study.json.gz cannot be read ("), message
+                assert message.endswith("); run the graph again"), message
             else:
                 # below that, it is one text or another in a page
                 read_by(command, readers if len(at) == 1 and count < 4 else ())

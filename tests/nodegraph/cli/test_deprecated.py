@@ -52,4 +52,4 @@ def test_the_report_and_the_schema(command: Command) -> None:
     assert "a: toy.old is deprecated: use toy.number" in Path("made/report.html").read_text()
     command("schema", "--out", "schema.json")
     names = json.loads(Path("schema.json").read_text())["$defs"]["node name"]["oneOf"]
-    assert [one["const"] for one in names if one.get("deprecated")] == ["toy.old"]
+    assert [name["const"] for name in names if name.get("deprecated")] == ["toy.old"]

@@ -28,7 +28,7 @@ def compared(command: Command) -> tuple[int, str]:
     return status, out
 
 
-def test_equal_runs_are_said_to_be(command: Command) -> None:
+def test_equal_runs_have_no_difference(command: Command) -> None:
     ran(command)
     assert compared(command) == (0, "was and now: all 9 combinations have the same results\n")
 
@@ -44,7 +44,7 @@ def test_a_setting_explains_the_first_difference(command: Command) -> None:
     assert "what follows from that: gaps (2), fill (4), one (1), total (1)" in out
 
 
-def test_an_edited_method_is_named_and_its_outputs_told_apart(command: Command) -> None:
+def test_an_edited_method_and_its_outputs_are_named(command: Command) -> None:
     ran(command)
     edit("toys.py", "Cut(x - length, x)", "Cut(x - length - 1, x)")
     status, out = compared(command)
@@ -57,7 +57,7 @@ def test_an_edited_method_is_named_and_its_outputs_told_apart(command: Command) 
     ]
 
 
-def test_combinations_that_one_run_has_alone_are_counted(command: Command) -> None:
+def test_combinations_of_one_run_only_are_counted(command: Command) -> None:
     ran(command)
     edit("toy.yaml", "[1, 5]", "[2, 5]")
     status, out = compared(command)
@@ -68,7 +68,7 @@ def test_combinations_that_one_run_has_alone_are_counted(command: Command) -> No
     assert "fill (2)" in out
 
 
-def test_an_edit_without_effect_is_told_as_harmless(command: Command) -> None:
+def test_an_edit_without_effect_is_counted(command: Command) -> None:
     ran(command)
     edit("toys.py", "return Cut(x - length, x)", "return Cut(-length + x, x)")
     status, out = compared(command)
@@ -88,7 +88,7 @@ def test_a_step_that_failed_in_one_run_only(command: Command) -> None:
     ]
 
 
-def test_values_that_are_gone_are_said_to_be(command: Command) -> None:
+def test_values_that_are_no_longer_stored_are_not_compared(command: Command) -> None:
     ran(command)
     edit("toy.yaml", "start: 5", "start: 6")
     command("run", "toy.yaml", "--store", "kept", "--out", "now")
@@ -98,7 +98,7 @@ def test_values_that_are_gone_are_said_to_be(command: Command) -> None:
     assert "its values are no longer stored" in out
 
 
-def test_runs_that_kept_nothing_cannot_be_compared(command: Command) -> None:
+def test_runs_without_stored_results_cannot_be_compared(command: Command) -> None:
     command("run", "toy.yaml", "--no-cache", "--out", "was")
     command("run", "toy.yaml", "--no-cache", "--out", "now")
     status, out, _ = command("diff", "was", "now", "--store", "kept")

@@ -36,16 +36,16 @@ def test_a_drawing_is_written(command: Command, name: str, begins: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "reason"),
     [
         (["--out", "a.bmp"], ".svg"),
         (["--out", "toys.py/a.svg"], "toys.py"),
         (["--format", "bmp"], "invalid choice"),
     ],
 )
-def test_a_drawing_that_cannot_be_written_is_told(
-    command: Command, words: list[str], said: str
+def test_a_drawing_that_cannot_be_written_is_an_error(
+    command: Command, words: list[str], reason: str
 ) -> None:
     status, out, err = command("draw", "toy.yaml", *words)
     assert (status, out) == (2, "")
-    assert said in err
+    assert reason in err

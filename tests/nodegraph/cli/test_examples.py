@@ -41,7 +41,7 @@ def test_examples_are_listed_and_copied(command: Command, examples: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "reason"),
     [
         (["toi"], "no example 'toi'; did you mean 'toy'"),
         (["toy"], "toy.yaml already exists"),
@@ -49,12 +49,12 @@ def test_examples_are_listed_and_copied(command: Command, examples: Path) -> Non
     ],
 )
 def test_an_example_never_overwrites(
-    command: Command, examples: Path, words: list[str], said: str
+    command: Command, examples: Path, words: list[str], reason: str
 ) -> None:
     Path("toy.yaml").write_text("mine")
     status, _, err = command("examples", *words)
     assert status == 2
-    assert said in err
+    assert reason in err
     assert Path("toy.yaml").read_text() == "mine"
 
 

@@ -52,7 +52,7 @@ def test_a_value_is_written_in_the_form_that_the_suffix_names(command: Command) 
 
 
 @pytest.mark.usefixtures("ran")
-def test_an_output_is_named_after_a_point_and_labels_may_come_one_by_one(command: Command) -> None:
+def test_an_output_is_named_after_a_point_and_labels_in_several_options(command: Command) -> None:
     status, _, _ = exported(command, "gaps.truth", "--at", "length=5", "--out", "truth.txt")
     assert (status, Path("truth.txt").read_text()) == (0, "5.0")
     status, _, _ = exported(
@@ -61,9 +61,9 @@ def test_an_output_is_named_after_a_point_and_labels_may_come_one_by_one(command
     assert (status, Path("new/strict.TXT").read_text()) == (0, "0.0")
 
 
-def test_a_combination_that_another_step_stands_for_is_found(ran: Path, command: Command) -> None:
+def test_a_combination_of_a_shared_step_is_exported(ran: Path, command: Command) -> None:
     record = json.loads((ran / "run.json").read_text())
-    shared = [one for step in record["steps"] for one in step.get("also", ())]
+    shared = [cell for step in record["steps"] for cell in step.get("also", ())]
     assert {"node": "one", "labels": {}} in shared
     status, _, _ = exported(command, "one", "--out", "one.txt")
     assert (status, Path("one.txt").read_text()) == (0, "0.0")
@@ -71,7 +71,7 @@ def test_a_combination_that_another_step_stands_for_is_found(ran: Path, command:
 
 @pytest.mark.usefixtures("ran")
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "reason"),
     [
         (("fil", "--out", "a.txt"), "the run has no node 'fil'; did you mean 'fill'?"),
         (("gaps.truht", "--out", "a.txt"), "'gaps' has no output 'truht'; did you mean 'truth'?"),
@@ -87,13 +87,13 @@ def test_a_combination_that_another_step_stands_for_is_found(ran: Path, command:
         (("a", "--out", "toy.yaml"), "toy.yaml already exists"),
     ],
 )
-def test_what_cannot_be_written_is_told(
-    command: Command, words: tuple[str, ...], said: str
+def test_a_value_that_cannot_be_written_is_an_error(
+    command: Command, words: tuple[str, ...], reason: str
 ) -> None:
     before = sorted(Path().iterdir())
     status, _, err = exported(command, *words)
     assert status == 2
-    assert said in err
+    assert reason in err
     assert sorted(Path().iterdir()) == before
 
 
@@ -116,7 +116,7 @@ def test_what_was_refused_or_failed_has_no_value(command: Command) -> None:
     assert "fill(fill=strict, length=1) was refused: too small" in err
 
 
-def test_a_folder_that_is_no_run_is_told(command: Command) -> None:
+def test_a_folder_without_a_run_is_an_error(command: Command) -> None:
     status, _, err = command("export", ".", "a", "--out", "a.txt")
     assert status == 2
     assert "run.json: there is no finished run; run the graph" in err

@@ -89,8 +89,8 @@ def test_an_edit_of_the_graph_shows_in_few_lines(locked: Locked) -> None:
     frozen.edit("study.yaml", "use: toy.cut, in: sheet", "in: sheet, use: toy.cut")
     locked()
     after = Path("study.lock").read_text().splitlines()
-    changed = [one for one in difflib.ndiff(before, after) if one[:2] in ("- ", "+ ")]
-    assert [one[2:].split(":")[0].strip() for one in changed] == ["checksum"] * 2 + ["cut"] * 2
+    changed = [line for line in difflib.ndiff(before, after) if line[:2] in ("- ", "+ ")]
+    assert [line[2:].split(":")[0].strip() for line in changed] == ["checksum"] * 2 + ["cut"] * 2
 
 
 def test_choices_are_part_of_a_lock(locked: Locked) -> None:
@@ -129,20 +129,20 @@ def test_a_file_that_is_no_lock_is_left_alone(locked: Locked) -> None:
     assert Path("study.py").read_text() == frozen.NODES
 
 
-def test_a_place_that_cannot_be_written_is_told_before_anything_runs(locked: Locked) -> None:
+def test_an_unwritable_place_is_refused_before_anything_runs(locked: Locked) -> None:
     status, _, err = locked("--out", "study.py/x.lock")
     assert status == 2
     assert "study.py/x.lock: cannot be written: study.py is a file" in err
     assert not Path("calls.txt").exists()
 
 
-def test_results_that_an_audit_found_to_be_one_of_several_are_told(locked: Locked) -> None:
+def test_results_that_vary_in_an_audit_are_named(locked: Locked) -> None:
     frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
     words = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
     assert main(["audit", "study.yaml", *words]) == 1
     _, out, _ = locked()
-    told = "1 results are not stored: read.sheet: an audit found that it gives another answer"
-    assert told in out
+    reason = "1 results are not stored: read.sheet: an audit found that it gives another answer"
+    assert reason in out
 
 
 def test_a_damaged_lock_is_written_again(locked: Locked) -> None:

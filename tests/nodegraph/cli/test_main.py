@@ -28,7 +28,7 @@ Command = Callable[..., tuple[int, str, str]]
 
 @pytest.mark.parametrize("name", ["check", "run", "draw"])
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "reason"),
     [
         (["none.yaml"], "none.yaml: no such graph file"),
         (["."], "is a folder"),
@@ -56,8 +56,8 @@ Command = Callable[..., tuple[int, str, str]]
         ([], "GRAPH"),
     ],
 )
-def test_what_is_wrong_ends_with_2_before_anything_runs(
-    command: Command, name: str, words: list[str], said: str
+def test_an_invalid_command_ends_with_2_before_anything_runs(
+    command: Command, name: str, words: list[str], reason: str
 ) -> None:
     Path("raises.py").write_text("1 / 0")
     Path("exits.py").write_text("raise SystemExit(0)")
@@ -65,7 +65,7 @@ def test_what_is_wrong_ends_with_2_before_anything_runs(
     Path("toy.lock").write_text(_HEAD)
     status, out, err = command(name, *words)
     assert status == 2
-    assert said in err
+    assert reason in err
     assert out == ""
     assert not Path("runs").exists()
 
@@ -78,13 +78,13 @@ def test_a_wrong_command_ends_with_2(command: Command, words: list[str]) -> None
 
 
 @pytest.mark.parametrize("words", [["--help"], ["run", "--help"], ["show", "--help"]])
-def test_help_is_no_mistake(command: Command, words: list[str]) -> None:
+def test_help_ends_with_0(command: Command, words: list[str]) -> None:
     status, out, err = command(*words, nodes=False)
     assert (status, err) == (0, "")
     assert out.startswith("usage: nodegraph")
 
 
-def test_the_version_is_told(command: Command) -> None:
+def test_the_version_is_printed(command: Command) -> None:
     assert command("--version", nodes=False) == (0, f"nodegraph {version('nodegraph')}\n", "")
 
 
@@ -147,7 +147,7 @@ def test_a_plugin_file_adds_a_command(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "status", "said"),
+    ("words", "status", "reason"),
     [
         (["greet", "nobody"], 2, "nobody is here"),
         (["greet", "text"], 2, "expected int, got str"),
@@ -156,11 +156,11 @@ def test_a_plugin_file_adds_a_command(command: Command) -> None:
     ],
 )
 def test_a_wrong_command_of_a_plugin_is_named(
-    command: Command, greeting: list[str], words: list[str], status: int, said: str
+    command: Command, greeting: list[str], words: list[str], status: int, reason: str
 ) -> None:
-    found, out, err = command(*words, nodes=False)
-    assert (found, out) == (status, "")
-    assert said in err
+    result, out, err = command(*words, nodes=False)
+    assert (result, out) == (status, "")
+    assert reason in err
 
 
 def test_help_lists_the_commands_of_plugins(command: Command, greeting: list[str]) -> None:
@@ -186,7 +186,7 @@ def started(*words: str, **more: str) -> subprocess.CompletedProcess[bytes]:
     return subprocess.run(code, env=environment, capture_output=True, check=False)
 
 
-def test_words_that_the_terminal_cannot_show_are_no_reason_to_fail() -> None:
+def test_characters_that_the_terminal_lacks_are_not_an_error() -> None:
     text = (
         Path("toy.yaml")
         .read_text()
@@ -195,18 +195,18 @@ def test_words_that_the_terminal_cannot_show_are_no_reason_to_fail() -> None:
     )
     Path("toy.yaml").write_text(text.replace("fill.hold", "toys:fill.hold"), "utf-8")
     for words in (["check", "toy.yaml"], ["draw", "toy.yaml"], ["check", "für.yaml"]):
-        done = started(*words, PYTHONIOENCODING="ascii", PYTHONUTF8="0")
-        assert b"Traceback" not in done.stderr
-        assert done.returncode == (2 if "für.yaml" in words else 0)
+        process = started(*words, PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+        assert b"Traceback" not in process.stderr
+        assert process.returncode == (2 if "für.yaml" in words else 0)
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_output_that_nobody_reads_to_its_end_is_no_mistake(unbuffered: str) -> None:
+def test_a_closed_pipe_is_not_an_error(unbuffered: str) -> None:
     root = Path(__file__).parents[3]
     command = f"'{sys.executable}' -m nodegraph.cli.main nodes --plugin toys.py | true"
     environment = {**os.environ, "PYTHONPATH": str(root), "PYTHONUNBUFFERED": unbuffered}
-    done = subprocess.run(
+    process = subprocess.run(
         ["bash", "-o", "pipefail", "-c", command], env=environment, capture_output=True, check=False
     )
-    assert b"Broken" not in done.stderr
-    assert done.returncode == 0
+    assert b"Broken" not in process.stderr
+    assert process.returncode == 0

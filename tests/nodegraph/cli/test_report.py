@@ -32,7 +32,9 @@ def test_the_report_of_a_run_is_made_again_the_same(
     assert page.read_text() == before
 
 
-def test_a_report_elsewhere_still_finds_the_files(command: Command, runs: tuple[str, str]) -> None:
+def test_a_report_in_another_folder_links_the_files(
+    command: Command, runs: tuple[str, str]
+) -> None:
     assert command("report", runs[0], "--out", "pages/five.html", nodes=False)[0] == 0
     page = Path("pages/five.html").read_text()
     assert 'href="./../runs/five/run.json"' in page
@@ -50,9 +52,7 @@ def test_several_runs_lie_side_by_side(command: Command, runs: tuple[str, str]) 
     assert "start (five)" in page
 
 
-def test_runs_of_one_name_are_told_apart_by_the_way_to_them(
-    command: Command, runs: tuple[str, str]
-) -> None:
+def test_runs_of_one_name_are_named_by_their_paths(command: Command, runs: tuple[str, str]) -> None:
     shutil.copytree(runs[0], Path("other", "five"))
     status, _, _ = command("report", runs[0], "other/five", "--out", "both.html", nodes=False)
     assert status == 0

@@ -30,7 +30,7 @@ def test_a_second_run_keeps_the_first(command: Command) -> None:
     status, _, err = command("run", "toy.yaml", "--out", "here", "--jobs", "1")
     assert status == 0
     assert "the earlier run is now in here-" in err
-    assert len([one for one in Path().iterdir() if one.name.startswith("here")]) == 2
+    assert len([path for path in Path().iterdir() if path.name.startswith("here")]) == 2
 
 
 def test_a_refusal_is_no_failure(command: Command) -> None:
@@ -61,8 +61,10 @@ def test_a_result_that_cannot_be_shown_ends_with_1(command: Command) -> None:
     status, out, _ = command("run", "toy.yaml", "--until", "a")
     assert status == 1
     assert "1 steps: 1 computed" in out
-    (said,) = (line for line in out.splitlines() if line.startswith("failed: a: cannot be shown"))
-    assert "RuntimeError: no ink" in said
+    (failure,) = (
+        line for line in out.splitlines() if line.startswith("failed: a: cannot be shown")
+    )
+    assert "RuntimeError: no ink" in failure
     assert "What to know" in (report := Path("runs/toy/report.html").read_text())
     assert "RuntimeError: no ink" in report.partition("What to know")[2]
 
@@ -73,7 +75,7 @@ def test_a_failed_step_is_repeated_where_it_ran(command: Command) -> None:
     assert alone.endswith(" --executor serial")
 
 
-def test_a_failed_step_is_repeated_alone_by_one_command(command: Command) -> None:
+def test_a_failed_step_is_repeated_alone_by_the_printed_command(command: Command) -> None:
     _, out, _ = command("run", "toy.yaml", "--set", "start=-100")
     alone = next(line for line in out.splitlines() if "repeat it alone" in line)
     words = shlex.split(alone.partition("alone: ")[2])
@@ -82,7 +84,7 @@ def test_a_failed_step_is_repeated_alone_by_one_command(command: Command) -> Non
     assert status == 1
     assert "3 steps: 2 stored, 1 failed" in out
     steps = json.loads(Path("runs/toy/run.json").read_text())["steps"]
-    failed = next(one for one in steps if one["state"] == "failed")
+    failed = next(step for step in steps if step["state"] == "failed")
     assert (failed["node"], failed["labels"]) == ("fill", {"length": 1, "fill": "strict"})
     assert failed["reason"] == "too far"
     assert "raise ValueError" in failed["trace"]
@@ -107,7 +109,7 @@ def test_until_runs_no_further(command: Command) -> None:
     assert "the graph has no node 'gasp'; did you mean 'gaps'?" in err
 
 
-def test_what_is_stored_is_used_unless_it_is_not_wanted(command: Command) -> None:
+def test_stored_results_are_used_unless_no_cache_is_given(command: Command) -> None:
     assert "8 steps: 8 computed" in command("run", "toy.yaml")[1]
     assert "8 steps: 8 stored" in command("run", "toy.yaml")[1]
     assert "8 steps: 8 computed" in command("run", "toy.yaml", "--no-cache")[1]
@@ -125,7 +127,7 @@ def test_a_store_that_cannot_be_used_costs_no_result(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "reason"),
     [
         (["--jobs", "0"], "jobs must be 1 or more, got 0"),
         (["--jobs", "many"], "invalid int value"),
@@ -134,10 +136,12 @@ def test_a_store_that_cannot_be_used_costs_no_result(command: Command) -> None:
         (["--out", "toys.py/x"], "cannot be written there"),
     ],
 )
-def test_a_run_that_cannot_begin_ends_with_2(command: Command, words: list[str], said: str) -> None:
+def test_a_run_that_cannot_begin_ends_with_2(
+    command: Command, words: list[str], reason: str
+) -> None:
     status, out, err = command("run", "toy.yaml", *words)
     assert (status, out) == (2, "")
-    assert said in err
+    assert reason in err
     assert "def number" in Path("toys.py").read_text()
 
 
@@ -150,5 +154,5 @@ def test_a_cluster_that_does_not_answer_costs_nothing(
     status, out, err = command("run", "toy.yaml", *words, "--no-cache")
     assert (status, out) == (2, "")
     assert "no Dask scheduler answers at tcp://127.0.0.1:9" in err
-    assert [one.name for one in Path("runs").iterdir()] == ["toy"]
+    assert [path.name for path in Path("runs").iterdir()] == ["toy"]
     assert Path("runs/toy/report.html").is_file()

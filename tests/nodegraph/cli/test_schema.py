@@ -14,15 +14,15 @@ from nodegraph.plugin import loading
 
 def test_it_prints_a_schema_with_the_nodes_of_a_named_file(command: Any) -> None:
     status, out, _ = command("schema")
-    made = json.loads(out)
+    schema = json.loads(out)
     assert status == 0
-    Draft202012Validator.check_schema(made)
-    names = {one.get("const") for one in made["$defs"]["node name"]["oneOf"]}
+    Draft202012Validator.check_schema(schema)
+    names = {node.get("const") for node in schema["$defs"]["node name"]["oneOf"]}
     assert {"toy.cut", "fill.hold"} <= names
     graph = yaml.safe_load(Path("toy.yaml").read_text())
-    assert Draft202012Validator(made).is_valid(graph)
+    assert Draft202012Validator(schema).is_valid(graph)
     graph["nodes"]["gaps"]["with"]["length"] = 0
-    assert not Draft202012Validator(made).is_valid(graph)
+    assert not Draft202012Validator(schema).is_valid(graph)
 
 
 def test_it_writes_the_same_to_a_file(command: Any) -> None:
@@ -43,7 +43,7 @@ def test_without_any_node_it_is_still_a_schema(command: Any) -> None:
     assert Draft202012Validator(json.loads(out)).is_valid(bare)
 
 
-def test_a_folder_that_cannot_be_made_is_told(command: Any) -> None:
+def test_a_folder_that_cannot_be_made_is_an_error(command: Any) -> None:
     status, _, err = command("schema", "--out", "toys.py/toy.schema.json")
     assert status == 2
     assert "toys.py" in err

@@ -104,7 +104,7 @@ def test_a_file_of_drifted_numbers_has_drifted(
     assert first.startswith("within tolerance: study.lock: 0 of 10 results identical, 10 within")
 
 
-def test_a_conclusion_that_rounding_turns_is_told_with_the_verdict(
+def test_a_conclusion_that_rounding_changes_is_in_the_verdict(
     verified: Verified, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     frozen.edit("study.py", '[" < ".join(sorted(one.means, key=one.means.get))]',
@@ -115,19 +115,22 @@ def test_a_conclusion_that_rounding_turns_is_told_with_the_verdict(
     assert status == 1
     lines = out[out.index("within") :].splitlines()
     assert lines[0].startswith("within tolerance, but conclusions changed: study.lock: 1 of 10")
-    assert [one.split(": ")[:2] for one in lines[1:]] == [["order", "no longer"], ["order", "now"]]
+    assert [line.split(": ")[:2] for line in lines[1:]] == [
+        ["order", "no longer"],
+        ["order", "now"],
+    ]
 
 
-def test_a_node_that_an_audit_found_to_give_no_one_answer_is_told(verified: Verified) -> None:
+def test_a_node_that_varies_in_an_audit_is_named(verified: Verified) -> None:
     frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
     assert main(["audit", "study.yaml", "--plugin", "study.py", *STORE]) == 1
     verified()
     lock_again()
-    told = "read.sheet: an audit found that it gives another answer in a second call"
+    reason = "read.sheet: an audit found that it gives another answer in a second call"
     for words in ((), ("--rerun",)):
         status, out, _ = verified(*words)
         assert status == 0
-        assert f"1 results are not stored: {told}" in out
+        assert f"1 results are not stored: {reason}" in out
         first = out.splitlines()[out.splitlines().index("first: sheet") + 1].strip()
         assert first.startswith(
             "code, settings, files and libraries are the same, and an audit found that it gives"
@@ -168,17 +171,17 @@ def test_an_edited_constant_is_named_with_its_node_and_where_results_differ(
     assert "what follows from that: order (1), picture (1)" in lines
     assert "all conclusions are the same (1)" in lines
     assert any(
-        one.startswith("order: 1 of 2 rows are others; most of all mean of") for one in lines
+        line.startswith("order: 1 of 2 rows are others; most of all mean of") for line in lines
     )
 
 
 def test_how_far_it_is_off_is_about_as_far_as_it_is(verified: Verified) -> None:
     frozen.edit("study.py", "1000.0 + SHIFT", "1000.0 + SHIFT + 100.0")
-    line = next(one for one in verified()[1].splitlines() if one.startswith("    by "))
+    line = next(line for line in verified()[1].splitlines() if line.startswith("    by "))
     assert 0.03 < float(line.split()[1]) < 0.3  # of numbers that are 1001 each, and some smaller
 
 
-def test_locked_values_that_are_stored_are_compared_one_by_one(verified: Verified) -> None:
+def test_locked_values_that_are_stored_are_compared_exactly(verified: Verified) -> None:
     frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
     lines = verified()[1].splitlines()
     assert lines[2] == f"first: {SHIFTED}"
@@ -199,7 +202,7 @@ def test_a_file_with_another_content_is_named(verified: Verified) -> None:
     assert lines[3:5] == ["first: sheet", "    path: the content of numbers.txt is another"]
 
 
-def test_a_file_that_is_gone_may_lie_elsewhere(verified: Verified) -> None:
+def test_a_missing_file_may_be_named_with_set(verified: Verified) -> None:
     Path("there").mkdir()
     shutil.move("numbers.txt", "there/moved.txt")
     status, out, err = verified()
@@ -285,7 +288,7 @@ def test_a_plugin_that_claims_a_name_of_the_study_changes_nothing(
     assert "identical: study.lock: " in out
 
 
-def test_namesakes_that_were_told_apart_then_are_now(verified: Verified) -> None:
+def test_nodes_of_one_name_are_distinguished_as_in_the_lock(verified: Verified) -> None:
     fills = TAKEN.partition('@node("toy')[0].replace("float", "Sheet")
     Path("taken.py").write_text(f"from study import Sheet\n{fills}")
     lock_again("--plugin", "taken.py", "--only", "fill=study:mean")
@@ -376,7 +379,7 @@ def test_a_lock_may_be_verified_from_any_folder(
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "reason"),
     [
         ("tolerance: 1e-09", "tolerance: 1e-01", "is not as it was written"),
         ("nodegraph_lock: 1", "nodegraph_lock: 2", "a lock of format 2, and this program reads 1"),
@@ -385,12 +388,12 @@ def test_a_lock_may_be_verified_from_any_folder(
     ],
 )
 def test_a_lock_that_is_not_as_it_was_written_is_refused(
-    verified: Verified, old: str, new: str, said: str
+    verified: Verified, old: str, new: str, reason: str
 ) -> None:
     frozen.edit("study.lock", old, new)
     status, out, err = verified()
     assert (status, out) == (2, "")
-    assert said in err
+    assert reason in err
 
 
 @pytest.mark.parametrize(
@@ -418,7 +421,7 @@ def test_a_mark_that_an_editor_sets_before_the_text_changes_nothing(verified: Ve
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "reason"),
     [
         ("removed: {}", "taken: {}", "removed: field required"),
         ("removed: {}", "removed: {fill: 3}", "removed.fill: "),
@@ -439,7 +442,7 @@ def test_a_mark_that_an_editor_sets_before_the_text_changes_nothing(verified: Ve
     ],
 )  # fmt: skip
 def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_right(
-    verified: Verified, old: str, new: str, said: str
+    verified: Verified, old: str, new: str, reason: str
 ) -> None:
     path = Path("study.lock")
     text = path.read_text()
@@ -448,13 +451,13 @@ def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_rig
     sign_again()
     status, out, err = verified()
     assert (status, out) == (2, "")
-    assert f"study.lock: this is no lock as this program writes them: {said}" in err
+    assert f"study.lock: this is no lock as this program writes them: {reason}" in err
 
 
 @pytest.mark.parametrize(
-    ("lock", "said"), [("nothing.lock", "no such file"), ("study.yaml", "this is no lock")]
+    ("lock", "reason"), [("nothing.lock", "no such file"), ("study.yaml", "this is no lock")]
 )
-def test_what_is_no_lock_is_said_to_be_none(verified: Verified, lock: str, said: str) -> None:
+def test_a_file_that_is_not_a_lock_is_an_error(verified: Verified, lock: str, reason: str) -> None:
     status, _, err = verified(lock=lock)
     assert status == 2
-    assert f"{lock}: {said}; `nodegraph lock GRAPH` writes" in err
+    assert f"{lock}: {reason}; `nodegraph lock GRAPH` writes" in err

@@ -21,7 +21,7 @@ def edit(file: str, old: str, new: str) -> None:
     os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns - 5_000_000_000))
 
 
-def test_what_is_as_it_was_is_stored(command: Command) -> None:
+def test_unchanged_steps_are_stored(command: Command) -> None:
     command("run", "toy.yaml")
     status, out, err = command("why", "toy.yaml", "total")
     assert (status, err) == (0, "")
@@ -29,7 +29,7 @@ def test_what_is_as_it_was_is_stored(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new", "node", "said"),
+    ("file", "old", "new", "node", "text"),
     [
         ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "gaps", "toys:cut was edited"),
         ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "total", "toy.cut: code: toys:cut was"),
@@ -40,16 +40,16 @@ def test_what_is_as_it_was_is_stored(command: Command) -> None:
     ],
 )
 def test_the_part_that_changed_is_named(
-    command: Command, file: str, old: str, new: str, node: str, said: str
+    command: Command, file: str, old: str, new: str, node: str, text: str
 ) -> None:
     command("run", "toy.yaml")
     edit(file, old, new)
     status, out, _ = command("why", "toy.yaml", node)
     assert status == 0
-    assert said in out
+    assert text in out
 
 
-def test_what_changed_and_what_did_not(command: Command) -> None:
+def test_only_edited_code_is_a_change(command: Command) -> None:
     command("run", "toy.yaml")
     edit("toys.py", "raise Refusal", "raise  Refusal")  # not a word of it is another
     edit("toys.py", "'''Hold on.'''", "'''Hold on, whatever comes.'''")
@@ -61,7 +61,7 @@ def test_what_changed_and_what_did_not(command: Command) -> None:
     assert "strict" not in out.replace("toys:hold", "")
 
 
-def test_a_result_that_was_removed_is_said_to_be(command: Command) -> None:
+def test_a_removed_result_is_not_in_the_store(command: Command) -> None:
     command("run", "toy.yaml")
     command("cache", "clear", nodes=False)
     _, out, _ = command("why", "toy.yaml", "total")

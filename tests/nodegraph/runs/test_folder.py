@@ -18,7 +18,7 @@ def finished(path: Path, content: bytes = b"x") -> RunFolder:
 
 
 def names(path: Path) -> list[str]:
-    return sorted(str(one.relative_to(path)) for one in path.rglob("*") if one.is_file())
+    return sorted(str(file.relative_to(path)) for file in path.rglob("*") if file.is_file())
 
 
 def test_a_run_writes_graph_events_files_and_record(tmp_path: Path) -> None:
@@ -44,8 +44,8 @@ def test_a_finished_run_is_moved_aside_and_never_lost(tmp_path: Path) -> None:
         folder = finished(path, content)
     assert folder.moved is not None
     assert (path / "report.html").read_bytes() == b"third"
-    kept = {(one / "report.html").read_bytes() for one in tmp_path.iterdir()}
-    assert kept == {b"first", b"second", b"third"}
+    contents = {(path / "report.html").read_bytes() for path in tmp_path.iterdir()}
+    assert contents == {b"first", b"second", b"third"}
 
 
 def test_a_run_that_was_interrupted_makes_room(tmp_path: Path) -> None:
@@ -53,7 +53,7 @@ def test_a_run_that_was_interrupted_makes_room(tmp_path: Path) -> None:
     RunFolder(path, "old")._events.close()
     assert finished(path).moved is None
     assert (path / "graph.yaml").read_text() == "nodegraph: 1\n"
-    assert [one.name for one in tmp_path.iterdir()] == ["run"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
 def test_a_file_of_the_user_in_an_interrupted_run_is_never_lost(tmp_path: Path) -> None:
@@ -61,7 +61,7 @@ def test_a_file_of_the_user_in_an_interrupted_run_is_never_lost(tmp_path: Path) 
     RunFolder(path, "old")._events.close()
     (path / "thesis.txt").write_text("years of work")
     finished(path)
-    assert [one.read_text() for one in tmp_path.rglob("thesis.txt")] == ["years of work"]
+    assert [path.read_text() for path in tmp_path.rglob("thesis.txt")] == ["years of work"]
 
 
 def test_an_empty_folder_is_used(tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ def test_an_empty_folder_is_used(tmp_path: Path) -> None:
     assert (tmp_path / "run.json").is_file()
 
 
-def test_what_is_no_run_is_left_alone(tmp_path: Path) -> None:
+def test_a_folder_that_is_not_a_run_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("years of work")
     with pytest.raises(NodegraphError, match="is not a run folder"):
         RunFolder(tmp_path, "")
@@ -78,7 +78,7 @@ def test_what_is_no_run_is_left_alone(tmp_path: Path) -> None:
     assert names(tmp_path) == ["thesis.txt"]
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(NodegraphError, match="the run cannot be written there"):
         RunFolder(tmp_path / "file" / "run", "")
@@ -90,7 +90,7 @@ def test_a_run_that_cannot_begin_leaves_the_earlier_one_where_it_was(tmp_path: P
     folder = RunFolder(path, "nodegraph: 1\n")
     folder.hear(Event("planned", 0.0))
     folder.abandon()
-    assert [one.name for one in tmp_path.iterdir()] == ["run"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
     assert (path / "report.html").read_bytes() == b"first"
 
 
@@ -121,7 +121,7 @@ def test_a_run_that_is_going_on_is_left_alone(tmp_path: Path) -> None:
     assert finished(path).moved is not None
 
 
-def test_what_a_run_came_to_lies_in_its_folder_whatever_a_node_did_to_the_working_directory(
+def test_the_folder_does_not_depend_on_the_working_directory_of_nodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -25,11 +25,11 @@ known: [a]
 
 def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
-    said = json.loads(record(run, RunSettings("toy.yaml")).as_json())
-    assert said["settings"] == {"graph": "toy.yaml"}
-    assert (said["title"], said["inputs"], said["known"]) == ("A toy", {"start": -3}, ["a"])
-    assert said["axes"]["actor"] == ["ME", "MB"]
-    assert said["nodes"]["fill"] == {
+    data = json.loads(record(run, RunSettings("toy.yaml")).as_json())
+    assert data["settings"] == {"graph": "toy.yaml"}
+    assert (data["title"], data["inputs"], data["known"]) == ("A toy", {"start": -3}, ["a"])
+    assert data["axes"]["actor"] == ["ME", "MB"]
+    assert data["nodes"]["fill"] == {
         "axes": ["k", "actor", "fill"],
         "gathered": [],
         "methods": {
@@ -37,12 +37,12 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
             "strict": {"use": "strict.positive", "plugin": "toys", "outputs": ["output"]},
         },
     }
-    counts = {state: count for state, count in said["counts"].items() if count}
+    counts = {state: count for state, count in data["counts"].items() if count}
     assert counts == {"done": 8, "refused": 3, "failed": 1}
-    assert len(said["steps"]) == 12  # x is one of the cells of fill
-    also = [other for one in said["steps"] for other in one.get("also", ())]
+    assert len(data["steps"]) == 12  # x is one of the cells of fill
+    also = [other for step in data["steps"] for other in step.get("also", ())]
     assert also == [{"node": "x", "labels": {}}]
-    steps = {(one["node"], *one["labels"].values()): one for one in said["steps"]}
+    steps = {(step["node"], *step["labels"].values()): step for step in data["steps"]}
     gaps = steps["gaps", 1, "MB"]
     assert gaps["settings"] == {"length": 6, "seed": 1}
     assert gaps["inputs"] == {"recording": {"step": steps["a",]["step"], "output": "output"}}
@@ -55,11 +55,11 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
         "node": "gaps",
         "labels": {"k": 2, "actor": "MB"},
         "reason": "skip: k = 2, actor = MB",
-    } in said["skipped"]
-    assert said["versions"]["python"]
-    assert said["versions"]["numpy"]
+    } in data["skipped"]
+    assert data["versions"]["python"]
+    assert data["versions"]["numpy"]
 
 
 def test_what_was_left_out_is_recorded(run_of: Callable[..., Run]) -> None:
     left_out = record(run_of(TEXT, only={"actor": ("MB",)}), RunSettings("toy.yaml")).left_out
-    assert [one.node for one in left_out] == ["x"]
+    assert [step.node for step in left_out] == ["x"]

@@ -54,13 +54,13 @@ def test_a_combination_that_is_refused_is_no_reason_to_run_again(why_of: WhyOf) 
 
 
 def test_a_step_that_failed_is_tried_again(why_of: WhyOf) -> None:
-    said = ("b(start=-1): failed in the earlier run and will be tried again: -1.0 is negative",)
-    assert why_of(FAILS, FAILS, "b") == [said, (), ()]
-    assert why_of(FAILS, FAILS, "d") == [said]
+    change = ("b(start=-1): failed in the earlier run and will be tried again: -1.0 is negative",)
+    assert why_of(FAILS, FAILS, "b") == [change, (), ()]
+    assert why_of(FAILS, FAILS, "d") == [change]
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "changes_named"),
     [
         ("[-1, 1, 2]", "[1, 2]", ("d: scores took 3 values, now 2",)),
         (
@@ -76,10 +76,10 @@ def test_a_step_that_failed_is_tried_again(why_of: WhyOf) -> None:
     ],
 )  # fmt: skip
 def test_the_root_of_a_change_is_named(
-    why_of: WhyOf, old: str, new: str, said: tuple[str, ...]
+    why_of: WhyOf, old: str, new: str, changes_named: tuple[str, ...]
 ) -> None:
     [changes] = why_of(TEXT, TEXT.replace(old, new), "d")
-    assert set(said) <= set(changes), changes
+    assert set(changes_named) <= set(changes), changes
 
 
 def test_labels_of_what_is_gathered_are_a_change(why_of: WhyOf) -> None:
