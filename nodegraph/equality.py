@@ -80,7 +80,8 @@ def _library_parts(value: Any) -> Mapping[str, Any] | None:
     kinds = {f"{kind.__module__.partition('.')[0]}.{kind.__name__}" for kind in type(value).mro()}
     if "pandas.DataFrame" in kinds:
         columns = {f"[{name!r}]": value.iloc[:, i] for i, name in enumerate(value.columns)}
-        return {".columns": tuple(value.columns), **columns, ".attrs": value.attrs}
+        metadata = {f".{name}": getattr(value, name, None) for name in value._metadata}
+        return {".columns": tuple(value.columns), **columns, ".attrs": value.attrs, **metadata}
     if "pandas.Series" in kinds:
         return {".index": value.index.to_numpy(), ".values": value.to_numpy()}
     if "matplotlib.Figure" in kinds:

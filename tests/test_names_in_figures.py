@@ -12,7 +12,7 @@ from nodegraph import Across, Refusal
 from nodegraph.node.decorator import Node
 from nodegraph.testing.specimens import cases
 from nodegraph_mocap import Figure
-from nodegraph_tables.renderers import saved
+from nodegraph_tables.figures import draw
 from tests.test_contracts import INSTALLED, required
 
 SHOWN = {
@@ -63,7 +63,7 @@ def drawn(node: Node) -> list[Figure]:
 
 def text_of(figure: Figure) -> str:
     """Return what is written in a figure; a name may be broken into lines."""
-    root = ET.fromstring(saved(figure, "svg"))
+    root = ET.fromstring(draw(figure, "svg"))
     texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
     return " ".join(" ".join(texts).split())
 
@@ -78,6 +78,6 @@ def test_labels_are_drawn_as_they_stand(name: str) -> None:
     figures = drawn(node)
     assert figures, "draws none of the specimens"
     text = " ".join(map(text_of, figures))
-    assert all(saved(figure, "pdf").startswith(b"%PDF") for figure in figures)
+    assert all(draw(figure, "pdf").startswith(b"%PDF") for figure in figures)
     if node.name not in WITHOUT_LABELS:
         assert [shown for shown in SHOWN.values() if shown not in text] == []

@@ -19,6 +19,7 @@ NO_FORMULA = r"$\frac$"
 NODES = '''
 from nodegraph import Refusal, node
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_tables import TableInfo, with_info
 
 
 @node("odd.score", cite="none")
@@ -43,9 +44,8 @@ def score(recording: Trajectories, *, kind: str = "plain", trial: int = 0, more:
     odd = {"nothing": float("nan"), "endless": float("inf"), "zero": 0.0}
     value = odd.get(kind, 1.5 + trial + more)
     made = pd.DataFrame({"gap": [0, 1], "rmse": [value, 2 * value]})
-    made.attrs["units"] = {"rmse": "mm"}
-    made.attrs["title"] = "<script>window.ran = 1</script>"
-    return made
+    info = TableInfo(title="<script>window.ran = 1</script>", units={"rmse": "mm"})
+    return with_info(made, info)
 '''
 ODD = f"""
 nodegraph: 1

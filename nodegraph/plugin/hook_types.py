@@ -59,6 +59,9 @@ class Rendered:
     scripts, styles : tuple of str
         JavaScript and CSS that the fragment needs. A page has each text once, however many values
         need it. Scripts run in this order once the page is complete.
+    answer : tuple of str
+        Sentences with which the value answers the question of the study. The report begins with
+        them.
 
     Raises
     ------
@@ -73,6 +76,7 @@ class Rendered:
     files: Mapping[str, bytes] = field(default_factory=dict)
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
+    answer: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_fields(self)
@@ -84,6 +88,8 @@ class Rendered:
                 raise TypeError(f"Rendered.{tag}s: expected a tuple of str")
             if any(f"</{tag}" in text.lower() for text in texts):
                 raise ValueError(f"Rendered.{tag}s: a {tag} in a page must not contain </{tag}")
+        if not all(isinstance(sentence, str) for sentence in self.answer):
+            raise TypeError("Rendered.answer: expected a tuple of str")
 
 
 @dataclass(frozen=True)

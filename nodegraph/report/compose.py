@@ -6,7 +6,7 @@ import traceback
 import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
@@ -251,11 +251,11 @@ def compose(run: Run, settings: RunSettings) -> tuple[Study, dict[str, bytes]]:
     """
     graph = run.plan.graph
     found = list(_reported(run))
-    sections, files, unshown = _sections(found, graph.registry.hooks.renderers)
+    sections, answer, files, unshown = _sections(found, graph.registry.hooks.renderers)
     there, methods = versions(graph), Methods(run)
     study = Study(
         title=graph.title,
-        answer=_answer((labels, value) for _, labels, _, value in found),
+        answer=answer,
         notes_markdown=graph.spec.notes,
         sections=sections,
         graph_svg=drawing_for_page(graph),
@@ -301,8 +301,9 @@ def _file_name(words: Iterable[str]) -> str:
 
 def _sections(
     found: Iterable[tuple[str, str, str, Any]], renderers: Iterable[Renderer]
-) -> tuple[tuple[Section, ...], dict[str, bytes], tuple[StepNote, ...]]:
+) -> tuple[tuple[Section, ...], tuple[str, ...], dict[str, bytes], tuple[StepNote, ...]]:
     sections: list[Section] = []
+    answer: list[str] = []
     unshown: list[StepNote] = []
     files: dict[str, bytes] = {}
     for title, labels, name, value in found:
@@ -321,8 +322,10 @@ def _sections(
         beside = {f"{name}{suffix}": content for suffix, content in rendered.files.items()}
         files |= beside
         links = tuple(Link(one.rpartition(".")[2].upper(), one) for one in beside)
-        sections.append(Section(title, rendered, labels, links))
-    return tuple(sections), files, tuple(unshown)
+        place = f"{labels.replace('=', ' ')}: " if labels else ""
+        answer += [f"{place}{sentence}" for sentence in rendered.answer]
+        sections.append(Section(title, replace(rendered, answer=()), labels, links))
+    return tuple(sections), tuple(dict.fromkeys(answer)), files, tuple(unshown)
 
 
 def _files_section(title: str, labels: str, made: Mapping[str, bytes]) -> Section:
@@ -345,27 +348,6 @@ def _unshown(title: str, labels: str, error: Exception) -> StepNote:
     warnings.warn(f"{title} {labels}".strip() + f": {said}", stacklevel=3)
     trace = "".join(traceback.format_exception(error))
     return StepNote(title, labels, said, "failed", trace=trace)
-
-
-def _answer(values: Iterable[tuple[str, Any]]) -> tuple[str, ...]:
-    """Return the sentences that values carry with them, as tables do in ``attrs``."""
-    said: list[str] = []
-    for labels, value in values:
-        place = labels.replace("=", " ")
-        said += [f"{place}: {one}" if place else one for one in _sentences(value)]
-    return tuple(dict.fromkeys(said))
-
-
-def _sentences(value: Any) -> list[str]:
-    attributes = getattr(value, "attrs", None)
-    given = attributes.get("answer", []) if isinstance(attributes, Mapping) else []
-    if isinstance(given, str):
-        return [given]
-    if isinstance(given, list | tuple) and all(isinstance(one, str) for one in given):
-        return list(given)
-    kind = type(value).__name__
-    warnings.warn(f"the answer of a {kind} is no list of sentences: left out", stacklevel=4)
-    return []
 
 
 def _timings(run: Run) -> tuple[TimingRow, ...]:

@@ -11,6 +11,7 @@ from nodegraph import Refusal, node
 from nodegraph_blendshapes.built import APART, built
 from nodegraph_blendshapes.complete import pose_at_rest
 from nodegraph_mocap import BlendshapeModel, Table, Trajectories
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -179,6 +180,7 @@ def _table(found: _Principal, kept: int) -> Table:
             "kept": numbers <= kept,
         }
     )
-    told = f"The model's {kept} shapes explain {shares[:kept].sum():.2%} of the variance."
-    table.attrs.update(title="Principal components", notes=[told], units={"movement": "mm"})
-    return table
+    note = f"The model's {kept} shapes explain {shares[:kept].sum():.2%} of the variance."
+    return with_info(
+        table, TableInfo(title="Principal components", notes=(note,), units={"movement": "mm"})
+    )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal, cast, get_args
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from nodegraph import Across, ColumnOf, LabelOf, listed, nearest
+from nodegraph_tables import BetterEnd, info_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,15 +54,11 @@ def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
         yield f" in the table of {told}" if told else "", table
 
 
-End = Literal["lower", "higher", "none"]
 Better = Literal["declared", "lower", "higher", "none"]
 
 
-def better_end(scores: Across[Table], metric: str, better: Better) -> End:
-    """Return which end of the metric is better: as asked, else as the tables declare, else lower.
-
-    A table declares it in ``attrs["better"]``, a mapping of column to ``lower``, ``higher`` or
-    ``none``, the last for a column that is best at some value between.
+def better_end(scores: Across[Table], metric: str, better: Better) -> BetterEnd:
+    """Return which end of the metric is better: as set, else as the tables declare, else lower.
 
     Parameters
     ----------
@@ -70,31 +67,25 @@ def better_end(scores: Across[Table], metric: str, better: Better) -> End:
     metric
         The column of numbers.
     better
-        What was asked for; ``declared``: as the tables say.
+        The setting; ``declared``: as the tables declare it in `TableInfo.better`.
 
     Raises
     ------
     ValueError
-        If the tables declare two ends, or something else.
+        If the tables declare different ends.
     """
     if better != "declared":
         return better
-    told = {one.attrs.get("better", {}).get(metric, "lower") for one in scores.values()}
-    wrong = sorted(str(one) for one in told if one not in get_args(End))
-    if wrong:
-        raise ValueError(
-            f"a table declares {wrong[0]!r} as the better end of {metric!r}; "
-            f"there are: {', '.join(get_args(End))}"
-        )
-    if len(told) > 1:
+    ends = {info_of(table).better.get(metric, "lower") for table in scores.values()}
+    if len(ends) > 1:
         raise ValueError(
             f"the tables declare different ends of {metric!r} as the better one: "
-            f"{', '.join(sorted(told))}; give `better`"
+            f"{', '.join(sorted(ends))}; give `better`"
         )
-    return cast(End, told.pop())
+    return ends.pop()
 
 
-def sign_of(end: End) -> float:
+def sign_of(end: BetterEnd) -> float:
     """Return 1.0, or -1.0 where higher is better: the best has the lowest value times this."""
     return -1.0 if end == "higher" else 1.0
 
@@ -120,7 +111,7 @@ class Question:
     within: tuple[str, ...]
     blocks: tuple[str, ...]
     averaged: tuple[str, ...]
-    better: End = "lower"
+    better: BetterEnd = "lower"
 
     @property
     def compared(self) -> tuple[str, ...]:
@@ -177,7 +168,7 @@ def ask(
 
 def unit_of(scores: Across[Table], metric: str) -> str:
     """Return the unit of the metric, as the first table has it; empty if it says none."""
-    return str(scores.values()[0].attrs.get("units", {}).get(metric, ""))
+    return info_of(scores.values()[0]).units.get(metric, "")
 
 
 def blocks_name(scores: Across[Table], question: Question) -> str:

@@ -14,9 +14,7 @@ from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.selection import Selection
-from nodegraph_tables.stored_figure import StoredFigure
-from nodegraph_tables.style import figure_text
-from nodegraph_tables.types import Figure, Table
+from nodegraph_tables import Figure, StoredFigure, Table, figure_text
 
 __all__ = [
     "Animation",

@@ -10,7 +10,7 @@ import numpy as np
 from nodegraph import Comparison, listed
 from nodegraph_mocap.face_model import Weights
 from nodegraph_mocap.recording import Mask, Trajectories
-from nodegraph_tables import differing, names_apart
+from nodegraph_tables import differences, name_differences
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +36,7 @@ def compare_recordings(one: Trajectories, other: Trajectories) -> Iterator[str]:
     if one.frames != other.frames:
         yield f"had {one.frames} frames, now {other.frames}"
     if one.markers != other.markers:
-        yield from names_apart("markers", one.markers, other.markers)
+        yield from name_differences("markers", one.markers, other.markers)
     if one.frames != other.frames or set(one.markers) != set(other.markers):
         return
     other = other.keep(one.markers)
@@ -59,7 +59,7 @@ def recording_parts(recording: Trajectories) -> dict[str, tuple[tuple[str, tuple
 def compare_masks(one: Mask, other: Mask) -> Iterator[str]:
     """Yield which samples only one of the masks has."""
     if one.markers != other.markers or one.hidden.shape != other.hidden.shape:
-        yield from names_apart("markers", one.markers, other.markers)
+        yield from name_differences("markers", one.markers, other.markers)
         return
     lone = one.hidden != other.hidden
     if lone.any():
@@ -69,12 +69,12 @@ def compare_masks(one: Mask, other: Mask) -> Iterator[str]:
 def compare_weights(one: Weights, other: Weights) -> Iterator[str]:
     """Yield what differs: length and shapes, then weights with their frames and shapes."""
     if one.names != other.names:
-        yield from names_apart("shapes", one.names, other.names)
+        yield from name_differences("shapes", one.names, other.names)
     if len(one.values) != len(other.values):
         yield f"had {len(one.values)} frames, now {len(other.values)}"
     if one.names != other.names or len(one.values) != len(other.values):
         return
-    differs = differing(one.values, other.values)
+    differs = differences(one.values, other.values)
     if differs.any():
         apart = np.nan_to_num(np.abs(one.values - other.values))
         frame, column = divmod(int(np.argmax(apart)), apart.shape[1])

@@ -19,6 +19,7 @@ from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.selection import Selection
+from nodegraph_tables.info import TableInfo, with_info
 from nodegraph_tables.types import Figure, Table
 
 if TYPE_CHECKING:
@@ -186,8 +187,7 @@ def tables() -> dict[str, Table]:
                 "filled": np.isfinite(np.array(rmse, dtype=np.float64)).astype(np.float64),
             }
         )
-        table.attrs.update(title="Errors in gaps", notes=[], units={"rmse": "mm"})
-        made[name] = table
+        made[name] = with_info(table, TableInfo(title="Errors in gaps", units={"rmse": "mm"}))
     return made
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from nodegraph import Across, Label, node
 from nodegraph_mocap import Figure, Table
 from nodegraph_plot.columns import axis_labels, check_number, first_float
+from nodegraph_tables import info_of
 from nodegraph_tables.style import looks
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def scatter(
         raise ValueError(f"no axis {by!r} is gathered; there are {axis_labels(scores)}")
     points = {name: _points(scores, by, name, x, upwards) for name in _labels(scores, by)}
     _tell(points)
-    units = {x: "", upwards: "", **across.attrs.get("units", {})}
+    units = {x: "", upwards: "", **info_of(across).units}
     found = {name: one[np.isfinite(one).all(axis=1)] for name, one in points.items()}
     known = scores.labels(by) if by else ()
     return draw(found, looks([*found, *known]), _named(x, units), _named(upwards, units))

@@ -20,6 +20,7 @@ from nodegraph_score.components import (
     principal,
 )
 from nodegraph_score.pose import NAMES, carried, check_proper, frames_of, left_over, pose
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -105,7 +106,7 @@ def alignment(
     Returns
     -------
     table
-        As above; ``attrs["answer"]`` says what the components are, in words.
+        As above; its answer says what the components are.
     figure
         A bar per component, as high as its share; what head motion makes of it is filled.
 
@@ -213,13 +214,13 @@ def _joined(parts: list[Table], told: list[str], axes: tuple[str, ...]) -> Table
     from pandas import concat
 
     table = concat(parts, ignore_index=True)
-    table.attrs.update(
+    info = TableInfo(
         title="What PCA finds",
-        notes=[f"{note}." for note in told],
-        units=dict(UNITS),
-        answer=answer(parts, axes),
+        answer=tuple(answer(parts, axes)),
+        notes=tuple(f"{note}." for note in told),
+        units=UNITS,
     )
-    return table
+    return with_info(table, info)
 
 
 def _draw(table: Table, axes: tuple[str, ...]) -> Figure:

@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Tried
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_tables import info_of
 
 _ANSWERS = ("truth", "reference")
 _ROUNDING = 1e-9
@@ -33,7 +34,7 @@ def the_answer_scores_zero(tried: Tried) -> Iterator[str]:
         yield "declines the answer as an estimate"
         return
     table = next(iter(outputs.values()))
-    for column, unit in table.attrs.get("units", {}).items():
+    for column, unit in info_of(table).units.items():
         if unit.startswith("mm") and column in table and np.any(table[column].abs() > 0):
             yield f"column {column!r} has {table[column].abs().max():.3g} {unit}"
 
@@ -48,7 +49,7 @@ def tells_millimetres(tried: Tried) -> Iterator[str]:
     if outputs is None:
         return
     table = next(iter(outputs.values()))
-    for column, unit in table.attrs.get("units", {}).items():
+    for column, unit in info_of(table).units.items():
         largest = table[column].abs().max() if unit == "mm" and column in table else 0.0
         if _ROUNDING < largest < 1.0 / _FAR or largest > _FAR:
             yield f"column {column!r} has {largest:.3g} mm: is it in metres?"

@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,7 +23,7 @@ UNITS = {
     "mean": "mm",
     "max": "mm",
 }
-BETTER = {"frame": "none", "markers": "higher"}
+BETTER: dict[str, BetterEnd] = {"frame": "none", "markers": "higher"}
 
 
 @node("score.distance")
@@ -89,13 +90,10 @@ def distance(
     notes = [*_left_out(estimate, reference), *_lacking(table)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(
-        title="Distances",
-        notes=[f"{note}." for note in notes],
-        units=dict(UNITS),
-        better=dict(BETTER),
+    sentences = tuple(f"{note}." for note in notes)
+    return with_info(
+        table, TableInfo(title="Distances", notes=sentences, units=UNITS, better=BETTER)
     )
-    return table
 
 
 def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:

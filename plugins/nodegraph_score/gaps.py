@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Table, Trajectories
+from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,7 +27,7 @@ UNITS = {
     "filled": "share",
 }
 # where lower is not better
-BETTER = {"start": "none", "frames": "none", "filled": "higher"}
+BETTER: dict[str, BetterEnd] = {"start": "none", "frames": "none", "filled": "higher"}
 
 
 @node("score.gaps")
@@ -137,9 +138,10 @@ def _table(
             "filled": present / frames,
         }
     )
-    notes = _notes(whole, int(frames.sum() - present.sum()), int(frames.sum()))
-    table.attrs.update(title="Errors in gaps", notes=notes, units=dict(UNITS), better=dict(BETTER))
-    return table
+    notes = tuple(_notes(whole, int(frames.sum() - present.sum()), int(frames.sum())))
+    return with_info(
+        table, TableInfo(title="Errors in gaps", notes=notes, units=UNITS, better=BETTER)
+    )
 
 
 def _errors(found: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

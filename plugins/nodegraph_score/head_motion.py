@@ -9,6 +9,7 @@ import numpy as np
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import HeadMotion, Table
 from nodegraph_score.pose import check_proper, degrees_apart
+from nodegraph_tables import TableInfo, with_info
 
 UNITS = {"frame": "frame", "rotation": "degrees", "translation": "mm", "scale": "percent"}
 
@@ -63,5 +64,4 @@ def head_motion(
             "scale": 100.0 * np.abs(estimate.scales / truth.scales - 1.0),
         }
     )
-    table.attrs.update(title="Head motion", notes=[], units=dict(UNITS))
-    return table
+    return with_info(table, TableInfo(title="Head motion", units=UNITS))

@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
+from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +29,7 @@ UNITS = {
     "recall": "share",
     "precision": "share",
 }
-BETTER = {
+BETTER: dict[str, BetterEnd] = {
     "samples": "none",
     "hits": "none",
     "found": "higher",
@@ -110,13 +111,10 @@ def impulses(
     notes = [*_without(table, per), *_left_out(estimate, truth, hit, both, judged)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(
-        title="Impulses",
-        notes=[f"{note}." for note in notes],
-        units=dict(UNITS),
-        better=dict(BETTER),
+    sentences = tuple(f"{note}." for note in notes)
+    return with_info(
+        table, TableInfo(title="Impulses", notes=sentences, units=UNITS, better=BETTER)
     )
-    return table
 
 
 def _columns(

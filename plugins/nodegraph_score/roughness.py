@@ -9,12 +9,13 @@ import numpy as np
 
 from nodegraph import Columns, node
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNITS = {"vectors": "count", "roughness": "mm^2/frame^2"}
-BETTER = {"vectors": "none", "roughness": "none"}
+BETTER: dict[str, BetterEnd] = {"vectors": "none", "roughness": "none"}
 
 
 @node("score.roughness", cite="zhang_scattered")
@@ -55,13 +56,10 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
     notes = _notes(vectors)
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(
-        title="Roughness",
-        notes=[f"{one}." for one in notes],
-        units=dict(UNITS),
-        better=dict(BETTER),
+    sentences = tuple(f"{note}." for note in notes)
+    return with_info(
+        table, TableInfo(title="Roughness", notes=sentences, units=UNITS, better=BETTER)
     )
-    return table
 
 
 def _variances(

@@ -11,12 +11,13 @@ import numpy as np
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.runs import runs_of
+from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNITS = {"samples": "frames", "missing": "frames", "rmse": "mm", "lag": "frames", "kept": "share"}
-BETTER = {"samples": "none", "lag": "none", "kept": "none"}
+BETTER: dict[str, BetterEnd] = {"samples": "none", "lag": "none", "kept": "none"}
 BAND = 6.0
 """Hz: most of what a face does is slower."""
 
@@ -90,13 +91,10 @@ def smoothness(
     notes = list(_notes(table))
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(
-        title="Smoothness",
-        notes=[f"{one}." for one in notes],
-        units=dict(UNITS),
-        better=dict(BETTER),
+    sentences = tuple(f"{note}." for note in notes)
+    return with_info(
+        table, TableInfo(title="Smoothness", notes=sentences, units=UNITS, better=BETTER)
     )
-    return table
 
 
 def _errors(

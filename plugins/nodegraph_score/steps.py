@@ -13,6 +13,7 @@ from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.misplaced import misplaced
 from nodegraph_score.steps_told import BETTER, WORSE, absences, left_out, sentence, worse
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -95,7 +96,7 @@ def steps(
     Returns
     -------
     Table
-        As above; ``attrs["answer"]`` has a sentence per row.
+        As above; its answer has a sentence per row.
 
     Raises
     ------
@@ -113,13 +114,13 @@ def steps(
     notes = [*worse(rows), *left_out(stages, truth)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table.attrs.update(
+    info = TableInfo(
         title="What each step did",
-        notes=[f"{note}." for note in notes],
-        units=dict(UNITS),
-        answer=[sentence(row) for row in rows],
+        answer=tuple(sentence(row) for row in rows),
+        notes=tuple(f"{note}." for note in notes),
+        units=UNITS,
     )
-    return table
+    return with_info(table, info)
 
 
 def _check(stages: Across[Trajectories], truth: Trajectories) -> None:

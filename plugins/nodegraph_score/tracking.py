@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,7 +23,12 @@ UNITS = {
     "tracked": "share",
     "fragments": "count",
 }
-BETTER = {"samples": "none", "links": "none", "right": "higher", "tracked": "higher"}
+BETTER: dict[str, BetterEnd] = {
+    "samples": "none",
+    "links": "none",
+    "right": "higher",
+    "tracked": "higher",
+}
 
 
 @node("score.tracking", cite="bernardin2008")
@@ -80,10 +86,8 @@ def tracking(
     rows = [_row(track[truth.present[:, column], column]) for column in range(len(truth.markers))]
     table = DataFrame(rows, columns=list(UNITS))
     table.insert(0, "marker", np.array(truth.markers, dtype=object))
-    table.attrs.update(
-        title="Tracks", notes=_notes(estimate, track), units=dict(UNITS), better=dict(BETTER)
-    )
-    return table
+    notes = tuple(_notes(estimate, track))
+    return with_info(table, TableInfo(title="Tracks", notes=notes, units=UNITS, better=BETTER))
 
 
 def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Trajectories
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,9 +84,9 @@ def unselected(
     notes = [*_left_out(estimate, reference, selection), *_lacking(table)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
+    sentences = tuple(f"{note}." for note in notes)
     title = "Errors at unselected markers"
-    table.attrs.update(title=title, notes=[f"{note}." for note in notes], units=dict(UNITS))
-    return table
+    return with_info(table, TableInfo(title=title, notes=sentences, units=UNITS))
 
 
 def _check(estimate: Trajectories, reference: Trajectories, selection: Selection) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_mocap.shape_names import matched
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,10 +84,8 @@ def weights_mse(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     table = _table(errors[known], names, missing=int(np.count_nonzero(~known)), selection=selection)
-    table.attrs.update(
-        title="Errors of weights", notes=[f"{note}." for note in notes], units=dict(UNITS)
-    )
-    return table
+    sentences = tuple(f"{note}." for note in notes)
+    return with_info(table, TableInfo(title="Errors of weights", notes=sentences, units=UNITS))
 
 
 def _errors(

@@ -3,36 +3,50 @@
 from collections.abc import Iterable
 
 from nodegraph import Comparison, Conclusion, Renderer, Storage, hookimpl
-from nodegraph_tables.comparisons import differing, names_apart
-from nodegraph_tables.stored_figure import StoredFigure
+from nodegraph_tables.comparisons import comparisons, differences, name_differences
+from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
+from nodegraph_tables.info import BetterEnd, TableInfo, info_of, with_info
 from nodegraph_tables.style import figure_text
 from nodegraph_tables.types import Figure, Table
 
-__all__ = ["Figure", "StoredFigure", "Table", "differing", "figure_text", "names_apart"]
+__all__ = [
+    "BetterEnd",
+    "Figure",
+    "StoredFigure",
+    "Table",
+    "TableInfo",
+    "differences",
+    "figure_text",
+    "info_of",
+    "name_differences",
+    "with_info",
+]
 
 
 @hookimpl
 def nodegraph_renderers() -> Iterable[Renderer]:
     """Return how tables and figures appear in a report."""
-    from nodegraph_tables.renderers import renderers
+    from nodegraph_tables.rendering import render_table
 
-    return renderers()
+    return (
+        Renderer(Table, render_table),
+        Renderer(Figure, render_figure),
+        Renderer(StoredFigure, render_stored_figure),
+    )
 
 
 @hookimpl
 def nodegraph_comparisons() -> Iterable[Comparison]:
     """Return how tables and figures are compared."""
-    from nodegraph_tables.comparisons import comparisons
-
     return comparisons()
 
 
 @hookimpl
 def nodegraph_conclusions() -> Iterable[Conclusion]:
     """Return what a study concludes from tables."""
-    from nodegraph_tables.conclusions import conclusions
+    from nodegraph_tables.conclusions import conclude_table, table_numbers
 
-    return conclusions()
+    return (Conclusion(Table, conclude_table, table_numbers),)
 
 
 @hookimpl

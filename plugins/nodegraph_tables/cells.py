@@ -1,10 +1,11 @@
-"""What a reader sees in the cells of a table: numbers, their intervals, the best of them."""
+"""The cells of a table as a reader sees them: rounded numbers, their intervals, the best marked."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from nodegraph_tables.info import info_of
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -12,7 +13,9 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-_APART = 0.05
+    from nodegraph_tables.info import Part
+
+_SIGNIFICANT = 0.05
 _MOST_DECIMALS = 4
 _SMALLEST, _LARGEST = 1e-3, 1e6
 """Smaller and larger numbers are shown with a power of ten."""
@@ -42,11 +45,10 @@ class Column(NamedTuple):
     ----------
     name, unit : str
     places : tuple of (int, str)
-        Where the columns of the table are, and what they are called, whose values stand in its
-        cells: its own first.
+        Place and name of each column of the table that the cells show: its own first.
     numeric : bool
     label : bool
-        Whether it says which row it is.
+        Whether it identifies the rows.
     cells : list of Cell
     """
 
@@ -66,75 +68,70 @@ class Column(NamedTuple):
 def columns_of(table: pd.DataFrame) -> list[Column]:
     """Return the columns that a reader sees.
 
-    Columns that ``attrs["cells"]`` names beside a column are shown within its cells, as
-    ``mean [low, high]``, with a dagger where their ``p`` is below 0.05. The labels of the rows
-    are the columns that ``attrs["labels"]`` names, or else the first one where it is text.
+    Columns that `TableInfo.cells` names are shown within the cells of another, as
+    ``mean [low, high]``, with a dagger where their ``p`` is below 0.05.
     """
-    beside: Mapping[Any, Mapping[str, Any]] = table.attrs.get("cells", {})
-    within = {name for parts in beside.values() for name in parts.values()}
+    cells = info_of(table).cells
+    within = {name for parts in cells.values() for name in parts.values()}
     return [
-        _column(table, at, beside.get(name, {}))
+        _column(table, at, cells.get(name, {}))
         for at, name in enumerate(table.columns)
         if name not in within
     ]
 
 
-def _column(table: pd.DataFrame, at: int, parts: Mapping[str, Any]) -> Column:
-    name, values = table.columns[at], table.iloc[:, at]
-    numeric = values.dtype.kind in "iuf"
-    named = table.attrs.get("labels")
-    label = name in named if named is not None else at == 0 and not numeric
-    best = set(table.attrs.get("best", {}).get(name, ()))
-    listed = values.tolist()
-    decimals = None if label or not numeric else _decimals(listed)
-    inner = [table[one].tolist() for one in parts.values()]
-    where = {one: place for place, one in enumerate(table.columns)}
-    places = [(at, str(name)), *((where[one], str(one)) for one in parts.values())]
-    rows = zip(listed, _beside(table, parts, decimals), strict=True)
+def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str]) -> Column:
+    name, column, info = table.columns[at], table.iloc[:, at], info_of(table)
+    numeric = column.dtype.kind in "iuf"
+    label = at == 0 and not numeric if info.labels is None else name in info.labels
+    best = set(info.best.get(name, ()))
+    values = column.tolist()
+    decimals = None if label or not numeric else _decimals(values)
+    inner = [table[part].tolist() for part in parts.values()]
+    where = {other: place for place, other in enumerate(table.columns)}
+    places = [(at, str(name)), *((where[part], part) for part in parts.values())]
+    rows = zip(values, _beside(table, parts, decimals), strict=True)
     cells = [
         Cell(
             text := _labelled(value) if label else shown(value, decimals),
-            said,
-            _exact(value, text, said),
-            tuple(_whole(column[row]) for column in inner),
+            beside,
+            _exact(value, text, beside),
+            tuple(_whole(part[row]) for part in inner),
             row in best,
         )
-        for row, (value, said) in enumerate(rows)
+        for row, (value, beside) in enumerate(rows)
     ]
-    unit = unit_text(str(table.attrs.get("units", {}).get(name) or ""))
-    return Column(str(name), unit, tuple(places), numeric, label, cells)
+    return Column(
+        str(name), unit_text(info.units.get(name, "")), tuple(places), numeric, label, cells
+    )
 
 
 def _decimals(values: Iterable[Any]) -> int | None:
-    """Return with how many decimals the numbers of a column stand, so that their points meet.
+    """Return the number of decimals of a column, so that its decimal points are aligned.
 
-    Three digits of the smallest count, of those that are shown without a power of ten; None for
-    whole numbers, and where there are none.
+    It gives three significant digits to the smallest of the numbers that are shown without a
+    power of ten; None for whole numbers, and where there are no numbers.
     """
-    known = [abs(one) for one in values if _is_float(one) and math.isfinite(one)]
-    plain = [one for one in known if _SMALLEST <= one < _LARGEST]
-    if not plain or all(one.is_integer() for one in known):
+    sizes = [abs(x) for x in values if isinstance(x, float) and math.isfinite(x)]
+    plain = [size for size in sizes if _SMALLEST <= size < _LARGEST]
+    if not plain or all(size.is_integer() for size in sizes):
         return None
     return max(0, min(_MOST_DECIMALS, 2 - math.floor(math.log10(min(plain)))))
 
 
-def _is_float(value: Any) -> bool:
-    return isinstance(value, float)
-
-
 def _labelled(value: Any) -> str:
-    """Return a label as the graph has it."""
-    return f"{value:.12g}" if _is_float(value) and math.isfinite(value) else shown(value)
+    """Return a label as the graph writes it."""
+    return f"{value:.12g}" if isinstance(value, float) and math.isfinite(value) else shown(value)
 
 
 def shown(value: Any, decimals: int | None = None) -> str:
-    """Return a cell's value for a reader, nothing where there is none.
+    """Return a value as a reader sees it; an empty text for a missing value.
 
     Parameters
     ----------
     value
     decimals
-        Of a number; without, four digits that count.
+        Of a number. Default: four significant digits.
     """
     if value is None or type(value).__name__ in ("NAType", "NaTType"):
         return ""
@@ -154,7 +151,7 @@ def shown(value: Any, decimals: int | None = None) -> str:
 
 
 def _exact(value: Any, text: str, beside: str) -> str:
-    """Return all digits of a number of which a reader sees fewer, or more than the number."""
+    """Return all digits of a number of which the cell shows fewer, or something beside it."""
     if not isinstance(value, float) or not math.isfinite(value):
         return ""
     return repr(float(value)) if beside or float(text) != value else ""
@@ -166,7 +163,7 @@ def _whole(value: Any) -> str:
     return repr(float(value)) if known else ""
 
 
-def _beside(table: pd.DataFrame, parts: Mapping[str, Any], decimals: int | None) -> list[str]:
+def _beside(table: pd.DataFrame, parts: Mapping[Part, str], decimals: int | None) -> list[str]:
     """Return what belongs to the numbers of a column: ``[low, high]`` and the dagger."""
     texts = [""] * len(table)
     if "low" in parts and "high" in parts:
@@ -174,9 +171,8 @@ def _beside(table: pd.DataFrame, parts: Mapping[str, Any], decimals: int | None)
         both = [(shown(float(low), decimals), shown(float(high), decimals)) for low, high in ends]
         texts = [f"[{low}, {high}]" if low and high else "" for low, high in both]
     if "p" in parts:
-        apart = [p < _APART for p in table[parts["p"]]]
         texts = [
-            f"{text} \N{DAGGER}".lstrip() if one else text
-            for text, one in zip(texts, apart, strict=True)
+            f"{text} \N{DAGGER}".lstrip() if p < _SIGNIFICANT else text
+            for text, p in zip(texts, table[parts["p"]], strict=True)
         ]
     return texts

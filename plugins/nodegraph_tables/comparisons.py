@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Comparison, listed
-from nodegraph_tables.stored_figure import StoredFigure
+from nodegraph_tables.figures import StoredFigure
 from nodegraph_tables.types import Table
 
 if TYPE_CHECKING:
@@ -22,42 +22,42 @@ def comparisons() -> tuple[Comparison, ...]:
     return (Comparison(Table, compare_tables), Comparison(StoredFigure, compare_drawings))
 
 
-def compare_tables(one: Table, other: Table) -> Iterator[str]:
+def compare_tables(before: Table, now: Table) -> Iterator[str]:
     """Yield which columns differ, in how many rows and by how much."""
-    before, now = tuple(map(str, one.columns)), tuple(map(str, other.columns))
-    if before != now:
-        yield from names_apart("columns", before, now)
-    if len(one) != len(other):
-        yield f"had {len(one)} rows, now {len(other)}"
+    names, names_now = tuple(map(str, before.columns)), tuple(map(str, now.columns))
+    if names != names_now:
+        yield from name_differences("columns", names, names_now)
+    if len(before) != len(now):
+        yield f"had {len(before)} rows, now {len(now)}"
         return
-    for column in (name for name in one.columns if name in other.columns):
-        was, here = one[column].to_numpy(), other[column].to_numpy()
-        differs = differing(was, here)
+    for column in (name for name in before.columns if name in now.columns):
+        was, values = before[column].to_numpy(), now[column].to_numpy()
+        differs = differences(was, values)
         if differs.any():
-            yield f"{column}: {_rows(differs)}: {_change(was, here, differs)}"
+            yield f"{column}: {_rows(differs)}: {_change(was, values, differs)}"
 
 
-def compare_drawings(one: StoredFigure, other: StoredFigure) -> Iterator[str]:
+def compare_drawings(before: StoredFigure, now: StoredFigure) -> Iterator[str]:
     """Yield that two figures are not the same, if they are not."""
-    if one.svg != other.svg:
+    if before.svg != now.svg:
         yield "the drawing is another"
 
 
-def differing(was: NDArray[Any], now: NDArray[Any]) -> NDArray[np.bool_]:
+def differences(was: NDArray[Any], now: NDArray[Any]) -> NDArray[np.bool_]:
     """Return where two arrays differ; NaN equals NaN."""
     differs = np.asarray(was != now, dtype=np.bool_)
     return differs & ~(np.asarray(was != was, np.bool_) & np.asarray(now != now, np.bool_))
 
 
-def names_apart(what: str, one: Sequence[str], other: Sequence[str]) -> Iterator[str]:
+def name_differences(what: str, before: Sequence[str], now: Sequence[str]) -> Iterator[str]:
     """Yield which names only one of two sequences has, and whether their order differs."""
-    for said, names in (
-        ("only before", [name for name in one if name not in set(other)]),
-        ("only now", [name for name in other if name not in set(one)]),
+    for when, names in (
+        ("only before", [name for name in before if name not in set(now)]),
+        ("only now", [name for name in now if name not in set(before)]),
     ):
         if names:
-            yield f"{what} {said}: {listed(names, _NAMED)}"
-    if set(one) == set(other):
+            yield f"{what} {when}: {listed(names, _NAMED)}"
+    if set(before) == set(now):
         yield f"{what} in another order"
 
 

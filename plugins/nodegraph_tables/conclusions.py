@@ -1,4 +1,4 @@
-"""What readers take from a table: what it answers, what is best, in which order, what is apart."""
+"""The conclusions of a table: its answer, what is best, the order of rows, signs of differences."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph import Conclusion
+from nodegraph_tables.info import info_of
 from nodegraph_tables.types import Table
 
 if TYPE_CHECKING:
@@ -18,32 +18,23 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*
 _MEASURED = re.compile(r"(?<![\w.])[-+]?\d*\.\d+(?:e[-+]?\d+)?(?!\w)|(?<![\w.])\d+e[-+]?\d+", re.I)
 _ASIDE = re.compile(r"\([^()]*\)")
 _GROUP_ENDS = "blocks"
-"""The column after the labels: what comes before it says which row it is, its method last."""
-
-
-def conclusions() -> tuple[Conclusion, ...]:
-    """Return the conclusions from this package's types."""
-    return (Conclusion(Table, conclude_table, table_numbers),)
+"""The column after the labels; the last label is the method, those before it the group."""
 
 
 def conclude_table(table: Table) -> Iterator[str]:
     """Yield the conclusions of a table, without measured numbers.
 
-    They are those that it states itself in ``attrs["conclusions"]``. Where it does not: its
-    answer, with numbers taken out that are in brackets or not whole; the rows that are marked as
-    best; the order of rows by a column so marked; and on which side of 0 the intervals of
-    differences lie.
+    They are its answer without the numbers that are in brackets or not whole; the rows that are
+    marked as best; the order of rows by a column so marked; and on which side of 0 the intervals
+    of differences lie.
     """
-    stated = table.attrs.get("conclusions")
-    if stated is not None:
-        yield from map(str, stated)
-        return
-    for sentence in table.attrs.get("answer", ()):
-        yield without_measured(str(sentence))
-    for column in table.attrs.get("best", {}):
+    info = info_of(table)
+    for sentence in info.answer:
+        yield without_measured(sentence)
+    for column, rows in info.best.items():
         if column in table:
-            yield from _marked(table, column)
-    yield from _apart(table)
+            yield from _order(table, column, rows)
+    yield from _signs(table)
 
 
 def table_numbers(table: Table) -> str:
@@ -56,12 +47,13 @@ def without_measured(sentence: str) -> str:
 
     Numbers in brackets are details of what stands before them, and go whatever they are.
     """
-    bare = _ASIDE.sub(lambda found: _NUMBER.sub("#", found[0]), sentence)
+    bare = _ASIDE.sub(lambda match: _NUMBER.sub("#", match[0]), sentence)
     return _MEASURED.sub("#", bare)
 
 
-def _marked(table: Table, column: Any) -> Iterator[str]:
-    best = [_row(table, place) for place in sorted(table.attrs["best"][column])]
+def _order(table: Table, column: str, marked: Sequence[int]) -> Iterator[str]:
+    """Yield the marked rows of a column, and the order of the rows of each group by it."""
+    best = [_row(table, place) for place in sorted(marked)]
     yield f"best {column}: {'; '.join(best)}"
     labels = _labels(table)
     if not labels or table[column].dtype.kind not in "fiu":
@@ -77,7 +69,7 @@ def _marked(table: Table, column: Any) -> Iterator[str]:
         yield f"{column}{f' ({group})' if group else ''}: {names}"
 
 
-def _apart(table: Table) -> Iterator[str]:
+def _signs(table: Table) -> Iterator[str]:
     """Yield which paired differences have an interval that does not hold 0."""
     ends = ("difference low", "difference high")
     if not all(name in table for name in ends):

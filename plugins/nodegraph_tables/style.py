@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-
 Line = Literal["-", "--", ":", "-."]
 
 BLUE = "#0072B2"
@@ -27,6 +26,12 @@ BLACK = "#000000"
 COLOURS = (BLUE, VERMILLION, "#009E73", "#CC79A7", ORANGE, "#56B4E9", "#B8A800")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 LINES: tuple[Line, ...] = ("-", "--", ":", "-.")
+
+_HIDDEN = "_"
+"""The legends of matplotlib leave out labels that begin with it."""
+
+_NOTHING = "\N{ZERO WIDTH SPACE}"
+_LEFT_OUT = "\N{HORIZONTAL ELLIPSIS}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,13 +79,6 @@ def _look(place: int) -> Look:
         marker=MARKERS[place % len(MARKERS)],
         line=LINES[cycle % len(LINES)],
     )
-
-
-_HIDDEN = "_"
-"""What the legends of matplotlib leave out begins with it."""
-
-_NOTHING = "\N{ZERO WIDTH SPACE}"
-_LEFT_OUT = "\N{HORIZONTAL ELLIPSIS}"
 
 
 def figure_text(label: object, *, across: int = 40, lines: int = 1) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 else:
 
     class _Recognised(type):
-        """Makes ``isinstance`` and ``issubclass`` ask the library, if it is imported at all."""
+        """Recognises the class of a library, if that is imported, in ``isinstance``."""
 
         def __instancecheck__(cls, value: Any) -> bool:
             return cls.__subclasscheck__(type(value))
@@ -28,15 +28,7 @@ else:
             )
 
     class Table(metaclass=_Recognised):
-        """A pandas DataFrame, a row per unit.
-
-        ``attrs`` may hold ``title`` (str), ``notes`` (list of str), ``units`` (column: unit) and
-        ``better`` (column: which end is the better one, ``lower``, ``higher`` or ``none``); for
-        readers, ``answer`` (list of str), ``labels`` (the columns that say which row it is; else
-        the first one where it is text), ``best`` (column: the rows whose cells are marked) and
-        ``cells`` (column: the names of the columns that are shown within it, as its ``low`` and
-        ``high`` ends and its ``p``).
-        """
+        """A pandas DataFrame, a row per unit; `with_info` attaches title, units and the like."""
 
         library, name = "pandas", "DataFrame"
 

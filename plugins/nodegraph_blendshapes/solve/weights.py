@@ -15,6 +15,7 @@ from nodegraph_blendshapes.solve.frames import solve_frames
 from nodegraph_blendshapes.solve.problem import SEEN, Problem
 from nodegraph_blendshapes.solve.smooth import solve_take
 from nodegraph_mocap import BlendshapeModel, Table, Trajectories, Weights
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -158,8 +159,8 @@ def residual_table(
             "unseen": solved.unseen.sum(axis=1),
         }
     )
-    table.attrs.update(title="Residuals", notes=[f"{note}." for note in notes], units=dict(UNITS))
-    return table
+    sentences = tuple(f"{note}." for note in notes)
+    return with_info(table, TableInfo(title="Residuals", notes=sentences, units=UNITS))
 
 
 def _apart(problem: Problem, solved: Solved) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from nodegraph_compare.left_out import block_text, group_text, left_out, start_t
 from nodegraph_compare.question import Names, OneColumn, OneLabel, OneName, Question, ask, unit_of
 from nodegraph_compare.ties import apart, differ
 from nodegraph_mocap import Figure, Table
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -197,15 +198,14 @@ def agreement(
     against = named_label(order, baseline)
     found = [pair for group in gathered for pair in _pairs(group, against)]
     unit = unit_of(scores, question.metric)
-    made = _table(found, question, unit)
-    made.attrs["notes"] = [
+    notes = (
         block_text(question),
         f"Differences are first minus second. lower, upper: limits of agreement, bias -+ 1.96 sd. "
         f"low, high: {CONFIDENCE:.0%} intervals, exact for normal differences.",
         *left_out(scores, question, gathered, pairwise=True),
-    ]
-    made.attrs["answer"] = _answers(found, question, unit)
-    return Agreed(made, _draw(question, found, unit))
+    )
+    table = _table(found, question, unit, notes)
+    return Agreed(table, _draw(question, found, unit))
 
 
 def _pairs(group: Group, against: Label | None) -> Iterable[Pair]:
@@ -223,15 +223,19 @@ def _pairs(group: Group, against: Label | None) -> Iterable[Pair]:
         yield Pair(group, names[first], names[second], limits(both[:, 0], both[:, 1]))
 
 
-def _table(found: Sequence[Pair], question: Question, unit: str) -> Table:
+def _table(found: Sequence[Pair], question: Question, unit: str, notes: tuple[str, ...]) -> Table:
     from pandas import DataFrame
 
-    made = DataFrame([_row(one, question) for one in found])
+    frame = DataFrame([_row(pair, question) for pair in found])
     valued = ("bias", "sd", "lower", "upper")
-    units = {str(name): unit for name in made.columns if unit and str(name).split(" ")[0] in valued}
     by = f" by {question.compare}" if question.compare else ""
-    made.attrs.update(title=f"Agreement of {question.metric}{by}", units=units)
-    return made
+    info = TableInfo(
+        title=f"Agreement of {question.metric}{by}",
+        answer=tuple(_answers(found, question, unit)),
+        notes=notes,
+        units={name: unit for name in frame.columns if unit and name.split(" ")[0] in valued},
+    )
+    return with_info(frame, info)
 
 
 def _row(pair: Pair, question: Question) -> dict[str, Any]:

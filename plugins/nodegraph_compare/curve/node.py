@@ -17,6 +17,7 @@ from nodegraph_compare.curve.points import Axes, floors, points
 from nodegraph_compare.question import Names, OneColumn, OneName, check_known, placed, unit_of
 from nodegraph_compare.ties import at_most
 from nodegraph_mocap import Figure, Table
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -211,8 +212,8 @@ def curve(
         axes of a point, `x`, the metric; with blocks, ``low``, ``high`` and ``blocks``, else
         ``rows``; ``on curve``; ``local minimum``; with a floor, ``floor`` (NaN where there is
         none for a label) and ``below floor`` (at or below it); ``marked`` (``shared``,
-        ``minimum``, ``knee`` or empty). ``attrs["answer"]`` says in sentences what is marked and
-        what the noise floor reaches, ``attrs["notes"]`` what was left out.
+        ``minimum``, ``knee`` or empty). Its answer says what is marked and what the noise floor
+        reaches, its notes what was left out.
     figure
         The curves. Logarithmic along y where no error is negative and they span more than a
         factor of 30, those below a millionth of the largest left aside; these stand on the lower
@@ -239,21 +240,23 @@ def curve(
         level = _levels(floors(floor, axes), found)
     scale = scale_of(found, level)
     marked = marks(found, mark, tolerance, level, scale)
-    made = _frame(axes, found, marked, level)
-    told = losses(scores, axes, found, level, skipped=False)
+    frame = _frame(axes, found, marked, level)
     unit = unit_of(scores, axes.metric)
-    made.attrs["title"] = f"{axes.metric} over {axes.x}" + (
-        f" by {axes.compare}" if axes.compare else ""
+    valued = (axes.metric, "low", "high", "floor")
+    info = TableInfo(
+        title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
+        answer=tuple(answer(axes, found, marked, level, mark, tolerance, unit)),
+        notes=(
+            *notes(axes, marked, level, seed),
+            *losses(scores, axes, found, level, skipped=True),
+        ),
+        units={name: unit for name in valued if unit and name in frame},
     )
-    made.attrs["answer"] = answer(axes, found, marked, level, mark, tolerance, unit)
-    made.attrs["notes"] = notes(axes, marked, level, seed)
-    made.attrs["notes"] += losses(scores, axes, found, level, skipped=True)
-    made.attrs["units"] = {
-        name: unit for name in (axes.metric, "low", "high", "floor") if unit and name in made
-    }
-    if told:
-        warnings.warn("; ".join(told), stacklevel=2)
-    return Curve(made, draw(axes, found, marked, level, scale, mark, tolerance, unit))
+    lost = losses(scores, axes, found, level, skipped=False)
+    if lost:
+        warnings.warn("; ".join(lost), stacklevel=2)
+    figure = draw(axes, found, marked, level, scale, mark, tolerance, unit)
+    return Curve(with_info(frame, info), figure)
 
 
 def _levels(known: Mapping[Label, float], found: Sequence[Points]) -> dict[Label, float]:

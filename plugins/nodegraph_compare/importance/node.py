@@ -25,6 +25,7 @@ from nodegraph_compare.question import (
 )
 from nodegraph_compare.ties import ROUNDING, tied
 from nodegraph_mocap import Figure, Table
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -224,20 +225,27 @@ def importance(
     """
     question = _ask(scores, metric, compare, factors, better)
     grid = _grid(scores, question)
-    table = _table(grid, question, unit_of(scores, question.metric))
+    table = _table(grid, question)
     absent = absences((one for one in scores.absent if one.kind != "skipped"), question.compare)
     if grid.dropped or absent:
         warnings.warn(shortened([*grid.dropped, *absent]), stacklevel=2)
-    table.attrs["notes"] = [
+    notes = (
         f"A cell is one combination of {', '.join(_factors(question))}, the mean of "
         f"{question.metric} over its rows; {grid.values.size} cells. {end_text(question)}",
         "eta squared: share of the cells' variance. winner changes: share of pairs of labels of "
         "the factor, all others equal, between which the best changes.",
         *grid.dropped,
         *absences(scores.absent, question.compare),
-    ]
-    table.attrs["answer"] = answers(table, question)
-    return Explained(table, _draw(table, question))
+    )
+    unit = unit_of(scores, question.metric)
+    shares = ("eta squared", "partial eta squared", "winner changes")
+    info = TableInfo(
+        title=f"What explains the variance of {question.metric}",
+        answer=tuple(answers(table, question)),
+        notes=notes,
+        units=dict.fromkeys(shares, "share") | ({"variance": f"({unit})^2"} if unit else {}),
+    )
+    return Explained(with_info(table, info), _draw(table, question))
 
 
 def _ask(
@@ -304,7 +312,7 @@ def _cell_means(
     return np.where(count > 0, total / np.maximum(count, 1), np.nan).reshape(sizes)
 
 
-def _table(grid: _Grid, question: Question, unit: str) -> Table:
+def _table(grid: _Grid, question: Question) -> Table:
     from pandas import DataFrame
 
     count = len(_factors(question))
@@ -312,11 +320,6 @@ def _table(grid: _Grid, question: Question, unit: str) -> Table:
     told = [sources for sources in found if sources or count > 2]
     made = DataFrame([_row(sources, found, grid, question) for sources in told])
     made["labels"] = made["labels"].astype("Int64")
-    made.attrs["title"] = f"What explains the variance of {question.metric}"
-    shares = ("eta squared", "partial eta squared", "winner changes")
-    made.attrs["units"] = dict.fromkeys(shares, "share") | (
-        {"variance": f"({unit})^2"} if unit else {}
-    )
     return made
 
 

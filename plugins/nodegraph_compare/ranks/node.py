@@ -15,6 +15,7 @@ from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank
 from nodegraph_compare.statistics import LEVEL
 from nodegraph_mocap import Figure, Table
+from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -121,17 +122,21 @@ def ranks(
     gathered = groups(scores, question)
     found = [rank(group, question.better, test) for group in gathered]
     look = compared_looks(scores, question, gathered)
-    made = _table(found, question)
     first = "the lowest value" if question.better == "none" else "the best"
-    made.attrs["notes"] = [
-        f"{block_text(question)} {end_text(question)}",
-        f"Rank 1 is {first} in a block, equal values share the mean of their ranks. Only blocks "
-        f"in which every method with any number has all its numbers count. Level {LEVEL:.0%}.",
-        *left_out(scores, question, gathered),
-    ]
-    made.attrs["answer"] = answers(found, question, test, blocks_name(scores, question))
+    info = TableInfo(
+        title=_title("Mean ranks", question),
+        answer=tuple(answers(found, question, test, blocks_name(scores, question))),
+        notes=(
+            f"{block_text(question)} {end_text(question)}",
+            f"Rank 1 is {first} in a block, equal values share the mean of their ranks. Only "
+            "blocks in which every method with any number has all its numbers count. Level "
+            f"{LEVEL:.0%}.",
+            *left_out(scores, question, gathered),
+        ),
+        labels=(*question.within, question.compare or "method"),
+    )
     return Ranked(
-        made,
+        with_info(_table(found, question), info),
         _draw(question, found, look, test),
         _pairs(found, question),
         _overall(found, question),
@@ -157,10 +162,7 @@ def _table(found: Sequence[Ranking], question: Question) -> Table:
             for method in one.group.methods
             if method not in one.methods
         ]
-    made = DataFrame(rows)
-    made.attrs["title"] = _title("Mean ranks", question)
-    made.attrs["labels"] = [*question.within, name]
-    return made
+    return DataFrame(rows)
 
 
 def _pairs(found: Sequence[Ranking], question: Question) -> Table:
@@ -177,10 +179,8 @@ def _pairs(found: Sequence[Ranking], question: Question) -> Table:
             | {"rank difference": difference, "p": p, "effect": effect}
             for a, b, difference, p, effect in both
         ]
-    made = DataFrame(rows)
-    labels = [*question.within, "first", "second"]
-    made.attrs.update(title=_title("Pairs", question), notes=[], labels=labels)
-    return made
+    labels = (*question.within, "first", "second")
+    return with_info(DataFrame(rows), TableInfo(title=_title("Pairs", question), labels=labels))
 
 
 def _overall(found: Sequence[Ranking], question: Question) -> Table:
@@ -195,10 +195,8 @@ def _overall(found: Sequence[Ranking], question: Question) -> Table:
             | {"chi2": told.chi2, "p": told.p, "F": told.f, "p of F": told.p_f, "W": told.w}
             | {"critical difference": told.critical}
         )
-    made = DataFrame(rows)
-    labels = list(question.within)
-    made.attrs.update(title=_title("Friedman's test", question), notes=[], labels=labels)
-    return made
+    title = _title("Friedman's test", question)
+    return with_info(DataFrame(rows), TableInfo(title=title, labels=question.within))
 
 
 def _labels(ranking: Ranking, question: Question) -> dict[str, Label]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from nodegraph_compare.question import End, sign_of
+from nodegraph_compare.question import sign_of
 from nodegraph_compare.statistics import LEVEL, holm, range_quantile, rank_biserial, signed_rank
 from nodegraph_compare.ties import apart
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
     from nodegraph_compare.blocks import Group
+    from nodegraph_tables import BetterEnd
 
 PairTest = Literal["nemenyi", "wilcoxon_holm"]
 
@@ -86,7 +87,7 @@ class Pairs:
     effect: NDArray[np.float64]
 
 
-def rank(group: Group, end: End, test: PairTest) -> Ranking:
+def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:
     """Return the ranking of a group's usable methods.
 
     Parameters

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from nodegraph_tables import TableInfo, with_info
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Summary
     from nodegraph_mocap import Table
+    from nodegraph_tables.info import Part
 
 
 Labels = tuple["Label", ...]
@@ -38,13 +41,12 @@ def wide_table(
     question: Question,
     layout: Layout,
     order: Sequence[Label],
-    parts: Sequence[str],
+    parts: Sequence[Part],
 ) -> Table:
     """Return the means in rows and columns.
 
-    What is wanted beside the mean stands in columns of its own. ``attrs["cells"]`` says which
-    columns a reader sees in one, ``attrs["best"]`` in which rows of a column a group's best mean
-    stands.
+    What is wanted beside the mean stands in columns of its own, which a reader sees in one cell.
+    The best mean of each group is marked.
 
     Parameters
     ----------
@@ -75,25 +77,20 @@ def wide_table(
     under = dict(zip(_heads(tops, layout.columns, taken=columns), stacked, strict=True))
     for head, column in under.items():
         columns |= _beneath(head, column, parts)
-    made = DataFrame(columns)
-    made.attrs.update(_attributes(under, parts), labels=list(layout.rows))
-    return made
+    info = TableInfo(
+        labels=layout.rows,
+        cells={head: {part: f"{head} {part}" for part in parts} for head in under},
+        best={
+            head: tuple(at for at, cell in enumerate(column) if cell.best)
+            for head, column in under.items()
+        },
+    )
+    return with_info(DataFrame(columns), info)
 
 
 def _side(rows: Sequence[Labels], layout: Layout) -> dict[str, Sequence[Any]]:
     """Return the columns of labels down the side."""
     return {name: [row[at] for row in rows] for at, name in enumerate(layout.rows)}
-
-
-def _attributes(under: Mapping[str, Sequence[_Cell]], parts: Sequence[str]) -> dict[str, Any]:
-    """Return which columns a reader sees in one, and where the best means stand."""
-    return {
-        "cells": {head: {part: f"{head} {part}" for part in parts} for head in under},
-        "best": {
-            head: [at for at, cell in enumerate(one) if cell.best] for head, one in under.items()
-        },
-        "units": {},
-    }
 
 
 def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[str, list[float]]:
@@ -218,7 +215,7 @@ _PAIRED = {
     "p": "p",
     "better in": "better",
 }
-_INTERVALS = {
+_INTERVALS: dict[str, dict[Part, str]] = {
     "mean": {"low": "low", "high": "high"},
     "difference": {"low": "difference low", "high": "difference high"},
 }
@@ -228,9 +225,7 @@ _SHARES = ("refused", "left missing", "better in")
 def long_table(
     found: Sequence[Summary], question: Question, unit: str, left: Sequence[str]
 ) -> Table:
-    """Return a row per group and method, the best mean of each group first.
-
-    ``attrs["best"]`` has the rows of the best means.
+    """Return a row per group and method, the best mean of each group first and marked.
 
     Parameters
     ----------
@@ -247,14 +242,16 @@ def long_table(
     for one in found:
         for name, values in _columns(one, question, left).items():
             columns.setdefault(name, []).extend(values)
-    made = DataFrame(columns)
-    marked = [mark for one in found for mark in one.marked[one.ranked]]
+    frame = DataFrame(columns)
+    marked = [mark for summary in found for mark in summary.marked[summary.ranked]]
     several = question.compare is not None
-    made.attrs["best"] = {"mean": np.flatnonzero(marked).tolist()} if several else {}
-    made.attrs["units"] = _units(made, unit)
-    made.attrs["labels"] = [*question.within, *question.compared]
-    made.attrs["cells"] = {name: parts for name, parts in _INTERVALS.items() if name in made}
-    return made
+    info = TableInfo(
+        units=_units(frame, unit),
+        labels=(*question.within, *question.compared),
+        best={"mean": tuple(np.flatnonzero(marked).tolist())} if several else {},
+        cells={name: parts for name, parts in _INTERVALS.items() if name in frame},
+    )
+    return with_info(frame, info)
 
 
 def _columns(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from pydantic import Field
@@ -35,6 +36,8 @@ from nodegraph_compare.table.layout import (
 )
 from nodegraph_compare.table.summary import Summary, summarise
 from nodegraph_mocap import Figure, Table
+from nodegraph_tables import info_of, with_info
+from nodegraph_tables.info import Part
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -43,6 +46,7 @@ if TYPE_CHECKING:
     from nodegraph_tables.style import Look
 
 
+_PARTS: tuple[Part, ...] = ("low", "high", "p")
 _SHARES = (
     "refused: share of combinations that were refused or failed; left missing: share of rows "
     "without a number."
@@ -116,8 +120,7 @@ def table(
         An axis named nowhere is averaged over within each block.
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none`` (a lag is
-        best at zero). ``declared``: as the scores declare it (``attrs["better"]``), where they do
-        not, ``lower``.
+        best at zero). ``declared``: as the scores declare it, where they do not, ``lower``.
     baseline
         A label of `compare`: adds paired differences to it.
     test
@@ -148,11 +151,11 @@ def table(
         two blocks, an interval with fewer than three.
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
-        ``attrs["answer"]`` holds a sentence per group: which mean is best, and which methods are
+        Its answer has a sentence per group: which mean is best, and which methods are
         not clearly behind it (Tukey's range of the paired differences, so that of equal methods
         any is called behind in about 5 % of studies of ten blocks or more), and over how many
-        blocks, and because of whom, where more than a quarter are left out; ``attrs["notes"]``
-        what was left out, ``attrs["best"]`` the rows with the best mean of a group, by column.
+        blocks, and because of whom, where more than a quarter are left out. Its notes say what was
+        left out, and the best mean of each group is marked.
     figure
         Means and intervals.
 
@@ -177,16 +180,20 @@ def table(
     ]
     unit = unit_of(scores, question.metric)
     layout = completed(layout, question)
-    made = _laid_out(found, question, layout, tuple(look), unit, _unwanted(question, against, test))
-    made.attrs["notes"] = [
-        *notes(question, seed, against, test),
-        *made.attrs["notes"],
-        *left_out(scores, question, gathered),
-    ]
-    made.attrs["answer"] = answers(
-        found, question, unit, against, test, blocks_name(scores, question)
+    means = _laid_out(
+        found, question, layout, tuple(look), unit, _unwanted(question, against, test)
     )
-    return Compared(made, _draw(question, found, look, unit))
+    info = info_of(means)
+    info = replace(
+        info,
+        answer=tuple(answers(found, question, unit, against, test, blocks_name(scores, question))),
+        notes=(
+            *notes(question, seed, against, test),
+            *info.notes,
+            *left_out(scores, question, gathered),
+        ),
+    )
+    return Compared(with_info(means, info), _draw(question, found, look, unit))
 
 
 def _laid_out(
@@ -200,15 +207,15 @@ def _laid_out(
     by = f" by {question.compare}" if question.compare else ""
     within = f" within {', '.join(question.within)}" if question.within else ""
     if not layout.columns:
-        made = long_table(found, question, unit, unwanted)
-        made.attrs.update(title=f"{question.metric}{by}{within}", notes=[_SHARES])
-        return made
-    parts = [part for part in ("low", "high", "p") if part not in unwanted]
-    made = wide_table(found, question, layout, order, parts)
-    told = f" ({unit_text(unit)})" if unit else ""
-    made.attrs["title"] = f"Mean {question.metric}{told}{by}{within}"
-    made.attrs["notes"] = [f"{_cell_text(question, parts)} {blocks_text(found)}"]
-    return made
+        means = long_table(found, question, unit, unwanted)
+        title, note = f"{question.metric}{by}{within}", _SHARES
+    else:
+        parts = [part for part in _PARTS if part not in unwanted]
+        means = wide_table(found, question, layout, order, parts)
+        in_unit = f" ({unit_text(unit)})" if unit else ""
+        title = f"Mean {question.metric}{in_unit}{by}{within}"
+        note = f"{_cell_text(question, parts)} {blocks_text(found)}"
+    return with_info(means, replace(info_of(means), title=title, notes=(note,)))
 
 
 def _cell_text(question: Question, parts: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.bootstrap import FEWEST
-from nodegraph_compare.question import End, sign_of
+from nodegraph_compare.question import sign_of
 from nodegraph_compare.statistics import Test, holm, p_values, range_quantile
 from nodegraph_compare.ties import apart, differ, settled
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from nodegraph import Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.bootstrap import Bootstrap
+    from nodegraph_tables import BetterEnd
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Summary:
 
     group: Group
     values: NDArray[np.float64]
-    end: End
+    end: BetterEnd
     mean: NDArray[np.float64]
     rms: NDArray[np.float64]
     median: NDArray[np.float64]
@@ -109,7 +110,7 @@ class Summary:
 
 
 def summarise(
-    group: Group, end: End, bootstrap: Bootstrap, *, against: Label | None, test: Test
+    group: Group, end: BetterEnd, bootstrap: Bootstrap, *, against: Label | None, test: Test
 ) -> Summary:
     """Return the statistics of a group, with paired differences where there is a baseline.
 
@@ -156,7 +157,7 @@ def _sd(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def differences(
-    values: NDArray[np.float64], baseline: int, end: End, bootstrap: Bootstrap, test: Test
+    values: NDArray[np.float64], baseline: int, end: BetterEnd, bootstrap: Bootstrap, test: Test
 ) -> Differences:
     """Return the paired differences of the columns of complete blocks to one of them.
 
@@ -192,7 +193,7 @@ def differences(
 
 
 def behind_best(
-    values: NDArray[np.float64], mean: NDArray[np.float64], end: End
+    values: NDArray[np.float64], mean: NDArray[np.float64], end: BetterEnd
 ) -> NDArray[np.bool_]:
     """Return which methods are apart from the best by Tukey's range of paired differences.
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-from nodegraph import Files, Rendered, Renderer, node
+from nodegraph import Files, Rendered, Renderer, hookimpl, node
 from nodegraph.execute import Run, execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
+from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
 from nodegraph.report.compose import compose
@@ -187,66 +189,33 @@ def test_an_output_is_found_by_its_name_in_every_alternative() -> None:
     assert [one.rendered.text for one in _study(run).sections] == ["1.0", "2.0"]
 
 
-class Judged(float):
-    """A number with something to say."""
+class Size(float):
+    """A number whose renderer states an answer."""
 
-    @property
-    def attrs(self) -> dict[str, list[str]]:
-        return {"answer": [f"It is {self:.0f}."]}
+
+@hookimpl
+def nodegraph_renderers() -> list[Renderer]:
+    return [Renderer(Size, lambda size, title: Rendered("", answer=(f"It is {size:.0f}.",)))]
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "answer"),
     [("3", ("It is 3.",)), ("$size", ("size 5: It is 5.", "size 15: It is 15."))],
 )
-def test_the_answer_says_which_combination_it_is_about(value: str, said: tuple[str, ...]) -> None:
-    @node("score.judge")
-    def judge(*, size: int) -> Judged:
-        return Judged(size)
+def test_the_answer_says_which_combination_it_is_about(value: str, answer: tuple[str, ...]) -> None:
+    @node("read.size")
+    def read(*, size: int) -> Size:
+        return Size(size)
 
     text = (
         "nodegraph: 1\naxes: {size: [5, 15]}\n"
-        f"nodes: {{a: {{use: score.judge, with: {{size: {value}}}}}, "
-        "b: {use: score.judge, with: {size: $size}}}\nreport: [a]"
+        f"nodes: {{a: {{use: read.size, with: {{size: {value}}}}}, "
+        "b: {use: read.size, with: {size: $size}}}\nreport: [a]"
     )
-    graph = build(read_graph_text(text, "toy.yaml", Path()), Registry.of([judge]))
-    assert _study(execute(plan(graph))).answer == said
-
-
-class Odd(float):
-    """A number whose attributes anybody may set."""
-
-    attrs: dict[str, object]
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ("One sentence.", ("One sentence.",)),
-        (3, ()),
-        ([3], ()),
-        (None, ()),
-        (["a.", "b."], ("a.", "b.")),
-    ],
-)
-def test_an_answer_that_is_no_sentences_is_told_and_costs_nothing_else(
-    given: object, said: tuple[str, ...]
-) -> None:
-    @node("score.odd")
-    def odd() -> Odd:
-        made = Odd(3)
-        made.attrs = {"answer": given}
-        return made
-
-    text = "nodegraph: 1\nnodes: {a: {use: score.odd}}\nreport: [a]"
-    run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), Registry.of([odd]))))
-    if said:
-        assert _study(run).answer == said
-        return
-    with pytest.warns(UserWarning, match="the answer of a Odd is no list of sentences: left out"):
-        study = _study(run)
-    assert study.answer == ()
-    assert len(study.sections) == 1
+    registry = Registry.of([read])
+    registry.loaded.append(Plugin("sizes", sys.modules[__name__]))
+    study = _study(execute(plan(build(read_graph_text(text, "toy.yaml", Path()), registry))))
+    assert study.answer == answer
 
 
 def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: Path) -> None:

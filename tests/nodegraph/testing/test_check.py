@@ -39,6 +39,7 @@ from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Figure, Mask, Origin, Table, Trajectories
+from nodegraph_tables import TableInfo, with_info
 
 Function = Callable[..., Any]
 Pair = tuple[Function, Function]
@@ -282,7 +283,7 @@ def scores_in_metres() -> Pair:
 
         apart = np.linalg.norm(estimate.positions - truth.positions, axis=2)
         table = DataFrame({"error": factor * np.nan_to_num(apart).max(axis=1)})
-        table.attrs["units"] = {"error": "mm"}
+        table = with_info(table, TableInfo(units={"error": "mm"}))
         return table
 
     @node("score.broken")

@@ -17,6 +17,7 @@ from nodegraph_files import read_c3d
 from nodegraph_mocap import BlendshapeModel, Trajectories, Weights
 from nodegraph_mocap.promises import TURN
 from nodegraph_mocap.specimens import recordings
+from nodegraph_tables import info_of
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 FACE = recordings()["complete"]
@@ -64,7 +65,7 @@ def test_components_are_those_of_the_covariance_and_weight_1_a_standard_deviatio
     movement = [np.sqrt(np.mean(np.linalg.norm(shape, axis=1) ** 2)) for shape in model.shapes]
     np.testing.assert_allclose(table["movement"][:4], movement)
     told = f"The model's 4 shapes explain {100 * table['cumulative'][3]:.2f}% of the variance."
-    assert table.attrs["notes"] == [told]
+    assert list(info_of(table).notes) == [told]
 
 
 @pytest.mark.parametrize("variance", [0.3, 0.9, 0.98, 1.0])

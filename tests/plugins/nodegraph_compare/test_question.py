@@ -5,6 +5,7 @@ import pytest
 
 from nodegraph import Across
 from nodegraph_compare.question import Question, ask, blocks_name, unit_of
+from nodegraph_tables import TableInfo, with_info
 
 
 def score(**columns: list[object]) -> pd.DataFrame:
@@ -94,8 +95,8 @@ def test_a_table_that_lacks_the_metric_is_named() -> None:
 
 
 def test_the_better_end_is_declared_or_given() -> None:
-    scores = across("fill")
-    scores.values()[0].attrs["better"] = {"rmse": "higher"}
+    higher = TableInfo(better={"rmse": "higher"})
+    scores = Across.of({"a": with_info(score(), higher)}, axis="fill")
     assert asked(scores).better == "higher"
     assert asked(scores, better="none").better == "none"
 
@@ -103,7 +104,7 @@ def test_the_better_end_is_declared_or_given() -> None:
 def test_the_unit_is_the_first_tables() -> None:
     scores = across("fill")
     assert unit_of(scores, asked(scores).metric) == ""
-    scores.values()[0].attrs["units"] = {"rmse": "mm"}
+    scores = Across.of({"a": with_info(score(), TableInfo(units={"rmse": "mm"}))}, axis="fill")
     assert unit_of(scores, asked(scores).metric) == "mm"
 
 

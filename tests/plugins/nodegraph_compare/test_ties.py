@@ -17,6 +17,7 @@ from nodegraph_compare.importance.node import importance
 from nodegraph_compare.ranks.node import ranks
 from nodegraph_compare.table.node import table
 from nodegraph_compare.ties import ROUNDING, apart, at_most, differ, settled, tied
+from nodegraph_tables import info_of
 
 NAN = np.nan
 NOISE = (1e-15, -1e-15, 1e-12, -1e-12)
@@ -48,7 +49,7 @@ def test_a_table_of_methods_that_rounding_tells_apart_is_that_of_equal_ones(
             for one in (noise, 0.0)
         )
         assert_frame_equal(made, peer, check_exact=True)
-        assert made.attrs == peer.attrs
+        assert info_of(made) == info_of(peer)
 
 
 @pytest.mark.parametrize("noise", [0.0, *NOISE])
@@ -56,9 +57,9 @@ def test_a_table_of_methods_that_rounding_tells_apart_is_that_of_equal_ones(
 def test_methods_that_rounding_tells_apart_share_what_is_best(noise: float, names: str) -> None:
     made = table(study(noise, names=names), baseline="c").table
     first = ", ".join(one for one in names if one in "ab")
-    assert made.attrs["answer"][0].startswith(f"{first} share the lowest mean rmse (")
-    assert made.attrs["answer"][0].endswith("every other method is clearly behind.")
-    assert made.attrs["best"] == {"mean": [0, 1]}
+    assert info_of(made).answer[0].startswith(f"{first} share the lowest mean rmse (")
+    assert info_of(made).answer[0].endswith("every other method is clearly behind.")
+    assert info_of(made).best == {"mean": (0, 1)}
     first_two = made.set_index("fill").loc[["a", "b"]].to_numpy()
     assert np.array_equal(first_two[0], first_two[1])
     against = table(study(noise, names=names), baseline="a").table.set_index("fill")
@@ -75,7 +76,7 @@ def test_methods_that_rounding_tells_apart_rank_alike(noise: float, test: Any, n
     assert made.table["fill"].tolist() == peer.table["fill"].tolist()
     assert_frame_equal(made.pairs, peer.pairs, check_exact=True)
     assert_frame_equal(made.overall, peer.overall, check_exact=True)
-    assert made.table.attrs["answer"] == peer.table.attrs["answer"]
+    assert info_of(made.table).answer == info_of(peer.table).answer
 
 
 @pytest.mark.parametrize("noise", NOISE)
@@ -102,15 +103,15 @@ def test_no_share_of_nothing() -> None:
         name: pd.DataFrame({"gap": range(3), "rmse": one})
         for name, one in {"a": [0.3, 0.3, 0.1 + 0.2], "b": [0.1 + 0.2, 0.3, 0.3]}.items()
     }
-    told = importance(Across.of(tables, axis="fill")).table.attrs["answer"]
-    assert told == ["rmse is the same in all combinations; nothing is to be explained."]
+    told = info_of(importance(Across.of(tables, axis="fill")).table).answer
+    assert told == ("rmse is the same in all combinations; nothing is to be explained.",)
 
 
 def test_methods_that_rounding_tells_apart_agree() -> None:
     made = agreement(study(1e-15)).table
     assert made[["first", "second"]].to_numpy()[0].tolist() == ["a", "b"]
     assert made[["bias", "sd", "lower", "upper", "slope"]].to_numpy()[0].tolist() == [0] * 5
-    told = agreement(study(0.0)).table.attrs["answer"]
+    told = info_of(agreement(study(0.0)).table).answer
     assert not any("changes with the value" in one for one in told)
 
 
@@ -119,7 +120,7 @@ def test_what_is_a_millionth_apart_counts(sign: int) -> None:
     made = ranks(study(sign * 1e-6))
     assert made.table["mean rank"].tolist() == [1.0, 2.0, 3.0, 4.0]
     first = "b" if sign < 0 else "a"
-    (told,) = table(study(sign * 1e-6)).table.attrs["answer"]
+    (told,) = info_of(table(study(sign * 1e-6)).table).answer
     assert told.startswith(f"{first} has the lowest mean rmse")
 
 
@@ -135,7 +136,7 @@ def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -
     made = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
     assert made["local minimum"].tolist() == [False] * 4 + [True, False]
     assert made["below floor"].tolist() == [False] * 4 + [True, False]
-    assert "at or below it, first at markers 4." in made.attrs["answer"][-1]
+    assert "at or below it, first at markers 4." in info_of(made).answer[-1]
     flat = curve(
         sweep(0.3, 0.2 * (1 + noise), 0.1), x="markers", metric="mse", mark="minimum"
     ).table

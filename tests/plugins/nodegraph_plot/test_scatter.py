@@ -11,7 +11,8 @@ from pandas import DataFrame
 from nodegraph import Across
 from nodegraph_mocap import Table
 from nodegraph_plot.scatter import scatter
-from nodegraph_tables.renderers import saved
+from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables.figures import draw
 
 
 def scores(**columns: Any) -> Across[Table]:
@@ -19,9 +20,9 @@ def scores(**columns: Any) -> Across[Table]:
     frame = {"gap": [0, 1, 2], "length": [5, 15, 45], "rmse": [0.1, 0.4, 0.9], **columns}
     one, other = DataFrame(frame), DataFrame(frame)
     other["rmse"] = 2 * other["rmse"]
-    for table in (one, other):
-        table.attrs["units"] = {"length": "frames", "rmse": "mm"}
-    return Across.of({"linear": one, "muscle": other}, axis="fill")
+    info = TableInfo(units={"length": "frames", "rmse": "mm"})
+    tables = {"linear": with_info(one, info), "muscle": with_info(other, info)}
+    return Across.of(tables, axis="fill")
 
 
 def points(figure: Any) -> dict[str, Any]:
@@ -82,9 +83,9 @@ def test_names_with_markup_are_drawn_as_text() -> None:
 
 def test_names_of_columns_and_units_are_drawn_as_text() -> None:
     table = DataFrame({r"$\frac$": [1.0, 2.0], "_n": [1.0, 2.0]})
-    table.attrs["units"] = {"_n": "$"}
+    table = with_info(table, TableInfo(units={"_n": "$"}))
     figure = scatter(Across.of({"a": table}, axis="fill"), x="_n", metric=r"$\frac$")
-    drawn = saved(figure, "svg").decode()
+    drawn = draw(figure, "svg").decode()
     assert r">$\frac$<" in drawn
     assert "_n ($)<" in drawn
 
@@ -95,4 +96,4 @@ def test_no_row_and_no_number_are_an_empty_figure() -> None:
     nowhere = DataFrame({"n": [1.0], "rmse": [np.nan]})
     with pytest.warns(UserWarning, match="left out: a 1 of 1"):
         figure = scatter(Across.of({"a": nowhere}, axis="fill"), x="n", metric="rmse")
-    assert saved(figure, "pdf")
+    assert draw(figure, "pdf")

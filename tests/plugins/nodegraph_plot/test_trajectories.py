@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 from nodegraph import Absent, Across
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_plot.trajectories import trajectories
-from nodegraph_tables.renderers import saved
+from nodegraph_tables.figures import draw
 from nodegraph_tables.style import looks
 from tests.plugins.nodegraph_plot import made_face
 
@@ -139,7 +139,7 @@ def test_the_only_frame_is_a_dot(frames: int) -> None:
     other = replace(short, positions=short.positions + 1.0)
     for given in (across(a=short), across(a=short, b=other)):
         figure = trajectories(given, short)
-        assert saved(figure, "svg")
+        assert draw(figure, "svg")
         label = "measured" if len(given) == 1 else "b"
         for name in (label, "truth"):
             line = curve(figure.axes[0], name)
@@ -174,7 +174,7 @@ def test_what_has_nothing_to_draw_is_told() -> None:
 def test_names_of_markers_are_drawn_as_text() -> None:
     markers = (r"$\frac$", "_hidden", "pay $1 or $2")
     take = replace(made_face.truth().keep(made_face.MARKERS[:3]), markers=markers, marker_set=None)
-    drawn = saved(trajectories(across(a=take), markers=markers), "svg").decode()
+    drawn = draw(trajectories(across(a=take), markers=markers), "svg").decode()
     for name in markers:
         assert f"{name}<" in drawn
 

@@ -21,6 +21,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import HeadMotion, Trajectories
 from nodegraph_score.alignment import COLUMNS, alignment
+from nodegraph_tables import info_of
 
 FRAMES = 400
 FACE = np.random.default_rng(8).normal(0.0, 40.0, (12, 3))
@@ -93,7 +94,7 @@ def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
     np.testing.assert_allclose(table["in all"], 1.0, atol=1e-6)
     assert set(table["finds"]) == {"head motion"}
     assert (table["R"] > 0.99).all()
-    assert table.attrs["answer"] == [
+    assert list(info_of(table).answer) == [
         "PCA finds head motion, head motion, in this order; head motion makes 100% of the first "
         "component and 100% of all variance.",
     ]
@@ -144,7 +145,7 @@ def test_each_recording_has_its_rows_and_is_in_the_answer() -> None:
     assert found.table["align"].tolist() == ["no"] * 3 + ["yes"] * 3
     assert found.table["component"].tolist() == [1, 2, 3] * 2
     assert found.table["in all"][3] == 0.0
-    moving, steady = found.table.attrs["answer"]
+    moving, steady = info_of(found.table).answer
     assert moving.startswith("no: PCA finds head motion, head motion, head motion, in this order;")
     assert steady == (
         "yes: PCA finds face, face, face, in this order; head motion makes 0% of the first "
@@ -156,7 +157,7 @@ def test_recordings_of_which_the_same_is_said_are_told_together() -> None:
     where, take = motion(), captured(speech(), motion())
     takes = of(one=take, other=captured(2.0 * speech(), motion()), still=recording(FACE + speech()))
     table = alignment(takes, where, of(one=still(), other=still(), still=where)).table
-    told = table.attrs["answer"]
+    told = info_of(table).answer
     assert [one.partition(":")[0] for one in told] == ["one, other", "still"]
     shares = table[(table["component"] == 1) & (table["align"] != "still")]["head motion"]
     least, most = sorted(round(100 * share) for share in shares)
@@ -212,7 +213,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
     )
     same = alignment(one(recording(positions[kept])), part).table
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
-    assert table.attrs["notes"] == ["20 of 400 frames lack samples: left out."]
+    assert list(info_of(table).notes) == ["20 of 400 frames lack samples: left out."]
 
 
 def test_a_recording_that_cannot_be_judged_does_not_stop_the_others() -> None:

@@ -12,6 +12,7 @@ from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Table, Trajectories
+from nodegraph_tables import TableInfo, with_info
 
 REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)])
 
@@ -21,7 +22,7 @@ def distances(estimate: Trajectories, truth: Trajectories) -> Table:
 
     apart = np.linalg.norm(estimate.positions - truth.positions, axis=2)
     table = DataFrame({"marker": truth.markers, "worst": apart.max(axis=0, initial=0.0)})
-    table.attrs["units"] = {"worst": "mm"}
+    table = with_info(table, TableInfo(units={"worst": "mm"}))
     return table
 
 

@@ -21,6 +21,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 from nodegraph_score.distance import UNITS, distance
+from nodegraph_tables import info_of
 
 NUMBERS = ["squared", "rms", "mean", "max"]
 
@@ -125,7 +126,7 @@ def test_markers_of_one_side_only_are_named() -> None:
         "1 markers only the reference has are left out: d",
     ]
     assert [str(one.message) for one in caught] == told
-    assert table.attrs["notes"] == [f"{one}." for one in told]
+    assert list(info_of(table).notes) == [f"{one}." for one in told]
     assert (table["markers"] == 2).all()
     assert (table["missing"] == 0).all()
 
@@ -158,8 +159,8 @@ def test_no_marker_in_common_is_refused() -> None:
 def test_the_table_says_what_its_columns_are() -> None:
     table = distance(recording(), recording(seed=1))
     assert list(table.columns) == [*UNITS, "farthest"]
-    assert table.attrs["units"] == UNITS
-    assert (table.attrs["title"], table.attrs["notes"]) == ("Distances", [])
+    assert info_of(table).units == UNITS
+    assert (info_of(table).title, info_of(table).notes) == ("Distances", ())
 
 
 def test_it_keeps_what_scores_promise() -> None:

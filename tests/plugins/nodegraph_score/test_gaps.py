@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_score.gaps import gaps
+from nodegraph_tables import info_of
 
 NAMES = ("brow", "cheek", "chin")
 ERRORS = ["rmse", "mae", "max", "jump", "velocity", "acceleration"]
@@ -111,7 +112,7 @@ def test_gaps_are_numbered_by_first_frame_then_marker() -> None:
 def test_the_first_column_of_floats_is_the_rmse() -> None:
     table = gaps(recording(0), recording(1), mask((0, 3, 4)))
     assert next(name for name in table if table[name].dtype.kind == "f") == "rmse"
-    assert set(table.attrs["units"]) == set(table.columns) - {"gap", "marker"}
+    assert set(info_of(table).units) == set(table.columns) - {"gap", "marker"}
 
 
 def test_markers_are_matched_by_name() -> None:
@@ -131,7 +132,7 @@ def test_a_gap_left_open_in_part_has_no_error_and_is_told() -> None:
     assert table["filled"].tolist() == [pytest.approx(2 / 3), 1.0]
     assert table.loc[0, ERRORS].isna().all()
     assert table.loc[1, ERRORS].notna().all()
-    assert "1 of 2 gaps" in table.attrs["notes"][0]
+    assert "1 of 2 gaps" in info_of(table).notes[0]
 
 
 def test_missing_samples_beside_a_gap_only_take_differences_away() -> None:

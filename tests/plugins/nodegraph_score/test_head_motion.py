@@ -16,6 +16,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import HeadMotion
 from nodegraph_score.head_motion import head_motion
+from nodegraph_tables import info_of
 
 
 def motion(frames: int = 10) -> HeadMotion:
@@ -50,7 +51,7 @@ def test_each_error_is_told_in_its_unit() -> None:
     np.testing.assert_allclose(table["rotation"], angles, atol=1e-9)
     np.testing.assert_allclose(table["translation"], 5.0)
     np.testing.assert_allclose(table["scale"], 2.0)
-    assert table.attrs["units"]["rotation"] == "degrees"
+    assert info_of(table).units["rotation"] == "degrees"
 
 
 def test_the_truth_has_no_error() -> None:

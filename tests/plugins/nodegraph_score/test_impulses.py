@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
 from nodegraph_score.impulses import UNITS, impulses
+from nodegraph_tables import info_of
 
 NAMES = ("brow", "cheek", "chin")
 
@@ -144,7 +145,9 @@ def test_what_no_impulse_has_hit_is_told() -> None:
     truth = clean()
     with pytest.warns(UserWarning, match="2 of 3 markers have no impulse"):
         table = impulses(truth, truth, hits((3, 0)), per="marker")
-    assert table.attrs["notes"] == ["2 of 3 markers have no impulse: no error, missed or recall."]
+    assert list(info_of(table).notes) == [
+        "2 of 3 markers have no impulse: no error, missed or recall."
+    ]
     assert table["missed"].isna().tolist() == [False, True, True]
     with pytest.warns(UserWarning, match="no sample is hit by an impulse"):
         table = impulses(truth, truth, hits())
@@ -171,7 +174,7 @@ def test_what_is_not_judged_is_told() -> None:
 def test_every_number_has_its_unit() -> None:
     truth = clean()
     table = impulses(truth, truth, hits((3, 0)))
-    assert table.attrs["units"] == UNITS
+    assert info_of(table).units == UNITS
     assert list(table.columns) == ["marker", *UNITS]
     first = next(name for name in table.columns if table[name].dtype.kind == "f")
     assert first == "rmse"

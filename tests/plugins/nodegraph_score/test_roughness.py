@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_score.roughness import roughness
+from nodegraph_tables import info_of
 
 
 def recording(positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Trajectories:
@@ -47,7 +48,7 @@ def test_even_movement_is_not_rough() -> None:
     frame = np.arange(20.0)[:, None, None]
     table = roughness(recording(frame * [[0.5, 1.0, -2.0], [0.0, 0.0, 0.0]]))
     assert table["roughness"].tolist() == [0.0, 0.0]
-    assert table.attrs["units"]["roughness"] == "mm^2/frame^2"
+    assert info_of(table).units["roughness"] == "mm^2/frame^2"
 
 
 def test_filled_samples_count() -> None:
@@ -67,7 +68,7 @@ def test_under_two_steps_are_counted() -> None:
         table = roughness(recording(positions))
     assert table["vectors"].tolist() == [1, 0, 3]
     assert table["roughness"].isna().tolist() == [True, True, False]
-    assert table.attrs["notes"] == [f"{told}."]
+    assert list(info_of(table).notes) == [f"{told}."]
 
 
 def test_one_frame_has_no_steps() -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap import Trajectories
 from nodegraph_score.smoothness import smoothness
+from nodegraph_tables import info_of
 
 Positions = NDArray[np.float64]
 
@@ -131,7 +132,7 @@ def test_what_has_no_value_is_nan_and_told(
     with pytest.warns(UserWarning, match="2 of 2 markers have no |1200 samples of ") as caught:
         table = smoothness(recording(make(truth.positions)), truth)
     assert told in [str(one.message) for one in caught]
-    assert table.attrs["notes"] == [f"{one.message}." for one in caught]
+    assert list(info_of(table).notes) == [f"{one.message}." for one in caught]
     assert table["lag"].isna().all()
     np.testing.assert_array_equal(table["kept"], kept)
 

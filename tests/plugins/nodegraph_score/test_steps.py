@@ -20,6 +20,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 from nodegraph_score.steps import COLUMNS, steps
+from nodegraph_tables import info_of
 
 FRAMES, NAMES = 30, ("a", "b", "c", "d")
 
@@ -105,8 +106,8 @@ def test_a_step_that_makes_it_worse_is_told_everywhere() -> None:
     with pytest.warns(UserWarning, match=r"smooth makes it worse: 0 mm before and 2 mm after"):
         table = steps(chain(captured=truth(), smooth=off((slice(0, 5), 1), 2.0)), truth())
     assert table["verdict"].tolist() == ["begins", "worse"]
-    assert "WORSE: 0 mm before and 2 mm after, over the 5 samples" in table.attrs["answer"][1]
-    assert table.attrs["notes"][0].startswith("smooth makes it worse")
+    assert "WORSE: 0 mm before and 2 mm after, over the 5 samples" in info_of(table).answer[1]
+    assert info_of(table).notes[0].startswith("smooth makes it worse")
 
 
 def test_each_step_starts_from_the_stage_before_it() -> None:
@@ -169,7 +170,7 @@ def test_nothing_but_missing_samples_says_nothing() -> None:
     assert (first["added"], first["missing"], second["verdict"]) == (0, 120, "nothing")
     assert math.isnan(first["rmse"])
     table = steps(chain(captured=nothing, fill=nothing), truth())
-    assert table.attrs["answer"][0].startswith("captured has no sample")
+    assert info_of(table).answer[0].startswith("captured has no sample")
 
 
 def test_one_frame_has_steps() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from nodegraph_mocap import Trajectories
 from nodegraph_score.tracking import UNITS, tracking
+from nodegraph_tables import info_of
 
 
 def marker(values: list[float]) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
@@ -73,7 +74,7 @@ def test_a_marker_never_tracked_has_no_share() -> None:
 def test_ghosts_in_tracks_are_told() -> None:
     with pytest.warns(UserWarning, match="1 of 2 samples in tracks are no sample of the truth"):
         table = tracking(recording(p=[1, 9]), recording(a=[1, 1]))
-    assert len(table.attrs["notes"]) == 1
+    assert len(info_of(table).notes) == 1
 
 
 def test_other_frame_counts_are_refused() -> None:

@@ -13,6 +13,7 @@ from nodegraph import get_node
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Selection, Table, Trajectories
 from nodegraph_score.unselected import UNITS, unselected
+from nodegraph_tables import info_of
 
 COLUMNS = ["marker", "markers", "frames", "missing", "rms", "mean", "max", "farthest"]
 CHOSEN = Selection(chosen=("d", "a"))
@@ -70,8 +71,8 @@ def test_every_number_by_a_plain_loop() -> None:
         assert row["mean"] == pytest.approx(sum(apart.values()) / len(apart))
         assert row["max"] == pytest.approx(max(apart.values()))
         assert row["farthest"] == max(apart, key=lambda frame: apart[frame])
-    assert table.attrs["units"] == UNITS
-    assert table.attrs["notes"] == ["4 of 48 samples are missing and not compared."]
+    assert info_of(table).units == UNITS
+    assert list(info_of(table).notes) == ["4 of 48 samples are missing and not compared."]
 
 
 def test_markers_are_matched_by_name() -> None:

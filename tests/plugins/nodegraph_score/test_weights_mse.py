@@ -11,6 +11,7 @@ import pytest
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_score.weights_mse import UNITS, weights_mse
+from nodegraph_tables import info_of
 
 COLUMNS = ["mse", "rmse", "max", "frames", "missing", "shapes", "worst", "worst_mse"]
 
@@ -61,8 +62,8 @@ def test_every_number_by_a_plain_loop() -> None:
     assert (row["frames"], row["missing"], row["shapes"]) == (7, 2, 4)
     assert row["worst"] == max(by_shape, key=lambda name: by_shape[name])
     assert row["worst_mse"] == pytest.approx(max(by_shape.values()), rel=1e-12)
-    assert table.attrs["notes"] == ["2 of 9 frames lack a weight and are not compared."]
-    assert table.attrs["units"] == UNITS
+    assert list(info_of(table).notes) == ["2 of 9 frames lack a weight and are not compared."]
+    assert info_of(table).units == UNITS
 
 
 def test_a_frame_that_the_reference_lacks_is_not_compared() -> None:

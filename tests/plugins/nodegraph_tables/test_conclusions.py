@@ -6,9 +6,10 @@ import pytest
 from pandas import DataFrame
 
 from nodegraph_tables.conclusions import conclude_table, table_numbers, without_measured
+from nodegraph_tables.info import TableInfo, with_info
 
 
-def compared(**attrs: object) -> DataFrame:
+def compared(info: TableInfo = TableInfo()) -> DataFrame:  # noqa: B008
     table = DataFrame(
         {
             "length": [5, 5, 15, 15],
@@ -19,19 +20,12 @@ def compared(**attrs: object) -> DataFrame:
             "difference high": [-0.25, 0.0, 0.5, float("nan")],
         }
     )
-    table.attrs.update(attrs)
-    return table
-
-
-def test_a_table_says_what_it_states_itself() -> None:
-    assert list(conclude_table(compared(conclusions=["one", "two"], answer=["no"]))) == [
-        "one",
-        "two",
-    ]
+    return with_info(table, info)
 
 
 def test_a_table_says_its_answer_its_best_rows_their_order_and_what_is_apart() -> None:
-    table = compared(answer=["linear wins by 0.25 mm (n = 40)."], best={"mean": {0, 3}})
+    info = TableInfo(answer=("linear wins by 0.25 mm (n = 40).",), best={"mean": (0, 3)})
+    table = compared(info)
     assert list(conclude_table(table)) == [
         "linear wins by # mm (n = #).",
         "best mean: length 5, fill linear; length 15, fill muscle",
@@ -43,11 +37,11 @@ def test_a_table_says_its_answer_its_best_rows_their_order_and_what_is_apart() -
 
 
 def test_drift_leaves_the_conclusions_and_a_turn_does_not() -> None:
-    table = compared(answer=["0.25 mm"], best={"mean": {0, 3}})
-    drifted = compared(answer=["0.2500000001 mm"], best={"mean": {0, 3}})
+    table = compared(TableInfo(answer=("0.25 mm",), best={"mean": (0, 3)}))
+    drifted = compared(TableInfo(answer=("0.2500000001 mm",), best={"mean": (0, 3)}))
     drifted["mean"] *= 1.0 + 1e-12
     assert list(conclude_table(drifted)) == list(conclude_table(table))
-    turned = compared(answer=["0.25 mm"], best={"mean": {1, 3}})
+    turned = compared(TableInfo(answer=("0.25 mm",), best={"mean": (1, 3)}))
     turned.loc[0, "mean"] = 0.75
     assert list(conclude_table(turned)) != list(conclude_table(table))
 
@@ -56,12 +50,11 @@ def test_what_is_apart_does_not_depend_on_the_order_of_the_rows() -> None:
     table = compared()
     table["difference low"], table["difference high"] = -2.0, -1.0
     turned = table.iloc[::-1].reset_index(drop=True)
-    turned.attrs = table.attrs
     assert list(conclude_table(turned)) == list(conclude_table(table))
 
 
 def test_rows_without_a_number_have_no_place_in_the_order() -> None:
-    table = compared(best={"mean": {0}})
+    table = compared(TableInfo(best={"mean": (0,)}))
     table.loc[1, "mean"] = float("nan")
     assert "mean (length 5): linear" in list(conclude_table(table))
 

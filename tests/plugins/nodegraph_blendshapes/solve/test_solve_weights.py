@@ -16,6 +16,7 @@ from nodegraph.testing import check_node
 from nodegraph_blendshapes.solve import bounded
 from nodegraph_blendshapes.solve.weights import Explained, solve_weights
 from nodegraph_mocap import BlendshapeModel, Trajectories
+from nodegraph_tables import info_of
 from tests.plugins.nodegraph_blendshapes.solve.statements import at, face, least_norm, posed
 
 FRAMES = 20
@@ -54,7 +55,7 @@ def test_weights_come_back(bounds: Any) -> None:
     np.testing.assert_allclose(made.weights.values, VALUES, rtol=0, atol=1e-12)
     assert (made.weights.names, made.weights.rate) == (weights.names, weights.rate)
     assert made.residuals["rms"].max() < 1e-12
-    assert made.residuals.attrs["notes"] == []
+    assert list(info_of(made.residuals).notes) == []
 
 
 def test_one_frame() -> None:
@@ -133,7 +134,7 @@ def test_everything_that_is_left_out_is_told() -> None:
         "is 0: s1 (3)",
         "1 of 20 frames have none of the model's markers, and no weights; the first is frame 9",
     ]
-    assert made.residuals.attrs["notes"] == [f"{note}." for note in notes]
+    assert list(info_of(made.residuals).notes) == [f"{note}." for note in notes]
     assert (made.weights.values[:, 3][np.arange(FRAMES) != 9] == 0.0).all()
     assert (made.weights.values[2:5, 1] == 0.0).all()
 

@@ -12,6 +12,7 @@ import nodegraph_compare
 from nodegraph import Across
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.agreement.node import agreement
+from nodegraph_tables import TableInfo, info_of, with_info
 
 NAN = np.nan
 
@@ -22,8 +23,8 @@ def study(count: int = 3, blocks: int = 20) -> Any:
     tables = {}
     for place in range(count):
         rmse = truth + place + random.normal(scale=0.2, size=blocks)
-        tables[f"m{place}"] = pd.DataFrame({"gap": range(blocks), "rmse": rmse})
-        tables[f"m{place}"].attrs["units"] = {"rmse": "mm"}
+        table = pd.DataFrame({"gap": range(blocks), "rmse": rmse})
+        tables[f"m{place}"] = with_info(table, TableInfo(units={"rmse": "mm"}))
     return Across.of(tables, axis="fill")
 
 
@@ -41,8 +42,8 @@ def test_every_pair_has_a_row_with_its_bias() -> None:
     assert (made["lower low"] < made["lower"]).all()
     assert (made["upper"] < made["upper high"]).all()
     assert made["blocks"].tolist() == [20] * 3
-    assert made.attrs["units"]["upper high"] == "mm"
-    assert "slope" not in made.attrs["units"]
+    assert info_of(made).units["upper high"] == "mm"
+    assert "slope" not in info_of(made).units
 
 
 def test_a_baseline_is_the_second_of_every_pair() -> None:
@@ -54,7 +55,7 @@ def test_a_baseline_is_the_second_of_every_pair() -> None:
 
 
 def test_the_answer_says_which_is_above_and_by_how_much() -> None:
-    (told,) = agreement(study(2)).table.attrs["answer"]
+    (told,) = info_of(agreement(study(2)).table).answer
     assert re.match(
         r"m0 is below m1 on average \(bias -[\d.]+ mm, interval -[\d.]+ to -[\d.]+\); 95 % of "
         r"differences are expected between -[\d.]+ and -?[\d.]+ mm \(20 blocks\)\.$",
@@ -68,7 +69,7 @@ def test_a_difference_that_grows_is_told() -> None:
     scores = Across.of({"a": scored(*(1.5 * values + noise)), "b": scored(*values)}, axis="f")
     made = agreement(scores)
     assert made.table["slope"].tolist() == pytest.approx([0.4], abs=0.01)
-    assert made.table.attrs["answer"][0].endswith("the difference changes with the value.")
+    assert info_of(made.table).answer[0].endswith("the difference changes with the value.")
 
 
 def test_a_pair_has_its_own_blocks() -> None:
@@ -79,16 +80,16 @@ def test_a_pair_has_its_own_blocks() -> None:
         made = agreement(scores)
     assert made.table["blocks"].tolist() == [2, 0, 0]
     assert made.table["bias"].tolist()[0] == -1
-    assert "a and c share no blocks; nothing can be said." in made.table.attrs["answer"]
+    assert "a and c share no blocks; nothing can be said." in info_of(made.table).answer
     assert any(
         "1 of 3 blocks are not in every pair (b lacks 1)" in one
-        for one in made.table.attrs["notes"]
+        for one in info_of(made.table).notes
     )
 
 
 def test_one_method_has_nothing_to_agree_with() -> None:
     made = agreement(Across.of({"a": scored(1, 2)}, axis="f"))
-    assert made.table.attrs["answer"] == ["there are no two labels to compare."]
+    assert list(info_of(made.table).answer) == ["there are no two labels to compare."]
     assert len(made.table) == 0
     assert not made.figure.axes
 

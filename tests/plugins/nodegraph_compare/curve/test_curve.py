@@ -10,6 +10,7 @@ from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.bootstrap import Bootstrap
 from nodegraph_compare.curve.node import Curve, curve
+from nodegraph_tables import TableInfo, info_of, with_info
 
 NAN = np.nan
 VALLEY = {5: 0.9, 15: 0.5, 25: 0.2, 35: 0.1, 45: 0.3, 55: 0.25}
@@ -18,7 +19,7 @@ SLOPE = {5: 0.9, 15: 0.5, 25: 0.2, 35: 0.1, 45: 0.09, 55: 0.08}
 
 def one(markers: float, mse: float) -> pd.DataFrame:
     made = pd.DataFrame({"markers": [markers], "mse": [mse]})
-    made.attrs["units"] = {"mse": "1"}
+    made = with_info(made, TableInfo(units={"mse": "1"}))
     return made
 
 
@@ -60,8 +61,8 @@ def test_a_row_per_point_in_the_order_of_labels_and_of_x() -> None:
     assert made.loc[made["local minimum"], ["actor", "markers"]].to_numpy().tolist() == [["ME", 35]]
     assert (made["marked"] == "").all()
     assert made["on curve"].all()
-    assert made.attrs["title"] == "mse over markers by actor"
-    assert made.attrs["units"] == {"mse": "1"}
+    assert info_of(made).title == "mse over markers by actor"
+    assert info_of(made).units == {"mse": "1"}
 
 
 def test_the_curve_takes_the_lowest_of_several_points_at_one_x() -> None:
@@ -96,7 +97,7 @@ def test_repeats_are_averaged_with_an_interval_over_blocks() -> None:
         low, high = Bootstrap(3).interval(means[:, np.newaxis])
         assert row["rmse"] == pytest.approx(means.mean())
         assert [row["low"], row["high"]] == pytest.approx([low[0], high[0]])
-    assert "bootstrap" in made.attrs["notes"][0]
+    assert "bootstrap" in info_of(made).notes[0]
 
 
 def test_of_repeats_the_lowest_is_that_of_their_means() -> None:
@@ -118,7 +119,7 @@ def test_a_shared_minimum_is_named_and_marked_on_every_curve() -> None:
     assert best(made)[["actor", "k", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 30, 35, "shared"], ["MB", 32, 37, "shared"], ["JZ", 30, 35, "shared"],
     ]  # fmt: skip
-    told = made.table.attrs["answer"][0]
+    told = info_of(made.table).answer[0]
     assert told.startswith("All 3 curves have a local minimum within 2 of markers 35, ")
     assert "MB at 37 (mse 0.1 1)" in told
     assert made.figure.axes[0].get_title() == "minimum shared at 35 markers"
@@ -131,10 +132,10 @@ def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_said() -> None:
     assert best(made)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 25, "knee"], ["JZ", 25, "knee"],
     ]  # fmt: skip
-    none, knees = made.table.attrs["answer"]
+    none, knees = info_of(made.table).answer
     assert none == ("No local minimum is shared within 2 markers: ME has some at 35; JZ has none.")
     assert knees.startswith("Knees, marked instead: ME at 25 (mse 0.2 1), JZ at 25 (mse 0.2 1).")
-    assert any(note.startswith("knee: ") for note in made.table.attrs["notes"])
+    assert any(note.startswith("knee: ") for note in info_of(made.table).notes)
     assert made.figure.axes[0].get_title() == "no minimum shared within 2 markers"
 
 
@@ -148,7 +149,7 @@ def test_each_curve_has_its_own_lowest_minimum() -> None:
 
 def test_a_straight_curve_has_nothing_to_mark() -> None:
     made = drawn(swept(ME={1: 3.0, 2: 2.0, 3: 1.0}), mark="shared")
-    assert made.table.attrs["answer"][-1] == "Neither a minimum to mark nor a knee: ME."
+    assert info_of(made.table).answer[-1] == "Neither a minimum to mark nor a knee: ME."
     assert not len(best(made))
     assert list(best(made).columns) == list(made.table.columns)
 
@@ -160,10 +161,11 @@ def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_told()
     me = made[made["actor"] == "ME"]
     assert me.loc[me["below floor"], "markers"].tolist() == [25, 35, 55]
     assert not made.loc[made["actor"] == "JZ", "below floor"].any()
-    assert made.attrs["answer"][1].startswith(
+    answer = list(info_of(made).answer)
+    assert answer[1].startswith(
         "Knees, marked instead: ME at 25 (mse 0.2 1, not above the noise floor), JZ at 35 (mse 0"
     )
-    assert made.attrs["answer"][2:] == [
+    assert answer[2:] == [
         "ME: noise alone gives mse 0.25 1; 3 of 6 points of the curve are at or below it, first "
         "at markers 25.",
         "JZ: noise alone gives mse 0.01 1; no point of the curve is as low.",
@@ -200,7 +202,7 @@ def test_what_has_no_number_is_left_out_and_counted() -> None:
     with pytest.warns(UserWarning, match="ME: 2 rows left out.*MB: 6 rows.*without a curve: MB"):
         made = drawn(scores, mark="shared")
     assert made.table.loc[made.table["mse"].isna(), "on curve"].tolist() == [False] * 8
-    assert "All 1 curves have" in made.table.attrs["answer"][0]
+    assert "All 1 curves have" in info_of(made.table).answer[0]
     assert best(made)["actor"].tolist() == ["ME"]
     assert "MB (no value)" in [text.get_text() for text in made.figure.legends[0].get_texts()]
 
@@ -224,7 +226,9 @@ def test_a_block_that_lacks_a_number_is_left_out() -> None:
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_where_nothing_has_a_number_nothing_is_said() -> None:
     made = drawn(swept(ME=dict.fromkeys(VALLEY, NAN)), floor(ME=[NAN]), mark="shared")
-    assert made.table.attrs["answer"] == ["No point has a number for mse; nothing can be said."]
+    assert list(info_of(made.table).answer) == [
+        "No point has a number for mse; nothing can be said."
+    ]
     assert not len(best(made))
     empty = drawn(Across.of({"ME": one(1, 1).iloc[:0]}, axis="actor"), mark="shared")
     assert not len(empty.table)
@@ -247,8 +251,8 @@ def test_absent_combinations_are_counted_and_keep_their_place() -> None:
     with pytest.warns(UserWarning, match="MB: 2 combinations refused") as caught:
         made = drawn(Across(scores.axes, scores.entries, absent)).table
     assert "skipped" not in str(caught[0].message)
-    assert "MB: 2 combinations refused (needs frames)" in made.attrs["notes"]
-    assert "JZ: 1 combination skipped (skip)" in made.attrs["notes"]
+    assert "MB: 2 combinations refused (needs frames)" in info_of(made).notes
+    assert "JZ: 1 combination skipped (skip)" in info_of(made).notes
 
 
 def test_labels_with_markup_stay_as_they_are() -> None:

@@ -11,6 +11,7 @@ import nodegraph_compare
 from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.importance.node import REST, importance
+from nodegraph_tables import info_of
 
 NAN = np.nan
 
@@ -52,7 +53,7 @@ def test_shares_add_up_and_the_rest_has_no_partial_share() -> None:
     rest = found.loc[REST, "variance"]
     alone = found.loc["fill", "variance"]
     assert found.loc["fill", "partial eta squared"] == pytest.approx(alone / (alone + rest))
-    assert made.table.attrs["answer"][0].startswith("Share of the variance of rmse: ")
+    assert info_of(made.table).answer[0].startswith("Share of the variance of rmse: ")
 
 
 def test_winners_change_with_what_turns_them() -> None:
@@ -66,7 +67,7 @@ def test_winners_change_with_what_turns_them() -> None:
     assert found.loc["length", "winner changes"] == 1.0
     assert found.loc["trial", "winner changes"] == 0.0
     assert np.isnan(found.loc["fill", "winner changes"])
-    assert made.table.attrs["answer"][1] == (
+    assert info_of(made.table).answer[1] == (
         "From one label to another, the best fill changes 0% of the time with trial, 100% of the "
         "time with length."
     )
@@ -106,7 +107,7 @@ def test_missing_cells_cost_labels_and_are_told() -> None:
     with pytest.warns(UserWarning, match=r"4 of 24 cells have no number; fill: left out akima"):
         made = importance(Across(whole.axes, kept, absent))
     assert by_source(made).loc["fill", "labels"] == 2
-    assert any("too short" in note for note in made.table.attrs["notes"])
+    assert any("too short" in note for note in info_of(made.table).notes)
 
 
 def test_a_row_without_a_number_makes_its_cell_missing() -> None:
@@ -118,7 +119,7 @@ def test_a_row_without_a_number_makes_its_cell_missing() -> None:
 
 def test_a_constant_metric_explains_nothing() -> None:
     made = importance(study(lambda trial, length, fill: 1.0))
-    assert "the same in all combinations" in made.table.attrs["answer"][0]
+    assert "the same in all combinations" in info_of(made.table).answer[0]
     assert made.table["eta squared"].isna().all()
     assert by_source(made).loc["length", "winner changes"] == 0.0
 
@@ -132,7 +133,7 @@ def test_nothing_is_left(values: list[float]) -> None:
             made = importance(scores)
     else:
         made = importance(scores)
-    assert made.table.attrs["answer"] == [
+    assert list(info_of(made.table).answer) == [
         "no full table of combinations is left; nothing can be said."
     ]
     made.figure.savefig(io.BytesIO(), format="svg")

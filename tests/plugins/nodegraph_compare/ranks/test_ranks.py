@@ -15,6 +15,7 @@ from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.ranks.node import Ranked, ranks
 from nodegraph_compare.table.node import table
+from nodegraph_tables import TableInfo, info_of, with_info
 from nodegraph_tables.style import looks
 
 NAN = np.nan
@@ -77,7 +78,7 @@ def test_every_pair_has_a_row() -> None:
 
 
 def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
-    (told,) = ranks(study(apart=0.8)).table.attrs["answer"]
+    (told,) = info_of(ranks(study(apart=0.8)).table).answer
     assert re.match(
         r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 blocks\); the methods differ by "
         r"Friedman's test \(F = [\d.]+, p < 0\.001; Kendall's W = 0\.\d\d\); by Nemenyi's test "
@@ -90,7 +91,7 @@ def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
     whole = {name: scored(*(place + at for at in range(8))) for place, name in enumerate("abc")}
     shy = scored(*[float("nan")] * 3, *range(5))
     with pytest.warns(UserWarning, match="3 of 8 blocks left out"):
-        (told,) = ranks(Across.of({**whole, "shy": shy}, axis="f")).table.attrs["answer"]
+        (told,) = info_of(ranks(Across.of({**whole, "shy": shy}, axis="f")).table).answer
     assert "of 4 methods, 5 of 8 gaps: shy lacks 3)" in told
 
 
@@ -99,7 +100,7 @@ def test_no_claim_where_friedman_makes_none() -> None:
         name: scored(*np.random.default_rng(place).normal(size=8))
         for place, name in enumerate("abcd")
     }
-    (told,) = ranks(Across.of(same, axis="fill")).table.attrs["answer"]
+    (told,) = info_of(ranks(Across.of(same, axis="fill")).table).answer
     assert "Friedman's test does not tell the methods apart" in told
     assert "not apart from it" not in told
 
@@ -107,11 +108,11 @@ def test_no_claim_where_friedman_makes_none() -> None:
 def test_methods_of_one_mean_rank_share_it() -> None:
     worse = {name: scored(*range(place, place + 8)) for place, name in enumerate("cdef", start=3)}
     tied = {"a": scored(*range(8)), "b": scored(*range(8)), **worse}
-    (told,) = ranks(Across.of(tied, axis="fill")).table.attrs["answer"]
+    (told,) = info_of(ranks(Across.of(tied, axis="fill")).table).answer
     assert told.startswith("a, b share the lowest mean rank (1.50 of 6 methods, 8 blocks); ")
     assert told.endswith("by Nemenyi's test not apart from them: c, d.")
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
-    assert ranks(two).table.attrs["answer"] == [
+    assert list(info_of(ranks(two).table).answer) == [
         "a, b share the lowest mean rank (1.50 of 2 methods, 8 blocks); the two are not clearly "
         "apart by Wilcoxon's signed-rank test (p = 1.000)."
     ]
@@ -123,22 +124,22 @@ def test_of_many_groups_each_of_equal_methods_counts() -> None:
         for name, value in {"a": 0.3, "b": 0.1 + 0.2, "c": 0.5}.items()
     }
     scores = Across.of(tables, axis="fill")
-    (told,) = ranks(scores, within=("take",)).table.attrs["answer"]
+    (told,) = info_of(ranks(scores, within=("take",)).table).answer
     assert told.startswith("Of 20 groups (take), the lowest mean rank has a in 20, b in 20; ")
-    (told,) = table(scores, within=("take",)).table.attrs["answer"]
+    (told,) = info_of(table(scores, within=("take",)).table).answer
     assert told == "Of 20 groups (take), a has the lowest mean rmse in 20, b in 20."
 
 
 def test_two_methods_one_method_one_block() -> None:
     two = Across.of({"a": scored(1, 2, 3, 4, 5, 6, 7), "b": scored(2, 3, 4, 5, 6, 7, 9)}, axis="f")
-    (told,) = ranks(two).table.attrs["answer"]
+    (told,) = info_of(ranks(two).table).answer
     assert told.endswith("the two are apart by Wilcoxon's signed-rank test (p = 0.016).")
     one = ranks(Across.of({"a": scored(1, 2)}, axis="f"))
-    assert one.table.attrs["answer"] == ["only a has numbers; there is nothing to rank."]
+    assert list(info_of(one.table).answer) == ["only a has numbers; there is nothing to rank."]
     assert one.table["mean rank"].tolist() == [1.0]
     assert len(one.pairs) == 0
     single = Across.of({name: scored(place) for place, name in enumerate("abc")}, axis="f")
-    assert "one block says nothing of chance" in ranks(single).table.attrs["answer"][0]
+    assert "one block says nothing of chance" in info_of(ranks(single).table).answer[0]
 
 
 def test_a_method_without_any_number_is_in_the_answer() -> None:
@@ -149,19 +150,21 @@ def test_a_method_without_any_number_is_in_the_answer() -> None:
     )
     with pytest.warns(UserWarning, match="without any number"):
         made = ranks(scores)
-    (told,) = made.table.attrs["answer"]
+    (told,) = info_of(made.table).answer
     assert told.endswith("; without any number, not compared: c.")
 
 
 def test_higher_is_better_where_the_score_declares_it() -> None:
-    tables = {"a": scored(0.9, 0.8, 0.7), "b": scored(0.5, 0.4, 0.6)}
-    for one in tables.values():
-        one.attrs["better"] = {"rmse": "higher"}
+    higher = TableInfo(better={"rmse": "higher"})
+    tables = {
+        "a": with_info(scored(0.9, 0.8, 0.7), higher),
+        "b": with_info(scored(0.5, 0.4, 0.6), higher),
+    }
     scores = Across.of(tables, axis="fill")
     assert ranks(scores).table["fill"].tolist() == ["a", "b"]
     assert ranks(scores, better="lower").table["fill"].tolist() == ["b", "a"]
     assert any(
-        "the lowest value" in one for one in ranks(scores, better="none").table.attrs["notes"]
+        "the lowest value" in one for one in info_of(ranks(scores, better="none").table).notes
     )
 
 
@@ -178,7 +181,7 @@ def test_what_is_left_out_is_told_and_listed() -> None:
     assert made.table["fill"].tolist() == ["a", "b", "e", "c", "d"]
     assert made.table["blocks"].tolist() == [3, 3, 3, 0, 0]
     assert made.table["mean rank"].isna().tolist() == [False, False, False, True, True]
-    assert any("d: 1 combination refused (too short)" in note for note in made.table.attrs["notes"])
+    assert any("d: 1 combination refused (too short)" in note for note in info_of(made.table).notes)
 
 
 @pytest.mark.parametrize("values", [(), (NAN, NAN)])
@@ -203,7 +206,7 @@ def test_thousands_of_combinations_are_summed_up() -> None:
     }
     made = ranks(Across.of(rows, axis="fill"), within=("gap",), blocks=("take",))
     assert len(made.overall) == 50
-    (told,) = made.table.attrs["answer"]
+    (told,) = info_of(made.table).answer
     assert told.startswith("Of 50 groups (gap), the lowest mean rank has ")
     assert len(made.figure.axes) == 12
     assert "38 more groups are not drawn" in made.figure.get_supxlabel()

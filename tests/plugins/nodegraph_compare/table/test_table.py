@@ -14,13 +14,14 @@ import nodegraph_compare
 from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.table.node import table
+from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
 
 NAN = np.nan
 
 
 def scored(values: Any) -> pd.DataFrame:
     made = pd.DataFrame({"gap": np.arange(len(values)), "rmse": np.asarray(values, dtype=float)})
-    made.attrs["units"] = {"rmse": "mm"}
+    made = with_info(made, TableInfo(units={"rmse": "mm"}))
     return made
 
 
@@ -70,7 +71,7 @@ def test_rows_are_the_statistics_of_the_blocks() -> None:
 
 def test_the_answer_names_the_lowest_and_those_that_are_not_apart() -> None:
     one = Across(trials().axes, tuple(entry for entry in trials() if entry[0]["length"] == 5))
-    (told,) = table(one, within=("length",)).table.attrs["answer"]
+    (told,) = info_of(table(one, within=("length",)).table).answer
     assert re.match(
         r"length 5: near, twin share the lowest mean rmse \([\d.]+ mm, interval [\d.]+ to [\d.]+, "
         r"30 blocks\); every other method is clearly behind\.$",
@@ -82,16 +83,16 @@ def test_the_answer_names_who_is_not_clearly_behind() -> None:
     near = [1.0, 1.2, 0.9, 1.1]
     tables = {"a": near, "b": [1.3, 1.0, 0.9, 1.2], "far": [9.0, 9.1, 9.2, 9.0], "a2": near}
     scores = {name: scored(values) for name, values in tables.items()}
-    (told,) = table(Across.of(scores, axis="fill")).table.attrs["answer"]
+    (told,) = info_of(table(Across.of(scores, axis="fill")).table).answer
     assert told.endswith("; not clearly apart from them: b; the other clearly behind.")
     del scores["a2"]
-    (told,) = table(Across.of(scores, axis="fill")).table.attrs["answer"]
+    (told,) = info_of(table(Across.of(scores, axis="fill")).table).answer
     assert told.endswith("; not clearly apart from it: b; the other clearly behind.")
 
 
 def test_groups_with_one_answer_share_a_sentence() -> None:
     made = table(trials(), within=("length",)).table
-    (told,) = made.attrs["answer"]
+    (told,) = info_of(made).answer
     bests = sorted(made[made["fill"] == "near"]["mean"])
     start = "length 5, 45: near, twin share the lowest mean rmse "
     assert told.startswith(f"{start}({bests[0]:.3g} to {bests[1]:.3g} mm, 30 blocks each); ")
@@ -100,16 +101,16 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
 def test_shares_are_told_in_percent_and_powers_as_they_are_printed() -> None:
     for unit, text in (("share", "(20 %,"), ("mm^2", "(0.2 mm²,")):
         tables = {"a": scored([0.2, 0.1, 0.3, 0.2]), "b": scored([0.4, 0.5, 0.6, 0.5])}
-        for one in tables.values():
-            one.attrs["units"] = {"rmse": unit}
+        info = TableInfo(units={"rmse": unit})
+        tables = {name: with_info(scores, info) for name, scores in tables.items()}
         made = table(Across.of(tables, axis="fill"))
-        assert text in made.table.attrs["answer"][0]
+        assert text in info_of(made.table).answer[0]
         assert "mm^2" not in made.figure.axes[0].get_ylabel()
 
 
 def test_an_answer_when_all_others_are_behind() -> None:
     scores = Across.of({"a": scored([2, 3, 4.5]), "b": scored([1, 2, 3])}, axis="fill")
-    (told,) = table(scores).table.attrs["answer"]
+    (told,) = info_of(table(scores).table).answer
     assert told.startswith("b has the lowest mean rmse (2 mm, ")
     assert "every other method is clearly behind" in told
 
@@ -131,7 +132,7 @@ def test_incomplete_blocks_are_dropped_for_all_and_told() -> None:
     assert made["blocks"].tolist() == [2, 2, 2]
     assert dict(zip(made["fill"], made["mean"], strict=True)) == {"c": 0.5, "a": 2.0, "b": 3.0}
     assert made["left missing"].tolist() == [0, 0, 0.25]
-    assert any("2 of 4 blocks" in note for note in made.attrs["notes"])
+    assert any("2 of 4 blocks" in note for note in info_of(made).notes)
 
 
 def test_a_method_without_any_number_leaves_the_others_their_blocks() -> None:
@@ -141,7 +142,7 @@ def test_a_method_without_any_number_leaves_the_others_their_blocks() -> None:
     with pytest.warns(UserWarning, match="without any number, not compared: b"):
         made = table(scores, baseline="a").table
     assert made["f"].tolist() == ["a", "c", "b"]
-    assert made.attrs["answer"][0].endswith("; without any number, not compared: b.")
+    assert info_of(made).answer[0].endswith("; without any number, not compared: b.")
     assert made["blocks"].tolist() == [2, 2, 0]
     assert made.loc[2, ["mean", "sd", "low", "difference", "p", "better in"]].isna().all()
     assert made.loc[1, "difference"] == 1.5
@@ -169,7 +170,7 @@ def test_refused_combinations_are_counted_and_listed_with_their_reasons() -> Non
     assert made["fill"].tolist() == ["near", "far", "twin", "near", "twin", "far"]
     assert made["refused"].tolist() == [0, 0, 1, 0, 0, 0]
     assert made["blocks"].tolist() == [10, 10, 0, 10, 10, 10]
-    assert any(re.search(told, note) for note in made.attrs["notes"])
+    assert any(re.search(told, note) for note in info_of(made).notes)
 
 
 def test_skipped_combinations_are_a_note_and_no_warning() -> None:
@@ -181,14 +182,14 @@ def test_skipped_combinations_are_a_note_and_no_warning() -> None:
     )
     made = table(scores, within=("length",)).table
     assert made["length"].tolist() == [5] * 3 + [45] * 3
-    assert "far: 1 combination skipped" in made.attrs["notes"]
+    assert "far: 1 combination skipped" in info_of(made).notes
 
 
 def test_one_method_has_a_mean_and_no_rival() -> None:
     made = table(Across.of({"only": scored([1, 2, 3])}, axis="fill")).table
     assert made["mean"].tolist() == [2.0]
-    assert made.attrs["answer"][0].startswith("only only has a mean rmse (2 mm, ")
-    assert made.attrs["best"] == {"mean": []}
+    assert info_of(made).answer[0].startswith("only only has a mean rmse (2 mm, ")
+    assert info_of(made).best == {"mean": ()}
 
 
 def test_one_block_has_no_spread() -> None:
@@ -196,7 +197,7 @@ def test_one_block_has_no_spread() -> None:
     made = table(scores, baseline="a").table
     assert made["mean"].tolist() == [1, 2]
     assert made[["sd", "low", "high", "difference low"]].isna().all(axis=None)
-    assert "one block says nothing" in made.attrs["answer"][0]
+    assert "one block says nothing" in info_of(made).answer[0]
 
 
 def test_no_common_block_says_nothing() -> None:
@@ -205,7 +206,7 @@ def test_no_common_block_says_nothing() -> None:
         made = table(scores, baseline="a")
     assert made.table["blocks"].tolist() == [0, 0]
     assert made.table[["mean", "p", "difference"]].isna().all(axis=None)
-    assert "nothing can be said" in made.table.attrs["answer"][0]
+    assert "nothing can be said" in info_of(made.table).answer[0]
 
 
 def test_tables_without_rows_are_told() -> None:
@@ -225,19 +226,18 @@ def test_numbers_label_methods_as_well() -> None:
         table(scores, baseline="4")
 
 
-def declared(end: str) -> Any:
+def declared(end: BetterEnd) -> Any:
     tables = {"a": scored([0.9, 0.8, 0.95, 0.9]), "b": scored([0.5, 0.4, 0.6, 0.5])}
-    for one in tables.values():
-        one.attrs["better"] = {"rmse": end}
-    return Across.of(tables, axis="fill")
+    info = TableInfo(units={"rmse": "mm"}, better={"rmse": end})
+    return Across.of({name: with_info(one, info) for name, one in tables.items()}, axis="fill")
 
 
 def test_the_best_is_at_the_end_that_the_scores_declare() -> None:
     made = table(declared("higher"), baseline="b").table
-    assert made.attrs["best"] == {"mean": [0]}
+    assert info_of(made).best == {"mean": (0,)}
     assert made["better in"].tolist()[0] == 1.0
-    assert made.attrs["answer"][0].startswith("a has the highest mean rmse (0.8")
-    assert any("Higher is better." in note for note in made.attrs["notes"])
+    assert info_of(made).answer[0].startswith("a has the highest mean rmse (0.8")
+    assert any("Higher is better." in note for note in info_of(made).notes)
     assert table(declared("higher"), better="lower").table["fill"].tolist() == ["b", "a"]
 
 
@@ -260,16 +260,16 @@ def test_the_best_mean_stands_first_and_equal_ones_as_in_the_graph(
 
 def test_a_metric_without_a_better_end_has_no_best() -> None:
     made = table(declared("none"), baseline="b").table
-    assert made.attrs["best"] == {"mean": []}
+    assert info_of(made).best == {"mean": ()}
     assert "better in" not in made
-    assert made.attrs["answer"][0].startswith("the mean rmse is lowest for b (0.5 mm, ")
-    assert "and highest for a (0.888 mm, " in made.attrs["answer"][0]
+    assert info_of(made).answer[0].startswith("the mean rmse is lowest for b (0.5 mm, ")
+    assert "and highest for a (0.888 mm, " in info_of(made).answer[0]
 
 
 @pytest.mark.parametrize("test", ["wilcoxon", "t", "sign"])
 def test_the_baseline_is_told_who_differs(test: Any) -> None:
     made = table(trials(), within=("length",), baseline="near", test=test).table
-    told = made.attrs["answer"][1]
+    told = info_of(made).answer[1]
     assert (
         told == "length 5: against near, rmse is significantly higher: far (p < 0.05 after Holm)."
     )
@@ -280,7 +280,7 @@ def test_no_test_is_no_p() -> None:
     made = table(trials(), baseline="near", test="none").table
     assert "p" not in made
     assert made["difference"].notna().any()
-    assert len(made.attrs["answer"]) == 1
+    assert len(info_of(made).answer) == 1
 
 
 def test_a_constant_metric_has_intervals_without_width_and_no_winner_ahead() -> None:
@@ -288,9 +288,9 @@ def test_a_constant_metric_has_intervals_without_width_and_no_winner_ahead() -> 
     made = table(scores, baseline="a").table
     assert made["low"].tolist() == pytest.approx([0.1, 0.1])
     assert made["p"].tolist()[1] == 1.0
-    assert made.attrs["best"] == {"mean": [0, 1]}
-    assert made.attrs["answer"][0].startswith("a, b share the lowest mean rmse (0.1")
-    assert made.attrs["answer"][0].endswith("7 blocks).")
+    assert info_of(made).best == {"mean": (0, 1)}
+    assert info_of(made).answer[0].startswith("a, b share the lowest mean rmse (0.1")
+    assert info_of(made).answer[0].endswith("7 blocks).")
 
 
 def test_blocks_that_differ_by_rounding_alone_have_no_deviation() -> None:
@@ -315,7 +315,7 @@ def test_many_groups_are_told_in_one_sentence() -> None:
         "b": rows.assign(rmse=np.where(rows["marker"] < 5, 0.5, 2.0)),
     }
     made = table(Across.of(tables, axis="fill"), within=("marker",), blocks=("take",)).table
-    assert made.attrs["answer"] == [
+    assert list(info_of(made).answer) == [
         "Of 20 groups (marker), a has the lowest mean rmse in 15, b in 5."
     ]
 
@@ -335,23 +335,23 @@ def narrow(lacking: int, *, unit: str = "gap") -> Any:
 
 @pytest.mark.filterwarnings("ignore:.*blocks left out")
 def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
-    (told,) = table(narrow(6)).table.attrs["answer"]
+    (told,) = info_of(table(narrow(6)).table).answer
     assert told.endswith("clearly behind (14 of 20 gaps: shy lacks 6, timid lacks 1).")
-    (told,) = table(narrow(20)).table.attrs["answer"]  # it does not take part, and takes nothing
+    (told,) = info_of(table(narrow(20)).table).answer  # it does not take part, and takes nothing
     assert "of 20" not in told
-    (told,) = table(narrow(5)).table.attrs["answer"]
+    (told,) = info_of(table(narrow(5)).table).answer
     assert "of 20" not in told
 
 
 @pytest.mark.filterwarnings("ignore:.*blocks left out")
 def test_blocks_have_their_name_where_one_column_tells_them() -> None:
-    assert "14 of 20 markers: " in table(narrow(6, unit="marker")).table.attrs["answer"][0]
+    assert "14 of 20 markers: " in info_of(table(narrow(6, unit="marker")).table).answer[0]
     # a block is a take and a gap: neither tells which one it is
     scores = Across.of(
         {at["fill"]: one.assign(take=0) for at, one in narrow(6)},
         axis="fill",
     )
-    (told,) = table(scores, blocks=("take", "gap")).table.attrs["answer"]
+    (told,) = info_of(table(scores, blocks=("take", "gap")).table).answer
     assert "14 of 20 blocks: " in told
 
 
@@ -363,7 +363,7 @@ def test_groups_of_which_few_blocks_are_left_are_told_apart() -> None:
         for at, one in scores
     ]
     made = table(Across(("length", "fill"), tuple(both)), within=("length",)).table
-    short, long = made.attrs["answer"]
+    short, long = info_of(made).answer
     assert short.startswith("length 5: bold ")
     assert "of 20" not in short
     assert long.startswith("length 45: bold ")
@@ -378,14 +378,14 @@ def test_of_many_groups_it_is_told_in_how_many_blocks_are_few() -> None:
         for at, one in narrow(15 if length > 10 else 1)
     ]
     made = table(Across(("length", "fill"), tuple(both)), within=("length",)).table
-    assert made.attrs["answer"][1] == (
+    assert info_of(made).answer[1] == (
         "In 2 of them more than a quarter of the gaps are left out, because not every method has "
         "them (5 of 20 gaps: shy lacks 15, timid lacks 1)."
     )
 
 
 def test_units_follow_the_metric() -> None:
-    units = table(trials(), baseline="far").table.attrs["units"]
+    units = info_of(table(trials(), baseline="far").table).units
     assert units["mean"] == units["high"] == units["difference low"] == "mm"
     assert units["refused"] == "share"
     assert "p" not in units

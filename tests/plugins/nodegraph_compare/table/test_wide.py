@@ -8,7 +8,8 @@ import pytest
 
 from nodegraph import Across
 from nodegraph_compare.table.node import table
-from nodegraph_tables.renderers import render_table
+from nodegraph_tables import TableInfo, info_of, with_info
+from nodegraph_tables.rendering import render_table
 
 NAN = np.nan
 
@@ -23,7 +24,7 @@ def study(**chosen: Any) -> Any:
                 rmse = 3 + more + random.uniform(size=3)
                 labels = {"trial": trial, "length": length, "fill": fill}
                 rows = pd.DataFrame({"marker": ["jaw", "chin", "brow"], "rmse": rmse})
-                rows.attrs["units"] = {"rmse": "mm"}
+                rows = with_info(rows, TableInfo(units={"rmse": "mm"}))
                 entries.append((labels, rows))
     return Across(("trial", "length", "fill"), tuple(entries)), chosen
 
@@ -55,16 +56,16 @@ def test_methods_down_the_side_and_lengths_along_the_top() -> None:
     assert made["fill"].tolist() == ["lin", "cubic"]
     assert [name for name in made if " " not in name[8:]] == ["fill", "length 5", "length 45"]
     # the best of a group, here a column, is marked
-    assert made.attrs["best"] == {"length 5": [1], "length 45": [0]}
+    assert info_of(made).best == {"length 5": (1,), "length 45": (0,)}
     assert "blocks" not in made
-    assert any("Every mean is over 24 blocks." in note for note in made.attrs["notes"])
+    assert any("Every mean is over 24 blocks." in note for note in info_of(made).notes)
 
 
 def test_the_best_of_each_row_is_marked_at_the_better_end() -> None:
     chosen: Any = {"rows": ("length",), "columns": ("fill",)}
-    assert laid_out(**chosen).attrs["best"] == {"lin": [1], "cubic": [0]}
-    assert laid_out(**chosen, better="higher").attrs["best"] == {"lin": [0], "cubic": [1]}
-    assert laid_out(**chosen, better="none").attrs["best"] == {"lin": [], "cubic": []}
+    assert info_of(laid_out(**chosen)).best == {"lin": (1,), "cubic": (0,)}
+    assert info_of(laid_out(**chosen, better="higher")).best == {"lin": (0,), "cubic": (1,)}
+    assert info_of(laid_out(**chosen, better="none")).best == {"lin": (), "cubic": ()}
 
 
 def test_what_is_named_nowhere_stands_in_the_rows() -> None:
@@ -83,9 +84,9 @@ def test_rows_alone_put_the_rest_along_the_top() -> None:
 
 def test_several_names_along_the_top() -> None:
     made = laid_out(rows=("marker",), columns=("length", "fill"), blocks=("trial",))
-    heads = [name for name in made.attrs["cells"]]
+    heads = [name for name in info_of(made).cells]
     assert heads == ["length 5, lin", "length 5, cubic", "length 45, lin", "length 45, cubic"]
-    assert made.attrs["best"]["length 5, cubic"] == [0, 1, 2]
+    assert info_of(made).best["length 5, cubic"] == (0, 1, 2)
 
 
 def test_a_baseline_adds_the_p_of_each_cell() -> None:
@@ -106,7 +107,7 @@ def test_a_reader_sees_a_column_per_method_and_the_file_has_every_digit() -> Non
     header, first = shown.files[".csv"].decode().splitlines()[:2]
     assert header.startswith("length,blocks,lin,lin low,lin high,cubic")
     assert float(first.split(",")[2]) == made["lin"][0]
-    assert made.attrs["title"] == "Mean rmse (mm) by fill within length"
+    assert info_of(made).title == "Mean rmse (mm) by fill within length"
 
 
 def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
@@ -116,7 +117,7 @@ def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
     assert made["lin"].notna().all()
     assert made["cubic"].isna().tolist() == [False, True]
     # what stands alone is better than nothing
-    assert made.attrs["best"] == {"lin": [], "cubic": [0]}
+    assert info_of(made).best == {"lin": (), "cubic": (0,)}
 
 
 def test_labels_that_would_name_two_columns_alike_are_told_apart() -> None:

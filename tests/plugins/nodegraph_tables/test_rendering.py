@@ -1,8 +1,9 @@
+"""Tables as HTML, text, CSV and LaTeX."""
+
 from __future__ import annotations
 
 import csv
 import re
-import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from io import StringIO
 from typing import Any
@@ -10,10 +11,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.figure import Figure
 
-from nodegraph_tables.cells import shown
-from nodegraph_tables.renderers import render_figure, render_table, renderers
+from nodegraph_tables.cells import columns_of, shown
+from nodegraph_tables.info import Part, TableInfo, with_info
+from nodegraph_tables.rendering import render_table
 
 UGLY = '<b>&amp; "it\'s" 100 % #1_$x^2 {~} \\ [mm] *12'
 
@@ -85,7 +86,7 @@ def test_a_cell_is_shown_with_the_digits_that_count(value: Any, text: str) -> No
 
 def test_what_came_from_users_is_escaped_everywhere() -> None:
     made = table(**{UGLY: [UGLY]})
-    made.attrs = {"title": UGLY, "notes": [UGLY], "units": {UGLY: "<mm>"}}
+    made = with_info(made, TableInfo(title=UGLY, notes=(UGLY,), units={UGLY: "<mm>"}))
     rendered = render_table(made, "unused")
     page = Page(rendered.html)
     assert page.rows == [[f"{UGLY} [<mm>]"], [UGLY]]
@@ -103,7 +104,7 @@ def test_what_came_from_users_is_escaped_everywhere() -> None:
 
 def test_numbers_stand_right_and_have_their_unit() -> None:
     made = table(method=["a", "bb"], rmse=[1.23456, 22.0], count=[1, 20])
-    made.attrs["units"] = {"rmse": "mm"}
+    made = with_info(made, TableInfo(units={"rmse": "mm"}))
     rendered = render_table(made, "Errors")
     page = Page(rendered.html)
     assert page.rows == [
@@ -124,7 +125,7 @@ def test_numbers_stand_right_and_have_their_unit() -> None:
 def test_the_star_of_the_best_is_explained_where_there_is_one() -> None:
     made = table(fill=["a", "b"], mean=[0.5, 1.5])
     assert "*" not in render_table(made, "t").text
-    made.attrs["best"] = {"mean": [0]}
+    made = with_info(made, TableInfo(best={"mean": (0,)}))
     assert render_table(made, "t").text.splitlines()[1:] == [
         "a     0.500*",
         "b      1.500",
@@ -144,7 +145,7 @@ def test_the_csv_file_has_every_digit() -> None:
 
 def test_notes_follow() -> None:
     made = table(a=[1])
-    made.attrs["notes"] = ["one", "two"]
+    made = with_info(made, TableInfo(notes=("one", "two")))
     rendered = render_table(made, "t")
     assert rendered.html.endswith("<li>one</li><li>two</li></ul>")
     assert rendered.text.endswith("\none\ntwo")
@@ -167,7 +168,7 @@ def test_an_empty_table_is_shown_as_one() -> None:
 
 def test_names_of_rows_become_columns() -> None:
     made = table(a=[1, 2]).set_index(pd.Index(["x", "y"], name="method"))
-    made.attrs["title"] = "Kept"
+    made = with_info(made, TableInfo(title="Kept"))
     rendered = render_table(made, "t")
     assert Page(rendered.html).rows == [["method", "a"], ["x", "1"], ["y", "2"]]
     assert rendered.files[".csv"] == b"method,a\nx,1\ny,2\n"
@@ -178,72 +179,69 @@ def test_a_blank_line_in_a_title_does_not_break_latex() -> None:
     assert r"\caption{a b}" in render_table(table(a=[1]), "a\n\nb").files[".tex"].decode()
 
 
-@pytest.fixture
-def figure() -> Figure:
-    made = Figure(figsize=(3, 2))
-    axes = made.subplots()
-    axes.plot([1, 2], [3, 5], marker="o", label='a > id="x"')
-    axes.fill_between([1, 2], [3, 5], hatch="/")
-    axes.set_title("<b> url(#q)")
-    axes.legend()
-    return made
+def test_an_interval_and_a_p_stand_in_the_cell_of_their_mean_and_the_best_is_marked() -> None:
+    table = pd.DataFrame(
+        {
+            "marker": ["a", "b"],
+            "x": [0.5, 2.0],
+            "x low": [0.25, np.nan],
+            "x high": [0.75, np.nan],
+            "x p": [0.01, 0.5],
+        }
+    )
+    cells: dict[str, dict[Part, str]] = {"x": {"low": "x low", "high": "x high", "p": "x p"}}
+    table = with_info(table, TableInfo(best={"x": (0,)}, cells=cells))
+    made = render_table(table, "t")
+    assert "<strong>0.500</strong> <br><small>[0.250, 0.750] \N{DAGGER}</small>" in made.html
+    assert '<td class="number" data-within=",,0.5">2.000</td>' in made.html
+    assert 'data-value="0.5" data-within="0.25,0.75,0.01"' in made.html
+    assert made.text.splitlines()[1].split() == [
+        "a",
+        "0.500",
+        "[0.250,",
+        "0.750]",
+        "\N{DAGGER}*",
+    ]
+    assert r"\textbf{0.500} {[}0.250, 0.750] \textdagger{}" in made.files[".tex"].decode()
+    assert "x low" not in re.sub(r'data-names="[^"]*"', "", made.html)
+    assert made.files[".csv"].decode().splitlines()[:2] == [
+        "marker,x,x low,x high,x p",
+        "a,0.5,0.25,0.75,0.01",
+    ]
 
 
-def ids(html: str) -> set[str]:
-    return {found.get("id", "") for found in drawing(html).iter()} - {""}
+def test_a_mean_without_an_interval_stands_alone() -> None:
+    table = pd.DataFrame({"x": [np.nan, 1.5], "low": [np.nan, 1.25], "high": [np.nan, np.nan]})
+    table = with_info(table, TableInfo(cells={"x": {"low": "low", "high": "high"}}))
+    assert render_table(table, "t").text.split() == ["x", "1.50"]
 
 
-def drawing(html: str) -> ET.Element:
-    return ET.fromstring(html[html.index("<svg") : html.index("</figure>")])
-
-
-def test_a_drawing_is_told_to_those_who_do_not_see_it(figure: Figure) -> None:
-    svg = drawing(render_figure(figure, 'Errors "in" <gaps>').html)
-    assert svg.get("role") == "img"
-    assert svg.get("aria-label") == 'Errors "in" <gaps>'
-
-
-def test_a_drawing_is_the_same_every_time(figure: Figure) -> None:
-    once, again = render_figure(figure, "t"), render_figure(figure, "t")
-    assert once == again
-    assert set(once.files) == {".svg", ".pdf"}
-    assert once.files[".pdf"].startswith(b"%PDF")
-    assert b"CreationDate" not in once.files[".pdf"]
-    assert b"dc:date" not in once.files[".svg"]
-
-
-def test_two_drawings_of_a_page_share_no_id(figure: Figure) -> None:
-    first = render_figure(figure, "t").html
-    figure.axes[0].set_xlabel("other")
-    second = render_figure(figure, "t").html
-    assert ids(first)
-    assert not ids(first) & ids(second)
-
-
-def test_every_reference_of_a_drawing_has_its_target(figure: Figure) -> None:
-    html = render_figure(figure, "t").html
-    inside = re.findall(r"<[a-z][^>]*>", html)
-    targets = {
-        name for tag in inside for name in re.findall(r"""(?:href="#|url\(#)([^")]+)""", tag)
+def test_the_points_of_a_column_meet_and_tiny_numbers_have_a_power_of_ten() -> None:
+    table = pd.DataFrame(
+        {"small": [0.0359, 1.134, 0.0], "wide": [213.0, 30.0, 3.5e-31], "whole": [2.0, 5.0, 1e5]}
+    )
+    columns = {one.name: [str(cell) for cell in one.cells] for one in columns_of(table)}
+    assert columns == {
+        "small": ["0.0359", "1.1340", "0"],
+        "wide": ["213.0", "30.0", "3.50e-31"],
+        "whole": ["2", "5", "100000"],
     }
-    assert targets
-    assert targets <= ids(html)
 
 
-def test_texts_of_a_drawing_stay_as_they_are(figure: Figure) -> None:
-    texts = {"".join(one.itertext()) for one in drawing(render_figure(figure, "t").html).iter()}
-    assert {'a > id="x"', "<b> url(#q)"} <= texts
+def test_labels_stand_as_the_graph_has_them_head_their_rows_and_part_the_groups() -> None:
+    table = pd.DataFrame({"share": [0.02, 0.02, 0.1], "method": ["a", "b", "a"], "x": [1.5, 2, 3]})
+    table = with_info(table, TableInfo(labels=("share", "method"), units={"x": "mm^2"}))
+    html = render_table(table, "t").html
+    assert html.count('<th scope="row" class="number">0.02</th>') == 2
+    assert '<tr class="group"><th scope="row" class="number">0.1</th>' in html
+    assert html.count('class="group"') == 1
+    assert '<th scope="row" class="name short">b</th>' in html
+    assert '<span class="unit"> [mm\N{SUPERSCRIPT TWO}]</span>' in html
+    assert r"x {[}mm\textsuperscript{2}]" in render_table(table, "t").files[".tex"].decode()
 
 
-def test_drawing_leaves_pyplot_alone(figure: Figure) -> None:
-    import matplotlib.pyplot as plt
-
-    render_figure(figure, "t")
-    assert plt.get_fignums() == []
-
-
-def test_both_types_have_a_renderer(figure: Figure) -> None:
-    for value in (figure, table(a=[1])):
-        fitting = [one for one in renderers() if isinstance(value, one.type)]
-        assert len(fitting) == 1
-        assert fitting[0].render(value, "t").html
+def test_what_is_not_finite_is_said_and_what_is_missing_left_empty() -> None:
+    table = pd.DataFrame({"x": [np.inf, -np.inf, np.nan, 0.5], "y": [np.nan] * 4})
+    x, y = columns_of(table)
+    assert [str(cell) for cell in x.cells] == ["inf", "-inf", "", "0.500"]
+    assert [str(cell) for cell in y.cells] == [""] * 4

@@ -1,0 +1,134 @@
+"""Figures as drawings: how matplotlib's figures are drawn, shown in a report, and stored."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import warnings
+from dataclasses import dataclass
+from html import escape
+from io import BytesIO
+from threading import Lock
+from typing import TYPE_CHECKING, Literal
+
+from nodegraph import Rendered, Value, listed
+from nodegraph_tables.types import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.mathtext import MathTextParser, VectorParse
+    from matplotlib.text import Text
+
+_DRAWING = Lock()
+"""Held while matplotlib's settings, which all threads share, differ from the user's."""
+
+_TAG = re.compile(r"<[a-zA-Z][^>]*>")
+_WIDTH = re.compile(r'<svg[^>]*\swidth="([\d.]+(?:pt|px))"')
+_ID = re.compile(r"""(\sid="|href="#|url\(#)""")
+
+
+@dataclass(frozen=True)
+class StoredFigure(Value):
+    """The drawing of a figure: it can be shown, but not changed any more.
+
+    Attributes
+    ----------
+    svg, pdf : bytes
+        The whole files.
+
+    Raises
+    ------
+    ValueError
+        If either is no drawing.
+    """
+
+    svg: bytes
+    pdf: bytes
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.svg, bytes) and "<svg" in self.svg.decode()):
+            raise ValueError("svg: must be the bytes of an SVG file")
+        if not isinstance(self.pdf, bytes):
+            raise ValueError("pdf: must be the bytes of a PDF file")
+
+    def _repr_html_(self) -> str:
+        """Return the drawing for a notebook."""
+        return render_stored_figure(self, "figure").html
+
+
+def store_figure(figure: Figure) -> StoredFigure:
+    """Return the drawing of a figure; equal bytes for equal figures, in any thread."""
+    return StoredFigure(draw(figure, "svg"), draw(figure, "pdf"))
+
+
+def draw(figure: Figure, format: Literal["svg", "pdf"]) -> bytes:
+    """Return a figure as a file; equal bytes for equal figures, in any thread."""
+    import matplotlib as mpl
+
+    file = BytesIO()
+    undated = {"Date": None} if format == "svg" else {"CreationDate": None}
+    # without a salt of its own, a drawing would have different ids each time
+    with _DRAWING, mpl.rc_context({"svg.hashsalt": "nodegraph", "svg.fonttype": "none"}):
+        show_broken_formulas_as_text(figure)
+        figure.savefig(file, format=format, metadata=undated, bbox_inches="tight")
+    return file.getvalue()
+
+
+def render_figure(figure: Figure, title: str) -> Rendered:
+    """Return a figure as SVG in the page, and as SVG and PDF files beside it."""
+    return render_stored_figure(store_figure(figure), title)
+
+
+def render_stored_figure(figure: StoredFigure, title: str) -> Rendered:
+    """Return a stored drawing, exactly as if the figure were drawn now."""
+    drawing = _with_unique_ids(figure.svg.decode())
+    label = f'<svg role="img" aria-label="{escape(title, quote=True)}"'
+    width = _WIDTH.search(drawing)
+    size = f' style="--wide: {width[1]}"' if width else ""
+    html = f'<figure class="figure"{size}>{drawing.replace("<svg", label, 1)}</figure>'
+    return Rendered(html=html, files={".svg": figure.svg, ".pdf": figure.pdf})
+
+
+def show_broken_formulas_as_text(figure: Figure) -> None:
+    r"""Have matplotlib draw texts literally whose ``$`` signs enclose no valid formula.
+
+    Nodes should pass names through `figure_text`. Where a node does not, a name such as
+    ``$\frac$`` would make the whole figure fail. Valid formulas stay formulas: the author of the
+    node may have meant them.
+
+    Warns
+    -----
+    UserWarning
+        With the texts.
+    """
+    from matplotlib.mathtext import MathTextParser
+    from matplotlib.text import Text
+
+    parser = MathTextParser("path")
+    texts = [text for text in figure.findobj(Text) if isinstance(text, Text)]
+    broken = [text for text in texts if text.get_parse_math() and _is_broken(text, parser)]
+    for text in broken:
+        text.set_parse_math(False)
+    if broken:
+        shown = listed(dict.fromkeys(" ".join(text.get_text().split()) for text in broken))
+        warnings.warn(f"drawn as text, as no formula: {shown}", stacklevel=2)
+
+
+def _is_broken(text: Text, parser: MathTextParser[VectorParse]) -> bool:
+    """Return whether matplotlib takes a line of a text for a formula that it cannot draw."""
+    from matplotlib.cbook import is_math_text
+
+    if text.get_usetex():
+        return False
+    for line in filter(is_math_text, text.get_text().split("\n")):
+        try:
+            parser.parse(line)
+        except ValueError:
+            return True
+    return False
+
+
+def _with_unique_ids(svg: str) -> str:
+    """Return a drawing whose ids occur in no other drawing of a page, unless the two are equal."""
+    drawing = svg[svg.index("<svg") :]
+    prefix = "f" + hashlib.sha256(drawing.encode()).hexdigest()[:12]
+    return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{prefix}-", tag[0]), drawing)

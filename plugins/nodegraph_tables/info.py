@@ -1,0 +1,82 @@
+"""What a table says beside its rows: title, answer, notes, units, and how its columns are read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from typing import TYPE_CHECKING, Any, Literal
+
+from pydantic.dataclasses import dataclass
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+BetterEnd = Literal["lower", "higher", "none"]
+Part = Literal["low", "high", "p"]
+
+
+@dataclass(frozen=True, config={"defer_build": True})
+class TableInfo:
+    """What a table says beside its rows, for readers and for the nodes that compare tables.
+
+    Attributes
+    ----------
+    title : str
+        The caption. Default: what the report calls the result.
+    answer : tuple of str
+        Sentences that answer the question of the study; the report begins with them.
+    notes : tuple of str
+        Remarks below the table.
+    units : mapping of column to str
+    better : mapping of column to {"lower", "higher", "none"}
+        Which end of a column is the better one; "none" for a value that is best in between, such
+        as a lag. Default: lower.
+    labels : tuple of columns, optional
+        The columns that identify a row. Default: the first column if it holds text.
+    best : mapping of column to tuple of int
+        The rows whose cells are marked as the best.
+    cells : mapping of column to mapping of {"low", "high", "p"} to column
+        The columns that are shown within the cells of another, as ``mean [low, high]``, with a
+        dagger where p is below 0.05.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a field has another type.
+    """
+
+    title: str = ""
+    answer: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    better: Mapping[str, BetterEnd] = field(default_factory=dict)
+    labels: tuple[str, ...] | None = None
+    best: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
+
+
+def with_info(table: pd.DataFrame, info: TableInfo) -> pd.DataFrame:
+    """Return the table with this information, which pandas' operations pass on.
+
+    Examples
+    --------
+    >>> from pandas import DataFrame
+    >>> errors = DataFrame({"marker": ["lip", "chin"], "rmse": [0.4, 0.7]})
+    >>> errors = with_info(errors, TableInfo(units={"rmse": "mm"}, better={"rmse": "lower"}))
+    >>> info_of(errors).units
+    {'rmse': 'mm'}
+    """
+    from nodegraph_tables.frame import TableFrame
+
+    frame = TableFrame(table)
+    finalize: Any = frame.__finalize__  # unknown to the stubs of pandas
+    finalize(table)
+    frame.table_info = info
+    return frame
+
+
+def info_of(table: pd.DataFrame) -> TableInfo:
+    """Return what a table says beside its rows; nothing for a plain DataFrame."""
+    # a plain DataFrame may have a column of that name
+    info = getattr(table, "table_info", None)
+    return info if isinstance(info, TableInfo) else TableInfo()

@@ -1,0 +1,136 @@
+"""Drawings of figures: equal every time, readable in a page, with texts drawn literally."""
+
+from __future__ import annotations
+
+import re
+import warnings
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nodegraph_tables.figures import StoredFigure, draw, render_figure, store_figure
+
+
+@pytest.fixture
+def figure() -> Figure:
+    made = Figure(figsize=(3, 2))
+    axes = made.subplots()
+    axes.plot([1, 2], [3, 5], marker="o", label='a > id="x"')
+    axes.fill_between([1, 2], [3, 5], hatch="/")
+    axes.set_title("<b> url(#q)")
+    axes.legend()
+    return made
+
+
+def ids(html: str) -> set[str]:
+    return {found.get("id", "") for found in drawing(html).iter()} - {""}
+
+
+def drawing(html: str) -> ET.Element:
+    return ET.fromstring(html[html.index("<svg") : html.index("</figure>")])
+
+
+def test_a_drawing_is_told_to_those_who_do_not_see_it(figure: Figure) -> None:
+    svg = drawing(render_figure(figure, 'Errors "in" <gaps>').html)
+    assert svg.get("role") == "img"
+    assert svg.get("aria-label") == 'Errors "in" <gaps>'
+
+
+def test_a_drawing_is_the_same_every_time(figure: Figure) -> None:
+    once, again = render_figure(figure, "t"), render_figure(figure, "t")
+    assert once == again
+    assert set(once.files) == {".svg", ".pdf"}
+    assert once.files[".pdf"].startswith(b"%PDF")
+    assert b"CreationDate" not in once.files[".pdf"]
+    assert b"dc:date" not in once.files[".svg"]
+
+
+def test_two_drawings_of_a_page_share_no_id(figure: Figure) -> None:
+    first = render_figure(figure, "t").html
+    figure.axes[0].set_xlabel("other")
+    second = render_figure(figure, "t").html
+    assert ids(first)
+    assert not ids(first) & ids(second)
+
+
+def test_every_reference_of_a_drawing_has_its_target(figure: Figure) -> None:
+    html = render_figure(figure, "t").html
+    inside = re.findall(r"<[a-z][^>]*>", html)
+    targets = {
+        name for tag in inside for name in re.findall(r"""(?:href="#|url\(#)([^")]+)""", tag)
+    }
+    assert targets
+    assert targets <= ids(html)
+
+
+def test_texts_of_a_drawing_stay_as_they_are(figure: Figure) -> None:
+    texts = {"".join(one.itertext()) for one in drawing(render_figure(figure, "t").html).iter()}
+    assert {'a > id="x"', "<b> url(#q)"} <= texts
+
+
+def test_drawing_leaves_pyplot_alone(figure: Figure) -> None:
+    import matplotlib.pyplot as plt
+
+    render_figure(figure, "t")
+    assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize(
+    "drawing", [(b"", b""), (b"\xff<svg", b""), ("<svg>", b""), (b"<svg>", "")]
+)
+def test_what_is_no_drawing_is_refused(drawing: Any) -> None:
+    with pytest.raises(ValueError, match=r"svg|pdf|utf-8"):
+        StoredFigure(*drawing)
+
+
+def test_a_notebook_shows_a_stored_drawing(figure: Figure) -> None:
+    shown = ET.fromstring(store_figure(figure)._repr_html_())
+    assert shown.tag == "figure"
+    assert "<b> url(#q)" in "".join(shown.itertext())
+
+
+BROKEN = r"$\frac$"
+
+
+def labelled(*, title: str = "", legend: str = "", tick: str = "", label: str = "") -> Figure:
+    """Return the figure of a node that does not escape names."""
+    drawing = Figure(layout="constrained")
+    axis = drawing.subplots()
+    axis.plot([0, 1], [1, 1000])
+    axis.set(title=title, ylabel=label, yscale="log")
+    axis.set_xticks([0, 1], [tick, "b"])
+    if legend:
+        drawing.legend(handles=[Line2D([], [], label=legend)])
+    return drawing
+
+
+@pytest.mark.parametrize("place", ["title", "legend", "tick", "label"])
+def test_what_is_no_formula_is_drawn_as_text_and_told(place: str) -> None:
+    with pytest.warns(UserWarning, match=r"drawn as text, as no formula: \$\\frac\$"):
+        shown = render_figure(labelled(**{place: BROKEN}), "t")
+    assert f">{BROKEN}<" in shown.html
+    assert shown.files[".pdf"].startswith(b"%PDF")
+
+
+def test_it_is_told_once_for_the_same_text() -> None:
+    with pytest.warns(UserWarning, match="formula") as told:
+        render_figure(labelled(title=BROKEN, legend=BROKEN), "t")
+    assert [str(one.message).count("frac") for one in told] == [1]
+
+
+def test_one_line_of_a_text_may_be_broken() -> None:
+    with pytest.warns(UserWarning, match="drawn as text"):
+        drawn = draw(labelled(title=f"one\n{BROKEN}"), "svg").decode()
+    assert f">{BROKEN}<" in drawn
+
+
+def test_a_formula_stays_one() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        drawn = draw(labelled(label="power (mm$^2$/Hz)"), "svg").decode()
+    assert "$" not in drawn.replace("<!-- power (mm$^2$/Hz) -->", "").replace(
+        r"<!-- $\mathdefault{10^{", ""
+    ).replace("}}$ -->", "")
