@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_compare.labels import label_order
 from nodegraph_compare.ties import tied
 
 if TYPE_CHECKING:
@@ -205,3 +204,36 @@ def _wanting(scores: Across[Table]) -> Iterable[Mapping[str, Label]]:
 
 def _pick(labels: Mapping[str, Label], axes: tuple[str, ...]) -> tuple[Label, ...]:
     return tuple(labels.get(axis, "") for axis in axes)
+
+
+def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
+    """Return the labels of a gathered axis in the order in which the graph lists them.
+
+    The values along the axis, with all other labels fixed, are in that order; where some of them
+    are absent, a label takes its place behind the one that it follows elsewhere. Labels without
+    any value come last; labels that were only ever skipped are left out.
+    """
+    order: list[Label] = []
+    for sequence in _sequences(scores, axis):
+        if not set(order).issuperset(sequence):
+            _merge(order, sequence)
+    wanting = (one.labels.get(axis, "") for one in scores.absent if one.kind != "skipped")
+    return tuple(dict.fromkeys([*order, *wanting]))
+
+
+def _sequences(scores: Across[Any], axis: str) -> Iterable[list[Label]]:
+    found: defaultdict[tuple[Label, ...], list[Label]] = defaultdict(list)
+    others = [other for other in scores.axes if other != axis]
+    for labels, _ in scores:
+        found[tuple(labels.get(other, "") for other in others)].append(labels.get(axis, ""))
+    return found.values()
+
+
+def _merge(order: list[Label], sequence: list[Label]) -> None:
+    place = len(order) if set(order).isdisjoint(sequence) else 0
+    for label in sequence:
+        if label in order:
+            place = order.index(label) + 1
+        else:
+            order.insert(place, label)
+            place += 1

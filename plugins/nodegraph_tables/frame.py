@@ -6,14 +6,12 @@ from typing import ClassVar
 
 import pandas as pd
 
-from nodegraph_tables.info import TableInfo
-
 
 class TableFrame(pd.DataFrame):
     """A DataFrame with a `TableInfo`, as pandas lets subclasses carry metadata."""
 
     _metadata: ClassVar[list[str]] = ["table_info"]
-    table_info = TableInfo()
+    table_info: object = None
 
     @property
     def _constructor(self) -> type[TableFrame]:

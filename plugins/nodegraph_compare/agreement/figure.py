@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from nodegraph_compare.agreement.node import Interval, Pair
+    from nodegraph_compare.agreement.limits import Interval, Pair
     from nodegraph_compare.question import Question
 
 _MOST = 12

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph import Label
-    from nodegraph_compare.curve.figure import Scale
     from nodegraph_compare.curve.points import Points
+    from nodegraph_compare.curve.scale import Scale
 
 Mark = Literal["none", "minimum", "shared"]
 

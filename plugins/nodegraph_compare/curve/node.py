@@ -11,9 +11,9 @@ from pydantic import Field
 
 from nodegraph import Across, ColumnOf, Label, listed, node
 from nodegraph_compare.curve.answer import answer, losses, notes
-from nodegraph_compare.curve.figure import scale_of
 from nodegraph_compare.curve.marks import Mark, marks
 from nodegraph_compare.curve.points import Axes, floors, points
+from nodegraph_compare.curve.scale import scale_of
 from nodegraph_compare.question import Names, OneColumn, OneName, check_known, placed, unit_of
 from nodegraph_compare.ties import at_most
 from nodegraph_mocap import Figure, Table

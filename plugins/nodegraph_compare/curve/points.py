@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from nodegraph_compare.blocks import label_order
 from nodegraph_compare.bootstrap import Bootstrap
-from nodegraph_compare.labels import label_order
 from nodegraph_compare.ties import tied
 
 if TYPE_CHECKING:
