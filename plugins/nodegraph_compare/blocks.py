@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from nodegraph import Across, Label
+    from nodegraph import Absent, Across, Label
     from nodegraph_compare.question import Question
     from nodegraph_mocap import Table
 
@@ -54,8 +54,8 @@ class Group:
     @property
     def complete(self) -> NDArray[np.bool_]:
         """(B,), True for a block in which every usable method has a number."""
-        chosen = np.isfinite(self.values[:, self.usable])
-        return np.asarray(chosen.all(axis=1) & self.usable.any())
+        known = np.isfinite(self.values[:, self.usable])
+        return np.asarray(known.all(axis=1) & self.usable.any())
 
 
 @dataclass(frozen=True)
@@ -73,20 +73,20 @@ class Columns:
             number = number * len(labels) + codes
         return number
 
-    def number(self, chosen: tuple[Label, ...]) -> int:
+    def number(self, combination: tuple[Label, ...]) -> int:
         """Return the number of one combination of labels."""
         number = 0
-        for labels, label in zip(self.labels, chosen, strict=True):
+        for labels, label in zip(self.labels, combination, strict=True):
             number = number * len(labels) + labels.index(label)
         return number
 
     def decoded(self, number: int) -> tuple[Label, ...]:
         """Return the labels that a number stands for."""
-        found: list[Label] = []
+        combination: list[Label] = []
         for labels in reversed(self.labels):
             number, place = divmod(number, len(labels))
-            found.append(labels[place])
-        return tuple(reversed(found))
+            combination.append(labels[place])
+        return tuple(reversed(combination))
 
 
 def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
@@ -99,7 +99,7 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
     methods = compare.combined()
     empty = _without_rows(scores, question, within, compare)
     shares = _Shares(scores, question)
-    made = []
+    result = []
     for number in sorted({*rows_of, *empty}):
         rows = rows_of.get(number, np.empty(0, dtype=np.intp))
         kinds = sorted({*methods[rows].tolist(), *empty.get(number, ())})
@@ -107,19 +107,20 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
         place = np.searchsorted(kinds, methods[rows])
         values, missing = _block_means(block[rows], place, value[rows], len(kinds))
         refused = np.array([shares.of(labels + name) for name in names])
-        called = tuple((*name, "")[0] for name in names)
-        made.append(Group(labels, called, tied(values), missing, refused))
-    return tuple(made)
+        names_of_methods = tuple((*name, "")[0] for name in names)
+        result.append(Group(labels, names_of_methods, tied(values), missing, refused))
+    return tuple(result)
 
 
 def columns_of(scores: Across[Table], names: tuple[str, ...]) -> Columns:
     """Return gathered axes, or columns, of all rows of all tables."""
     lengths = [len(table) for table in scores.values()]
-    both = [
+    columns = [
         _axis(scores, name, lengths) if name in scores.axes else _column(scores, name)
         for name in names
     ]
-    return Columns(tuple(one[0] for one in both), tuple(one[1] for one in both), sum(lengths))
+    labels, codes = tuple(labels for labels, _ in columns), tuple(codes for _, codes in columns)
+    return Columns(labels, codes, sum(lengths))
 
 
 def _axis(
@@ -149,57 +150,58 @@ def values_of(scores: Across[Table], metric: str) -> NDArray[np.float64]:
 def _split(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
     """Return, for each number that occurs, the rows in which it does."""
     order = np.argsort(numbers, kind="stable")
-    found, starts = np.unique(numbers[order], return_index=True)
-    return dict(zip(found.tolist(), np.split(order, starts[1:]), strict=False))
+    distinct, starts = np.unique(numbers[order], return_index=True)
+    return dict(zip(distinct.tolist(), np.split(order, starts[1:]), strict=False))
 
 
 def _block_means(
     block: NDArray[np.intp], method: NDArray[np.intp], value: NDArray[np.float64], methods: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the (B, K) means of the rows of each block and the (K,) shares without a number."""
-    found, place = np.unique(block, return_inverse=True)
-    cell, size = place * methods + method, len(found) * methods
+    blocks, place = np.unique(block, return_inverse=True)
+    cell, size = place * methods + method, len(blocks) * methods
     count = np.bincount(cell, minlength=size).reshape(-1, methods)
     total = np.bincount(cell, weights=value, minlength=size).reshape(-1, methods)
-    wanting = np.bincount(method, weights=np.isnan(value), minlength=methods)
+    missing = np.bincount(method, weights=np.isnan(value), minlength=methods)
     rows = count.sum(axis=0)
     means = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    return means, np.where(rows > 0, wanting / np.maximum(rows, 1), np.nan)
+    return means, np.where(rows > 0, missing / np.maximum(rows, 1), np.nan)
 
 
 def _without_rows(
     scores: Across[Table], question: Question, within: Columns, compare: Columns
 ) -> dict[int, set[int]]:
-    """Return the methods that were refused or failed, by group, where only axes tell them apart."""
+    """Return the methods that were refused or failed, by group, if only axes distinguish them."""
     if not set(question.within + question.compared).issubset(scores.axes):
         return {}
-    found: dict[int, set[int]] = {}
-    for labels in _wanting(scores):
-        group = within.number(_pick(labels, question.within))
-        method = compare.number(_pick(labels, question.compared))
-        found.setdefault(group, set()).add(method)
-    return found
+    methods: dict[int, set[int]] = {}
+    for absent in unsuccessful(scores):
+        group = within.number(_pick(absent.labels, question.within))
+        method = compare.number(_pick(absent.labels, question.compared))
+        methods.setdefault(group, set()).add(method)
+    return methods
 
 
 class _Shares:
-    """Counts the combinations that were refused or failed, by the axes that tell groups apart."""
+    """Counts the combinations that were refused or failed, by the axes that distinguish groups."""
 
     def __init__(self, scores: Across[Table], question: Question) -> None:
         names = question.within + question.compared
         self._places = [place for place, name in enumerate(names) if name in scores.axes]
         axes = tuple(names[place] for place in self._places)
-        self._wanting = Counter(_pick(labels, axes) for labels in _wanting(scores))
-        self._there = Counter(_pick(labels, axes) for labels, _ in scores)
+        self._absent = Counter(_pick(absent.labels, axes) for absent in unsuccessful(scores))
+        self._present = Counter(_pick(labels, axes) for labels, _ in scores)
 
     def of(self, labels: tuple[Label, ...]) -> float:
         """Return the share for the labels of a group and of a method."""
         key = tuple(labels[place] for place in self._places)
-        total = self._wanting[key] + self._there[key]
-        return self._wanting[key] / total if total else 0.0
+        total = self._absent[key] + self._present[key]
+        return self._absent[key] / total if total else 0.0
 
 
-def _wanting(scores: Across[Table]) -> Iterable[Mapping[str, Label]]:
-    return (one.labels for one in scores.absent if one.kind != "skipped")
+def unsuccessful(scores: Across[Any]) -> list[Absent]:
+    """Return the combinations that were refused or failed, not those skipped on purpose."""
+    return [absent for absent in scores.absent if absent.kind != "skipped"]
 
 
 def _pick(labels: Mapping[str, Label], axes: tuple[str, ...]) -> tuple[Label, ...]:
@@ -217,16 +219,16 @@ def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
     for sequence in _sequences(scores, axis):
         if not set(order).issuperset(sequence):
             _merge(order, sequence)
-    wanting = (one.labels.get(axis, "") for one in scores.absent if one.kind != "skipped")
-    return tuple(dict.fromkeys([*order, *wanting]))
+    without_value = (absent.labels.get(axis, "") for absent in unsuccessful(scores))
+    return tuple(dict.fromkeys([*order, *without_value]))
 
 
 def _sequences(scores: Across[Any], axis: str) -> Iterable[list[Label]]:
-    found: defaultdict[tuple[Label, ...], list[Label]] = defaultdict(list)
+    sequences: defaultdict[tuple[Label, ...], list[Label]] = defaultdict(list)
     others = [other for other in scores.axes if other != axis]
     for labels, _ in scores:
-        found[tuple(labels.get(other, "") for other in others)].append(labels.get(axis, ""))
-    return found.values()
+        sequences[tuple(labels.get(other, "") for other in others)].append(labels.get(axis, ""))
+    return sequences.values()
 
 
 def _merge(order: list[Label], sequence: list[Label]) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def compared_labels(
-    scores: Across[Any], question: Question, found: Sequence[Group]
+    scores: Across[Any], question: Question, groups: Sequence[Group]
 ) -> tuple[Label, ...]:
     """Return all compared labels in their order: an axis's, else as the groups have them.
 
@@ -27,17 +27,17 @@ def compared_labels(
     scores
         The gathered tables.
     question
-        Of which the compared labels are asked for.
+        Of the comparison.
     found
         The groups of the tables.
     """
     if question.compare in scores.axes:
         return label_order(scores, question.compare)
-    return tuple(dict.fromkeys(label for one in found for label in one.methods))
+    return tuple(dict.fromkeys(label for group in groups for label in group.methods))
 
 
 def compared_looks(
-    scores: Across[Any], question: Question, found: Sequence[Group]
+    scores: Across[Any], question: Question, groups: Sequence[Group]
 ) -> dict[Label, Look]:
     """Return how each compared label appears, in the order of `compared_labels`.
 
@@ -49,11 +49,11 @@ def compared_looks(
     scores
         The gathered tables.
     question
-        Of which the compared labels are asked for.
+        Of the comparison.
     found
         The groups of the tables.
     """
-    order = compared_labels(scores, question, found)
+    order = compared_labels(scores, question, groups)
     every = scores.labels(question.compare) if question.compare in scores.axes else ()
     dealt = looks((*order, *every))
     return {label: dealt[str(label)] for label in order}

@@ -1,4 +1,4 @@
-"""What a comparison leaves out, told in sentences: blocks, methods and combinations."""
+"""Sentences on what a comparison leaves out: blocks, methods and combinations."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import listed
+from nodegraph_compare.blocks import unsuccessful
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -19,18 +20,18 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Table
 
 MOST_GROUPS = 12
-"""Groups that are told one by one; of more, a sentence tells in how many."""
+"""Groups that have a sentence each; of more, one sentence states the counts."""
 
-_TOLD = 8
+_LISTED = 8
 _REASONS = 2
 _NOTED = 40
 _MOST_LACKING = 3
 _NARROW = 0.25
-"""Share of the blocks that may be left out before the answer itself says so."""
+"""Share of the blocks that may be left out before the answer itself mentions it."""
 
 
 def left_out(
-    scores: Across[Table], question: Question, found: Sequence[Group], *, pairwise: bool = False
+    scores: Across[Table], question: Question, groups: Sequence[Group], *, pairwise: bool = False
 ) -> list[str]:
     """Return what is left out as notes, and warn of all of it that was not skipped on purpose.
 
@@ -40,19 +41,19 @@ def left_out(
     ----------
     scores
         The gathered tables.
-    question, found
+    question, groups
         Of the comparison.
     pairwise
         Whether two methods are compared over the blocks that both of them have, whatever the
         others lack.
     """
-    told = [text for text in (dropped(one, question, pairwise) for one in found) if text]
-    missing = absences((one for one in scores.absent if one.kind != "skipped"), question.compare)
-    empty = [] if found else ["the tables have no rows"]
-    if told or missing or empty:
-        warnings.warn(shortened([*told, *missing, *empty]), stacklevel=3)
-    more = len(told) - _NOTED
-    noted = told if more <= 0 else [*told[:_NOTED], f"and so in {more} more groups"]
+    sentences = [text for text in (dropped(group, question, pairwise) for group in groups) if text]
+    missing = absences(unsuccessful(scores), question.compare)
+    empty = [] if groups else ["the tables have no rows"]
+    if sentences or missing or empty:
+        warnings.warn(shortened([*sentences, *missing, *empty]), stacklevel=3)
+    more = len(sentences) - _NOTED
+    noted = sentences if more <= 0 else [*sentences[:_NOTED], f"and so in {more} more groups"]
     return noted + absences(scores.absent, question.compare)
 
 
@@ -61,9 +62,9 @@ def dropped(group: Group, question: Question, pairwise: bool = False) -> str | N
     some = [f"{name} lacks {count}" for name, count in _lacking(group)]
     total, count = len(group.values), np.count_nonzero(~group.complete)
     what = "are not in every pair" if pairwise else "left out"
-    told = [f"{count} of {total} blocks {what} ({listed(some)})"] if some else []
-    told += filter(None, [numberless(group)])
-    return start_text(group_text(group, question)) + "; ".join(told) if told else None
+    clauses = [f"{count} of {total} blocks {what} ({listed(some)})"] if some else []
+    clauses += filter(None, [numberless(group)])
+    return start_text(group_text(group, question)) + "; ".join(clauses) if clauses else None
 
 
 def numberless(group: Group) -> str:
@@ -80,11 +81,11 @@ def narrowed(group: Group, blocks: str) -> str:
     total, count = len(group.values), np.count_nonzero(group.complete)
     if not group.usable.any() or (total - count) <= _NARROW * total:
         return ""
-    lacking = sorted(_lacking(group), key=lambda one: -one[1])
-    told = [f"{name} lacks {count}" for name, count in lacking[:_MOST_LACKING]]
-    more = len(lacking) - len(told)
+    lacking = sorted(_lacking(group), key=lambda method: -method[1])
+    clauses = [f"{name} lacks {count}" for name, count in lacking[:_MOST_LACKING]]
+    more = len(lacking) - len(clauses)
     rest = f" and {more} more lack some" if more else ""
-    return f"{count} of {total} {blocks}: {', '.join(told)}{rest}"
+    return f"{count} of {total} {blocks}: {', '.join(clauses)}{rest}"
 
 
 def _lacking(group: Group) -> list[tuple[Label, int]]:
@@ -97,12 +98,13 @@ def _lacking(group: Group) -> list[tuple[Label, int]]:
 def absences(absent: Iterable[Absent], compare: str | None) -> list[str]:
     """Return how many combinations are absent, by compared label and kind, with the reasons."""
     reasons: dict[tuple[Label, str], list[str]] = defaultdict(list)
-    for one in absent:
-        reasons[one.labels.get(compare or "", ""), one.kind].append(one.reason)
+    for combination in absent:
+        label = combination.labels.get(compare or "", "")
+        reasons[label, combination.kind].append(combination.reason)
     return [
-        f"{start_text(label)}{len(told)} {'combination' if len(told) == 1 else 'combinations'} "
-        f"{kind}{_because(told)}"
-        for (label, kind), told in reasons.items()
+        f"{start_text(label)}{len(why)} {'combination' if len(why) == 1 else 'combinations'} "
+        f"{kind}{_because(why)}"
+        for (label, kind), why in reasons.items()
     ]
 
 
@@ -111,10 +113,11 @@ def start_text(label: Label) -> str:
     return f"{label}: " if str(label) else ""
 
 
-def shortened(told: list[str]) -> str:
+def shortened(sentences: list[str]) -> str:
     """Return sentences as one text, and how many more there are where there are many."""
-    more = f"; and {len(told) - _TOLD} more, see the table's notes" if len(told) > _TOLD else ""
-    return "; ".join(told[:_TOLD]) + more
+    more = len(sentences) - _LISTED
+    rest = f"; and {more} more, see the table's notes" if more > 0 else ""
+    return "; ".join(sentences[:_LISTED]) + rest
 
 
 def group_text(group: Group, question: Question) -> str:
@@ -140,8 +143,8 @@ def end_text(question: Question) -> str:
     return f"{question.better.capitalize()} is better."
 
 
-def _because(told: list[str]) -> str:
-    reasons = [reason for reason in dict.fromkeys(told) if reason]
+def _because(why: list[str]) -> str:
+    reasons = [reason for reason in dict.fromkeys(why) if reason]
     more = len(reasons) - _REASONS
     rest = f"; and {more} more reasons" if more > 0 else ""
     return f" ({'; '.join(reasons[:_REASONS])}{rest})" if reasons else ""

@@ -38,7 +38,7 @@ def reach(
 
 
 def without_drawing(why: str) -> Figure:
-    """Return a figure that says why nothing is drawn."""
+    """Return a figure with the reason why nothing is drawn."""
     figure = Figure(figsize=(4.2, 1.2))
     figure.text(0.5, 0.5, why, ha="center", va="center")
     return figure

@@ -35,7 +35,7 @@ def check_known(scores: Across[Table], name: str, *, what: str = "axis or column
     Raises
     ------
     ValueError
-        If a table has no such column; the message says which, and what there is instead.
+        If a table has no such column; the message names it, and what there is instead.
     """
     axes = () if what == "metric" else scores.axes
     if name in axes:
@@ -48,10 +48,10 @@ def check_known(scores: Across[Table], name: str, *, what: str = "axis or column
 
 
 def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
-    """Yield each table, and the words that say which it is: `` in the table of trial=0``."""
+    """Yield each table with its place for a message: `` in the table of trial=0``."""
     for labels, table in scores:
-        told = ", ".join(f"{axis}={label}" for axis, label in labels.items() if label != "")
-        yield f" in the table of {told}" if told else "", table
+        place = ", ".join(f"{axis}={label}" for axis, label in labels.items() if label != "")
+        yield f" in the table of {place}" if place else "", table
 
 
 Better = Literal["declared", "lower", "higher", "none"]
@@ -141,7 +141,8 @@ def ask(
     within
         Each combination of their labels is a group.
     blocks
-        Default: the other gathered axes, and the first column where it says which unit a row is.
+        Default: the other gathered axes, and the first column where it identifies the unit of a
+        row.
     better
         Which end of the metric is the better one; ``declared``: see `better_end`.
 
@@ -156,23 +157,23 @@ def ask(
     used = (*within, *blocks)
     free = [axis for axis in scores.axes if axis not in used]
     compared = compare if compare is not None or not free else free[-1]
-    chosen = blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
-    named = (*within, *filter(None, [compared]), *chosen)
+    units = blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
+    named = (*within, *filter(None, [compared]), *units)
     _check_names(scores, named)
-    _check_blocks(chosen)
+    _check_blocks(units)
     averaged = tuple(axis for axis in scores.axes if axis not in named)
     value = _metric(scores, metric)
     end = better_end(scores, value, better)
-    return Question(value, compared, tuple(within), chosen, averaged, end)
+    return Question(value, compared, tuple(within), units, averaged, end)
 
 
 def unit_of(scores: Across[Table], metric: str) -> str:
-    """Return the unit of the metric, as the first table has it; empty if it says none."""
+    """Return the unit of the metric, as the first table has it; empty if it has none."""
     return info_of(scores.values()[0]).units.get(metric, "")
 
 
 def blocks_name(scores: Across[Table], question: Question) -> str:
-    """Return what several blocks are called: ``gaps`` where a column tells which gap a row is."""
+    """Return the plural name of the blocks: ``gaps`` where the column ``gap`` identifies them."""
     units = [name for name in question.blocks if name not in scores.axes]
     named = units or question.blocks
     return f"{named[0]}s" if len(named) == 1 else "blocks"
@@ -210,11 +211,11 @@ def _metric(scores: Across[Table], metric: str | None) -> str:
     floats = [name for name in numbers if first[name].dtype.kind == "f"]
     if metric is None and not floats:
         raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
-    chosen = floats[0] if metric is None else metric
-    check_known(scores, chosen, what="metric")
+    column = floats[0] if metric is None else metric
+    check_known(scores, column, what="metric")
     for where, table in placed(scores):
-        if table[chosen].dtype.kind not in "iuf":
+        if table[column].dtype.kind not in "iuf":
             raise ValueError(
-                f"metric {chosen!r} is no column of numbers{where}; there are: {listed(numbers)}"
+                f"metric {column!r} is no column of numbers{where}; there are: {listed(numbers)}"
             )
-    return chosen
+    return column

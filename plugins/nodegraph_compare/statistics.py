@@ -38,11 +38,11 @@ def p_values(differences: NDArray[np.float64], test: Test) -> NDArray[np.float64
     -------
     (K,) array of float64
     """
-    chosen: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]]
-    chosen = {"wilcoxon": signed_rank, "t": student, "sign": sign}
+    tests: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]]
+    tests = {"wilcoxon": signed_rank, "t": student, "sign": sign}
     if test == "none" or not len(differences):
         return np.full(differences.shape[1], np.nan)
-    return chosen[test](differences)
+    return tests[test](differences)
 
 
 def signed_rank(differences: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -146,8 +146,8 @@ def _exact(differences: NDArray[np.float64]) -> float:
     ranks = rankdata(np.abs(some))
     signs = (np.arange(2 ** len(some))[:, np.newaxis] >> np.arange(len(some))) & 1
     # midranks are halves: their sums are exact
-    sums, found = signs @ ranks, float(ranks[some > 0.0].sum())
-    tail = min(np.count_nonzero(sums <= found), np.count_nonzero(sums >= found))
+    sums, observed = signs @ ranks, float(ranks[some > 0.0].sum())
+    tail = min(np.count_nonzero(sums <= observed), np.count_nonzero(sums >= observed))
     return min(1.0, 2 * tail / len(sums))
 
 

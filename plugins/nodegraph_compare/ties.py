@@ -49,8 +49,8 @@ def tied(values: Numbers) -> Numbers:
     largest = np.fmax.reduce(np.abs(rows), axis=1)
     usual = np.median(largest[largest > 0.0]) if (largest > 0.0).any() else 0.0
     parts = np.array_split(rows, -(-rows.size // _AT_ONCE))  # a sort needs room
-    made = [settled(part, np.fmax(np.abs(part), _SMALL * usual)) for part in parts]
-    return np.concatenate(made).reshape(values.shape)
+    steps = [settled(part, np.fmax(np.abs(part), _SMALL * usual)) for part in parts]
+    return np.concatenate(steps).reshape(values.shape)
 
 
 def apart(first: Numbers, second: Numbers) -> Numbers:
@@ -100,10 +100,10 @@ def settled(values: Numbers, size: Numbers) -> Numbers:
     sizes = np.take_along_axis(size.reshape(rows.shape), order, axis=1)
     starts = _starts(np.take_along_axis(rows, order, axis=1), ROUNDING * sizes).ravel()
     first = np.minimum.reduceat(order.ravel(), np.flatnonzero(starts))
-    chosen = first[np.cumsum(starts) - 1].reshape(rows.shape)
-    made = np.empty_like(rows)
-    np.put_along_axis(made, order, np.take_along_axis(rows, chosen, axis=1), axis=1)
-    return made.reshape(values.shape)
+    source = first[np.cumsum(starts) - 1].reshape(rows.shape)
+    result = np.empty_like(rows)
+    np.put_along_axis(result, order, np.take_along_axis(rows, source, axis=1), axis=1)
+    return result.reshape(values.shape)
 
 
 def _starts(ordered: Numbers, width: Numbers) -> NDArray[np.bool_]:

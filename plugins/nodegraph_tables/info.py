@@ -1,4 +1,4 @@
-"""What a table says beside its rows: title, answer, notes, units, and how its columns are read."""
+"""The information that a table carries: title, answer, notes, units, marked cells."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Part = Literal["low", "high", "p"]
 
 @dataclass(frozen=True, config={"defer_build": True})
 class TableInfo:
-    """What a table says beside its rows, for readers and for the nodes that compare tables.
+    """What a table carries beside its rows, for readers and for nodes that compare tables.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ def with_info(table: pd.DataFrame, info: TableInfo) -> pd.DataFrame:
 
 
 def info_of(table: pd.DataFrame) -> TableInfo:
-    """Return what a table says beside its rows; nothing for a plain DataFrame."""
+    """Return the information of a table; an empty `TableInfo` for a plain DataFrame."""
     # a plain DataFrame may have a column of that name
     info = getattr(table, "table_info", None)
     return info if isinstance(info, TableInfo) else TableInfo()

@@ -1,4 +1,4 @@
-"""One look for all figures: colours that the colour-blind can tell apart, and a marker for each.
+"""One look for all figures: colours that the colour-blind can distinguish, and a marker for each.
 
 The colours are those of Okabe and Ito, "Color universal design" (2008). Black is kept for the
 truth. Nothing here needs matplotlib to be imported; the names are those that it understands.

@@ -25,17 +25,17 @@ _MOST = 12
 _PER_ROW = 3
 
 
-def draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
+def draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
     """Return a panel per pair that shares a block, at most 12 of them.
 
     Parameters
     ----------
-    question, found
+    question, pairs
         Of the comparison.
     unit
         Of the metric.
     """
-    known = [one for one in found if len(one.limits.difference)]
+    known = [pair for pair in pairs if len(pair.limits.difference)]
     drawn = known[:_MOST]
     if not drawn:
         return without_drawing("no two labels share a block")
@@ -46,10 +46,10 @@ def draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     for axis in axes[len(drawn) :]:
         axis.remove()
-    for axis, one in zip(axes, drawn, strict=False):
-        _panel(axis, one)
-        place = group_text(one.group, question)
-        name = f"{figure_text(one.first)} \N{MINUS SIGN} {figure_text(one.second)}"
+    for axis, pair in zip(axes, drawn, strict=False):
+        _panel(axis, pair)
+        place = group_text(pair.group, question)
+        name = f"{figure_text(pair.first)} \N{MINUS SIGN} {figure_text(pair.second)}"
         axis.set_title(f"{figure_text(place)}\n{name}" if place else name, fontsize=9)
     in_unit = f" ({unit})" if unit else ""
     figure.supxlabel(figure_text(f"mean {question.metric} of the two{in_unit}"), fontsize=10)
@@ -60,17 +60,16 @@ def draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
 
 
 def _panel(axis: Axes, pair: Pair) -> None:
-    told = pair.limits
+    limits = pair.limits
     axis.axhline(0.0, color=LIGHT, linewidth=0.8)
-    axis.scatter(told.middle, told.difference, s=14, color=GREY, linewidths=0, alpha=0.8)
-    _line(axis, told.bias, told.of_bias, BLUE, "-", "bias")
-    _line(axis, told.lower, told.of_lower, VERMILLION, "--", "lower limit")
-    _line(axis, told.upper, told.of_upper, VERMILLION, "--", "upper limit")
-    if told.of_slope[0] > 0.0 or told.of_slope[1] < 0.0:
-        ends = np.array([told.middle.min(), told.middle.max()])
-        axis.plot(
-            ends, told.bias + told.slope * (ends - told.middle.mean()), color=BLACK, linewidth=1
-        )
+    axis.scatter(limits.middle, limits.difference, s=14, color=GREY, linewidths=0, alpha=0.8)
+    _line(axis, limits.bias, limits.of_bias, BLUE, "-", "bias")
+    _line(axis, limits.lower, limits.of_lower, VERMILLION, "--", "lower limit")
+    _line(axis, limits.upper, limits.of_upper, VERMILLION, "--", "upper limit")
+    if limits.of_slope[0] > 0.0 or limits.of_slope[1] < 0.0:
+        ends = np.array([limits.middle.min(), limits.middle.max()])
+        heights = limits.bias + limits.slope * (ends - limits.middle.mean())
+        axis.plot(ends, heights, color=BLACK, linewidth=1)
     axis.spines[["top", "right"]].set_visible(False)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-_MOST_TOLD = 12
+_MOST_LISTED = 12
 
 
 class Agreed(NamedTuple):
@@ -44,9 +44,9 @@ def agreement(
     minus the second's: the bias ``mean(d)`` and the limits ``bias -+ 1.96 sd(d)``, between which
     95 % of normal differences lie (Bland & Altman 1986), each with its 95 % interval: of the bias
     Student's, of the limits the exact one for normal differences (Carkeet 2015). The slope of d
-    on the mean of the two values tells whether the difference grows with the value; where it
+    on the mean of the two values shows whether the difference grows with the value; where it
     does, the limits hold for no value in particular. A pair's blocks do not depend on other
-    labels; blocks that a label lacks are counted and told in a warning.
+    labels; blocks that a label lacks are counted in a warning.
 
     What differs by rounding alone is equal: of values in a block that are at most 1e-9 of their
     size apart all stand as the first, and of differences, as measured by the values.
@@ -64,8 +64,8 @@ def agreement(
         Axes, or columns: each combination of their labels is compared by itself.
     blocks
         Axes, or columns, whose combinations are the paired blocks. Default: every gathered axis
-        that is not compared or in `within`, and the first column of the tables where it says
-        which unit a row is.
+        that is not compared or in `within`, and the first column of the tables where it
+        identifies the unit of a row.
     baseline
         A label of `compare`: only pairs with it, as the second. Default: each pair of labels.
 
@@ -84,11 +84,13 @@ def agreement(
         If a name is neither axis nor column or is used twice, the metric holds no numbers, or
         the baseline is not among the compared labels.
     """
+    from nodegraph_compare.agreement.figure import draw
+
     question = ask(scores, metric=metric, compare=compare, within=within, blocks=blocks)
     gathered = groups(scores, question)
     order = compared_labels(scores, question, gathered)
     against = named_label(order, baseline)
-    found = [pair for group in gathered for pair in pairs_of(group, against)]
+    pairs = [pair for group in gathered for pair in pairs_of(group, against)]
     unit = unit_of(scores, question.metric)
     notes = (
         block_text(question),
@@ -96,19 +98,18 @@ def agreement(
         f"low, high: {CONFIDENCE:.0%} intervals, exact for normal differences.",
         *left_out(scores, question, gathered, pairwise=True),
     )
-    table = _table(found, question, unit, notes)
-    return Agreed(table, _draw(question, found, unit))
+    return Agreed(_table(pairs, question, unit, notes), draw(question, pairs, unit))
 
 
-def _table(found: Sequence[Pair], question: Question, unit: str, notes: tuple[str, ...]) -> Table:
+def _table(pairs: Sequence[Pair], question: Question, unit: str, notes: tuple[str, ...]) -> Table:
     from pandas import DataFrame
 
-    frame = DataFrame([_row(pair, question) for pair in found])
+    frame = DataFrame([_row(pair, question) for pair in pairs])
     valued = ("bias", "sd", "lower", "upper")
     by = f" by {question.compare}" if question.compare else ""
     info = TableInfo(
         title=f"Agreement of {question.metric}{by}",
-        answer=tuple(_answers(found, question, unit)),
+        answer=tuple(_answers(pairs, question, unit)),
         notes=notes,
         units={name: unit for name in frame.columns if unit and name.split(" ")[0] in valued},
     )
@@ -116,51 +117,42 @@ def _table(found: Sequence[Pair], question: Question, unit: str, notes: tuple[st
 
 
 def _row(pair: Pair, question: Question) -> dict[str, Any]:
-    told = pair.limits
+    limits = pair.limits
     row: dict[str, Any] = dict(zip(question.within, pair.group.labels, strict=True))
-    row |= {"first": pair.first, "second": pair.second, "blocks": len(told.difference)}
-    row |= {"bias": told.bias, "bias low": told.of_bias[0], "bias high": told.of_bias[1]}
-    row |= {"sd": told.sd}
-    row |= {"lower": told.lower, "lower low": told.of_lower[0], "lower high": told.of_lower[1]}
-    row |= {"upper": told.upper, "upper low": told.of_upper[0], "upper high": told.of_upper[1]}
-    return row | {
-        "slope": told.slope,
-        "slope low": told.of_slope[0],
-        "slope high": told.of_slope[1],
-    }
+    row |= {"first": pair.first, "second": pair.second, "blocks": len(limits.difference)}
+    row |= {"bias": limits.bias, "bias low": limits.of_bias[0], "bias high": limits.of_bias[1]}
+    row |= {"sd": limits.sd}
+    for name in ("lower", "upper", "slope"):
+        low, high = getattr(limits, f"of_{name}")
+        row |= {name: getattr(limits, name), f"{name} low": low, f"{name} high": high}
+    return row
 
 
-def _answers(found: Sequence[Pair], question: Question, unit: str) -> list[str]:
-    if not found:
+def _answers(pairs: Sequence[Pair], question: Question, unit: str) -> list[str]:
+    if not pairs:
         return ["there are no two labels to compare."]
-    told = [_answer(one, question, unit) for one in found[:_MOST_TOLD]]
-    more = len(found) - len(told)
-    return told + ([f"{more} more pairs are in the table."] if more else [])
+    sentences = [_answer(pair, question, unit) for pair in pairs[:_MOST_LISTED]]
+    more = len(pairs) - len(sentences)
+    return sentences + ([f"{more} more pairs are in the table."] if more else [])
 
 
 def _answer(pair: Pair, question: Question, unit: str) -> str:
-    told, start = pair.limits, start_text(group_text(pair.group, question))
-    names, count = f"{pair.first} and {pair.second}", len(told.difference)
+    limits, start = pair.limits, start_text(group_text(pair.group, question))
+    names, count = f"{pair.first} and {pair.second}", len(limits.difference)
     if count < 2:
         return (
             f"{start}{names} share {count or 'no'} block{'s' * (not count)}; nothing can be said."
         )
-    low, high = told.of_bias
+    low, high = limits.of_bias
     side = "above" if low > 0 else "below" if high < 0 else "not clearly above or below"
     in_unit = f" {unit}" if unit else ""
     slope = (
         "; the difference changes with the value"
-        if told.of_slope[0] > 0 or told.of_slope[1] < 0
+        if limits.of_slope[0] > 0 or limits.of_slope[1] < 0
         else ""
     )
     return (
-        f"{start}{pair.first} is {side} {pair.second} on average (bias {told.bias:.3g}{in_unit}, "
+        f"{start}{pair.first} is {side} {pair.second} on average (bias {limits.bias:.3g}{in_unit}, "
         f"interval {low:.3g} to {high:.3g}); 95 % of differences are expected between "
-        f"{told.lower:.3g} and {told.upper:.3g}{in_unit} ({count} blocks){slope}."
+        f"{limits.lower:.3g} and {limits.upper:.3g}{in_unit} ({count} blocks){slope}."
     )
-
-
-def _draw(question: Question, found: Sequence[Pair], unit: str) -> Figure:
-    from nodegraph_compare.agreement.figure import draw
-
-    return draw(question, found, unit)

@@ -1,4 +1,4 @@
-"""What curves say, in sentences: where their marks are, what noise alone does, what is left out."""
+"""Sentences on curves: where their marks are, what noise alone does, what is left out."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_compare.blocks import unsuccessful
 from nodegraph_compare.bootstrap import CONFIDENCE, RESAMPLES
 from nodegraph_compare.left_out import absences, start_text
 from nodegraph_compare.ties import at_most
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 def answer(
     axes: Axes,
-    found: Sequence[Points],
+    curves: Sequence[Points],
     marked: Marks,
     level: Mapping[Label, float] | None,
     mark: Mark,
@@ -33,27 +34,27 @@ def answer(
 
     Parameters
     ----------
-    axes, found, marked
+    axes, curves, marked
         The names, the points of each label, and the places with a mark.
     level
         The noise floor of each label, NaN for one without; None where there is no floor.
     mark, tolerance
-        What was asked for.
+        As set.
     unit
         Of the metric.
     """
-    drawn = [one for one in found if len(one.curve)]
+    drawn = [points for points in curves if len(points.curve)]
     if not drawn:
         return [f"No point has a number for {axes.metric}; nothing can be said."]
-    said = _Said(axes, marked, level, unit)
-    under = [one for one in drawn if _known(level, one)]
-    told = [] if mark == "none" else said.marks(drawn, mark, tolerance)
-    told += said.lowest(drawn) if mark == "none" and not under else []
-    return [*told, *(said.floor(one) for one in under)]
+    sentences = _Sentences(axes, marked, level, unit)
+    under = [points for points in drawn if _known(level, points)]
+    lines = [] if mark == "none" else sentences.marks(drawn, mark, tolerance)
+    lines += sentences.lowest(drawn) if mark == "none" and not under else []
+    return [*lines, *(sentences.floor(points) for points in under)]
 
 
 def verdict(marked: Marks, axes: Axes, mark: Mark, tolerance: float) -> str:
-    """Return what a figure says above its curves; nothing where nothing was asked.
+    """Return the title of a figure of curves; an empty text unless minima are to be shared.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ def verdict(marked: Marks, axes: Axes, mark: Mark, tolerance: float) -> str:
     axes
         The names.
     mark, tolerance
-        What was asked for.
+        As set.
     """
     if mark != "shared":
         return ""
@@ -91,24 +92,24 @@ def notes(axes: Axes, marked: Marks, level: Mapping[Label, float] | None, seed: 
         )
     else:
         text = f"{axes.metric}: of one row, or the mean where rows says that there are more."
-    told = [f"{text} Lower is better."]
+    sentences = [f"{text} Lower is better."]
     if axes.lowest:
-        told.append(f"on curve: the lowest of the points at one value of {axes.x}.")
-    told.append("local minimum: lower than the points of the curve before and after it.")
+        sentences.append(f"on curve: the lowest of the points at one value of {axes.x}.")
+    sentences.append("local minimum: lower than the points of the curve before and after it.")
     if level is not None:
-        told.append("below floor: at or below what measurement noise alone does.")
+        sentences.append("below floor: at or below what measurement noise alone does.")
     if "knee" in marked.kinds.values():
-        told.append(
+        sentences.append(
             "knee: the point of a curve farthest below the straight line through its first and "
             "last point, on the scales of the figure; errors below the noise floor count as it."
         )
-    return told
+    return sentences
 
 
 def losses(
     scores: Across[Table],
     axes: Axes,
-    found: Sequence[Points],
+    curves: Sequence[Points],
     level: Mapping[Label, float] | None,
     *,
     skipped: bool,
@@ -119,32 +120,33 @@ def losses(
     ----------
     scores
         The gathered tables.
-    axes, found
+    axes, curves
         The names, and the points of each label.
     level
         The noise floor of each label, NaN for one without; None where there is no floor.
     skipped
-        Whether what the graph leaves out on purpose is told too.
+        Whether to list what the graph leaves out on purpose.
     """
     rows = "blocks" if axes.blocks else "rows"
-    told = [
-        f"{start_text(one.label)}{count} {what}"
-        for one in found
+    sentences = [
+        f"{start_text(points.label)}{count} {what}"
+        for points in curves
         for count, what in (
-            (one.without_x, f"rows left out, whose {axes.x} is no finite number"),
-            (one.without_value, f"{rows} left out, whose {axes.metric} is no finite number"),
+            (points.without_x, f"rows left out, whose {axes.x} is no finite number"),
+            (points.without_value, f"{rows} left out, whose {axes.metric} is no finite number"),
         )
         if count
     ]
-    lacking = [str(one.label) for one in found if len(one.curve) == 0]
-    told += [f"without a curve: {', '.join(lacking)}"] if any(lacking) else []
-    bare = [str(one.label) for one in found if level is not None and not _known(level, one)]
-    told += [f"without a noise floor: {', '.join(bare)}"] if bare else []
-    absent = (one for one in scores.absent if skipped or one.kind != "skipped")
-    return told + absences(absent, axes.compare)
+    lacking = [str(points.label) for points in curves if len(points.curve) == 0]
+    sentences += [f"without a curve: {', '.join(lacking)}"] if any(lacking) else []
+    if level is not None:
+        bare = [str(points.label) for points in curves if not _known(level, points)]
+        sentences += [f"without a noise floor: {', '.join(bare)}"] if bare else []
+    absent = scores.absent if skipped else unsuccessful(scores)
+    return sentences + absences(absent, axes.compare)
 
 
-class _Said:
+class _Sentences:
     """Sentences on the curves of one figure."""
 
     def __init__(
@@ -153,40 +155,46 @@ class _Said:
         self._axes, self._marked, self._level, self._unit = axes, marked, level, unit
 
     def lowest(self, drawn: Sequence[Points]) -> list[str]:
-        places = [(one, one.curve[int(np.argmin(one.value[one.curve]))]) for one in drawn]
+        places = (
+            (points, points.curve[int(np.argmin(points.value[points.curve]))]) for points in drawn
+        )
         return [f"Lowest: {self._points(places)}."]
 
     def marks(self, drawn: Sequence[Points], mark: Mark, tolerance: float) -> list[str]:
         of = {
-            kind: [(one, self._marked.places[one.label]) for one in drawn if self._is(one, kind)]
+            kind: [
+                (points, self._marked.places[points.label])
+                for points in drawn
+                if self._marked.kinds.get(points.label) == kind
+            ]
             for kind in ("shared", "minimum", "knee")
         }
-        told = []
+        sentences = []
         if of["shared"]:
-            told.append(
+            sentences.append(
                 f"All {len(drawn)} curves have a local minimum within {tolerance:g} of "
                 f"{self._axes.x} {self._marked.shared:g}, the fewest of which this holds: "
                 f"{self._points(of['shared'])}."
             )
         elif mark == "shared":
-            told.append(
+            sentences.append(
                 f"No local minimum is shared within {tolerance:g} {self._axes.x}:"
                 f" {self._minima(drawn)}."
             )
         if of["minimum"]:
-            told.append(f"Lowest local minimum: {self._points(of['minimum'])}.")
+            sentences.append(f"Lowest local minimum: {self._points(of['minimum'])}.")
         if of["knee"]:
-            told.append(f"Knees, marked instead: {self._points(of['knee'])}.")
-        bare = [_name(one) for one in drawn if one.label not in self._marked.places]
+            sentences.append(f"Knees, marked instead: {self._points(of['knee'])}.")
+        bare = [_name(points) for points in drawn if points.label not in self._marked.places]
         if bare:
-            told.append(f"Neither a minimum to mark nor a knee: {', '.join(bare)}.")
-        return told
+            sentences.append(f"Neither a minimum to mark nor a knee: {', '.join(bare)}.")
+        return sentences
 
-    def floor(self, one: Points) -> str:
-        level = (self._level or {})[one.label]
-        curve = one.curve
-        reached = one.x[curve][at_most(one.value[curve], level)]
-        start = f"{start_text(one.label)}noise alone gives {self._number(level)}; "
+    def floor(self, points: Points) -> str:
+        level = (self._level or {})[points.label]
+        curve = points.curve
+        reached = points.x[curve][at_most(points.value[curve], level)]
+        start = f"{start_text(points.label)}noise alone gives {self._number(level)}; "
         if not len(reached):
             return f"{start}no point of the curve is as low."
         return (
@@ -194,37 +202,31 @@ class _Said:
             f"first at {self._axes.x} {reached[0]:g}."
         )
 
-    def _is(self, one: Points, kind: str) -> bool:
-        return self._marked.kinds.get(one.label) == kind
-
     def _minima(self, drawn: Sequence[Points]) -> str:
-        return "; ".join(
-            f"{_name(one)} has " + (f"some at {_list(one.x[places])}" if len(places) else "none")
-            for one, places in ((one, self._marked.minima[one.label]) for one in drawn)
-        )
+        clauses = []
+        for points in drawn:
+            minima = ", ".join(f"{x:g}" for x in points.x[self._marked.minima[points.label]])
+            clauses.append(f"{_name(points)} has " + (f"some at {minima}" if minima else "none"))
+        return "; ".join(clauses)
 
     def _points(self, places: Iterable[tuple[Points, int]]) -> str:
         return ", ".join(
-            f"{_name(one)} at {one.x[place]:g} ({self._number(one.value[place])}"
-            f"{self._reach(one, place)})".strip()
-            for one, place in places
+            f"{_name(points)} at {points.x[place]:g} ({self._number(points.value[place])}"
+            f"{self._reach(points, place)})".strip()
+            for points, place in places
         )
 
-    def _reach(self, one: Points, place: int) -> str:
-        below = at_most(one.value[place], (self._level or {}).get(one.label, math.nan))
+    def _reach(self, points: Points, place: int) -> str:
+        below = at_most(points.value[place], (self._level or {}).get(points.label, math.nan))
         return ", not above the noise floor" if below else ""
 
     def _number(self, value: float) -> str:
         return f"{self._axes.metric} {value:.3g} {self._unit}".rstrip()
 
 
-def _known(level: Mapping[Label, float] | None, one: Points) -> bool:
-    return level is not None and math.isfinite(level[one.label])
+def _known(level: Mapping[Label, float] | None, points: Points) -> bool:
+    return level is not None and math.isfinite(level[points.label])
 
 
-def _name(one: Points) -> str:
-    return str(one.label) or "the curve"
-
-
-def _list(numbers: Iterable[float]) -> str:
-    return ", ".join(f"{number:g}" for number in numbers)
+def _name(points: Points) -> str:
+    return str(points.label) or "the curve"

@@ -35,7 +35,7 @@ _MEANINGS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "k
 
 def draw(
     axes: Axes,
-    found: Sequence[Points],
+    curves: Sequence[Points],
     marked: Marks,
     level: Mapping[Label, float] | None,
     scale: Scale,
@@ -47,28 +47,28 @@ def draw(
 
     Parameters
     ----------
-    axes, found, marked
+    axes, curves, marked
         What is drawn: the names, the points of each label, and the places with a mark.
     level
         The noise floor of each label, NaN for one without; None where there is no floor.
     scale
         Along y.
     mark, tolerance
-        What was asked for, as the title says it.
+        As set; for the title.
     unit
         Of the metric.
     """
     figure = Figure(figsize=(7.6, 4.4), layout="constrained")
     panel = figure.subplots()
-    _set_scale(panel, scale, found)
-    look = looks((*(one.label for one in found), *axes.labels))
-    for one in found:
-        _draw_curve(panel, one, scale, look[str(one.label)])
-    for floor, colour, _ in _floors(found, level, look):
+    _set_scale(panel, scale, curves)
+    look = looks((*(points.label for points in curves), *axes.labels))
+    for points in curves:
+        _draw_curve(panel, points, scale, look[str(points.label)])
+    for floor, colour, _ in _floors(curves, level, look):
         panel.axhline(floor, color=colour, linestyle=_DASHES, linewidth=1.0, zorder=1)
-    for one in found:
-        if one.label in marked.places:
-            _draw_mark(panel, one, marked.places[one.label], marked.kinds[one.label], scale)
+    for points in curves:
+        if points.label in marked.places:
+            _draw_mark(panel, points, marked, scale)
     panel.set_title(
         figure_text(verdict(marked, axes, mark, tolerance), across=90, lines=3), fontsize="medium"
     )
@@ -77,25 +77,25 @@ def draw(
     panel.grid(axis="y", color="0.85", linewidth=0.6)
     panel.set_axisbelow(True)
     panel.spines[["top", "right"]].set_visible(False)
-    _legend(figure, found, marked, level, look)
+    _legend(figure, curves, marked, level, look)
     return figure
 
 
-def _draw_curve(panel: Panel, one: Points, scale: Scale, look: Look) -> None:
-    value = scale.shown(one.value)
-    _draw_others(panel, one, value, look)
-    curve = one.curve
+def _draw_curve(panel: Panel, points: Points, scale: Scale, look: Look) -> None:
+    value = scale.shown(points.value)
+    _draw_others(panel, points, value, look)
+    curve = points.curve
     panel.errorbar(
-        one.x[curve],
+        points.x[curve],
         value[curve],
-        yerr=reach(one.value, one.low, one.high)[:, curve],
+        yerr=reach(points.value, points.low, points.high)[:, curve],
         color=look.colour,
         linestyle="none",
         elinewidth=1.0,
         capsize=2,
     )
     panel.plot(
-        one.x[curve],
+        points.x[curve],
         value[curve],
         color=look.colour,
         marker=look.marker,
@@ -106,11 +106,11 @@ def _draw_curve(panel: Panel, one: Points, scale: Scale, look: Look) -> None:
     )
 
 
-def _draw_others(panel: Panel, one: Points, value: NDArray[np.float64], look: Look) -> None:
+def _draw_others(panel: Panel, points: Points, value: NDArray[np.float64], look: Look) -> None:
     """Draw the points that the curve does not take."""
-    off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), one.curve)
+    off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), points.curve)
     panel.scatter(
-        one.x[off],
+        points.x[off],
         value[off],
         s=14,
         marker=look.marker,
@@ -123,24 +123,25 @@ def _draw_others(panel: Panel, one: Points, value: NDArray[np.float64], look: Lo
 
 
 def _floors(
-    found: Sequence[Points], level: Mapping[Label, float] | None, look: Mapping[str, Look]
+    curves: Sequence[Points], level: Mapping[Label, float] | None, look: Mapping[str, Look]
 ) -> list[tuple[float, str, str]]:
     """Return each noise floor, its colour and its name; one where all curves have the same."""
-    known = [(level or {}).get(one.label, np.nan) for one in found]
-    if len(found) > 1 and len(set(known)) == 1 and np.isfinite(known[0]):
+    known = [(level or {}).get(points.label, np.nan) for points in curves]
+    if len(curves) > 1 and len(set(known)) == 1 and np.isfinite(known[0]):
         return [(known[0], BLACK, "noise floor")]
     return [
-        (floor, look[str(one.label)].colour, f"noise floor {one.label}".strip())
-        for one, floor in zip(found, known, strict=True)
+        (floor, look[str(points.label)].colour, f"noise floor {points.label}".strip())
+        for points, floor in zip(curves, known, strict=True)
         if np.isfinite(floor)
     ]
 
 
-def _draw_mark(panel: Panel, one: Points, place: int, kind: str, scale: Scale) -> None:
+def _draw_mark(panel: Panel, points: Points, marked: Marks, scale: Scale) -> None:
+    place = marked.places[points.label]
     panel.plot(
-        one.x[place],
-        scale.shown(one.value)[place],
-        marker=_SYMBOLS[kind],
+        points.x[place],
+        scale.shown(points.value)[place],
+        marker=_SYMBOLS[marked.kinds[points.label]],
         markersize=13,
         markerfacecolor="none",
         markeredgecolor=BLACK,
@@ -150,41 +151,41 @@ def _draw_mark(panel: Panel, one: Points, place: int, kind: str, scale: Scale) -
     )
 
 
-def _set_scale(panel: Panel, scale: Scale, found: Sequence[Points]) -> None:
+def _set_scale(panel: Panel, scale: Scale, curves: Sequence[Points]) -> None:
     if scale.logarithmic:
         panel.set_yscale("log")
         panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         panel.yaxis.set_minor_formatter(NullFormatter())
     if np.isfinite(scale.highest):
-        panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(found, scale))
-    deep = sum(int(np.count_nonzero(one.value < scale.lowest)) for one in found)
+        panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(curves, scale))
+    deep = sum(int(np.count_nonzero(points.value < scale.lowest)) for points in curves)
     if deep:
-        told = f"{deep} on the lower edge: 0 or lower than shown"
-        panel.text(0.01, 0.02, told, transform=panel.transAxes, fontsize="x-small", color="0.35")
+        note = f"{deep} on the lower edge: 0 or lower than shown"
+        panel.text(0.01, 0.02, note, transform=panel.transAxes, fontsize="x-small", color="0.35")
 
 
-def _top(found: Sequence[Points], scale: Scale) -> float:
+def _top(curves: Sequence[Points], scale: Scale) -> float:
     """Return where a linear scale ends: above all intervals that are drawn."""
-    ends = [one.value + reach(one.value, one.low, one.high)[1] for one in found]
-    known = np.concatenate([one[points.curve] for one, points in zip(ends, found, strict=True)])
+    ends = [points.value + reach(points.value, points.low, points.high)[1] for points in curves]
+    known = np.concatenate([end[points.curve] for end, points in zip(ends, curves, strict=True)])
     return max(scale.highest, _ROOM * float(np.nanmax(known, initial=0.0)))
 
 
 def _legend(
     figure: Figure,
-    found: Sequence[Points],
+    curves: Sequence[Points],
     marked: Marks,
     level: Mapping[Label, float] | None,
     look: Mapping[str, Look],
 ) -> None:
     handles, names = [], []
-    for one in found:
-        if str(one.label):
-            its = look[str(one.label)]
+    for points in curves:
+        if str(points.label):
+            its = look[str(points.label)]
             handles.append(Line2D([], [], color=its.colour, marker=its.marker, linestyle=its.line))
-            names.append(f"{one.label}" + ("" if len(one.curve) else " (no value)"))
-    for _, colour, name in _floors(found, level, look):
+            names.append(f"{points.label}" + ("" if len(points.curve) else " (no value)"))
+    for _, colour, name in _floors(curves, level, look):
         handles.append(Line2D([], [], color=colour, linestyle=_DASHES, linewidth=1.0))
         names.append(name)
     for kind in dict.fromkeys(marked.kinds.values()):

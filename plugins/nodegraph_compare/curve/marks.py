@@ -47,8 +47,8 @@ def shared_minimum(minima: Sequence[NDArray[np.float64]], tolerance: float) -> f
     """
     for x in np.unique(np.concatenate(minima)) if minima else ():
         # differences of places such as 0.8 - 0.6 do not come out exactly
-        near = [np.abs(one - x) <= tolerance + ROUNDING * np.abs(x) for one in minima]
-        if all(one.any() for one in near):
+        near = [np.abs(places - x) <= tolerance + ROUNDING * np.abs(x) for places in minima]
+        if all(close.any() for close in near):
             return float(x)
     return None
 
@@ -78,7 +78,7 @@ class Marks:
         The places of the curve's local minima among its points.
     shared : float or None
         The smallest x near which every curve has a minimum; None where there is none, or where
-        none was asked for.
+        `mark` does not look for any.
     places : mapping of label to int
         The marked point of each label.
     kinds : mapping of label to str
@@ -92,7 +92,7 @@ class Marks:
 
 
 def marks(
-    found: Sequence[Points],
+    curves: Sequence[Points],
     mark: Mark,
     tolerance: float,
     level: Mapping[Label, float] | None,
@@ -102,7 +102,7 @@ def marks(
 
     Parameters
     ----------
-    found
+    curves
         The points of each label.
     mark
         ``shared``, ``minimum``, or ``none``, for which the minima alone are found.
@@ -113,33 +113,35 @@ def marks(
     scale
         On which knees are looked for.
     """
-    minima = {one.label: one.curve[local_minima(one.value[one.curve])] for one in found}
-    drawn = [one for one in found if len(one.curve)]
+    minima = {
+        points.label: points.curve[local_minima(points.value[points.curve])] for points in curves
+    }
+    drawn = [points for points in curves if len(points.curve)]
     shared = None
     if mark == "shared":
-        shared = shared_minimum([one.x[minima[one.label]] for one in drawn], tolerance)
+        shared = shared_minimum([points.x[minima[points.label]] for points in drawn], tolerance)
     places, kinds = {}, {}
-    for one in drawn if mark != "none" else ():
-        place, kind = _minimum(one, minima[one.label], shared, mark)
+    for points in drawn if mark != "none" else ():
+        place, kind = _minimum(points, minima[points.label], shared, mark)
         if place is None:
-            place, kind = _knee(one, (level or {}).get(one.label, np.nan), scale), "knee"
+            place, kind = _knee(points, (level or {}).get(points.label, np.nan), scale), "knee"
         if place is not None:
-            places[one.label], kinds[one.label] = place, kind
+            places[points.label], kinds[points.label] = place, kind
     return Marks(minima, shared, places, kinds)
 
 
 def _minimum(
-    one: Points, minima: NDArray[np.intp], shared: float | None, mark: Mark
+    points: Points, minima: NDArray[np.intp], shared: float | None, mark: Mark
 ) -> tuple[int | None, str]:
     if shared is not None and len(minima):
-        return int(minima[np.argmin(np.abs(apart(one.x[minima], np.asarray(shared))))]), "shared"
+        return int(minima[np.argmin(np.abs(apart(points.x[minima], np.asarray(shared))))]), "shared"
     if mark == "minimum" and len(minima):
-        return int(minima[np.argmin(one.value[minima])]), "minimum"
+        return int(minima[np.argmin(points.value[minima])]), "minimum"
     return None, ""
 
 
-def _knee(one: Points, floor: float, scale: Scale) -> int | None:
+def _knee(points: Points, floor: float, scale: Scale) -> int | None:
     """Return the place of the knee as drawn, what noise hides being level with the noise."""
-    curve = one.curve
-    place = knee(one.x[curve], scale.along(np.fmax(one.value[curve], floor)))
+    curve = points.curve
+    place = knee(points.x[curve], scale.along(np.fmax(points.value[curve], floor)))
     return None if place is None else int(curve[place])

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.curve.points import Points
 
 
-_MADE = ("low", "high", "blocks", "rows", "on curve", "local minimum", "floor", "below floor")
+_COLUMNS = ("low", "high", "blocks", "rows", "on curve", "local minimum", "floor", "below floor")
 
 
 def axes_of(
@@ -73,10 +73,10 @@ def axes_of(
         check_known(scores, name, what="metric" if name == metric else "axis or column")
     _check_x(scores, x)
     _check_numbers(scores, metric, "metric")
-    others = tuple(axis for axis in free if axis != compare)
+    rest = tuple(axis for axis in free if axis != compare)
     apart = x not in scores.axes if lowest is None else lowest
     every = scores.labels(compare) if compare in scores.axes else ()
-    return Axes(x, metric, compare, blocks, others, apart, every)
+    return Axes(x, metric, compare, blocks, rest, apart, every)
 
 
 def check_floor(floor: Across[Table], axes: Axes) -> None:
@@ -105,7 +105,7 @@ def _check_once(named: tuple[str, ...]) -> None:
     twice = sorted({name for name in named if named.count(name) > 1})
     if twice:
         raise ValueError(f"x, metric, compare and blocks share a name: {', '.join(twice)}")
-    taken = [name for name in named if name in (*_MADE, "marked")]
+    taken = [name for name in named if name in (*_COLUMNS, "marked")]
     if taken:
         raise ValueError(f"the table of the curve has a column {', '.join(taken)} of its own")
 
@@ -197,9 +197,9 @@ def curve(
         where several searches choose one number of markers; false where it is an axis.
     mark
         ``shared``: the smallest minimum that every curve has one within `tolerance` of, by a
-        black circle around each curve's nearest; where there is none the figure says so, and a
+        black circle around each curve's nearest; where there is none the title states that, and a
         black square marks each curve's knee. ``minimum``: each curve's lowest interior minimum,
-        its knee where it has none. A label without any number has no say.
+        its knee where it has none. A label without any number is disregarded.
     tolerance
         How far apart minima may lie and still be shared, in units of `x`.
     seed
@@ -212,7 +212,7 @@ def curve(
         axes of a point, `x`, the metric; with blocks, ``low``, ``high`` and ``blocks``, else
         ``rows``; ``on curve``; ``local minimum``; with a floor, ``floor`` (NaN where there is
         none for a label) and ``below floor`` (at or below it); ``marked`` (``shared``,
-        ``minimum``, ``knee`` or empty). Its answer says what is marked and what the noise floor
+        ``minimum``, ``knee`` or empty). Its answer states what is marked and what the noise floor
         reaches, its notes what was left out.
     figure
         The curves. Logarithmic along y where no error is negative and they span more than a
@@ -223,7 +223,7 @@ def curve(
     ------
     ValueError
         If a name is neither axis nor column, is used twice, or `x` or the metric holds no
-        numbers; the message says what there is.
+        numbers; the message lists what there is.
 
     References
     ----------
@@ -233,66 +233,67 @@ def curve(
     from nodegraph_compare.curve.figure import draw
 
     axes = axes_of(scores, x=x, metric=metric, compare=compare, blocks=blocks, lowest=lowest)
-    found = points(scores, axes, seed=seed)
+    curves = points(scores, axes, seed=seed)
     level = None
     if floor is not None:
         check_floor(floor, axes)
-        level = _levels(floors(floor, axes), found)
-    scale = scale_of(found, level)
-    marked = marks(found, mark, tolerance, level, scale)
-    frame = _frame(axes, found, marked, level)
+        level = _levels(floors(floor, axes), curves)
+    scale = scale_of(curves, level)
+    marked = marks(curves, mark, tolerance, level, scale)
+    frame = _frame(axes, curves, marked, level)
     unit = unit_of(scores, axes.metric)
     valued = (axes.metric, "low", "high", "floor")
     info = TableInfo(
         title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
-        answer=tuple(answer(axes, found, marked, level, mark, tolerance, unit)),
+        answer=tuple(answer(axes, curves, marked, level, mark, tolerance, unit)),
         notes=(
             *notes(axes, marked, level, seed),
-            *losses(scores, axes, found, level, skipped=True),
+            *losses(scores, axes, curves, level, skipped=True),
         ),
         units={name: unit for name in valued if unit and name in frame},
     )
-    lost = losses(scores, axes, found, level, skipped=False)
+    lost = losses(scores, axes, curves, level, skipped=False)
     if lost:
         warnings.warn("; ".join(lost), stacklevel=2)
-    figure = draw(axes, found, marked, level, scale, mark, tolerance, unit)
+    figure = draw(axes, curves, marked, level, scale, mark, tolerance, unit)
     return Curve(with_info(frame, info), figure)
 
 
-def _levels(known: Mapping[Label, float], found: Sequence[Points]) -> dict[Label, float]:
+def _levels(known: Mapping[Label, float], curves: Sequence[Points]) -> dict[Label, float]:
     """Return the floor under each label; NaN where there is none."""
     common = known.get("", np.nan) if set(known) == {""} else np.nan
-    return {one.label: known.get(one.label, common) for one in found}
+    return {curve_points.label: known.get(curve_points.label, common) for curve_points in curves}
 
 
 def _frame(
-    axes: Axes, found: Sequence[Points], marked: Marks, level: Mapping[Label, float] | None
+    axes: Axes, curves: Sequence[Points], marked: Marks, level: Mapping[Label, float] | None
 ) -> Table:
     from pandas import DataFrame, concat
 
-    parts = [DataFrame(_columns(axes, one, marked, level)) for one in found]
-    made = concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
-    whole = bool((made[axes.x] % 1 == 0).all())
-    return made.astype({axes.x: np.int64}) if whole else made
+    parts = [DataFrame(_columns(axes, curve_points, marked, level)) for curve_points in curves]
+    frame = concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
+    whole = bool((frame[axes.x] % 1 == 0).all())
+    return frame.astype({axes.x: np.int64}) if whole else frame
 
 
 def _columns(
-    axes: Axes, one: Points, marked: Marks, level: Mapping[Label, float] | None
+    axes: Axes, curve_points: Points, marked: Marks, level: Mapping[Label, float] | None
 ) -> dict[str, Any]:
-    place = np.arange(len(one.x))
-    columns: dict[str, Any] = {name: [one.label] * len(place) for name in _compared(axes)}
-    columns |= {name: [other[name] for other in one.others] for name in _apart(axes)}
-    columns |= {axes.x: one.x, axes.metric: one.value}
+    place = np.arange(len(curve_points.x))
+    columns: dict[str, Any] = {name: [curve_points.label] * len(place) for name in _compared(axes)}
+    columns |= {name: [other[name] for other in curve_points.others] for name in _apart(axes)}
+    columns |= {axes.x: curve_points.x, axes.metric: curve_points.value}
     if axes.blocks:
-        columns |= {"low": one.low, "high": one.high}
-    columns["blocks" if axes.blocks else "rows"] = one.count
-    columns["on curve"] = np.isin(place, one.curve)
-    columns["local minimum"] = np.isin(place, marked.minima[one.label])
+        columns |= {"low": curve_points.low, "high": curve_points.high}
+    columns["blocks" if axes.blocks else "rows"] = curve_points.count
+    columns["on curve"] = np.isin(place, curve_points.curve)
+    columns["local minimum"] = np.isin(place, marked.minima[curve_points.label])
     if level is not None:
-        columns["floor"] = level[one.label]
-        columns["below floor"] = at_most(one.value, level[one.label])
-    kind = marked.kinds.get(one.label, "")
-    columns["marked"] = [kind if here == marked.places.get(one.label) else "" for here in place]
+        columns["floor"] = level[curve_points.label]
+        columns["below floor"] = at_most(curve_points.value, level[curve_points.label])
+    kind = marked.kinds.get(curve_points.label, "")
+    marked_place = marked.places.get(curve_points.label)
+    columns["marked"] = [kind if at == marked_place else "" for at in place]
     return columns
 
 
@@ -301,5 +302,5 @@ def _compared(axes: Axes) -> Iterable[str]:
 
 
 def _apart(axes: Axes) -> Iterable[str]:
-    """Return the axes by which points at one x are told apart."""
+    """Return the axes that distinguish points at one x."""
     return axes.others if axes.lowest else ()

@@ -62,7 +62,7 @@ class Points:
     label : str, int, float or bool
         Empty where nothing is compared.
     others : tuple of P mappings of axis to label
-        Of the axes that tell apart points with one x.
+        Of the axes that distinguish points with one x.
     x, value, low, high : (P,) arrays of float64
         Value: mean over the counted blocks, or rows where no blocks are named; NaN where there
         is none; those that differ by rounding alone are equal. Ends of its interval: NaN with too
@@ -124,11 +124,11 @@ def points(scores: Across[Table], axes: Axes, *, seed: int) -> tuple[Points, ...
 
 
 def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
-    """Return the mean of the metric over each label's rows; of all, where nothing tells them apart.
+    """Return the mean of the metric over each label's rows; of all, if nothing distinguishes them.
 
     The one number of rows that have no compared label stands under an empty label.
     """
-    known = axes.compare in floor.axes or any(axes.compare in one for one in floor.values())
+    known = axes.compare in floor.axes or any(axes.compare in table for table in floor.values())
     labels = _gathered(floor, axes.compare if known else None)
     value = _numbers(floor, axes.metric)
     means: dict[Label, float] = {}
@@ -159,14 +159,14 @@ def _together(scores: Across[Table], names: tuple[str, ...]) -> list[tuple[Label
 
 def _gathered(scores: Across[Table], name: str | None) -> list[Label]:
     """Return the label of all rows in an axis, or column; nothing where there is no name."""
-    found: list[Label] = []
+    gathered: list[Label] = []
     for labels, table in scores:
         if name is None or name in scores.axes:
-            found += [labels.get(name, "") if name else ""] * len(table)
+            gathered += [labels.get(name, "") if name else ""] * len(table)
         else:
             column = table[name]
-            found += column.where(column.notna(), "missing").tolist()
-    return found
+            gathered += column.where(column.notna(), "missing").tolist()
+    return gathered
 
 
 def _numbers(scores: Across[Table], name: str) -> NDArray[np.float64]:
@@ -183,10 +183,10 @@ def _numbers(scores: Across[Table], name: str) -> NDArray[np.float64]:
 
 def _places(keys: Iterable[T]) -> dict[T, list[int]]:
     """Return the places of each key, in the order in which the keys first come."""
-    found: dict[T, list[int]] = {}
+    places: dict[T, list[int]] = {}
     for place, key in enumerate(keys):
-        found.setdefault(key, []).append(place)
-    return found
+        places.setdefault(key, []).append(place)
+    return places
 
 
 def _points(
@@ -197,9 +197,9 @@ def _points(
     cells = _places(
         (rows.x[place], rows.others[place], place if apart else None) for place in placed
     )
-    blocks = [_blocks(rows, [placed[one] for one in cell]) for cell in cells.values()]
-    made = [_statistics(values, axes, bootstrap) for values in blocks]
-    numbers = np.array([(x, *one) for (x, _, _), one in zip(cells, made, strict=True)])
+    blocks = [_blocks(rows, [placed[row] for row in cell]) for cell in cells.values()]
+    statistics = [_statistics(values, axes, bootstrap) for values in blocks]
+    numbers = np.array([(x, *row) for (x, _, _), row in zip(cells, statistics, strict=True)])
     numbers = numbers.reshape(-1, 5)
     numbers[:, 1] = tied(numbers[:, 1])
     order = np.lexsort((numbers[:, 1], numbers[:, 0]))

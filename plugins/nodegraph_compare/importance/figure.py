@@ -24,10 +24,11 @@ def draw(table: Table, question: Question) -> Figure:
     if not len(ordered):
         return without_drawing("nothing to explain")
     places = range(len(ordered))
-    alone = ordered["labels"].notna()
+    factors = ordered["labels"].notna()
     pairs = ordered["source"].str.contains(" x ", regex=False)
     colours = [
-        BLUE if one else GREY if pair else LIGHT for one, pair in zip(alone, pairs, strict=True)
+        BLUE if factor else GREY if pair else LIGHT
+        for factor, pair in zip(factors, pairs, strict=True)
     ]
     figure = Figure(figsize=(6.0, 0.9 + 0.3 * len(ordered)), layout="constrained")
     axis = figure.subplots()
@@ -37,7 +38,7 @@ def draw(table: Table, question: Question) -> Figure:
             f"{share:.1%}", (share, place), xytext=(3, 0), textcoords="offset points",
             va="center", fontsize=9,
         )  # fmt: skip
-    axis.set_yticks(places, [figure_text(one) for one in ordered["source"]])
+    axis.set_yticks(places, [figure_text(source) for source in ordered["source"]])
     axis.invert_yaxis()
     axis.set_xlim(0, min(1.0, 1.15 * ordered["eta squared"].max()) + 0.05)
     axis.xaxis.set_major_formatter(lambda share, _: f"{share:.0%}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from nodegraph import Across, Label, listed, node
-from nodegraph_compare.blocks import Columns, columns_of, values_of
+from nodegraph_compare.blocks import Columns, columns_of, unsuccessful, values_of
 from nodegraph_compare.left_out import absences, end_text, shortened
 from nodegraph_compare.question import (
     Better,
@@ -49,17 +49,17 @@ def answers(table: Table, question: Question) -> list[str]:
         for source, share in zip(ordered["source"], ordered["eta squared"], strict=True)
         if share >= _LEAST
     ]
-    told = [f"Share of the variance of {question.metric}: {', '.join(shares)}."]
+    sentences = [f"Share of the variance of {question.metric}: {', '.join(shares)}."]
     changes = [
         f"{share:.0%} of the time with {source}"
         for source, share in zip(table["source"], table["winner changes"], strict=True)
         if np.isfinite(share)
     ]
     if changes:
-        told.append(
+        sentences.append(
             f"From one label to another, the best {question.compare} changes {listed(changes)}."
         )
-    return told
+    return sentences
 
 
 Sources = tuple[int, ...]
@@ -71,21 +71,21 @@ def whole(values: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
     As long as something is missing, the place with the largest share missing goes; of equals,
     one of the axis with the most places, the last of them.
     """
-    kept: list[NDArray[np.intp]] = [np.arange(size) for size in values.shape]
+    places: list[NDArray[np.intp]] = [np.arange(size) for size in values.shape]
     missing = np.isnan(values)
     while missing.any():
         shares = [_mean(missing, (axis,)) for axis in range(missing.ndim)]
-        largest = max(one.max() for one in shares)
+        largest = max(share.max() for share in shares)
         axis = max(
-            (axis for axis, one in enumerate(shares) if one.max() == largest),
-            key=lambda one: missing.shape[one],
+            (axis for axis, share in enumerate(shares) if share.max() == largest),
+            key=lambda axis: missing.shape[axis],
         )
         # what is missing altogether goes at once
         gone = np.flatnonzero(shares[axis] == largest)
         gone = gone if largest == 1.0 else gone[-1:]
-        kept[axis] = np.delete(kept[axis], gone)
+        places[axis] = np.delete(places[axis], gone)
         missing = np.delete(missing, gone, axis=axis)
-    return tuple(kept)
+    return tuple(places)
 
 
 def effects(values: NDArray[np.float64]) -> Mapping[Sources, float]:
@@ -102,15 +102,15 @@ def effects(values: NDArray[np.float64]) -> Mapping[Sources, float]:
     least = ROUNDING**2 * float(np.square(values).mean())
     axes = range(values.ndim)
     main = {axis: _mean(left, (axis,)) for axis in axes}
-    parts: dict[Sources, NDArray[np.float64]] = {(axis,): one for axis, one in main.items()}
-    for one, other in combinations(axes, 2):
-        both = _mean(left, (one, other)) - main[one][:, np.newaxis] - main[other]
-        parts[one, other] = both
+    parts: dict[Sources, NDArray[np.float64]] = {(axis,): part for axis, part in main.items()}
+    for first, other in combinations(axes, 2):
+        both = _mean(left, (first, other)) - main[first][:, np.newaxis] - main[other]
+        parts[first, other] = both
     for sources, part in parts.items():
         left -= np.expand_dims(part, tuple(axis for axis in axes if axis not in sources))
-    found = {sources: float(np.square(part).mean()) for sources, part in parts.items()}
-    found[()] = float(np.square(left).mean()) if values.ndim > 2 else 0.0
-    return {sources: one if one > least else 0.0 for sources, one in found.items()}
+    variances = {sources: float(np.square(part).mean()) for sources, part in parts.items()}
+    variances[()] = float(np.square(left).mean()) if values.ndim > 2 else 0.0
+    return {sources: size if size > least else 0.0 for sources, size in variances.items()}
 
 
 def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> float:
@@ -133,7 +133,7 @@ def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> flo
     winners = np.moveaxis(values, compared, -1).argmin(axis=-1)
     along = np.moveaxis(winners, axis - (axis > compared), -1)
     count = along.shape[-1]
-    wins = np.stack([(along == one).sum(axis=-1) for one in range(values.shape[compared])])
+    wins = np.stack([(along == place).sum(axis=-1) for place in range(values.shape[compared])])
     same = (wins * (wins - 1)).sum(axis=0) / (count * (count - 1))
     return float(1.0 - same.mean())
 
@@ -142,8 +142,8 @@ def _mean(
     values: NDArray[np.float64] | NDArray[np.bool_], axes: tuple[int, ...]
 ) -> NDArray[np.float64]:
     """Return the means over all axes but these."""
-    others = tuple(axis for axis in range(values.ndim) if axis not in axes)
-    return np.asarray(np.mean(values, axis=others, dtype=np.float64))
+    rest = tuple(axis for axis in range(values.ndim) if axis not in axes)
+    return np.asarray(np.mean(values, axis=rest, dtype=np.float64))
 
 
 _MOST_CELLS = 20_000_000
@@ -159,7 +159,7 @@ class Explained(NamedTuple):
 
 @dataclass(frozen=True)
 class _Grid:
-    """A value for every combination of labels; `dropped` says which labels had to go."""
+    """A value for every combination of labels; `dropped` lists the labels that were left out."""
 
     labels: tuple[tuple[Label, ...], ...]
     values: NDArray[np.float64]
@@ -180,12 +180,13 @@ def importance(
     A cell is one combination of the labels of the factors; its value is the mean of the metric
     over its rows. The functional analysis of variance splits the variance of the cells exactly:
     ``V = sum of V_a + sum of V_ab + rest``, ``V_a`` the variance of the means along axis a,
-    ``V_ab`` what the means along two axes add to those along each, the rest what needs three axes
-    or more to be told. ``eta squared`` is the share of V, ``partial eta squared`` of an effect is
-    ``V_a / (V_a + V_rest)``; of two factors, the rest is their interaction. These are shares of
-    the cells at hand: an axis explains more the further its labels lie apart. Cells that compete,
-    at most 1e-9 of their size apart, are equal: each stands as the first of them. A variance that
-    rounding alone would make, at most the square of 1e-9 times the cells' root mean square, is 0.
+    ``V_ab`` what the means along two axes add to those along each, the rest the
+    interactions of three axes or more. ``eta squared`` is the share of V, ``partial eta squared``
+    of an effect is ``V_a / (V_a + V_rest)``; of two factors, the rest is their interaction. These
+    are shares of the cells at hand: an axis explains more the further its labels lie apart. Cells
+    that compete, at most 1e-9 of their size apart, are equal: each stands as the first of them. A
+    variance that rounding alone would make, at most the square of 1e-9 times the cells' root mean
+    square, is 0.
 
     The split holds for a full table only. Where cells are missing (refused, failed, skipped, or
     with a row without a number), labels are left out until none is: each time the label with the
@@ -202,9 +203,9 @@ def importance(
         The factor whose labels compete. Default: the last gathered axis.
     factors
         Axes, or columns. Default: every gathered axis; where there is one only, the first column
-        of the tables too, if it says which unit a row is.
+        of the tables too, if it identifies the unit of a row.
     better
-        Which end of the metric wins: ``lower``, ``higher``, or ``none`` (nobody wins).
+        Which end of the metric wins: ``lower``, ``higher``, or ``none`` (no label wins).
         ``declared``: as the scores declare it, else ``lower``.
 
     Returns
@@ -226,7 +227,7 @@ def importance(
     question = _ask(scores, metric, compare, factors, better)
     grid = _grid(scores, question)
     table = _table(grid, question)
-    absent = absences((one for one in scores.absent if one.kind != "skipped"), question.compare)
+    absent = absences(unsuccessful(scores), question.compare)
     if grid.dropped or absent:
         warnings.warn(shortened([*grid.dropped, *absent]), stacklevel=2)
     notes = (
@@ -263,13 +264,13 @@ def _ask(
     within = tuple(name for name in factors if name != compare)
     if len({*factors}) < len(factors):
         raise ValueError(f"factors name something twice: {', '.join(factors)}")
-    asked = ask(scores, metric=metric, compare=compare, within=within, blocks=(), better=better)
+    question = ask(scores, metric=metric, compare=compare, within=within, blocks=(), better=better)
     if factors:
-        return asked
+        return question
     # the defaults of `blocks` are the other axes, and the unit
-    others = tuple(name for name in asked.blocks if name in scores.axes) or asked.blocks
+    rest = tuple(name for name in question.blocks if name in scores.axes) or question.blocks
     return ask(
-        scores, metric=metric, compare=asked.compare, within=others, blocks=(), better=better
+        scores, metric=metric, compare=question.compare, within=rest, blocks=(), better=better
     )
 
 
@@ -280,19 +281,19 @@ def _factors(question: Question) -> tuple[str, ...]:
 def _grid(scores: Across[Table], question: Question) -> _Grid:
     columns = columns_of(scores, _factors(question))
     values = _cell_means(columns, values_of(scores, question.metric), _factors(question))
-    kept = whole(values)
+    complete = whole(values)
     labels = tuple(
         tuple(all_of[place] for place in places)
-        for all_of, places in zip(columns.labels, kept, strict=True)
+        for all_of, places in zip(columns.labels, complete, strict=True)
     )
     gone = [
-        f"{name}: left out {listed([one for one in all_of if one not in left])}"
+        f"{name}: left out {listed([label for label in all_of if label not in left])}"
         for name, all_of, left in zip(_factors(question), columns.labels, labels, strict=True)
         if len(left) < len(all_of)
     ]
     missing = int(np.isnan(values).sum())
     dropped = (f"{missing} of {values.size} cells have no number", *gone) if gone else ()
-    return _Grid(labels, tied(values[np.ix_(*kept)]), dropped)
+    return _Grid(labels, tied(values[np.ix_(*complete)]), dropped)
 
 
 def _cell_means(
@@ -302,9 +303,9 @@ def _cell_means(
     sizes = [len(labels) for labels in columns.labels]
     cells = math.prod(sizes)
     if cells > _MOST_CELLS:
-        told = ", ".join(f"{name} {size}" for name, size in zip(names, sizes, strict=True))
+        counts = ", ".join(f"{name} {size}" for name, size in zip(names, sizes, strict=True))
         raise ValueError(
-            f"{cells} cells are more than {_MOST_CELLS}; labels: {told}; name fewer factors"
+            f"{cells} cells are more than {_MOST_CELLS}; labels: {counts}; name fewer factors"
         )
     cell = columns.combined()
     count = np.bincount(cell, minlength=cells)
@@ -316,26 +317,26 @@ def _table(grid: _Grid, question: Question) -> Table:
     from pandas import DataFrame
 
     count = len(_factors(question))
-    found = effects(grid.values) if grid.values.size else _unknown(count)
-    told = [sources for sources in found if sources or count > 2]
-    made = DataFrame([_row(sources, found, grid, question) for sources in told])
-    made["labels"] = made["labels"].astype("Int64")
-    return made
+    variances = effects(grid.values) if grid.values.size else _unknown(count)
+    listed_sources = [sources for sources in variances if sources or count > 2]
+    frame = DataFrame([_row(sources, variances, grid, question) for sources in listed_sources])
+    frame["labels"] = frame["labels"].astype("Int64")
+    return frame
 
 
 def _row(
-    sources: Sources, found: Mapping[Sources, float], grid: _Grid, question: Question
+    sources: Sources, variances: Mapping[Sources, float], grid: _Grid, question: Question
 ) -> dict[str, Any]:
     names = _factors(question)
     # of two factors, what is left is their interaction
     rest: Sources = (0, 1) if len(names) == 2 else ()
-    variance, beside = found[sources], found[sources] + found[rest]
+    variance, beside = variances[sources], variances[sources] + variances[rest]
     alone = len(sources) == 1
     return {
-        "source": " x ".join(names[one] for one in sources) or REST,
+        "source": " x ".join(names[axis] for axis in sources) or REST,
         "labels": len(grid.labels[sources[0]]) if alone else np.nan,
         "variance": variance,
-        "eta squared": _share(variance, sum(found.values())),
+        "eta squared": _share(variance, sum(variances.values())),
         "partial eta squared": np.nan if sources == rest else _share(variance, beside),
         "winner changes": _changes(grid, question, sources[0]) if alone else np.nan,
     }

@@ -1,4 +1,4 @@
-"""What a ranking says, in sentences."""
+"""Sentences on rankings."""
 
 from __future__ import annotations
 
@@ -18,28 +18,33 @@ if TYPE_CHECKING:
     from nodegraph_compare.ranks.ranking import PairTest, Ranking
 
 
-def answers(found: Sequence[Ranking], question: Question, test: PairTest, blocks: str) -> list[str]:
+def answers(
+    rankings: Sequence[Ranking], question: Question, test: PairTest, blocks: str
+) -> list[str]:
     """Return a sentence on each group, or one on all where there are many.
 
     Parameters
     ----------
-    found, question
+    rankings, question
         Of the comparison.
     test
         Of the pairs.
     blocks
         What several blocks are called.
     """
-    if len(found) > MOST_GROUPS:
-        return [_counted(found, question)]
-    told = [(answer(one, question, test, blocks), numberless(one.group)) for one in found]
-    return [f"{said}; {absent}." if absent else f"{said}." for said, absent in told]
+    if len(rankings) > MOST_GROUPS:
+        return [_counted(rankings, question)]
+    sentences = []
+    for ranking in rankings:
+        sentence, absent = answer(ranking, question, test, blocks), numberless(ranking.group)
+        sentences.append(f"{sentence}; {absent}." if absent else f"{sentence}.")
+    return sentences
 
 
 def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> str:
-    """Return who ranks first, whether chance could do that, and who is not apart from the first.
+    """Return which method ranks first, whether by chance, and which are not apart from it.
 
-    Where over a quarter of the blocks are left out, that is told too.
+    Where over a quarter of the blocks are left out, their number is stated.
 
     Parameters
     ----------
@@ -60,15 +65,15 @@ def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> s
     several = narrowed(ranking.group, name) or several
     first = _firsts(ranking)
     names = listed([str(ranking.methods[place]) for place in first])
-    told = (
+    sentence = (
         f"{start}{names} {'has' if len(first) == 1 else 'share'} the lowest mean rank "
         f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several})"
     )
     if count == 2:
-        return f"{told}; {_two(ranking)}"
+        return f"{sentence}; {_two(ranking)}"
     if blocks == 1:
-        return f"{told}; one block says nothing of chance"
-    return f"{told}; {_many(ranking, first, test)}"
+        return f"{sentence}; one block says nothing of chance"
+    return f"{sentence}; {_many(ranking, first, test)}"
 
 
 def chance(p: float) -> str:
@@ -90,31 +95,31 @@ def _two(ranking: Ranking) -> str:
 
 def _many(ranking: Ranking, first: list[int], test: PairTest) -> str:
     overall, pairs = ranking.overall, ranking.pairs
-    told = f"F = {overall.f:.3g}, {chance(overall.p_f)}; Kendall's W = {overall.w:.2f}"
+    numbers = f"F = {overall.f:.3g}, {chance(overall.p_f)}; Kendall's W = {overall.w:.2f}"
     if overall.p_f >= LEVEL:
-        return f"Friedman's test does not tell the methods apart ({told})"
+        return f"Friedman's test does not tell the methods apart ({numbers})"
     near = [
         {int(a), int(b)}
         for a, b, p in zip(pairs.first, pairs.second, pairs.p, strict=True)
         if p >= LEVEL
     ]
-    others = {other for pair in near if pair & {*first} for other in pair - {*first}}
-    order = sorted(sorted(others), key=lambda at: ranking.ranks[at])
-    close = [str(ranking.methods[one]) for one in order]
+    alike = {other for pair in near if pair & {*first} for other in pair - {*first}}
+    order = sorted(sorted(alike), key=lambda at: ranking.ranks[at])
+    close = [str(ranking.methods[place]) for place in order]
     them = "it" if len(first) == 1 else "them"
     rest = (
         f"not apart from {them}: {listed(close)}" if close else f"all others are apart from {them}"
     )
-    return f"the methods differ by Friedman's test ({told}); by {TEST_NAMES[test]} {rest}"
+    return f"the methods differ by Friedman's test ({numbers}); by {TEST_NAMES[test]} {rest}"
 
 
-def _counted(found: Sequence[Ranking], question: Question) -> str:
-    ranked = [one for one in found if len(one.values)]
-    firsts = (one.methods[place] for one in ranked for place in _firsts(one))
+def _counted(rankings: Sequence[Ranking], question: Question) -> str:
+    ranked = [ranking for ranking in rankings if len(ranking.values)]
+    firsts = (ranking.methods[place] for ranking in ranked for place in _firsts(ranking))
     wins = Counter(str(name) for name in firsts).most_common()
-    told = listed([f"{name} in {count}" for name, count in wins])
-    differ = sum(one.overall.p_f < LEVEL for one in ranked)
+    counts = listed([f"{name} in {count}" for name, count in wins])
+    differ = sum(ranking.overall.p_f < LEVEL for ranking in ranked)
     return (
-        f"Of {len(found)} groups ({', '.join(question.within)}), the lowest mean rank has {told}; "
-        f"in {differ} of them Friedman's test tells the methods apart."
+        f"Of {len(rankings)} groups ({', '.join(question.within)}), the lowest mean rank has "
+        f"{counts}; in {differ} of them Friedman's test tells the methods apart."
     )

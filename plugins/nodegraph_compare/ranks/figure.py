@@ -36,37 +36,37 @@ _MOST_METHODS = 60
 
 
 def draw(
-    question: Question, found: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
+    question: Question, rankings: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
 ) -> Figure:
     """Return a diagram per group, below each other; a method looks the same in all of them.
 
     Parameters
     ----------
-    question, found
+    question, rankings
         Of the comparison.
     look
         Of each compared label.
     test
         Of the pairs.
     """
-    panels = [one for one in found if len(one.values) and len(one.methods) > 1][:_MOST_PANELS]
+    panels = [r for r in rankings if len(r.values) and len(r.methods) > 1][:_MOST_PANELS]
     if not panels:
         return without_drawing("nothing to rank")
-    packed = [_packed(runs(one)) for one in panels]
-    heights = [_rows(one, levels) for one, levels in zip(panels, packed, strict=True)]
+    packed = [_packed(runs(ranking)) for ranking in panels]
+    heights = [_rows(ranking, levels) for ranking, levels in zip(panels, packed, strict=True)]
     figure = Figure(figsize=(_WIDTH, _ROW * sum(heights)), layout="constrained")
     axes = figure.subplots(len(panels), 1, height_ratios=heights, squeeze=False).ravel()
-    for axis, one, levels, height in zip(axes, panels, packed, heights, strict=True):
+    for axis, ranking, levels, height in zip(axes, panels, packed, heights, strict=True):
         axis.set_ylim(height - 2.8, -2.8)
         axis.axis("off")
-        _scale(axis, one, test)
-        _bars(axis, one, levels)
-        _methods(axis, one, levels, {str(name): shape.colour for name, shape in look.items()})
-        for name, rank in zip(one.methods, one.ranks, strict=True):
+        _scale(axis, ranking, test)
+        _bars(axis, ranking, levels)
+        _methods(axis, ranking, levels, {str(name): shape.colour for name, shape in look.items()})
+        for name, rank in zip(ranking.methods, ranking.ranks, strict=True):
             shape = look[name]
             axis.plot(rank, 0, shape.marker, color=shape.colour, markersize=5, clip_on=False)
-        axis.set_title(figure_text(group_text(one.group, question)), fontsize=10, loc="left")
-    more = len(found) - len(panels)
+        axis.set_title(figure_text(group_text(ranking.group, question)), fontsize=10, loc="left")
+    more = len(rankings) - len(panels)
     if more:
         figure.supxlabel(f"{more} more groups are not drawn", fontsize=8)
     return figure
@@ -77,10 +77,10 @@ def _rows(ranking: Ranking, levels: Sequence[Sequence[tuple[int, int]]]) -> floa
     return 4.4 + _BAR * len(levels) + lines
 
 
-def _packed(found: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
+def _packed(bars: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
     """Return bars in levels, in each of which none touches another."""
     levels: list[list[tuple[int, int]]] = []
-    for first, last in found:
+    for first, last in bars:
         free = next((level for level in levels if level[-1][1] < first), None)
         if free is None:
             levels.append([(first, last)])

@@ -18,9 +18,7 @@ from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from nodegraph_tables.style import Look
+    from collections.abc import Sequence
 
 
 class Ranked(NamedTuple):
@@ -72,7 +70,7 @@ def ranks(
 
     Both keep the chance of any false claim at 5 %. Two methods are compared by Wilcoxon's test
     alone. Blocks are those of `compare.table`: only those that every method has count; what is
-    left out is counted and told in a warning.
+    left out is counted in a warning.
 
     Parameters
     ----------
@@ -87,8 +85,8 @@ def ranks(
         Axes, or columns: each combination of their labels is ranked by itself.
     blocks
         Axes, or columns, whose combinations are the blocks. Default: every gathered axis that is
-        not compared or in `within`, and the first column of the tables where it says which unit
-        a row is.
+        not compared or in `within`, and the first column of the tables where it identifies the
+        unit of a row.
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
         rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.
@@ -116,16 +114,18 @@ def ranks(
     ValueError
         If a name is neither axis nor column or is used twice, or the metric holds no numbers.
     """
+    from nodegraph_compare.ranks.figure import draw
+
     question = ask(
         scores, metric=metric, compare=compare, within=within, blocks=blocks, better=better
     )
     gathered = groups(scores, question)
-    found = [rank(group, question.better, test) for group in gathered]
+    rankings = [rank(group, question.better, test) for group in gathered]
     look = compared_looks(scores, question, gathered)
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=_title("Mean ranks", question),
-        answer=tuple(answers(found, question, test, blocks_name(scores, question))),
+        answer=tuple(answers(rankings, question, test, blocks_name(scores, question))),
         notes=(
             f"{block_text(question)} {end_text(question)}",
             f"Rank 1 is {first} in a block, equal values share the mean of their ranks. Only "
@@ -136,46 +136,47 @@ def ranks(
         labels=(*question.within, question.compare or "method"),
     )
     return Ranked(
-        with_info(_table(found, question), info),
-        _draw(question, found, look, test),
-        _pairs(found, question),
-        _overall(found, question),
+        with_info(_table(rankings, question), info),
+        draw(question, rankings, look, test),
+        _pairs(rankings, question),
+        _overall(rankings, question),
     )
 
 
-def _table(found: Sequence[Ranking], question: Question) -> Table:
+def _table(rankings: Sequence[Ranking], question: Question) -> Table:
     from pandas import DataFrame
 
     name = question.compare or "method"
     rows: list[dict[str, Any]] = []
-    for one in found:
-        means = one.values.mean(axis=0) if len(one.values) else np.full(len(one.methods), np.nan)
-        for place in np.argsort(one.ranks, kind="stable").tolist():
+    for ranking in rankings:
+        blocks, methods = ranking.values.shape
+        means = ranking.values.mean(axis=0) if blocks else np.full(methods, np.nan)
+        for place in np.argsort(ranking.ranks, kind="stable").tolist():
             rows.append(
-                _labels(one, question)
-                | {name: one.methods[place], "blocks": len(one.values)}
-                | {"mean rank": one.ranks[place], "mean": means[place]}
+                _labels(ranking, question)
+                | {name: ranking.methods[place], "blocks": len(ranking.values)}
+                | {"mean rank": ranking.ranks[place], "mean": means[place]}
             )
         rows += [
-            _labels(one, question)
+            _labels(ranking, question)
             | {name: method, "blocks": 0, "mean rank": np.nan, "mean": np.nan}
-            for method in one.group.methods
-            if method not in one.methods
+            for method in ranking.group.methods
+            if method not in ranking.methods
         ]
     return DataFrame(rows)
 
 
-def _pairs(found: Sequence[Ranking], question: Question) -> Table:
+def _pairs(rankings: Sequence[Ranking], question: Question) -> Table:
     from pandas import DataFrame
 
     rows = []
-    for one in found:
-        pairs = one.pairs
-        apart = one.ranks[pairs.first] - one.ranks[pairs.second]
+    for ranking in rankings:
+        pairs = ranking.pairs
+        apart = ranking.ranks[pairs.first] - ranking.ranks[pairs.second]
         both = zip(pairs.first, pairs.second, apart, pairs.p, pairs.effect, strict=True)
         rows += [
-            _labels(one, question)
-            | {"first": one.methods[a], "second": one.methods[b]}
+            _labels(ranking, question)
+            | {"first": ranking.methods[a], "second": ranking.methods[b]}
             | {"rank difference": difference, "p": p, "effect": effect}
             for a, b, difference, p, effect in both
         ]
@@ -183,17 +184,17 @@ def _pairs(found: Sequence[Ranking], question: Question) -> Table:
     return with_info(DataFrame(rows), TableInfo(title=_title("Pairs", question), labels=labels))
 
 
-def _overall(found: Sequence[Ranking], question: Question) -> Table:
+def _overall(rankings: Sequence[Ranking], question: Question) -> Table:
     from pandas import DataFrame
 
     rows = []
-    for one in found:
-        told = one.overall
+    for ranking in rankings:
+        overall = ranking.overall
         rows.append(
-            _labels(one, question)
-            | {"methods": len(one.methods), "blocks": len(one.values)}
-            | {"chi2": told.chi2, "p": told.p, "F": told.f, "p of F": told.p_f, "W": told.w}
-            | {"critical difference": told.critical}
+            _labels(ranking, question)
+            | {"methods": len(ranking.methods), "blocks": len(ranking.values)}
+            | {"chi2": overall.chi2, "p": overall.p, "F": overall.f, "p of F": overall.p_f}
+            | {"W": overall.w, "critical difference": overall.critical}
         )
     title = _title("Friedman's test", question)
     return with_info(DataFrame(rows), TableInfo(title=title, labels=question.within))
@@ -207,11 +208,3 @@ def _title(what: str, question: Question) -> str:
     by = f" by {question.compare}" if question.compare else ""
     within = f" within {', '.join(question.within)}" if question.within else ""
     return f"{what} of {question.metric}{by}{within}"
-
-
-def _draw(
-    question: Question, found: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
-) -> Figure:
-    from nodegraph_compare.ranks.figure import draw
-
-    return draw(question, found, look, test)

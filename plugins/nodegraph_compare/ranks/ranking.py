@@ -103,7 +103,7 @@ def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:
 
     usable = group.usable
     values = group.values[group.complete][:, usable]
-    methods = tuple(name for name, one in zip(group.methods, usable, strict=True) if one)
+    methods = tuple(name for name, has in zip(group.methods, usable, strict=True) if has)
     within = rankdata(sign_of(end) * values, axis=1)
     ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
     pairs = _pairs(sign_of(end) * values, ranks, test)
@@ -129,14 +129,14 @@ def runs(ranking: Ranking) -> list[tuple[int, int]]:
     pairs = ranking.pairs
     apart[pairs.first, pairs.second] = apart[pairs.second, pairs.first] = pairs.p < LEVEL
     apart = apart[np.ix_(order, order)]
-    found: list[tuple[int, int]] = []
+    places: list[tuple[int, int]] = []
     for first in range(count):
         last = first
         while last + 1 < count and not apart[first : last + 1, last + 1].any():
             last += 1
-        if last > first and (not found or last > found[-1][1]):
-            found.append((first, last))
-    return found
+        if last > first and (not places or last > places[-1][1]):
+            places.append((first, last))
+    return places
 
 
 def _overall(within: NDArray[np.float64]) -> Overall:
@@ -189,8 +189,8 @@ def _pairs(signed: NDArray[np.float64], ranks: NDArray[np.float64], test: PairTe
 def _nemenyi(differences: NDArray[np.float64], blocks: int, methods: int) -> NDArray[np.float64]:
     from scipy.stats import studentized_range
 
-    found, place = np.unique(differences, return_inverse=True)
-    ratio = found / _unit(blocks, methods) * np.sqrt(2)
+    sizes, place = np.unique(differences, return_inverse=True)
+    ratio = sizes / _unit(blocks, methods) * np.sqrt(2)
     p = studentized_range.sf(ratio, methods, np.inf)
     return np.asarray(np.clip(p, 0.0, 1.0)[place])
 

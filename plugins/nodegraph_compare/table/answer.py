@@ -1,4 +1,4 @@
-"""What a table of means says, in sentences: the best of each group, and who is behind it."""
+"""Sentences on a table of means: the best of each group, and which methods are behind it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _EXTREME = {"lower": "lowest", "higher": "highest"}
 
 
 def answers(
-    found: Sequence[Summary],
+    summaries: Sequence[Summary],
     question: Question,
     unit: str,
     against: Label | None,
@@ -42,11 +42,11 @@ def answers(
     """Return the sentences on all groups: one on each, or on all of them where there are many.
 
     Where over a quarter of the blocks are left out, so that one method with a narrow reach decides
-    over what all are compared, that is told.
+    over the blocks of all, the counts are stated.
 
     Parameters
     ----------
-    found, question
+    summaries, question
         Of the comparison.
     unit
         Of the metric.
@@ -57,27 +57,28 @@ def answers(
     blocks
         What several blocks are called.
     """
-    if len(found) > MOST_GROUPS and question.compare and question.better != "none":
-        return [_counted(found, question), *_narrow_groups(found, blocks)]
-    told = []
-    for same in _alike(found[:MOST_GROUPS], blocks):
+    if len(summaries) > MOST_GROUPS and question.compare and question.better != "none":
+        return [_counted(summaries, question), *_narrow_groups(summaries, blocks)]
+    sentences = []
+    for same in _alike(summaries[:MOST_GROUPS], blocks):
         over, absent = narrowed(same[0].group, blocks), numberless(same[0].group)
         more = f"{f' ({over})' if over else ''}{f'; {absent}' if absent else ''}"
-        told.append(f"{_answer(same, question, unit)}{more}.")
+        sentences.append(f"{_answer(same, question, unit)}{more}.")
         if against is not None and test != "none":
-            told += [said for one in same for said in _to_baseline(one, question, against)]
-    rest = len(found) - MOST_GROUPS
-    return told + ([f"{rest} more groups are in the table."] if rest > 0 else [])
+            for summary in same:
+                sentences += _to_baseline(summary, question, against)
+    rest = len(summaries) - MOST_GROUPS
+    return sentences + ([f"{rest} more groups are in the table."] if rest > 0 else [])
 
 
-def _alike(found: Sequence[Summary], blocks: str) -> list[list[Summary]]:
-    """Return groups of which all the same is said but for the numbers together."""
+def _alike(summaries: Sequence[Summary], blocks: str) -> list[list[Summary]]:
+    """Return the groups whose sentences differ only in their numbers, together."""
     together: dict[object, list[Summary]] = {}
-    for place, one in enumerate(found):
-        known = one.best is not None and len(one.values) >= FEWEST
-        over, absent = narrowed(one.group, blocks), numberless(one.group)
-        said = (_best_names(one), _rest(one), over, absent) if known else place
-        together.setdefault(said, []).append(one)
+    for place, summary in enumerate(summaries):
+        known = summary.best is not None and len(summary.values) >= FEWEST
+        over, absent = narrowed(summary.group, blocks), numberless(summary.group)
+        key = (_best_names(summary), _rest(summary), over, absent) if known else place
+        together.setdefault(key, []).append(summary)
     return list(together.values())
 
 
@@ -100,8 +101,8 @@ def _answer(same: Sequence[Summary], question: Question, unit: str) -> str:
     if summary.best is None:
         return f"{start}{_span(summary, question, unit)}"
     verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
-    told = f"{_best_names(summary)} {verb} the {_EXTREME[question.better]} mean {question.metric}"
-    return f"{start}{told} ({_numbers_of(same, unit)}){_rest(summary)}"
+    best = f"{_best_names(summary)} {verb} the {_EXTREME[question.better]} mean {question.metric}"
+    return f"{start}{best} ({_numbers_of(same, unit)}){_rest(summary)}"
 
 
 def notes(question: Question, seed: int, against: Label | None, test: Test) -> list[str]:
@@ -118,7 +119,7 @@ def notes(question: Question, seed: int, against: Label | None, test: Test) -> l
     test
         Of the differences to it.
     """
-    told = [
+    sentences = [
         f"{block_text(question)} {end_text(question)}",
         "All statistics use only blocks in which every method with any number has all its "
         f"numbers. [low, high] beside a mean: {CONFIDENCE:.0%} studentised bootstrap interval of "
@@ -127,27 +128,26 @@ def notes(question: Question, seed: int, against: Label | None, test: Test) -> l
         "Tukey's range of the paired differences, 5 % over all pairs of methods.",
     ]
     if against is not None and test != "none":
-        told.append(
+        sentences.append(
             f"p: {TEST_NAMES[test]} of the paired differences to {against}, two-sided, after "
             "Holm's correction over the methods of a group."
         )
-    return told
+    return sentences
 
 
-def _counted(found: Sequence[Summary], question: Question) -> str:
-    wins = Counter(name for one in found for name in _bests(one) or ["none"]).most_common()
-    extreme = _EXTREME[question.better]
-    (first, most), *others = wins
-    rest = f", {listed([f'{name} in {count}' for name, count in others])}" if others else ""
+def _counted(summaries: Sequence[Summary], question: Question) -> str:
+    bests = (name for summary in summaries for name in _bests(summary) or ["none"])
+    (first, most), *wins = Counter(bests).most_common()
+    rest = f", {listed([f'{name} in {count}' for name, count in wins])}" if wins else ""
     return (
-        f"Of {len(found)} groups ({', '.join(question.within)}), {first} has the {extreme} mean "
-        f"{question.metric} in {most}{rest}."
+        f"Of {len(summaries)} groups ({', '.join(question.within)}), {first} has the "
+        f"{_EXTREME[question.better]} mean {question.metric} in {most}{rest}."
     )
 
 
-def _narrow_groups(found: Sequence[Summary], blocks: str) -> list[str]:
+def _narrow_groups(summaries: Sequence[Summary], blocks: str) -> list[str]:
     """Return in how many groups over a quarter of the blocks are left out, and one of them."""
-    narrow = [over for one in found if (over := narrowed(one.group, blocks))]
+    narrow = [over for summary in summaries if (over := narrowed(summary.group, blocks))]
     if not narrow:
         return []
     return [
@@ -167,28 +167,28 @@ def _to_baseline(summary: Summary, question: Question, against: Label) -> list[s
         side: [_name(summary, place) for place in np.flatnonzero(apart & where).tolist()]
         for side, where in sides
     }
-    told = [f"{side}: {listed(names)}" for side, names in named.items() if names]
-    said = f"{_start([summary], question)}against {against}, {question.metric} is "
-    if not told:
-        return [f"{said}not significantly different for any method (p < {LEVEL:g} after Holm)."]
-    return [f"{said}significantly {'; '.join(told)} (p < {LEVEL:g} after Holm)."]
+    clauses = [f"{side}: {listed(names)}" for side, names in named.items() if names]
+    start = f"{_start([summary], question)}against {against}, {question.metric} is "
+    if not clauses:
+        return [f"{start}not significantly different for any method (p < {LEVEL:g} after Holm)."]
+    return [f"{start}significantly {'; '.join(clauses)} (p < {LEVEL:g} after Holm)."]
 
 
 def _start(same: Sequence[Summary], question: Question) -> str:
     if len(question.within) == 1:
-        places = f"{question.within[0]} {listed([one.group.labels[0] for one in same])}"
+        places = f"{question.within[0]} {listed([summary.group.labels[0] for summary in same])}"
     else:
-        places = "; ".join(group_text(one.group, question) for one in same)
+        places = "; ".join(group_text(summary.group, question) for summary in same)
     return start_text(places)
 
 
 def _numbers_of(same: Sequence[Summary], unit: str) -> str:
     """Return the best mean and its interval, or from where to where the best means of groups go."""
-    bests = [(one, one.best) for one in same if one.best is not None]
+    bests = [(summary, summary.best) for summary in same if summary.best is not None]
     if len(bests) == 1:
         return _numbers(*bests[0], unit)
-    means = [float(one.mean[place]) for one, place in bests]
-    counts = sorted({int(one.blocks[place]) for one, place in bests})
+    means = [float(summary.mean[place]) for summary, place in bests]
+    counts = sorted({int(summary.blocks[place]) for summary, place in bests})
     blocks = f"{counts[0]} blocks" if len(counts) == 1 else f"{counts[0]} to {counts[-1]} blocks"
     ends = sorted({min(means), max(means)})
     return f"{_valued(ends, unit)}, {blocks} each"
@@ -214,22 +214,22 @@ def _valued(values: Sequence[float], unit: str) -> str:
 def _span(summary: Summary, question: Question, unit: str) -> str:
     """Return the extremes of a metric of which neither end is better."""
     low, high = int(np.nanargmin(summary.mean)), int(np.nanargmax(summary.mean))
-    ends = [f"{_name(summary, one)} ({_numbers(summary, one, unit)})" for one in (low, high)]
+    ends = [f"{_name(summary, place)} ({_numbers(summary, place, unit)})" for place in (low, high)]
     return f"the mean {question.metric} is lowest for {ends[0]} and highest for {ends[1]}"
 
 
 def _rest(summary: Summary) -> str:
-    others = np.flatnonzero((summary.blocks > 0) & ~summary.bests).tolist()
+    worse = np.flatnonzero((summary.blocks > 0) & ~summary.bests).tolist()
     count = len(summary.values)
     if count < FEWEST:
-        told = "one block says" if count == 1 else f"{count} blocks say"
-        return f"; {told} nothing of how far the others are apart"
-    if not others:
+        subject = "one block says" if count == 1 else f"{count} blocks say"
+        return f"; {subject} nothing of how far the others are apart"
+    if not worse:
         return ""
-    close = [_name(summary, place) for place in others if not summary.behind[place]]
+    close = [_name(summary, place) for place in worse if not summary.behind[place]]
     if not close:
         return "; every other method is clearly behind"
-    more = len(others) - len(close)
+    more = len(worse) - len(close)
     rest = f"; the {'other' if more == 1 else f'other {more}'} clearly behind" if more else ""
     best = "them" if np.count_nonzero(summary.bests) > 1 else "it"
     return f"; not clearly apart from {best}: {listed(close)}{rest}"

@@ -35,7 +35,7 @@ _MOST_NAMES = 40
 
 
 def draw(
-    question: Question, found: Sequence[Summary], look: Mapping[Label, Look], unit: str
+    question: Question, summaries: Sequence[Summary], look: Mapping[Label, Look], unit: str
 ) -> Figure:
     """Return the figure: the last of `within` along x, a panel per combination of the others.
 
@@ -44,7 +44,7 @@ def draw(
 
     Parameters
     ----------
-    question, found
+    question, summaries
         Of the comparison.
     look
         Of each compared label, in the order in which they are drawn.
@@ -52,39 +52,39 @@ def draw(
         Of the metric.
     """
     if not question.within:
-        return _one_group(question, found, look, unit)
+        return _one_group(question, summaries, look, unit)
     panels: dict[tuple[Label, ...], list[Summary]] = defaultdict(list)
-    for one in found:
-        panels[one.group.labels[:-1]].append(one)
-    places = list(dict.fromkeys(one.group.labels[-1] for one in found))
+    for summary in summaries:
+        panels[summary.group.labels[:-1]].append(summary)
+    places = list(dict.fromkeys(summary.group.labels[-1] for summary in summaries))
     drawn = list(panels.items())[:_MOST_PANELS]
     figure, axes = _grid(len(drawn), len(places) * max(len(look), 2))
-    for axis, (labels, summaries) in zip(axes, drawn, strict=True):
-        _panel(axis, summaries, places, look)
+    for axis, (labels, panel) in zip(axes, drawn, strict=True):
+        _panel(axis, panel, places, look)
         pairs = zip(question.within[:-1], labels, strict=True)
         axis.set_title(figure_text(", ".join(f"{name} {label}" for name, label in pairs)))
         axis.set_xlabel(figure_text(question.within[-1]))
     if len(drawn) < len(panels):
         figure.supxlabel(f"{len(panels) - len(drawn)} more panels are not drawn", fontsize=8)
-    _scale(axes, found)
+    _scale(axes, summaries)
     for axis in axes[::_PANELS_PER_ROW]:
         axis.set_ylabel(_quantity(question, unit))
-    _legend(figure, found, look)
+    _legend(figure, summaries, look)
     return figure
 
 
 def _one_group(
-    question: Question, found: Sequence[Summary], look: Mapping[Label, Look], unit: str
+    question: Question, summaries: Sequence[Summary], look: Mapping[Label, Look], unit: str
 ) -> Figure:
     order = tuple(look)
     figure, (axis,) = _grid(1, len(order) * 2)
-    for one in found:
+    for summary in summaries:
         for place, label in enumerate(order):
-            if label in one.group.methods:
-                _point(axis, np.array([place]), [one], label, look[label])
-    _ticks(axis, order, turn=len(order) > 4 or any(len(str(one)) > 12 for one in order))
+            if label in summary.group.methods:
+                _point(axis, np.array([place]), [summary], label, look[label])
+    _ticks(axis, order, turn=len(order) > 4 or any(len(str(label)) > 12 for label in order))
     axis.set_xlim(-0.6, len(order) - 0.4)
-    _scale([axis], found)
+    _scale([axis], summaries)
     axis.set_xlabel(figure_text(question.compare or ""))
     axis.set_ylabel(_quantity(question, unit))
     return figure
@@ -106,8 +106,8 @@ def _panel(
 ) -> None:
     offsets = (np.arange(len(look)) - (len(look) - 1) / 2) * _SPREAD / max(len(look), 1)
     for offset, label in zip(offsets, look, strict=True):
-        having = [one for one in summaries if label in one.group.methods]
-        x = np.array([places.index(one.group.labels[-1]) + offset for one in having])
+        having = [summary for summary in summaries if label in summary.group.methods]
+        x = np.array([places.index(summary.group.labels[-1]) + offset for summary in having])
         _point(axis, x, having, label, look[label])
     for place in range(1, len(places), 2):
         axis.axvspan(place - 0.5, place + 0.5, color=PALE, alpha=0.6, linewidth=0, zorder=0)
@@ -129,9 +129,10 @@ def _point(
     axis: Axes, x: NDArray[np.float64], having: Sequence[Summary], label: Label, look: Look
 ) -> None:
     """Draw the means of one method; no bar where there is no interval."""
-    columns = [one.group.methods.index(label) for one in having]
+    columns = [summary.group.methods.index(label) for summary in having]
+    at = list(zip(having, columns, strict=True))
     mean, low, high = (
-        np.array([getattr(one, name)[column] for one, column in zip(having, columns, strict=True)])
+        np.array([getattr(summary, name)[column] for summary, column in at])
         for name in ("mean", "low", "high")
     )
     axis.errorbar(
@@ -148,8 +149,8 @@ def _point(
     )
 
 
-def _scale(axes: Sequence[Axes], found: Sequence[Summary]) -> None:
-    means = np.concatenate([one.mean for one in found]) if found else np.empty(0)
+def _scale(axes: Sequence[Axes], summaries: Sequence[Summary]) -> None:
+    means = np.concatenate([summary.mean for summary in summaries]) if summaries else np.empty(0)
     means = means[np.isfinite(means)]
     wide = len(means) and means.min() > 0 and means.max() > _WIDEST_LINEAR * means.min()
     for axis in axes:
@@ -164,12 +165,12 @@ def _scale(axes: Sequence[Axes], found: Sequence[Summary]) -> None:
         axis.spines[["top", "right"]].set_visible(False)
 
 
-def _legend(figure: Figure, found: Sequence[Summary], look: Mapping[Label, Look]) -> None:
+def _legend(figure: Figure, summaries: Sequence[Summary], look: Mapping[Label, Look]) -> None:
     order = tuple(look)
     known = {
         label
-        for one in found
-        for label, blocks in zip(one.group.methods, one.blocks, strict=True)
+        for summary in summaries
+        for label, blocks in zip(summary.group.methods, summary.blocks, strict=True)
         if blocks
     }
     handles = [_handle(look[label]) for label in order[:_MOST_NAMES]]

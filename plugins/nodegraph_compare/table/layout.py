@@ -37,7 +37,7 @@ _NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, False)
 
 
 def wide_table(
-    found: Sequence[Summary],
+    summaries: Sequence[Summary],
     question: Question,
     layout: Layout,
     order: Sequence[Label],
@@ -50,7 +50,7 @@ def wide_table(
 
     Parameters
     ----------
-    found, question
+    summaries, question
         Of the comparison.
     layout
         What stands down the side, and along the top.
@@ -64,10 +64,10 @@ def wide_table(
 
     cells = {
         (_picked(at, layout.rows), _picked(at, layout.columns)): cell
-        for one in found
-        for at, cell in _cells(one, question)
+        for summary in summaries
+        for at, cell in _cells(summary, question)
     }
-    place = _order(found, question, order)
+    place = _order(summaries, question, order)
     rows = sorted({row for row, _ in cells}, key=place(layout.rows))
     tops = sorted({top for _, top in cells}, key=place(layout.columns))
     stacked = [[cells.get((row, top), _NOTHING) for row in rows] for top in tops]
@@ -99,9 +99,9 @@ def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[s
     return {head: [cell.mean for cell in column]} | beside
 
 
-def blocks_text(found: Sequence[Summary]) -> str:
+def blocks_text(summaries: Sequence[Summary]) -> str:
     """Return over how many blocks the means of a table are."""
-    counts = sorted({int(one.blocks.max(initial=0)) for one in found})
+    counts = sorted({int(summary.blocks.max(initial=0)) for summary in summaries})
     if len(counts) == 1:
         return f"Every mean is over {counts[0]} blocks."
     return f"The means are over {counts[0]} to {counts[-1]} blocks." if counts else ""
@@ -113,7 +113,8 @@ def _cells(summary: Summary, question: Question) -> Iterable[tuple[Mapping[str, 
     for place, method in enumerate(summary.group.methods):
         names = dict.fromkeys(question.compared, method)
         p = np.nan if paired is None else float(paired.p[place])
-        mean, low, high = (float(one[place]) for one in (summary.mean, summary.low, summary.high))
+        numbers = (summary.mean, summary.low, summary.high)
+        mean, low, high = (float(number[place]) for number in numbers)
         yield at | names, _Cell(mean, low, high, p, int(blocks[place]), bool(bests[place]))
 
 
@@ -122,12 +123,12 @@ def _picked(at: Mapping[str, Label], names: Sequence[str]) -> Labels:
 
 
 def _order(
-    found: Sequence[Summary], question: Question, order: Sequence[Label]
+    summaries: Sequence[Summary], question: Question, order: Sequence[Label]
 ) -> Callable[[Sequence[str]], Callable[[Labels], tuple[int, ...]]]:
     """Return what gives the places of labels in the order in which the graph lists them."""
     listed: dict[str, Sequence[Label]] = dict.fromkeys(question.compared, order)
     for at, name in enumerate(question.within):
-        listed[name] = tuple(dict.fromkeys(one.group.labels[at] for one in found))
+        listed[name] = tuple(dict.fromkeys(summary.group.labels[at] for summary in summaries))
     places = {
         name: {label: at for at, label in enumerate(labels)} for name, labels in listed.items()
     }
@@ -143,14 +144,17 @@ def _order(
 def _heads(tops: Sequence[Labels], names: Sequence[str], taken: Iterable[str]) -> list[str]:
     """Return a name for each column: its labels, with what they are where the labels are bare."""
     bare = [
-        ", ".join(str(one) if isinstance(one, str) else f"{name} {one}" for name, one in both)
-        for both in (list(zip(names, labels, strict=True)) for labels in tops)
+        ", ".join(
+            label if isinstance(label, str) else f"{name} {label}"
+            for name, label in zip(names, labels, strict=True)
+        )
+        for labels in tops
     ]
     parts = {f"{head} {part}" for head in bare for part in ("low", "high", "p")}
     if len({*bare, *parts, *taken}) == len(bare) + len(parts) + len(list(taken)):
         return bare
     return [
-        ", ".join(f"{name} {one!r}" for name, one in zip(names, labels, strict=True))
+        ", ".join(f"{name} {label!r}" for name, label in zip(names, labels, strict=True))
         for labels in tops
     ]
 
@@ -169,9 +173,9 @@ class Layout:
 def implied(
     scores: Across[Table], compare: str | None, within: Names, layout: Layout, blocks: Names
 ) -> tuple[str | None, Names]:
-    """Return what is compared, and within what, as far as the layout says so.
+    """Return what is compared, and within what, as the layout implies.
 
-    Every name laid out is compared or in `within`; compared is, if nothing else is said, the
+    Every name laid out is compared or in `within`; without `compare`, the
     last gathered axis among them.
 
     Parameters
@@ -223,13 +227,13 @@ _SHARES = ("refused", "left missing", "better in")
 
 
 def long_table(
-    found: Sequence[Summary], question: Question, unit: str, left: Sequence[str]
+    summaries: Sequence[Summary], question: Question, unit: str, left: Sequence[str]
 ) -> Table:
     """Return a row per group and method, the best mean of each group first and marked.
 
     Parameters
     ----------
-    found, question
+    summaries, question
         Of the comparison.
     unit
         Of the metric.
@@ -239,11 +243,11 @@ def long_table(
     from pandas import DataFrame
 
     columns: dict[str, list[Any]] = {}
-    for one in found:
-        for name, values in _columns(one, question, left).items():
+    for summary in summaries:
+        for name, values in _columns(summary, question, left).items():
             columns.setdefault(name, []).extend(values)
     frame = DataFrame(columns)
-    marked = [mark for summary in found for mark in summary.marked[summary.ranked]]
+    marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
     several = question.compare is not None
     info = TableInfo(
         units=_units(frame, unit),
@@ -272,10 +276,10 @@ def _columns(
     return {name: [values[place] for place in summary.ranked] for name, values in columns.items()}
 
 
-def _units(made: Table, unit: str) -> dict[str, str]:
+def _units(frame: Table, unit: str) -> dict[str, str]:
     valued = (*_VALUED, "difference", "difference low", "difference high")
-    units = {name: unit for name in valued if unit and name in made}
-    return units | {name: "share" for name in _SHARES if name in made}
+    units = {name: unit for name in valued if unit and name in frame}
+    return units | {name: "share" for name in _SHARES if name in frame}
 
 
 PAIRED = tuple(_PAIRED)

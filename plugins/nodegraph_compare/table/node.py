@@ -41,9 +41,7 @@ from nodegraph_tables.info import Part
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from nodegraph_tables.style import Look
+    from collections.abc import Sequence
 
 
 _PARTS: tuple[Part, ...] = ("low", "high", "p")
@@ -91,7 +89,7 @@ def table(
     the mean over blocks of the rows' rmse, not the rmse over all samples). A block in which a
     method has a row without a finite number counts as lacking for that method. Statistics are
     paired: within a group, only blocks that every method has are used; the others are dropped,
-    counted and told in a warning. A method without any number in a group does not take part in
+    counted in a warning. A method without any number in a group does not take part in
     it. An axis hides a column of the same name.
 
     What differs by rounding alone is equal. Of values in a block that are at most 1e-9 of their
@@ -115,8 +113,8 @@ def table(
         Axes, or columns: each combination of their labels is compared by itself.
     blocks
         Axes, or columns, whose combinations are the paired blocks. Default: every gathered axis
-        that is not compared or in `within`, and the first column of the tables where it says
-        which unit a row is, that is, where it holds no floats and is not called ``frame``.
+        that is not compared or in `within`, and the first column of the tables where it
+        identifies the unit of a row, that is, where it holds no floats and is not called ``frame``.
         An axis named nowhere is averaged over within each block.
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none`` (a lag is
@@ -154,8 +152,8 @@ def table(
         Its answer has a sentence per group: which mean is best, and which methods are
         not clearly behind it (Tukey's range of the paired differences, so that of equal methods
         any is called behind in about 5 % of studies of ten blocks or more), and over how many
-        blocks, and because of whom, where more than a quarter are left out. Its notes say what was
-        left out, and the best mean of each group is marked.
+        blocks, and because of which methods, where more than a quarter are left out. Its notes
+        list what was left out, and the best mean of each group is marked.
     figure
         Means and intervals.
 
@@ -165,6 +163,8 @@ def table(
         If a name is neither axis nor column or is used twice, the metric holds no numbers, or
         the baseline is not among the compared labels; the message lists what there is.
     """
+    from nodegraph_compare.table.figure import draw
+
     layout = Layout(rows, columns)
     compare, within = implied(scores, compare, within, layout, blocks)
     question = ask(
@@ -174,30 +174,31 @@ def table(
     look = compared_looks(scores, question, gathered)
     against = named_label(tuple(look), baseline)
     bootstrap = Bootstrap(seed)
-    found = [
+    summaries = [
         summarise(group, question.better, bootstrap, against=against, test=test)
         for group in gathered
     ]
     unit = unit_of(scores, question.metric)
     layout = completed(layout, question)
     means = _laid_out(
-        found, question, layout, tuple(look), unit, _unwanted(question, against, test)
+        summaries, question, layout, tuple(look), unit, _unwanted(question, against, test)
     )
     info = info_of(means)
+    sentences = answers(summaries, question, unit, against, test, blocks_name(scores, question))
     info = replace(
         info,
-        answer=tuple(answers(found, question, unit, against, test, blocks_name(scores, question))),
+        answer=tuple(sentences),
         notes=(
             *notes(question, seed, against, test),
             *info.notes,
             *left_out(scores, question, gathered),
         ),
     )
-    return Compared(with_info(means, info), _draw(question, found, look, unit))
+    return Compared(with_info(means, info), draw(question, summaries, look, unit))
 
 
 def _laid_out(
-    found: Sequence[Summary],
+    summaries: Sequence[Summary],
     question: Question,
     layout: Layout,
     order: Sequence[Label],
@@ -207,14 +208,14 @@ def _laid_out(
     by = f" by {question.compare}" if question.compare else ""
     within = f" within {', '.join(question.within)}" if question.within else ""
     if not layout.columns:
-        means = long_table(found, question, unit, unwanted)
+        means = long_table(summaries, question, unit, unwanted)
         title, note = f"{question.metric}{by}{within}", _SHARES
     else:
         parts = [part for part in _PARTS if part not in unwanted]
-        means = wide_table(found, question, layout, order, parts)
+        means = wide_table(summaries, question, layout, order, parts)
         in_unit = f" ({unit_text(unit)})" if unit else ""
         title = f"Mean {question.metric}{in_unit}{by}{within}"
-        note = f"{_cell_text(question, parts)} {blocks_text(found)}"
+        note = f"{_cell_text(question, parts)} {blocks_text(summaries)}"
     return with_info(means, replace(info_of(means), title=title, notes=(note,)))
 
 
@@ -230,11 +231,3 @@ def _unwanted(question: Question, against: Label | None, test: Test) -> tuple[st
         return PAIRED
     unwanted = ("p",) if test == "none" else ()
     return (*unwanted, "better in") if question.better == "none" else unwanted
-
-
-def _draw(
-    question: Question, found: Sequence[Summary], look: Mapping[Label, Look], unit: str
-) -> Figure:
-    from nodegraph_compare.table.figure import draw
-
-    return draw(question, found, look, unit)

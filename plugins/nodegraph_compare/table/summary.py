@@ -75,8 +75,8 @@ class Summary:
     @property
     def best(self) -> int | None:
         """The column with the best mean, the first of equals; None if there is none."""
-        found = np.flatnonzero(self.bests)
-        return int(found[0]) if len(found) else None
+        places = np.flatnonzero(self.bests)
+        return int(places[0]) if len(places) else None
 
     @property
     def bests(self) -> NDArray[np.bool_]:
@@ -174,21 +174,21 @@ def differences(
     test
         Of the differences.
     """
-    found = apart(values, values[:, [baseline]])
-    found[:, baseline] = np.nan
-    known = np.asarray(np.isfinite(found).any(axis=0))
-    low, high = bootstrap.interval(found)
+    paired = apart(values, values[:, [baseline]])
+    paired[:, baseline] = np.nan
+    known = np.asarray(np.isfinite(paired).any(axis=0))
+    low, high = bootstrap.interval(paired)
     nothing = np.full(known.shape, np.nan)
     p = nothing.copy()
-    p[known] = p_values(found[:, known], test)
-    lower = sign_of(end) * found < 0.0
+    p[known] = p_values(paired[:, known], test)
+    lower = sign_of(end) * paired < 0.0
     counted = known & (end != "none")
     return Differences(
-        mean=found.mean(axis=0) if len(found) else nothing,
+        mean=paired.mean(axis=0) if len(paired) else nothing,
         low=low,
         high=high,
         p=holm(p),
-        better=np.where(counted, lower.mean(axis=0), np.nan) if len(found) else nothing,
+        better=np.where(counted, lower.mean(axis=0), np.nan) if len(paired) else nothing,
     )
 
 
@@ -206,13 +206,13 @@ def behind_best(
     mean
         (K,), of the columns.
     end
-        Which end of the metric is better; of ``none``, nobody is behind.
+        Which end of the metric is better; of ``none``, no method is behind.
     """
     blocks = len(values)
     usable = int(np.isfinite(mean).sum())
     if end == "none" or usable < 2 or blocks < FEWEST:
         return np.zeros(mean.shape, dtype=bool)
     signed = sign_of(end) * values
-    found = apart(signed, signed[:, [int(np.nanargmin(sign_of(end) * mean))]])
-    error = found.std(axis=0, ddof=1) / np.sqrt(blocks)
-    return np.asarray(found.mean(axis=0) > range_quantile(usable, blocks - 1) * error)
+    paired = apart(signed, signed[:, [int(np.nanargmin(sign_of(end) * mean))]])
+    error = paired.std(axis=0, ddof=1) / np.sqrt(blocks)
+    return np.asarray(paired.mean(axis=0) > range_quantile(usable, blocks - 1) * error)

@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 
 from nodegraph import Absent, Across
-from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import compared_looks, label_order
+from nodegraph_compare.blocks import groups, label_order
+from nodegraph_compare.labels import compared_looks
 from nodegraph_compare.question import Question, ask
 
 TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})

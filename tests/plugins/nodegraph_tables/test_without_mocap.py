@@ -17,7 +17,7 @@ from nodegraph.node.decorator import node
 from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
-from nodegraph.report.files import report_files
+from nodegraph.report.compose import report_files
 from nodegraph.runs.settings import RunSettings
 
 @node("toy.table")

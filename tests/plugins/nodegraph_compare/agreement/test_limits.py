@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import linregress, t
 
-from nodegraph_compare.agreement.node import REACH, limits
+from nodegraph_compare.agreement.limits import REACH, limits
 
 STUDIES = 1000
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_compare.curve.figure import Scale, scale_of
 from nodegraph_compare.curve.points import Points
+from nodegraph_compare.curve.scale import Scale, scale_of
 
 
 def points(*values: float) -> Points:
