@@ -72,7 +72,7 @@ class Run(execute.Run):
 
     def write_to(self, folder: RunFolder) -> Study:
         """Write report and record into a folder that has the graph and the events already."""
-        from nodegraph.report.files import report_files
+        from nodegraph.report.compose import report_files
         from nodegraph.runs.record import record
 
         files, study = report_files(self, self.settings)

@@ -21,8 +21,7 @@ from nodegraph.errors import NodegraphError, listed
 from nodegraph.lock.lockfile import read_lock
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.citing import cited
-from nodegraph.report.files import read_study
-from nodegraph.report.study import Study
+from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import GRAPH
 from nodegraph.runs.record import Record
 from nodegraph.runs.saved_run import SavedRun

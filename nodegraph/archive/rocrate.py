@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from nodegraph.errors import NodegraphError
-from nodegraph.report.files import STUDY
+from nodegraph.report.study import STUDY
 from nodegraph.runs.folder import EVENTS
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def cite(arguments: Namespace) -> int:
     """Print the texts for a paper, or write them as Markdown, LaTeX and BibTeX."""
     from nodegraph.report.citing import cited
-    from nodegraph.report.files import read_study
+    from nodegraph.report.study import read_study
 
     study = read_study(arguments.run)
     texts = cited(study)

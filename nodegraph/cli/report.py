@@ -34,8 +34,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 def report(arguments: Namespace) -> int:
     """Write the report of one run again, or one report of several runs."""
     from nodegraph.report import page
-    from nodegraph.report.files import read_study
-    from nodegraph.report.study import merged
+    from nodegraph.report.merge import merged
+    from nodegraph.report.study import read_study
 
     runs = list(dict.fromkeys(arguments.runs))
     studies = {run: read_study(run) for run in runs}
@@ -55,7 +55,7 @@ def _linked_from(folder: Path, studies: Mapping[Path, Study]) -> Iterator[tuple[
 
     The name is that of the run's folder, or the path to it where two folders have one name.
     """
-    from nodegraph.report.study import linked
+    from nodegraph.report.merge import linked
 
     counts = Counter(run.resolve().name for run in studies)
     for run, study in studies.items():

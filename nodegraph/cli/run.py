@@ -38,7 +38,7 @@ def run(arguments: Namespace) -> int:
     """Run a graph, write its folder, and print its tables."""
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
     from nodegraph.execute import executor_of
-    from nodegraph.report.files import summary
+    from nodegraph.report.compose import summary
     from nodegraph.runs.folder import RunFolder
 
     graph = graph_of(arguments)

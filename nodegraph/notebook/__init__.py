@@ -10,8 +10,8 @@ from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.compose import compose
-from nodegraph.report.page import duration, templates_of
-from nodegraph.report.study import note_kinds, titled
+from nodegraph.report.notes import note_kinds
+from nodegraph.report.page import duration, templates_of, titled
 from nodegraph.runs.settings import RunSettings
 
 _MOST = 24

@@ -1,4 +1,4 @@
-"""What a paper says of a study: its methods in a paragraph, their settings, their sources."""
+"""Texts for a paper: a paragraph on the methods, a table of settings, the references."""
 
 from __future__ import annotations
 
@@ -24,12 +24,11 @@ _MACHINE = ("python", "numpy", "scipy")
 
 
 def cited(study: Study) -> Mapping[str, str]:
-    """Return the texts that a paper needs, by file name.
+    """Return the texts of a study for a paper, by file name.
 
     Parameters
     ----------
     study
-        Of a finished run.
 
     Returns
     -------
@@ -81,7 +80,7 @@ def _paragraph(study: Study, form: _Form) -> str:
         return "No step gave a result.\n"
     steps = (
         _step(node, list(methods), form)
-        for node, methods in groupby(study.methods, key=lambda one: one.node)
+        for node, methods in groupby(study.methods, key=lambda method: method.node)
     )
     versions = dict(study.versions)
     libraries = ", ".join(f"{name} {versions[name]}" for name in _MACHINE if versions.get(name))
@@ -93,20 +92,19 @@ def _paragraph(study: Study, form: _Form) -> str:
 def _step(node: str, methods: list[MethodRow], form: _Form) -> str:
     if len(methods) == 1:
         return f"Step {form.code(node)} used {_method(methods[0], form)}."
-    several = "; ".join(_method(one, form) for one in methods)
+    several = "; ".join(_method(method, form) for method in methods)
     return f"Step {form.code(node)} compared {len(methods)} methods: {several}."
 
 
 def _method(method: MethodRow, form: _Form) -> str:
     label = f"{form.code(method.label)}: " if method.label else ""
-    chosen = [one for one in method.settings if not one.default]
-    said = ", ".join(f"{form.code(one.name)} {form.plain(_value(one))}" for one in chosen)
+    settings = ", ".join(
+        f"{form.code(setting.name)} {form.plain(f'{_printed(setting)} {setting.unit}'.rstrip())}"
+        for setting in method.settings
+        if not setting.default
+    )
     source = form.cite(method.keys) if method.keys and method.citation else ""
-    return f"{label}{form.code(method.use)}{source}" + (f" ({said})" if said else "")
-
-
-def _value(setting: SettingRow) -> str:
-    return f"{_printed(setting)} {setting.unit}".rstrip()
+    return f"{label}{form.code(method.use)}{source}" + (f" ({settings})" if settings else "")
 
 
 def _printed(setting: SettingRow) -> str:
@@ -116,8 +114,8 @@ def _printed(setting: SettingRow) -> str:
 def _rows(study: Study) -> Iterator[tuple[str, ...]]:
     for method in study.methods:
         name = f"{method.use} ({method.label})" if method.label else method.use
-        for one in method.settings:
-            yield method.node, name, one.name, _printed(one), one.unit
+        for setting in method.settings:
+            yield method.node, name, setting.name, _printed(setting), setting.unit
 
 
 def _markdown_table(study: Study) -> str:

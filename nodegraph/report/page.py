@@ -1,77 +1,36 @@
-"""A study as one HTML file: offline, without a way to the network, readable everywhere."""
+"""A study as one HTML file that works offline and cannot reach the network."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
 from collections.abc import Iterable
+from dataclasses import dataclass
 from html.parser import HTMLParser
 from importlib.resources import files
+from itertools import groupby
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from nodegraph.report.study import Study, note_kinds, titled
+from nodegraph.report.notes import note_kinds
+from nodegraph.report.study import Section, Study
 
 if TYPE_CHECKING:
     from jinja2 import Environment
     from markupsafe import Markup
 
 
-def policy(fragments: Iterable[str], *own: str) -> str:
-    """Return the policy of a page.
-
-    Parameters
-    ----------
-    fragments : iterable of str
-        Trusted HTML: the scripts in it may run, by their hashes.
-    own : str
-        The page's own scripts.
-    """
-    scripts = dict.fromkeys([*own, *(one for html in fragments for one in _scripts(html))])
-    allowed = " ".join(f"'sha256-{_digest(one)}'" for one in scripts)
-    rules = ["default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'"]
-    rules += ["img-src data: blob:", "media-src data: blob:", "font-src data:"]
-    rules += ["base-uri 'none'", "form-action 'none'"]
-    return "; ".join(rules)
-
-
-def _digest(script: str) -> str:
-    same_line_ends = script.replace("\r\n", "\n").replace("\r", "\n")
-    return base64.b64encode(hashlib.sha256(same_line_ends.encode()).digest()).decode()
-
-
-def _scripts(html: str) -> list[str]:
-    if "<script" not in html.lower():
-        return []
-    reader = _ScriptReader()
-    reader.feed(html)
-    reader.close()
-    return reader.scripts
-
-
-class _ScriptReader(HTMLParser):
-    """Collects what stands in script elements."""
-
-    def __init__(self) -> None:
-        super().__init__(convert_charrefs=False)
-        self.scripts: list[str] = []
-        self._inside = False
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._inside = tag == "script"
-        if self._inside:
-            self.scripts.append("")
-
-    def handle_endtag(self, tag: str) -> None:
-        self._inside = False
-
-    def handle_data(self, data: str) -> None:
-        if self._inside:
-            self.scripts[-1] += data
-
-
 _SHOWN = 3
 _MANY = 24
+
+
+@dataclass(frozen=True, slots=True)
+class Titled:
+    """Sections with one title."""
+
+    title: str
+    anchor: str
+    sections: tuple[Section, ...]
 
 
 def page(study: Study) -> str:
@@ -82,8 +41,8 @@ def page(study: Study) -> str:
     parts when the page was made may run.
     """
     own = [_source("page.js"), _source("copy.js")]
-    scripts = _once(own, (one.rendered.scripts for one in study.sections))
-    styles = _once([_source("page.css")], (one.rendered.styles for one in study.sections))
+    scripts = _once(own, (section.rendered.scripts for section in study.sections))
+    styles = _once([_source("page.css")], (section.rendered.styles for section in study.sections))
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
     return (
         templates_of("nodegraph.report")
@@ -104,9 +63,9 @@ def page(study: Study) -> str:
     )
 
 
-def _once(own: list[str], brought: Iterable[Iterable[str]]) -> list[Markup]:
-    """Return the page's own texts and those that its sections bring, each once."""
-    texts = dict.fromkeys([*own, *(text for texts in brought for text in texts)])
+def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
+    """Return the page's own texts and those of its sections, each once."""
+    texts = dict.fromkeys([*own, *(text for texts in of_sections for text in texts)])
     return [_trusted(text) for text in texts]
 
 
@@ -158,3 +117,64 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60} s"
     return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
+    """Return sections that follow each other with one title as one."""
+    runs = groupby(sections, key=lambda section: section.title)
+    return tuple(
+        Titled(title, f"result-{number}", tuple(run)) for number, (title, run) in enumerate(runs, 1)
+    )
+
+
+def policy(fragments: Iterable[str], *own: str) -> str:
+    """Return the content security policy of a page.
+
+    Parameters
+    ----------
+    fragments : iterable of str
+        Trusted HTML, whose scripts may run.
+    own : str
+        The page's own scripts.
+    """
+    scripts = dict.fromkeys([*own, *(script for html in fragments for script in _scripts(html))])
+    allowed = " ".join(f"'sha256-{_digest(script)}'" for script in scripts)
+    rules = ["default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'"]
+    rules += ["img-src data: blob:", "media-src data: blob:", "font-src data:"]
+    rules += ["base-uri 'none'", "form-action 'none'"]
+    return "; ".join(rules)
+
+
+def _digest(script: str) -> str:
+    same_line_ends = script.replace("\r\n", "\n").replace("\r", "\n")
+    return base64.b64encode(hashlib.sha256(same_line_ends.encode()).digest()).decode()
+
+
+def _scripts(html: str) -> list[str]:
+    if "<script" not in html.lower():
+        return []
+    reader = _ScriptReader()
+    reader.feed(html)
+    reader.close()
+    return reader.scripts
+
+
+class _ScriptReader(HTMLParser):
+    """Collects what stands in script elements."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=False)
+        self.scripts: list[str] = []
+        self._inside = False
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._inside = tag == "script"
+        if self._inside:
+            self.scripts.append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        self._inside = False
+
+    def handle_data(self, data: str) -> None:
+        if self._inside:
+            self.scripts[-1] += data

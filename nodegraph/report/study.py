@@ -1,15 +1,24 @@
-"""What a report shows, as plain data: nothing here knows where it came from."""
+"""The study that a report shows, as plain data, and the file that keeps it beside the report."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping
+import gzip
+import json
+import zlib
 from dataclasses import dataclass, replace
-from itertools import groupby
-from pathlib import PurePosixPath
-from typing import Literal, TypeVar
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
+from nodegraph.errors import NodegraphError
 from nodegraph.plugin.hook_types import Rendered
+from nodegraph.validation import first_error
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
+
+STUDY = "study.json.gz"
+"""The file of a study, in the folder of its run."""
 
 Kind = Literal["failed", "refused", "left out", "warning"]
 
@@ -237,215 +246,43 @@ class Study:
         return not any(note.kind == "failed" for note in self.notes)
 
 
-_KINDS: tuple[tuple[Kind, str, str], ...] = (
-    (
-        "failed",
-        "Failed",
-        "An error stopped these; what depends on a step that failed was not run.",
-    ),
-    ("refused", "Refused", "The method cannot do what is asked of this data, and says why."),
-    ("left out", "Left out", "These combinations were not asked for, or had nothing to work on."),
-    ("warning", "Warnings", "These steps ran, and have something to say about their result."),
-)
-_NUMBER = re.compile(r"(?<![A-Za-z_\d])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", re.IGNORECASE)
-
-
-@dataclass(frozen=True, slots=True)
-class Titled:
-    """Sections with one title."""
-
-    title: str
-    anchor: str
-    sections: tuple[Section, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class NoteGroup:
-    """Notes of one node with one reason, but for the numbers in warnings."""
-
-    node: str
-    reason: str
-    count: int
-    labels: tuple[str, ...]
-    repeat: str
-    trace: str
-
-
-@dataclass(frozen=True, slots=True)
-class NoteKind:
-    """All notes of one kind."""
-
-    kind: Kind
-    title: str
-    meaning: str
-    anchor: str
-    count: int
-    steps: int
-    groups: tuple[NoteGroup, ...]
-
-    def __str__(self) -> str:
-        if self.kind != "warning":
-            return f"{self.count} {self.kind}"
-        if len(self.groups) == self.count:
-            return _counted(self.count, "warning")
-        kinds = (
-            "1 kind of warning"
-            if len(self.groups) == 1
-            else f"{len(self.groups)} kinds of warnings"
-        )
-        return f"{kinds} in {_counted(self.steps, 'step')}"
-
-
-def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
-    """Return sections that follow each other with one title as one."""
-    runs = groupby(sections, key=lambda section: section.title)
-    return tuple(
-        Titled(title, f"result-{number}", tuple(run)) for number, (title, run) in enumerate(runs, 1)
+def study_bytes(study: Study) -> bytes:
+    """Return a study as compressed JSON, without the files that lie beside the report anyway."""
+    sections = tuple(
+        replace(section, rendered=replace(section.rendered, files={})) for section in study.sections
     )
+    # an error may name a file whose name is not valid text: only JSON's escapes can carry that
+    content = json.dumps(_adapter().dump_python(replace(study, sections=sections)))
+    return gzip.compress(content.encode(), compresslevel=6, mtime=0)
 
 
-def note_kinds(study: Study) -> tuple[NoteKind, ...]:
-    """Return the study's notes by kind, the gravest first; kinds without notes are left out."""
-    kinds = []
-    for kind, title, meaning in _KINDS:
-        notes = [note for note in study.notes if note.kind == kind]
-        count = sum(note.count for note in notes)
-        anchor = f"notes-{kind.replace(' ', '-')}"
-        if notes:
-            steps = len({(note.node, note.labels) for note in notes})
-            kinds.append(NoteKind(kind, title, meaning, anchor, count, steps, _groups(notes)))
-    return tuple(kinds)
+def read_study(folder: Path) -> Study:
+    """Return the study of a saved run.
 
-
-def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
-    together: dict[tuple[str, str], list[StepNote]] = {}
-    for note in notes:
-        together.setdefault((note.node, _alike(note)), []).append(note)
-    groups = [
-        NoteGroup(
-            node=node,
-            reason=same[0].reason if _one_reason(same) else reason,
-            count=sum(note.count for note in same),
-            labels=tuple(_labels(note, say=not _one_reason(same)) for note in same if note.labels),
-            repeat=next((note.repeat for note in same if note.repeat), ""),
-            trace=next((note.trace for note in same if note.trace), ""),
-        )
-        for (node, reason), same in together.items()
-    ]
-    return tuple(sorted(groups, key=lambda group: -group.count))
-
-
-def _alike(note: StepNote) -> str:
-    """Return a note's reason; of a warning without its numbers, of which each step has its own."""
-    return _NUMBER.sub("…", note.reason) if note.kind == "warning" else note.reason
-
-
-def _one_reason(notes: Iterable[StepNote]) -> bool:
-    return len({note.reason for note in notes}) == 1
-
-
-def _labels(note: StepNote, *, say: bool) -> str:
-    return f"{note.labels}: {note.reason}" if say else note.labels
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-T = TypeVar("T")
-
-
-def merged(studies: Mapping[str, Study]) -> Study:
-    """Return one study of several runs.
-
-    What has one title stands together, a run after the other; each result, note, method and time
-    is labelled with the name of its run. A method that ran alike everywhere is told once.
-
-    Parameters
-    ----------
-    studies
-        By the names of the runs, two at least.
+    Raises
+    ------
+    NodegraphError
+        If there is none, or this version cannot read it.
     """
-    first = next(iter(studies.values()))
-    every = studies.items()
-    return Study(
-        title=" | ".join(dict.fromkeys(one.title for one in studies.values())),
-        answer=tuple(f"{name}: {line}" for name, one in every for line in one.answer),
-        notes_markdown="\n\n".join(dict.fromkeys(one.notes_markdown for one in studies.values())),
-        sections=tuple(_sections(studies)),
-        graph_svg=first.graph_svg,
-        axes=first.axes if _same(one.axes for one in studies.values()) else (),
-        inputs=tuple(_inputs(studies)),
-        known=tuple(dict.fromkeys(one for study in studies.values() for one in study.known)),
-        methods=tuple(dict.fromkeys(one for study in studies.values() for one in study.methods)),
-        without_result=tuple(
-            replace(one, reason=f"{one.reason} ({name})")
-            for name, study in every
-            for one in study.without_result
-        ),
-        bibtex="\n".join(dict.fromkeys(one.bibtex for one in studies.values() if one.bibtex)),
-        notes=tuple(
-            replace(note, labels=_and(name, note.labels))
-            for name, one in every
-            for note in one.notes
-        ),
-        timings=tuple(
-            replace(row, node=f"{row.node} ({name})") for name, one in every for row in one.timings
-        ),
-        seconds=sum(one.seconds for one in studies.values()),
-        versions=tuple(_versions(studies)),
-        seeds=tuple((f"{node} ({name})", text) for name, one in every for node, text in one.seeds),
-        command="\n".join(one.command for one in studies.values()),
-        graph_file=first.graph_file,
-        graph_text=first.graph_text,
-        files=tuple(
-            replace(link, text=f"{name}: {link.text}") for name, one in every for link in one.files
-        ),
-        created=" | ".join(dict.fromkeys(one.created for one in studies.values())),
-        machine=" | ".join(dict.fromkeys(one.machine for one in studies.values())),
-        runs=len(studies),
-    )
+    from pydantic import ValidationError
+
+    path = folder / STUDY
+    try:
+        data = json.loads(gzip.decompress(path.read_bytes()))
+        return _adapter().validate_python(data)
+    except (FileNotFoundError, NotADirectoryError):
+        raise NodegraphError(
+            f"{path}: there is no finished run; run the graph, or name the folder of a run"
+        ) from None
+    except ValidationError as error:
+        reason = first_error(error, data)
+        raise NodegraphError(f"{path} cannot be read ({reason}); run the graph again") from error
+    except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
+        raise NodegraphError(f"{path} cannot be read ({error}); run the graph again") from error
 
 
-def linked(study: Study, folder: str) -> Study:
-    """Return a study whose files lie in a folder, as seen from the page: ``../runs/fill``."""
-    sections = (replace(one, files=_moved(one.files, folder)) for one in study.sections)
-    return replace(study, sections=tuple(sections), files=_moved(study.files, folder))
+@cache
+def _adapter() -> TypeAdapter[Study]:
+    from pydantic import TypeAdapter
 
-
-def _moved(links: Iterable[Link], folder: str) -> tuple[Link, ...]:
-    return tuple(replace(link, path=str(PurePosixPath(folder, link.path))) for link in links)
-
-
-def _sections(studies: Mapping[str, Study]) -> Iterator[Section]:
-    titles = dict.fromkeys(one.title for study in studies.values() for one in study.sections)
-    for title in titles:
-        for name, study in studies.items():
-            for one in study.sections:
-                if one.title == title:
-                    yield replace(one, labels=_and(name, one.labels))
-
-
-def _inputs(studies: Mapping[str, Study]) -> Iterator[SettingRow]:
-    """Yield the inputs, those that differ once per run."""
-    for name in dict.fromkeys(row.name for one in studies.values() for row in one.inputs):
-        rows = {run: row for run, one in studies.items() for row in one.inputs if row.name == name}
-        if _same(rows.values()) and len(rows) == len(studies):
-            yield next(iter(rows.values()))
-        else:
-            yield from (replace(row, name=f"{name} ({run})") for run, row in rows.items())
-
-
-def _versions(studies: Mapping[str, Study]) -> Iterator[tuple[str, str]]:
-    for name in dict.fromkeys(name for one in studies.values() for name, _ in one.versions):
-        found = [dict(one.versions).get(name, "none") for one in studies.values()]
-        yield name, " | ".join(dict.fromkeys(found))
-
-
-def _same(values: Iterable[T]) -> bool:
-    found = list(values)
-    return all(one == found[0] for one in found)
-
-
-def _and(name: str, labels: str) -> str:
-    return f"{name}, {labels}" if labels else name
+    return TypeAdapter(Study)

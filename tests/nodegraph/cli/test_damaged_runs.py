@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from nodegraph import NodegraphError
-from nodegraph.report.files import read_study
+from nodegraph.report.study import read_study
 from nodegraph.runs.saved_run import SavedRun
 
 Command = Callable[..., tuple[int, str, str]]

@@ -14,7 +14,7 @@ from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.node.decorator import node_of
 from nodegraph.node.description import describe_settings, summary_of
-from nodegraph.report.compose import step_notes
+from nodegraph.report.notes import step_notes
 from nodegraph.runs.settings import RunSettings
 
 

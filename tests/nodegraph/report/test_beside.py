@@ -9,7 +9,7 @@ import pytest
 
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, Study, page
-from nodegraph.report.study import merged
+from nodegraph.report.merge import merged
 from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")

@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 from nodegraph import node
 from nodegraph.execute import Run
-from nodegraph.report.compose import Methods, compose
-from nodegraph.report.study import WithoutResult, merged
+from nodegraph.report.compose import compose
+from nodegraph.report.merge import merged
+from nodegraph.report.methods import Methods
+from nodegraph.report.study import WithoutResult
 from nodegraph.runs.settings import RunSettings
 
 TEXT = """

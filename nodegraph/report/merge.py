@@ -1,0 +1,121 @@
+"""The study of several runs, their results beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Any
+
+from nodegraph.report.study import Link, Section, SettingRow, Study
+
+
+def merged(studies: Mapping[str, Study]) -> Study:
+    """Return one study of several runs.
+
+    Sections of one title stand together, a run after the other; each result, note, method and
+    time is labelled with the name of its run. A method that ran alike everywhere is listed once.
+
+    Parameters
+    ----------
+    studies
+        By the names of the runs, two at least.
+    """
+    runs = studies.items()
+    first = next(iter(studies.values()))
+    return Study(
+        title=_joined(" | ", studies, "title"),
+        answer=tuple(f"{name}: {line}" for name, study in runs for line in study.answer),
+        notes_markdown=_joined("\n\n", studies, "notes_markdown"),
+        sections=tuple(_sections(studies)),
+        graph_svg=first.graph_svg,
+        axes=first.axes if _equal(study.axes for study in studies.values()) else (),
+        inputs=tuple(_inputs(studies)),
+        known=tuple(dict.fromkeys(port for study in studies.values() for port in study.known)),
+        methods=tuple(dict.fromkeys(row for study in studies.values() for row in study.methods)),
+        without_result=tuple(
+            replace(method, reason=f"{method.reason} ({name})")
+            for name, study in runs
+            for method in study.without_result
+        ),
+        bibtex=_joined("\n", studies, "bibtex"),
+        notes=tuple(
+            replace(note, labels=_with_name(name, note.labels))
+            for name, study in runs
+            for note in study.notes
+        ),
+        timings=tuple(
+            replace(row, node=f"{row.node} ({name})")
+            for name, study in runs
+            for row in study.timings
+        ),
+        seconds=sum(study.seconds for study in studies.values()),
+        versions=tuple(_versions(studies)),
+        seeds=tuple(
+            (f"{node} ({name})", text) for name, study in runs for node, text in study.seeds
+        ),
+        command="\n".join(study.command for study in studies.values()),
+        graph_file=first.graph_file,
+        graph_text=first.graph_text,
+        files=tuple(
+            replace(link, text=f"{name}: {link.text}")
+            for name, study in runs
+            for link in study.files
+        ),
+        created=_joined(" | ", studies, "created"),
+        machine=_joined(" | ", studies, "machine"),
+        runs=len(studies),
+    )
+
+
+def linked(study: Study, folder: str) -> Study:
+    """Return a study with links to files in a folder, relative to the page: ``../runs/fill``."""
+    sections = tuple(
+        replace(section, files=_moved(section.files, folder)) for section in study.sections
+    )
+    return replace(study, sections=sections, files=_moved(study.files, folder))
+
+
+def _moved(links: Iterable[Link], folder: str) -> tuple[Link, ...]:
+    return tuple(replace(link, path=str(PurePosixPath(folder, link.path))) for link in links)
+
+
+def _sections(studies: Mapping[str, Study]) -> Iterator[Section]:
+    every = [(name, section) for name, study in studies.items() for section in study.sections]
+    for title in dict.fromkeys(section.title for _, section in every):
+        for name, section in every:
+            if section.title == title:
+                yield replace(section, labels=_with_name(name, section.labels))
+
+
+def _inputs(studies: Mapping[str, Study]) -> Iterator[SettingRow]:
+    """Yield the inputs, those that differ once per run."""
+    for name in dict.fromkeys(row.name for study in studies.values() for row in study.inputs):
+        rows = {
+            run: row for run, study in studies.items() for row in study.inputs if row.name == name
+        }
+        if _equal(rows.values()) and len(rows) == len(studies):
+            yield next(iter(rows.values()))
+        else:
+            yield from (replace(row, name=f"{name} ({run})") for run, row in rows.items())
+
+
+def _versions(studies: Mapping[str, Study]) -> Iterator[tuple[str, str]]:
+    versions = [dict(study.versions) for study in studies.values()]
+    for name in dict.fromkeys(name for of_run in versions for name in of_run):
+        yield name, " | ".join(dict.fromkeys(of_run.get(name, "none") for of_run in versions))
+
+
+def _joined(separator: str, studies: Mapping[str, Study], field: str) -> str:
+    """Return the different texts of a field, joined."""
+    texts = dict.fromkeys(getattr(study, field) for study in studies.values())
+    return separator.join(text for text in texts if text)
+
+
+def _equal(values: Iterable[Any]) -> bool:
+    first, *rest = values
+    return all(value == first for value in rest)
+
+
+def _with_name(name: str, labels: str) -> str:
+    return f"{name}, {labels}" if labels else name
