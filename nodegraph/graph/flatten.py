@@ -177,8 +177,8 @@ class _Flattening:
 
     def _first_alone(self, use: Use, outputs: Wiring) -> Wiring:
         """Return the first output; add nodes for the others, except those that are nodes."""
-        first, *others = outputs
-        for name in others:
+        first, *rest = outputs
+        for name in rest:
             if name not in use.graph.spec.nodes:
                 wiring = {name: outputs[name]}
                 self._add_stand_in(use.prefix + name, use.stand_in(name), use.node.place, wiring)
@@ -227,8 +227,8 @@ class _Flattening:
         if (source.node, "") not in self._fitting:
             return source
         use = self._uses[source.node, ""]
-        _, *others = use.graph.outputs
-        if source.port in others:
+        _, *rest = use.graph.outputs
+        if source.port in rest:
             return replace(source, node=use.prefix + source.port, port="")
         return source
 

@@ -42,8 +42,8 @@ class Namespace:
         self.used: set[str] = set()
         self.invalid: set[Variable] = set()
         defaults = {name: part.value for name, part in spec.inputs.items() if name not in ports}
-        chosen = {name: value for name, value in choices.inputs.items() if name in defaults}
-        self.inputs: dict[str, Any] = defaults | chosen
+        overrides = {name: value for name, value in choices.inputs.items() if name in defaults}
+        self.inputs: dict[str, Any] = defaults | overrides
         self.axes = {name: self._axis(name) for name in spec.axes}
 
     @property
@@ -137,8 +137,8 @@ class Namespace:
         spec = self._spec.axes[name]
         labels, values = spec.labels, spec.values
         if name in self._choices.axes:
-            chosen = axis_from_option(name, self._choices.axes[name], self._problems)
-            labels, values = chosen.labels, chosen.values
+            override = axis_from_option(name, self._choices.axes[name], self._problems)
+            labels, values = override.labels, override.values
         removed = frozenset(spec.labels) - frozenset(labels)
         axis = Axis(name, labels, dict(zip(labels, values, strict=True)), removed)
         return self._restricted(axis)

@@ -208,7 +208,7 @@ def run_of(graph_of: Callable[..., Graph]) -> Callable[..., Run]:
 
 
 @pytest.fixture
-def mistakes_of(graph_of: Callable[..., Graph]) -> Callable[..., list[Problem]]:
+def problems_of(graph_of: Callable[..., Graph]) -> Callable[..., list[Problem]]:
     """Return the mistakes of a graph, which must be those at the marks ``@@`` and no others."""
 
     def collect(text: str, **more: Any) -> list[Problem]:

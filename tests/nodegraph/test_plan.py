@@ -1,9 +1,12 @@
+"""Steps of a plan: combinations, order, gathered inputs, skipped combinations."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from nodegraph.graph import Graph
-from nodegraph.plan import Gathered, Output, Plan, plan
+from nodegraph.plan import Gathered, Output, Plan
+from nodegraph.plan import plan as make_plan
 
 TEXT = """
 axes: {trial: {count: 3}, length: [5, 15]}
@@ -16,44 +19,44 @@ nodes:
 """
 
 
-def counts(made: Plan) -> dict[str, int]:
-    return {name: len(set(cells.values())) for name, cells in made.cells.items()}
+def counts(plan: Plan) -> dict[str, int]:
+    return {name: len(set(cells.values())) for name, cells in plan.cells.items()}
 
 
 def test_every_combination_has_one_step(graph_of: Callable[..., Graph]) -> None:
-    made = plan(graph_of(TEXT))
-    assert counts(made) == {"capture": 1, "gaps": 6, "fill": 18, "error": 18, "table": 1}
-    assert len(made.steps) == 44
-    assert [step.index for step in made.steps] == list(range(44))
-    cells = made.cells["error"]
+    plan = make_plan(graph_of(TEXT))
+    assert counts(plan) == {"capture": 1, "gaps": 6, "fill": 18, "error": 18, "table": 1}
+    assert len(plan.steps) == 44
+    assert [step.index for step in plan.steps] == list(range(44))
+    cells = plan.cells["error"]
     assert set(cells) == {
         (trial, length, fill)
         for trial in range(3)
         for length in (5, 15)
         for fill in ("hold", "scale", "pass")
     }
-    step = made.steps[cells[2, 15, "scale"]]
+    step = plan.steps[cells[2, 15, "scale"]]
     assert step.labels == {"trial": 2, "length": 15, "fill": "scale"}
     assert step.name == "error(trial=2, length=15, fill=scale)"
-    assert step.inputs["hidden"] == Output(made.cells["gaps"][2, 15], 2)
-    assert made.steps[made.cells["capture"][()]].name == "capture"
+    assert step.inputs["hidden"] == Output(plan.cells["gaps"][2, 15], 2)
+    assert plan.steps[plan.cells["capture"][()]].name == "capture"
 
 
 def test_a_step_comes_after_what_it_needs(graph_of: Callable[..., Graph]) -> None:
-    for step in plan(graph_of(TEXT)).steps:
+    for step in make_plan(graph_of(TEXT)).steps:
         assert all(needed < step.index for needed in step.needed)
 
 
 def test_a_branch_is_finished_before_the_next_begins(graph_of: Callable[..., Graph]) -> None:
-    made = plan(graph_of(TEXT))
-    errors = [step.index for step in made.steps if step.node == "error"]
-    gaps = [step.index for step in made.steps if step.node == "gaps"]
+    plan = make_plan(graph_of(TEXT))
+    errors = [step.index for step in plan.steps if step.node == "error"]
+    gaps = [step.index for step in plan.steps if step.node == "gaps"]
     assert sum(index < errors[0] for index in gaps) == 1
     assert sum(index < errors[3] for index in gaps) == 2
 
 
 def test_equal_calls_are_one_step(graph_of: Callable[..., Graph]) -> None:
-    made = plan(
+    plan = make_plan(
         graph_of(
             """
             axes: {k: {a: 1, b: 1, c: 2}}
@@ -66,15 +69,15 @@ def test_equal_calls_are_one_step(graph_of: Callable[..., Graph]) -> None:
             """
         )
     )
-    assert counts(made) == {"one": 2, "two": 1, "three": 1, "four": 2, "five": 2}
-    assert len(made.steps) == 4
-    assert len(made.cells["five"]) == 6
+    assert counts(plan) == {"one": 2, "two": 1, "three": 1, "four": 2, "five": 2}
+    assert len(plan.steps) == 4
+    assert len(plan.cells["five"]) == 6
 
 
 def test_an_alternative_does_not_repeat_along_its_siblings_axes(
     graph_of: Callable[..., Graph],
 ) -> None:
-    made = plan(
+    plan = make_plan(
         graph_of(
             """
             axes: {power: [1, 2, 3]}
@@ -86,22 +89,22 @@ def test_an_alternative_does_not_repeat_along_its_siblings_axes(
             """
         )
     )
-    assert len(made.cells["fill"]) == 6
-    assert counts(made)["fill"] == 4
+    assert len(plan.cells["fill"]) == 6
+    assert counts(plan)["fill"] == 4
 
 
 def test_a_gathering_port_is_fed_in_the_order_of_the_labels(
     graph_of: Callable[..., Graph],
 ) -> None:
-    made = plan(graph_of(TEXT))
-    fed = made.steps[made.cells["table"][()]].inputs["scores"]
+    plan = make_plan(graph_of(TEXT))
+    fed = plan.steps[plan.cells["table"][()]].inputs["scores"]
     assert isinstance(fed, Gathered)
     assert fed.axes == ("trial", "length", "fill")
-    assert [at for at, _ in fed.entries] == list(made.cells["error"])
+    assert [at for at, _ in fed.entries] == list(plan.cells["error"])
 
 
-def test_what_gathers_knows_every_label_of_its_axes(graph_of: Callable[..., Graph]) -> None:
-    made = plan(
+def test_a_gathering_port_knows_every_label_of_its_axes(graph_of: Callable[..., Graph]) -> None:
+    plan = make_plan(
         graph_of(
             f"""{TEXT.rstrip()}
   some: {{use: compare.table, in: {{from: error, at: {{trial: 1}}}}}}
@@ -122,7 +125,7 @@ def test_what_gathers_knows_every_label_of_its_axes(graph_of: Callable[..., Grap
     )
     known = {}
     for name in ("some", "two", "own"):
-        fed = made.steps[next(iter(made.cells[name].values()))].inputs["scores"]
+        fed = plan.steps[next(iter(plan.cells[name].values()))].inputs["scores"]
         assert isinstance(fed, Gathered)
         known[name] = dict(zip(fed.axes, fed.known, strict=True))
     assert known["some"] == {"length": (5, 15), "fill": ("hold", "scale", "pass")}
@@ -131,20 +134,20 @@ def test_what_gathers_knows_every_label_of_its_axes(graph_of: Callable[..., Grap
 
 
 def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> None:
-    made = plan(
+    plan = make_plan(
         graph_of(f"{TEXT}skip: [{{trial: 0, fill: [hold, pass]}}, {{trial: 2, length: 15}}]")
     )
-    assert counts(made) == {"capture": 1, "gaps": 5, "fill": 11, "error": 11, "table": 1}
-    assert made.skipped["gaps"] == {(2, 15): "skip: trial = 2, length = 15"}
-    assert made.skipped["fill"][0, 5, "hold"] == "skip: trial = 0, fill = hold"
-    fed = made.steps[made.cells["table"][()]].inputs["scores"]
+    assert counts(plan) == {"capture": 1, "gaps": 5, "fill": 11, "error": 11, "table": 1}
+    assert plan.skipped["gaps"] == {(2, 15): "skip: trial = 2, length = 15"}
+    assert plan.skipped["fill"][0, 5, "hold"] == "skip: trial = 0, fill = hold"
+    fed = plan.steps[plan.cells["table"][()]].inputs["scores"]
     assert isinstance(fed, Gathered)
     assert len(fed.entries) == 11
     assert dict(fed.absent)[2, 15, "scale"] == "skip: trial = 2, length = 15"
 
 
 def test_what_reads_a_skipped_combination_is_skipped(graph_of: Callable[..., Graph]) -> None:
-    made = plan(
+    plan = make_plan(
         graph_of(
             """
             axes: {k: [1, 2]}
@@ -158,13 +161,13 @@ def test_what_reads_a_skipped_combination_is_skipped(graph_of: Callable[..., Gra
             """
         )
     )
-    assert counts(made) == {"a": 1, "b": 0, "c": 0, "d": 1, "e": 0}
-    assert made.skipped["b"] == {(): "skip: k = 2"}
-    assert made.skipped["c"] == {(): "everything that it gathers is left out"}
-    assert set(made.skipped["e"]) == {(1,), (2,)}
+    assert counts(plan) == {"a": 1, "b": 0, "c": 0, "d": 1, "e": 0}
+    assert plan.skipped["b"] == {(): "skip: k = 2"}
+    assert plan.skipped["c"] == {(): "everything that it gathers is left out"}
+    assert set(plan.skipped["e"]) == {(1,), (2,)}
 
 
 def test_a_long_chain_needs_no_deep_stack(graph_of: Callable[..., Graph]) -> None:
     lines = [f"  n{i}: {{use: fill.hold, in: n{i - 1}}}" for i in range(1, 3000)]
-    made = plan(graph_of("nodes:\n  n0: {use: read.number}\n" + "\n".join(lines)))
-    assert [step.node for step in made.steps] == [f"n{i}" for i in range(3000)]
+    plan = make_plan(graph_of("nodes:\n  n0: {use: read.number}\n" + "\n".join(lines)))
+    assert [step.node for step in plan.steps] == [f"n{i}" for i in range(3000)]

@@ -44,7 +44,7 @@ def gather(parts: Across[str], beside: str | None = None, *, mark: int = 0) -> s
 
 
 @dataclass(frozen=True)
-class Drawn:
+class RandomNode:
     """One node of a random graph, as it will be written and as it is evaluated."""
 
     name: str
@@ -77,45 +77,45 @@ class Drawn:
 class Naive:
     """Evaluates by recursion alone: no plan, no sharing, no order."""
 
-    def __init__(self, drawn: list[Drawn]) -> None:
-        self._drawn = {one.name: one for one in drawn}
+    def __init__(self, specs: list[RandomNode]) -> None:
+        self._specs = {spec.name: spec for spec in specs}
 
     def labels(self, axis: str) -> tuple[Any, ...]:
         return AXES.get(axis, ("join", "flip", "pass"))
 
     def axes(self, name: str) -> frozenset[str]:
-        one = self._drawn[name]
-        own = {one.mark[1:]} if one.mark.startswith("$") else set()
-        own |= self.axes(one.second) if one.second else set()
-        if one.kind == "choose":
+        spec = self._specs[name]
+        own = {spec.mark[1:]} if spec.mark.startswith("$") else set()
+        own |= self.axes(spec.second) if spec.second else set()
+        if spec.kind == "choose":
             own.add(name)
-        if one.kind in ("join", "choose"):
-            own |= self.axes(one.first) - set(one.fixed or ())
+        if spec.kind in ("join", "choose"):
+            own |= self.axes(spec.first) - set(spec.fixed or ())
         return frozenset(own)
 
     def value(self, name: str, at: Mapping[str, Any]) -> str:
-        one = self._drawn[name]
-        mark = at[one.mark[1:]] if one.mark.startswith("$") else int(one.mark or 0)
-        if one.kind == "make":
+        spec = self._specs[name]
+        mark = at[spec.mark[1:]] if spec.mark.startswith("$") else int(spec.mark or 0)
+        if spec.kind == "make":
             return f"{mark}"
-        second = self.value(one.second, at) if one.second else None
-        here = {**at, **(one.fixed or {})}
-        if one.kind == "gather":
-            return f"{second}{mark}{self._gathered(one, here)}"
-        first = self.value(one.first, here)
-        if one.kind == "choose" and at[name] == "pass":
+        second = self.value(spec.second, at) if spec.second else None
+        here = {**at, **(spec.fixed or {})}
+        if spec.kind == "gather":
+            return f"{second}{mark}{self._gathered(spec, here)}"
+        first = self.value(spec.first, here)
+        if spec.kind == "choose" and at[name] == "pass":
             return first
-        if one.kind == "choose" and at[name] == "flip":
+        if spec.kind == "choose" and at[name] == "flip":
             return f"<{second},{first},{mark}>"
         return f"({first},{second},{mark})"
 
-    def _gathered(self, one: Drawn, here: Mapping[str, Any]) -> list[str]:
-        free = sorted(self.axes(one.first) - self.axes(one.name) - set(one.fixed or ()))
-        found = []
+    def _gathered(self, spec: RandomNode, here: Mapping[str, Any]) -> list[str]:
+        free = sorted(self.axes(spec.first) - self.axes(spec.name) - set(spec.fixed or ()))
+        texts = []
         for labels in itertools.product(*(self.labels(axis) for axis in free)):
             more = dict(zip(free, labels, strict=True))
-            found.append(f"{sorted(more.items())}={self.value(one.first, {**here, **more})}")
-        return sorted(found)
+            texts.append(f"{sorted(more.items())}={self.value(spec.first, {**here, **more})}")
+        return sorted(texts)
 
     def all(self, name: str) -> dict[frozenset[tuple[str, Any]], str]:
         axes = sorted(self.axes(name))
@@ -125,48 +125,48 @@ class Naive:
 
 
 @st.composite
-def graphs(draw: st.DrawFn) -> list[Drawn]:
+def graphs(draw: st.DrawFn) -> list[RandomNode]:
     marks = st.sampled_from(["", "7", "$i", "$j", "$k"])
-    drawn = [Drawn("n0", "make", mark=draw(marks))]
-    chosen = 0
+    specs = [RandomNode("n0", "make", mark=draw(marks))]
+    choices = 0
     for number in range(1, draw(st.integers(2, 6))):
-        names = st.sampled_from([one.name for one in drawn])
+        names = st.sampled_from([spec.name for spec in specs])
         kind = draw(st.sampled_from(["make", "join", "join", "choose", "gather", "gather"]))
-        if kind == "choose" and chosen == 2:
+        if kind == "choose" and choices == 2:
             kind = "join"
-        chosen += kind == "choose"
+        choices += kind == "choose"
         first = draw(names)
         second = draw(st.sampled_from(["", draw(names)]))
-        fixable = sorted(Naive(drawn).axes(first) & set(AXES))
+        fixable = sorted(Naive(specs).axes(first) & set(AXES))
         fixed = {}
         axis = draw(st.sampled_from(["", *fixable]))
         if axis:
             fixed = {axis: draw(st.sampled_from(AXES[axis]))}
         if kind == "make":
-            drawn.append(Drawn(f"n{number}", kind, mark=draw(marks)))
+            specs.append(RandomNode(f"n{number}", kind, mark=draw(marks)))
         else:
-            drawn.append(Drawn(f"n{number}", kind, first, second, draw(marks), fixed))
-    return drawn
+            specs.append(RandomNode(f"n{number}", kind, first, second, draw(marks), fixed))
+    return specs
 
 
-def written(drawn: list[Drawn]) -> str:
-    used = {one.mark[1:] for one in drawn if one.mark.startswith("$")}
+def graph_text(specs: list[RandomNode]) -> str:
+    used = {spec.mark[1:] for spec in specs if spec.mark.startswith("$")}
     axes = "".join(f"  {name}: {list(AXES[name])}\n" for name in sorted(used))
-    nodes = "\n".join(one.text() for one in drawn)
+    nodes = "\n".join(spec.text() for spec in specs)
     return f"nodegraph: 1\n{'axes:' if axes else ''}\n{axes}nodes:\n{nodes}\n"
 
 
 @settings(max_examples=60, deadline=None)
 @given(graphs())
-def test_a_run_gives_what_the_text_says(drawn: list[Drawn]) -> None:
+def test_a_run_equals_a_naive_evaluation(specs: list[RandomNode]) -> None:
     registry = Registry.of([join, flip, make, gather])
-    graph = build(read_graph_text(written(drawn), "random.yaml", Path()), registry)
-    naive = Naive(drawn)
+    graph = build(read_graph_text(graph_text(specs), "random.yaml", Path()), registry)
+    naive = Naive(specs)
     for how in (HowToRun("serial"), HowToRun("threads", 3)):
         run = execute(plan(graph), how=how, keep=list(graph.nodes))
-        for one in drawn:
-            found = {frozenset(at.items()): value for at, value in run[one.name]}
-            assert found == naive.all(one.name)
+        for spec in specs:
+            values = {frozenset(at.items()): value for at, value in run[spec.name]}
+            assert values == naive.all(spec.name)
 
 
 GOOD = """\
@@ -189,7 +189,7 @@ report: [n2]
 
 @settings(max_examples=200, deadline=None)
 @given(st.data())
-def test_a_damaged_graph_only_ever_gives_a_graph_error(data: st.DataObject) -> None:
+def test_a_damaged_graph_raises_only_graph_errors(data: st.DataObject) -> None:
     lines = GOOD.splitlines(keepends=True)
     for _ in range(data.draw(st.integers(1, 3))):
         number = data.draw(st.integers(0, len(lines) - 1))
@@ -208,14 +208,14 @@ def test_a_damaged_graph_only_ever_gives_a_graph_error(data: st.DataObject) -> N
     try:
         graph = build(read_graph_text("".join(lines), "damaged.yaml", Path()), registry)
     except GraphError as error:
-        places = [one.place for one in error.problems]
+        places = [problem.place for problem in error.problems]
     else:
         places = []
         assert execute(plan(graph), how=HowToRun("serial")).ok
     assert all(place.file == "damaged.yaml" and place.line for place in places)
 
 
-def test_the_damaged_graph_is_good_before(tmp_path: Path) -> None:
+def test_the_graph_is_valid_before_it_is_damaged(tmp_path: Path) -> None:
     registry = Registry.of([join, flip, make, gather])
     graph = build(read_graph_text(GOOD, "good.yaml", tmp_path), registry)
     assert execute(plan(graph), how=HowToRun("serial")).ok

@@ -31,8 +31,10 @@ def files(tmp_path: Path) -> Callable[..., None]:
 
 
 @pytest.fixture
-def told(files: Callable[..., None], graph_of: Callable[..., Graph]) -> Callable[..., list[str]]:
-    """Return the messages of a graph with others beside it.
+def messages_of(
+    files: Callable[..., None], graph_of: Callable[..., Graph]
+) -> Callable[..., list[str]]:
+    """Return the error messages of a graph with graph files beside it.
 
     They must be those at the marks ``@@`` in any of the texts, and no others.
     """
@@ -44,10 +46,12 @@ def told(files: Callable[..., None], graph_of: Callable[..., Graph]) -> Callable
         with pytest.raises(GraphError) as caught:
             graph_of(textwrap.dedent(outer).replace(MARK, ""), more=more)
         named = {"toy": outer, **{name.replace("__", "/"): text for name, text in texts.items()}}
-        marked = [one for name, text in named.items() for one in _marks(f"{name}.yaml", text)]
-        found = caught.value.problems
-        assert sorted(str(one.place) for one in found) == sorted(marked), str(caught.value)
-        return [f"{one.message} | {one.instead}" for one in found]
+        marked = [mark for name, text in named.items() for mark in _marks(f"{name}.yaml", text)]
+        problems = caught.value.problems
+        assert sorted(str(problem.place) for problem in problems) == sorted(marked), str(
+            caught.value
+        )
+        return [f"{problem.message} | {problem.instead}" for problem in problems]
 
     return collect
 

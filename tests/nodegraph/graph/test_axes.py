@@ -12,7 +12,7 @@ from nodegraph.errors import Problem
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
 
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 TEXT = """
 axes: {i: [1, 2], j: [10, 20], k: [100, 200]}
@@ -137,19 +137,19 @@ def test_labelled_sources_may_be_fixed(run_of: Callable[..., Run]) -> None:
     assert pairs(seen) == [(("u", 10), 20), (("u", 20), 40), (("v", ""), 10)]
 
 
-def test_a_port_named_like_an_axis_that_it_gathers_is_a_mistake(mistakes_of: Mistakes) -> None:
+def test_a_port_named_like_an_axis_that_it_gathers_is_an_error(problems_of: ProblemsOf) -> None:
     text = """
         axes: {recordings: [1, 2]}
         nodes:
           a: {use: read.number, with: {start: $recordings}}
           x: {use: plot.stages, in: {recordings: {u: @@a, v: a}}}
         """
-    (found,) = mistakes_of(text)
-    assert "'recordings'" in found.message
+    (problem,) = problems_of(text)
+    assert "'recordings'" in problem.message
 
 
 @pytest.mark.parametrize(
-    ("node", "said", "instead"),
+    ("node", "expected", "instead"),
     [
         ("{use: compare.table, in: b, over: [@@k]}", "x: no axis 'k' to gather", "i, j"),
         ("{use: compare.table, in: b, over: [@@{a: 1}]}", "x: no axis", "i, j"),
@@ -168,10 +168,12 @@ def test_a_port_named_like_an_axis_that_it_gathers_is_a_mistake(mistakes_of: Mis
         ("{use: fill.hold, in: {from: @@b, at: {i: '1'}}}", "axis 'i' has no label '1'", "1, 2"),
     ],
 )
-def test_a_wrong_axis_is_told(mistakes_of: Mistakes, node: str, said: str, instead: str) -> None:
-    found = mistakes_of(f"{TEXT}  d: {{use: fill.hold, in: c}}\n  x: {node}\n")
-    assert said in found[0].message
-    assert instead in found[0].instead
+def test_an_unknown_axis_or_label(
+    problems_of: ProblemsOf, node: str, expected: str, instead: str
+) -> None:
+    problems = problems_of(f"{TEXT}  d: {{use: fill.hold, in: c}}\n  x: {node}\n")
+    assert expected in problems[0].message
+    assert instead in problems[0].instead
 
 
 def test_what_does_not_depend_on_an_axis_runs_once(

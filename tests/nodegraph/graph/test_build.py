@@ -1,4 +1,4 @@
-"""A spec becomes a typed graph, in order, without what the command left out."""
+"""Order, types and wires of a graph, and nodes that are left out."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ nodes:
   table: {use: compare.table, in: error}
 report: [table]
 """
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 
 def test_a_good_graph_is_typed_and_in_order(graph_of: Callable[..., Graph]) -> None:
     graph = graph_of(GOOD)
     assert list(graph.nodes) == ["capture", "gaps", "fill", "error", "table"]
-    assert {name: one.axes for name, one in graph.nodes.items()} == {
+    assert {name: node.axes for name, node in graph.nodes.items()} == {
         "capture": (),
         "gaps": ("trial", "length"),
         "fill": ("trial", "length", "fill"),
@@ -93,7 +93,7 @@ def test_one_node_may_read_another_several_times(graph_of: Callable[..., Graph])
 
 
 def test_a_subclass_fits_and_nothing_is_converted(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
 ) -> None:
     class Fine(float):
         pass
@@ -102,9 +102,9 @@ def test_a_subclass_fits_and_nothing_is_converted(
         return Fine(1)
 
     fine.__annotations__["return"] = Fine
-    made = node("read.fine")(fine)
-    assert graph_of("nodes: {a: {use: read.fine}, b: {use: fill.hold, in: a}}", more=[made])
-    mistakes_of(
+    read_fine = node("read.fine")(fine)
+    assert graph_of("nodes: {a: {use: read.fine}, b: {use: fill.hold, in: a}}", more=[read_fine])
+    problems_of(
         """
         nodes:
           a: {use: read.number}
@@ -128,26 +128,26 @@ report: [table]
     text = GOOD.replace("report: [table]\n", more)
     assert graph_of(text).left_out == ()
     graph = graph_of(text, only={"length": (5, 15)})
-    assert [(one.node, one.reason) for one in graph.left_out] == [
+    assert [(item.node, item.reason) for item in graph.left_out] == [
         ("one", "made of length=45, which the command has removed"),
         ("two", "it needs one, which is left out"),
     ]
     assert list(graph.nodes) == ["capture", "gaps", "fill", "error", "table", "shown"]
     graph = graph_of(text, axes={"length": [45, 90]})
-    assert [one.node for one in graph.left_out] == ["shown"]
+    assert [item.node for item in graph.left_out] == ["shown"]
     graph = graph_of(text, only={"fill": ("scale",)})
-    assert [one.node for one in graph.left_out] == ["one", "two"]
+    assert [item.node for item in graph.left_out] == ["one", "two"]
 
 
 def test_a_file_may_lie_beside_the_graph(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes, tmp_path: Path
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf, tmp_path: Path
 ) -> None:
     (tmp_path / "take.txt").write_text("1.5")
     text = "nodes: {a: {use: read.file, with: {path: take.txt}}}"
     settings = graph_of(text).nodes["a"].first.settings
     assert settings.values[()]["path"] == (tmp_path / "take.txt").resolve()
     assert settings.shown[()]["path"] == "take.txt"
-    found = mistakes_of(text.replace("take.txt", "@@tak.txt"))
-    assert found[0].message == "a: no such file: tak.txt"
-    assert found[0].instead.startswith("did you mean 'take.txt'?")
-    assert "no such file" in mistakes_of(text.replace("take.txt", "@@" + "x" * 5000))[0].message
+    problems = problems_of(text.replace("take.txt", "@@tak.txt"))
+    assert problems[0].message == "a: no such file: tak.txt"
+    assert problems[0].instead.startswith("did you mean 'take.txt'?")
+    assert "no such file" in problems_of(text.replace("take.txt", "@@" + "x" * 5000))[0].message

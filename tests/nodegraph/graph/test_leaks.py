@@ -1,4 +1,4 @@
-"""No scored method may see the answer."""
+"""The leak check: no method may see the truth that it is scored against."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from nodegraph import Truth, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 
 class Face(NamedTuple):
@@ -79,29 +79,29 @@ def test_what_passes_the_hider_is_no_leak(graph_of: Callable[..., Graph]) -> Non
         ),
     ],
 )
-def test_a_way_around_the_hider_is_named(mistakes_of: Mistakes, written: str, way: str) -> None:
-    (found,) = mistakes_of(written, more=MORE)
-    assert found.message == f"error is scored against what gaps hides, and can see it: {way}"
-    assert "'known'" in found.instead
+def test_a_way_around_the_hider_is_named(problems_of: ProblemsOf, written: str, way: str) -> None:
+    (problem,) = problems_of(written, more=MORE)
+    assert problem.message == f"error is scored against what gaps hides, and can see it: {way}"
+    assert "'known'" in problem.instead
 
 
-def test_the_truth_itself_must_not_come_round(mistakes_of: Mistakes) -> None:
+def test_the_truth_itself_must_not_reach_an_estimate(problems_of: ProblemsOf) -> None:
     written = text(estimate="@@peeked") + "  peeked: {use: peek.answer, in: gaps.truth}\n"
-    found = mistakes_of(written, more=MORE)
-    assert found[0].message.endswith("gaps.truth -> peeked.output -> error.estimate")
+    problems = problems_of(written, more=MORE)
+    assert problems[0].message.endswith("gaps.truth -> peeked.output -> error.estimate")
 
 
-def test_a_truth_that_was_worked_on_is_still_the_truth(
-    mistakes_of: Mistakes, graph_of: Callable[..., Graph]
+def test_a_processed_truth_is_still_the_truth(
+    problems_of: ProblemsOf, graph_of: Callable[..., Graph]
 ) -> None:
     more = "  peeked: {use: peek.answer, in: gaps.truth}\n"
     assert graph_of(text(truth="peeked") + more, more=MORE)
-    mistakes_of(text(truth="peeked", estimate="@@near") + more, more=MORE)
+    problems_of(text(truth="peeked", estimate="@@near") + more, more=MORE)
 
 
-def test_a_port_that_only_draws_is_exempt(mistakes_of: Mistakes) -> None:
+def test_a_port_that_only_draws_is_exempt(problems_of: ProblemsOf) -> None:
     written = text(estimate="@@capture")
-    assert len(mistakes_of(written, more=MORE)) == 1  # and none for 'shown'
+    assert len(problems_of(written, more=MORE)) == 1  # and none for 'shown'
 
 
 @pytest.mark.parametrize(
@@ -115,11 +115,11 @@ def test_a_port_that_only_draws_is_exempt(mistakes_of: Mistakes) -> None:
     ],
 )
 def test_no_way_leads_through_what_is_known(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes, known: str, leaks: bool
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf, known: str, leaks: bool
 ) -> None:
     written = text(reference="capture") + f"known: {known}\n"
     if leaks:
-        mistakes_of(written.replace("estimate: smooth", "estimate: @@smooth"), more=MORE)
+        problems_of(written.replace("estimate: smooth", "estimate: @@smooth"), more=MORE)
     else:
         assert graph_of(written, more=MORE)
 
@@ -136,12 +136,12 @@ nodes:
 
 
 def test_one_output_of_a_node_may_be_known(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
 ) -> None:
-    (found,) = mistakes_of(FACE, more=MORE)
-    assert found.message.endswith("face.neutral -> again.output -> error.estimate")
+    (problem,) = problems_of(FACE, more=MORE)
+    assert problem.message.endswith("face.neutral -> again.output -> error.estimate")
     assert graph_of(FACE.replace("@@", "") + "known: [face.neutral]\n", more=MORE)
-    mistakes_of(FACE + "known: [gaps]\n", more=MORE)
+    problems_of(FACE + "known: [gaps]\n", more=MORE)
 
 
 FILES = """
@@ -155,21 +155,21 @@ nodes:
 
 
 def test_a_file_read_twice_is_one_source(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes, tmp_path: Path
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf, tmp_path: Path
 ) -> None:
     for name in ("a.txt", "b.txt"):
         (tmp_path / name).write_text("1")
     (tmp_path / "link.txt").symlink_to(tmp_path / "a.txt")
     assert graph_of(FILES.replace("OTHER", "b.txt").replace("@@", ""), more=MORE)
     for same in ("a.txt", "./a.txt", "link.txt"):
-        (found,) = mistakes_of(FILES.replace("OTHER", same), more=MORE)
+        (problem,) = problems_of(FILES.replace("OTHER", same), more=MORE)
         way = f"file {tmp_path / 'a.txt'} -> other.output -> fill.output -> error.estimate"
-        assert found.message.endswith(way)
+        assert problem.message.endswith(way)
     assert graph_of(FILES.replace("OTHER", "a.txt").replace("@@", "") + "known: [other]", more=MORE)
 
 
 def test_one_leaking_alternative_is_enough(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
 ) -> None:
     written = """
         nodes:
@@ -178,7 +178,7 @@ def test_one_leaking_alternative_is_enough(
           fill: {in: gaps, alternatives: {a: fill.hold, b: {use: fill.hold, in: capture}}}
           error: {use: score.gaps, in: {estimate: @@fill, truth: gaps.truth, hidden: gaps.hidden}}
         """
-    mistakes_of(written)
+    problems_of(written)
     assert graph_of(written.replace("@@", "").replace(", in: capture}}", "}}"))
 
 

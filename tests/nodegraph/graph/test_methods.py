@@ -12,7 +12,7 @@ from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.node.ports import Port
 
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 
 @node("fill.twice")
@@ -41,7 +41,7 @@ def mean(parts: Across[float]) -> float:
 
 
 def methods(graph: Graph, name: str = "fill") -> dict[str, str]:
-    return {label: one.node.name for label, one in graph.nodes[name].methods.items()}
+    return {label: method.node.name for label, method in graph.nodes[name].methods.items()}
 
 
 @pytest.mark.parametrize(
@@ -73,27 +73,27 @@ def test_alternatives_have_every_form(
     assert graph.nodes["fill"].axes == ("fill",)
 
 
-def test_a_stranger_joins_its_family(graph_of: Callable[..., Graph]) -> None:
+def test_a_third_party_method_joins_its_family(graph_of: Callable[..., Graph]) -> None:
     text = "nodes: {n: {use: read.number}, fill: {in: n, alternatives: fill.*}}"
     assert list(methods(graph_of(text, more=[twice]))) == ["hold", "scale", "twice"]
     assert list(methods(graph_of(text, more=[optional]))) == ["hold", "optional", "scale"]
 
 
 @pytest.mark.parametrize(
-    ("stranger", "family", "instead"),
+    ("method", "family", "instead"),
     [
         (needs, "@@fill.*", "(recording: float, reference: float) -> float differs from"),
         (words, "fill.*", "(recording: float) -> str differs from (recording: float) -> float"),
     ],
 )
 def test_a_method_that_differs_from_its_family_is_named(
-    mistakes_of: Mistakes, stranger: Callable[..., object], family: str, instead: str
+    problems_of: ProblemsOf, method: Callable[..., object], family: str, instead: str
 ) -> None:
     text = f"nodes: {{n: {{use: read.number}}, fill: @@{{in: n, alternatives: {family}}}}}"
-    found = mistakes_of(text, more=[stranger])
-    name = f"fill.{stranger.__name__}"
-    assert found[0].message == f"{name!r} cannot stand beside 'fill.hold'"
-    assert found[0].instead.startswith(instead)
+    problems = problems_of(text, more=[method])
+    name = f"fill.{method.__name__}"
+    assert problems[0].message == f"{name!r} cannot stand beside 'fill.hold'"
+    assert problems[0].instead.startswith(instead)
 
 
 def test_shared_wires_and_settings_hold_for_all_and_own_ones_come_on_top(
@@ -114,8 +114,8 @@ def test_shared_wires_and_settings_hold_for_all_and_own_ones_come_on_top(
               named: {use: fill.scale, in: {recording: m}}
         """
     )
-    found = {label["fill"]: value for label, value in run["fill"]}
-    assert found == {"shared": 30, "own": 50, "other": 60, "named": 60}
+    values = {label["fill"]: value for label, value in run["fill"]}
+    assert values == {"shared": 30, "own": 50, "other": 60, "named": 60}
 
 
 def test_a_setting_for_the_whole_family(graph_of: Callable[..., Graph]) -> None:
@@ -126,19 +126,24 @@ def test_a_setting_for_the_whole_family(graph_of: Callable[..., Graph]) -> None:
           fill: {in: n, alternatives: {fill.*: {with: {max_gap: 3}}}}
         """
     )
-    found = {label: one.settings.values[()] for label, one in graph.nodes["fill"].methods.items()}
-    assert {label: one["max_gap"] for label, one in found.items()} == {"hold": 3, "scale": 3}
+    settings = {
+        label: method.settings.values[()] for label, method in graph.nodes["fill"].methods.items()
+    }
+    assert {label: values["max_gap"] for label, values in settings.items()} == {
+        "hold": 3,
+        "scale": 3,
+    }
 
 
-def test_a_shared_setting_that_an_alternative_lacks_is_a_mistake(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_a_shared_setting_that_an_alternative_lacks_is_an_error(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         nodes:
           n: {use: read.number}
           fill: {in: n, with: {power: @@3}, alternatives: fill.*}
         """
     )
-    assert found[0].message == "fill (hold): fill.hold has no setting 'power'"
+    assert problems[0].message == "fill (hold): fill.hold has no setting 'power'"
 
 
 def test_pass_hands_on_its_input_named_and_typed_as_its_siblings(
@@ -159,7 +164,7 @@ def test_pass_hands_on_its_input_named_and_typed_as_its_siblings(
 
 
 def test_pass_may_have_a_wire_of_its_own_and_nothing_else(
-    run_of: Callable[..., Run], mistakes_of: Mistakes
+    run_of: Callable[..., Run], problems_of: ProblemsOf
 ) -> None:
     text = """
         nodes:
@@ -168,12 +173,12 @@ def test_pass_may_have_a_wire_of_its_own_and_nothing_else(
           fill: {in: n, with: {max_gap: 3}, alternatives: {fill.*: {}, pass: {in: m}}}
         """
     assert run_of(text)["fill"].at(fill="pass") == 7
-    mistakes_of(text.replace("{in: m}", "{in: {second: @@m}}"))
-    mistakes_of(text.replace("{in: m}", "{with: {max_gap: @@3}}"))
+    problems_of(text.replace("{in: m}", "{in: {second: @@m}}"))
+    problems_of(text.replace("{in: m}", "{with: {max_gap: @@3}}"))
 
 
-def test_pass_must_get_what_its_siblings_give(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_the_source_of_pass_must_have_its_siblings_type(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         nodes:
           n: {use: read.number}
@@ -181,22 +186,22 @@ def test_pass_must_get_what_its_siblings_give(mistakes_of: Mistakes) -> None:
           fill: {in: n, alternatives: {hold: fill.hold, pass: {in: @@t}}}
         """
     )
-    assert "fill (pass)" in found[0].message
+    assert "fill (pass)" in problems[0].message
 
 
-def test_pass_beside_methods_that_gather_is_a_mistake(mistakes_of: Mistakes) -> None:
+def test_pass_beside_methods_that_gather_is_an_error(problems_of: ProblemsOf) -> None:
     text = """
         nodes:
           n: {alternatives: [read.number]}
           all: {in: n, alternatives: {mean.*: {}, pass: @@{}}}
         """
     marked = text.replace("pass: @@{}", "@@pass: {}")
-    assert "'pass' hands on one value" in mistakes_of(marked, more=[mean])[0].message
+    assert "'pass' hands on one value" in problems_of(marked, more=[mean])[0].message
 
 
-def test_pass_alone_has_no_sibling(mistakes_of: Mistakes) -> None:
-    found = mistakes_of("nodes: {n: {use: read.number}, p: {in: n, alternatives: {@@pass: {}}}}")
-    assert "'pass' needs another alternative" in found[0].message
+def test_pass_alone_has_no_sibling(problems_of: ProblemsOf) -> None:
+    problems = problems_of("nodes: {n: {use: read.number}, p: {in: n, alternatives: {@@pass: {}}}}")
+    assert "'pass' needs another alternative" in problems[0].message
 
 
 def test_alternatives_may_need_different_ports(run_of: Callable[..., Run]) -> None:
@@ -217,8 +222,8 @@ def test_alternatives_may_need_different_ports(run_of: Callable[..., Run]) -> No
     assert len(set(run.plan.cells["fill"].values())) == 3
 
 
-def test_a_number_is_no_label_of_an_alternative(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_a_number_cannot_be_the_label_of_an_alternative(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         "nodes: {n: {use: read.number}, f: {in: n, alternatives: {@@3: fill.hold, b: fill.scale}}}"
     )
-    assert found[0].instead == "write a name, such as order_3"
+    assert problems[0].instead == "write a name, such as order_3"

@@ -1,3 +1,5 @@
+"""Settings are validated at every label, with the units and bounds of the node."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -13,7 +15,7 @@ from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plugin.registry import Registry
 
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 
 @node("set.all")
@@ -34,8 +36,8 @@ def everything(
 
 
 def values(graph: Graph) -> dict[str, object]:
-    (found,) = graph.nodes["a"].first.settings.values.values()
-    return dict(found)
+    (settings,) = graph.nodes["a"].first.settings.values.values()
+    return dict(settings)
 
 
 @pytest.mark.parametrize(
@@ -64,13 +66,15 @@ def test_a_setting_arrives_as_its_type(
     graph = graph_of(
         f"{axes}nodes: {{a: {{use: set.all, with: {{{written}}}}}}}", more=[everything]
     )
-    found = {name: values(graph)[name] for name in expected}
-    assert found == expected
-    assert [type(one) for one in found.values()] == [type(one) for one in expected.values()]
+    actual = {name: values(graph)[name] for name in expected}
+    assert actual == expected
+    assert [type(value) for value in actual.values()] == [
+        type(value) for value in expected.values()
+    ]
 
 
 @pytest.mark.parametrize(
-    ("written", "said", "is_"),
+    ("written", "expected", "description"),
     [
         (
             "whole: @@0",
@@ -96,33 +100,33 @@ def test_a_setting_arrives_as_its_type(
         (f"text: @@{'9' * 2500}", "should be a valid string", "text"),
     ],
 )
-def test_a_wrong_setting_is_told_with_what_it_is(
-    mistakes_of: Mistakes, written: str, said: str, is_: str
+def test_an_invalid_setting_is_reported_with_its_description(
+    problems_of: ProblemsOf, written: str, expected: str, description: str
 ) -> None:
-    (found,) = mistakes_of(
+    (problem,) = problems_of(
         f"nodes: {{a: {{use: set.all, with: {{{written}}}}}}}", more=[everything]
     )
-    assert said in found.message
-    assert is_ in found.instead
+    assert expected in problem.message
+    assert description in problem.instead
 
 
-def test_a_required_setting_must_be_given(mistakes_of: Mistakes) -> None:
-    (found,) = mistakes_of("nodes: {a: {use: @@read.file}}")
-    assert found.message == "a: setting 'path' of read.file must be given"
+def test_a_required_setting_must_be_set(problems_of: ProblemsOf) -> None:
+    (problem,) = problems_of("nodes: {a: {use: @@read.file}}")
+    assert problem.message == "a: setting 'path' of read.file must be given"
 
 
-def test_all_wrong_settings_of_a_node_are_told(mistakes_of: Mistakes) -> None:
+def test_all_invalid_settings_of_a_node_are_reported(problems_of: ProblemsOf) -> None:
     text = "nodes: {a: {use: set.all, with: {whole: @@0, number: @@x, way: @@y}}}"
-    assert len(mistakes_of(text, more=[everything])) == 3
+    assert len(problems_of(text, more=[everything])) == 3
 
 
-def test_a_setting_is_checked_at_every_label(mistakes_of: Mistakes) -> None:
+def test_a_setting_is_checked_at_every_label(problems_of: ProblemsOf) -> None:
     text = """
         axes: {k: [1, 5, 10, 12]}
         nodes: {a: {use: set.all, with: {whole: @@@@$k}}}
         """
-    found = mistakes_of(text, more=[everything])
-    assert [one.message[-6:] for one in found] == ["got 10", "got 12"]
+    problems = problems_of(text, more=[everything])
+    assert [problem.message[-6:] for problem in problems] == ["got 10", "got 12"]
 
 
 def test_settings_depend_on_the_axes_that_they_name(graph_of: Callable[..., Graph]) -> None:
@@ -144,45 +148,47 @@ def test_settings_depend_on_the_axes_that_they_name(graph_of: Callable[..., Grap
     assert settings.shown[2, "b"]["number"] == 0.5
 
 
-def test_a_field_that_a_label_lacks_is_named(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_a_field_that_a_label_lacks_is_named(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         axes: {k: {a: {whole: 3}, b: {hole: 4}}}
         nodes: {a: {use: set.all, with: {whole: @@@@$k.whole}}}
         """,
         more=[everything],
     )
-    assert "label 'b' has no field 'whole'" in found[0].message
-    assert found[0].instead == "did you mean 'hole'? there is: hole"
+    assert "label 'b' has no field 'whole'" in problems[0].message
+    assert problems[0].instead == "did you mean 'hole'? there is: hole"
 
 
 def test_an_input_has_the_fields_of_its_value(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
 ) -> None:
     text = "inputs: {n: VALUE}\nnodes: {a: {use: set.all, with: {whole: @@$n.a}}}"
     good = text.replace("VALUE", "{a: 1}").replace("@@", "")
     assert values(graph_of(good, more=[everything]))["whole"] == 1
     assert values(graph_of(good, more=[everything], inputs={"n": {"a": 2}}))["whole"] == 2
-    (found,) = mistakes_of(text.replace("VALUE", "5"), more=[everything])
-    assert found.message == "$n.a: the input 'n' has no fields, 5"
-    found, _ = mistakes_of(text.replace("VALUE", "{b: 1}").replace("@@", "@@@@"), more=[everything])
-    assert found.message == "$n.a: the input 'n' has no field 'a'"
+    (problem,) = problems_of(text.replace("VALUE", "5"), more=[everything])
+    assert problem.message == "$n.a: the input 'n' has no fields, 5"
+    problem, _ = problems_of(
+        text.replace("VALUE", "{b: 1}").replace("@@", "@@@@"), more=[everything]
+    )
+    assert problem.message == "$n.a: the input 'n' has no field 'a'"
 
 
-def test_paths_start_at_the_graph_or_where_they_were_given(
+def test_paths_start_at_the_graph_or_the_working_folder(
     graph_of: Callable[..., Graph], tmp_path: Path
 ) -> None:
-    beside, given = tmp_path / "graphs", tmp_path
+    beside, working = tmp_path / "graphs", tmp_path
     beside.mkdir()
-    for folder in (beside, given):
+    for folder in (beside, working):
         (folder / "take.txt").write_text("1")
     text = "nodegraph: 1\ninputs: {p: take.txt}\nnodes: {a: {use: set.all, with: {path: $p}}}"
     spec = read_graph_text(text, "g.yaml", beside)
     registry = Registry.of([everything])
     assert values(build(spec, registry))["path"] == (beside / "take.txt").resolve()
     graph = graph_of(text.partition("\n")[2], more=[everything], inputs={"p": "take.txt"})
-    assert values(graph)["path"] == (given / "take.txt").resolve()
-    apart = Choices({"p": "take.txt"}, folder=given, folders={"p": beside})
+    assert values(graph)["path"] == (working / "take.txt").resolve()
+    apart = Choices({"p": "take.txt"}, folder=working, folders={"p": beside})
     for choices in (apart, Choices().updated(apart), apart.updated(Choices())):
         assert values(build(spec, registry, choices))["path"] == (beside / "take.txt").resolve()
 

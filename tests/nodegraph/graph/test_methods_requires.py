@@ -1,4 +1,4 @@
-"""What a graph requires is looked for, and what to install is told."""
+"""Required packages: versions are compared, and the command to install is named."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
         "lips @ https://example.org/lips.zip",
     ],
 )
-def test_what_is_there_will_do(graph_of: Callable[..., Graph], wanted: str) -> None:
+def test_an_installed_version_that_matches(graph_of: Callable[..., Graph], wanted: str) -> None:
     text = TEXT.format(wanted.replace("'", "''"))
     assert graph_of(text.replace("@@", "")).nodes
 
 
 @pytest.mark.parametrize(
-    ("wanted", "said"),
+    ("wanted", "expected"),
     [
         ("lips>=1.3", "requires lips>=1.3, but 1.2.0 is installed\n    pip install 'lips>=1.3'"),
         ("lips<1", "requires lips<1, but 1.2.0 is installed\n    pip install 'lips<1'"),
@@ -51,17 +51,17 @@ def test_what_is_there_will_do(graph_of: Callable[..., Graph], wanted: str) -> N
         ("nose>=", "requires: 'nose>=' is not a package\n    write a package as pip takes it"),
     ],
 )
-def test_what_is_missing_or_too_old_is_told_with_what_to_install(
-    mistakes_of: Callable[..., list[Any]], wanted: str, said: str
+def test_a_missing_or_other_version_is_reported_with_the_command_to_install(
+    problems_of: Callable[..., list[Any]], wanted: str, expected: str
 ) -> None:
-    [problem] = mistakes_of(TEXT.format(wanted))
-    assert said in str(problem)
+    [problem] = problems_of(TEXT.format(wanted))
+    assert expected in str(problem)
 
 
-def test_a_missing_plugin_and_its_node_are_both_told(
-    mistakes_of: Callable[..., list[Any]],
+def test_a_missing_plugin_and_its_node_are_both_reported(
+    problems_of: Callable[..., list[Any]],
 ) -> None:
     text = "requires: [@@nose>=2]\nnodes: {a: {use: @@fill.nose}}"
-    first, second = mistakes_of(text)
+    first, second = problems_of(text)
     assert "pip install 'nose>=2'" in str(first)
     assert "no node 'fill.nose'" in str(second)

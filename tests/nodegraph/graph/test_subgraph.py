@@ -58,11 +58,11 @@ def test_a_graph_is_used_as_a_node(files: Files, run_of: Callable[..., Run]) -> 
     }
     assert values(run, "clean") == values(run, "clean.recording") == expected
     assert values(run, "clean.smooth") == values(run, "clean.smooth.gappy") == expected
-    assert values(run, "after") == {at: one + 1 for at, one in expected.items()}
+    assert values(run, "after") == {at: value + 1 for at, value in expected.items()}
     assert run["clean.despike"].at(k=10, **{"clean.despike": "scale"}) == 30
 
 
-def test_the_node_itself_only_hands_on(files: Files, graph_of: Callable[..., Graph]) -> None:
+def test_the_node_itself_is_a_pass_through(files: Files, graph_of: Callable[..., Graph]) -> None:
     files(clean=CLEAN)
     method = graph_of(OUTER).nodes["clean"].first
     assert isinstance(method.node, PassThrough)
@@ -75,7 +75,7 @@ def test_the_node_itself_only_hands_on(files: Files, graph_of: Callable[..., Gra
     assert method.node.function(recording=5.0) == 5.0
 
 
-def test_a_node_that_is_not_given_a_setting_takes_the_default(
+def test_a_setting_that_is_not_set_has_its_default(
     files: Files, run_of: Callable[..., Run]
 ) -> None:
     files(clean=CLEAN)
@@ -85,8 +85,8 @@ def test_a_node_that_is_not_given_a_setting_takes_the_default(
 
 def test_only_and_axis_reach_inside(files: Files, graph_of: Callable[..., Graph]) -> None:
     files(clean=CLEAN)
-    chosen = {"only": {"clean.despike": ("hold",)}, "axes": {"clean.trial": [7, 8, 9]}}
-    graph = graph_of(OUTER, **chosen)
+    choices = {"only": {"clean.despike": ("hold",)}, "axes": {"clean.trial": [7, 8, 9]}}
+    graph = graph_of(OUTER, **choices)
     assert graph.axes["clean.trial"].labels == (7, 8, 9)
     assert list(graph.nodes["clean.despike"].methods) == ["hold"]
     with pytest.raises(GraphError, match=r"--axis clean\.trail: the graph has no axis"):
@@ -128,7 +128,7 @@ def test_a_label_that_was_removed_leaves_inner_nodes_out(
     text = "nodes: {n: {use: read.number}, clean: {use: clean.yaml, in: n}}"
     assert (len(run_of(text)["clean"]), len(run_of(text)["clean.one"])) == (2, 1)
     run = run_of(text, only={"clean.j": (1,)})
-    assert [one.node for one in run.plan.graph.left_out] == ["clean.one"]
+    assert [item.node for item in run.plan.graph.left_out] == ["clean.one"]
     with pytest.raises(NodegraphError, match=r"'clean.one' is left out: made of clean.j=2,"):
         run["clean.one"]
 
@@ -254,8 +254,10 @@ def test_inside_axes_have_their_inner_names(files: Files, run_of: Callable[..., 
     assert len(steps) == 2  # what both uses share runs once
 
 
-def test_two_axes_of_one_inner_name_are_told(told: Callable[..., list[str]]) -> None:
-    (found,) = told(
+def test_two_axes_of_the_same_inner_name_are_an_error(
+    messages_of: Callable[..., list[str]],
+) -> None:
+    (message,) = messages_of(
         """
         axes: {fill: [10, 20]}
         nodes:
@@ -270,10 +272,10 @@ def test_two_axes_of_one_inner_name_are_told(told: Callable[..., list[str]]) -> 
         outputs: {table: table}
         """,
     )
-    assert found.startswith("study.table: gathers two axes that are called 'fill' in there")
+    assert message.startswith("study.table: gathers two axes that are called 'fill' in there")
 
 
-def test_references_go_along_with_what_they_fix(files: Files, run_of: Callable[..., Run]) -> None:
+def test_references_keep_the_axes_that_they_fix(files: Files, run_of: Callable[..., Run]) -> None:
     files(
         clean="inputs: {x: float}\nnodes: {h: {use: fill.hold, in: $x}}\noutputs: {h: h, raw: $x}"
     )
@@ -299,7 +301,7 @@ STAGES = """
 
 
 def test_several_may_be_passed_to_a_port_that_only_gathers(
-    files: Files, run_of: Callable[..., Run], told: Callable[..., list[str]]
+    files: Files, run_of: Callable[..., Run], messages_of: Callable[..., list[str]]
 ) -> None:
     text = """
     nodes:
@@ -321,10 +323,10 @@ def test_several_may_be_passed_to_a_port_that_only_gathers(
         ({"recordings": "after"}, 3.0),
     ]
     assert [dict(at) for at, _ in run["one"].value.scores] == [{}]
-    (found,) = told(
+    (message,) = messages_of(
         text.replace("other: b}}\n      one", "other: @@{x: a}}}\n      one"), stages=STAGES
     )
-    assert "port 'other' takes one value, not a mapping of several" in found
+    assert "port 'other' takes one value, not a mapping of several" in message
 
 
 def test_alternatives_mix_graphs_and_nodes(files: Files, run_of: Callable[..., Run]) -> None:
@@ -383,7 +385,7 @@ def test_a_list_of_alternatives_labels_a_graph_with_its_name(
     )
     assert list(graph.nodes["c"].methods) == ["clean", "hold", "pass"]
     assert list(graph.nodes["d"].methods) == ["hold", "scale", "clean"]
-    assert {label: one.node.name for label, one in graph.nodes["e"].methods.items()} == {
+    assert {label: method.node.name for label, method in graph.nodes["e"].methods.items()} == {
         "hold": "./sub/clean.yaml",
         "scale": "fill.scale",
     }
@@ -411,7 +413,7 @@ def test_what_leads_to_no_output_is_checked_and_not_run(
     assert calls == ["read.number", "fill.hold"]
     assert list(run.plan.graph.nodes) == ["own.n", "own.h", "own"]
     assert list(run.plan.graph.axes) == []
-    assert [str(one) for one in run.plan.graph.spec.known] == ["own.n"]
+    assert [str(reference) for reference in run.plan.graph.spec.known] == ["own.n"]
     assert run.plan.graph.reported == (("own", ""),)
 
 
@@ -430,7 +432,7 @@ def test_inner_skip_known_and_requires_join_the_outer_ones(
         (20, 1, "scale"), (20, 2, "hold"), (20, 2, "scale"),
     }  # fmt: skip
     spec = run.plan.graph.spec
-    assert [str(one) for one in spec.known] == ["clean.despike"]
+    assert [str(reference) for reference in spec.known] == ["clean.despike"]
     assert [text for text, _ in spec.requires] == ["numpy"]
 
 
@@ -470,8 +472,8 @@ SCORED = """
     """
 
 
-def test_truth_is_handed_on_as_truth_and_leaks_are_seen_through_graphs(
-    files: Files, run_of: Callable[..., Run], told: Callable[..., list[str]]
+def test_truth_stays_truth_and_leaks_are_found_through_graphs(
+    files: Files, run_of: Callable[..., Run], messages_of: Callable[..., list[str]]
 ) -> None:
     files(damage=DAMAGE)
     run = run_of(SCORED.replace("ESTIMATE", "fill"))
@@ -484,15 +486,15 @@ def test_truth_is_handed_on_as_truth_and_leaks_are_seen_through_graphs(
         "damage": False, "damage.truth": True, "damage.hidden": False, "damage.raw": False,
     }  # fmt: skip
     assert values(run, "error") == {("hold",): 0.5, ("pass",): 1.0}
-    (found,) = told(SCORED.replace("ESTIMATE", "@@damage.raw"), damage=DAMAGE)
-    assert "error is scored against what damage.gaps hides, and can see it" in found
-    assert "damage.capture.output -> error.estimate" in found
-    (found,) = told(SCORED.replace("ESTIMATE", "@@damage.truth"), damage=DAMAGE)
-    assert "'truth' gives the truth and 'estimate' must not see it" in found
+    (message,) = messages_of(SCORED.replace("ESTIMATE", "@@damage.raw"), damage=DAMAGE)
+    assert "error is scored against what damage.gaps hides, and can see it" in message
+    assert "damage.capture.output -> error.estimate" in message
+    (message,) = messages_of(SCORED.replace("ESTIMATE", "@@damage.truth"), damage=DAMAGE)
+    assert "'truth' gives the truth and 'estimate' must not see it" in message
 
 
 @pytest.mark.parametrize("known", ["damage.raw", "damage"])
-def test_what_a_graph_hands_on_may_be_known(
+def test_outputs_of_a_graph_may_be_known(
     files: Files, graph_of: Callable[..., Graph], known: str
 ) -> None:
     files(damage=DAMAGE)
@@ -500,7 +502,7 @@ def test_what_a_graph_hands_on_may_be_known(
     assert graph_of(text)
 
 
-def test_a_leak_through_alternatives_is_seen(told: Callable[..., list[str]]) -> None:
+def test_a_leak_through_alternatives_is_found(messages_of: Callable[..., list[str]]) -> None:
     text = """
     nodes:
       n: {use: read.number}
@@ -508,16 +510,16 @@ def test_a_leak_through_alternatives_is_seen(told: Callable[..., list[str]]) -> 
       peek: {in: gaps, alternatives: {hold: fill.hold, own: {use: peek.yaml, in: {x: gaps, y: n}}}}
       error: {use: score.gaps, in: {estimate: @@peek, truth: gaps.truth, hidden: gaps.hidden}}
     """
-    (found,) = told(
+    (message,) = messages_of(
         text,
         peek="inputs: {x: float, y: float}\nnodes: {h: {use: fill.hold, in: $x}, "
         "i: {use: fill.hold, in: $y}}\noutputs: {out: i, all: h}",
     )
-    assert "n.output -> peek.own.i.output -> error.estimate" in found
+    assert "n.output -> peek.own.i.output -> error.estimate" in message
 
 
 def test_the_truth_may_be_passed_to_a_port_whose_readers_all_take_it(
-    files: Files, run_of: Callable[..., Run], told: Callable[..., list[str]]
+    files: Files, run_of: Callable[..., Run], messages_of: Callable[..., list[str]]
 ) -> None:
     judge = """
     inputs: {estimate: float, truth: float, hidden: int}
@@ -534,10 +536,12 @@ def test_the_truth_may_be_passed_to_a_port_whose_readers_all_take_it(
     """
     files(judge=judge)
     assert run_of(text)["judge"].value == 0.5
-    (found,) = told(text + "  x: {use: fill.hold, in: @@judge.truth}\n", judge=judge)
-    assert "'truth' gives the truth" in found
-    (found,) = told(text.replace("estimate: fill", "estimate: @@gaps.truth"), judge=judge)
-    assert "judge: gaps (gaps.cut): 'truth' gives the truth and 'estimate' must not see it" in found
+    (message,) = messages_of(text + "  x: {use: fill.hold, in: @@judge.truth}\n", judge=judge)
+    assert "'truth' gives the truth" in message
+    (message,) = messages_of(text.replace("estimate: fill", "estimate: @@gaps.truth"), judge=judge)
+    assert (
+        "judge: gaps (gaps.cut): 'truth' gives the truth and 'estimate' must not see it" in message
+    )
 
 
 def test_a_graph_of_graphs_is_drawn(files: Files, graph_of: Callable[..., Graph]) -> None:
@@ -549,13 +553,17 @@ def test_a_graph_of_graphs_is_drawn(files: Files, graph_of: Callable[..., Graph]
 
 
 @pytest.mark.parametrize("executor", ["threads", "processes"])
-def test_every_executor_hands_on(files: Files, run_of: Callable[..., Run], executor: str) -> None:
+def test_every_executor_runs_pass_through_nodes(
+    files: Files, run_of: Callable[..., Run], executor: str
+) -> None:
     files(damage=DAMAGE)
     run = run_of(SCORED.replace("ESTIMATE", "fill"), how=HowToRun(executor, 2))
     assert values(run, "error") == {("hold",): 0.5, ("pass",): 1.0}
 
 
-def test_forty_graphs_that_double_each_other_are_refused(told: Callable[..., list[str]]) -> None:
+def test_forty_graphs_that_double_each_other_are_an_error(
+    messages_of: Callable[..., list[str]],
+) -> None:
     texts = {
         f"g{level}": f"""
         inputs: {{x: float}}
@@ -568,14 +576,14 @@ def test_forty_graphs_that_double_each_other_are_refused(told: Callable[..., lis
     }
     texts["g24"] = texts["g24"].replace("b: {use: g25", "b: {use: @@g25")
     texts["g40"] = "inputs: {x: float}\nnodes: {h: {use: fill.hold, in: $x}}\noutputs: {x: h}"
-    (found,) = told("nodes: {n: {use: read.number}, g: {use: g0.yaml, in: n}}", **texts)
-    assert found == (
+    (message,) = messages_of("nodes: {n: {use: read.number}, g: {use: g0.yaml, in: n}}", **texts)
+    assert message == (
         "g25.yaml: more than 100,000 nodes, those of the graphs that it uses included | "
     )
 
 
-def test_fifty_graphs_deep_is_the_end(
-    files: Files, run_of: Callable[..., Run], told: Callable[..., list[str]]
+def test_graphs_may_be_nested_fifty_deep(
+    files: Files, run_of: Callable[..., Run], messages_of: Callable[..., list[str]]
 ) -> None:
     def chain(count: int) -> dict[str, str]:
         texts = {
@@ -591,11 +599,11 @@ def test_fifty_graphs_deep_is_the_end(
     assert run_of(text)["g"].value == 2
     texts = chain(50)
     texts["g49"] = texts["g49"].replace("use: g50", "use: @@g50")
-    (found,) = told(text, **texts)
-    assert "more than 50 deep" in found
+    (message,) = messages_of(text, **texts)
+    assert "more than 50 deep" in message
 
 
-def test_settings_that_double_are_refused(told: Callable[..., list[str]]) -> None:
+def test_settings_that_double_are_an_error(messages_of: Callable[..., list[str]]) -> None:
     texts = {
         f"g{level}": f"""
         inputs: {{s: [1]}}
@@ -611,5 +619,5 @@ def test_settings_that_double_are_refused(told: Callable[..., list[str]]) -> Non
     def anything(*, s: list[object]) -> float:
         return 0.0
 
-    (found,) = told("nodes: {g: {use: g0.yaml}}", more=(anything,), **texts)
-    assert "become endless" in found
+    (message,) = messages_of("nodes: {g: {use: g0.yaml}}", more=(anything,), **texts)
+    assert "become endless" in message

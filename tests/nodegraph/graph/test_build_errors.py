@@ -1,4 +1,4 @@
-"""Every mistake is told at its place, with what there is instead; nothing else is told."""
+"""All errors of a graph are reported, each at its place with what there is instead."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from nodegraph import GraphError, InputFile, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 
 @pytest.mark.parametrize(
-    ("text", "said", "instead"),
+    ("text", "expected", "instead"),
     [
         ("nodes: {a: {use: @@read.numbr}}", "no node 'read.numbr'", "did you mean 'read.number'"),
         ("nodes: {a: {use: @@pass}}", "'pass' stands only among alternatives", ""),
@@ -117,16 +117,16 @@ Mistakes = Callable[..., list[Problem]]
         ),
     ],
 )
-def test_one_mistake_is_told_once_at_its_place(
-    mistakes_of: Mistakes, text: str, said: str, instead: str
+def test_an_error_is_reported_once_at_its_place(
+    problems_of: ProblemsOf, text: str, expected: str, instead: str
 ) -> None:
-    found = mistakes_of(text)
-    assert said in found[0].message
-    assert instead in found[0].instead
+    problems = problems_of(text)
+    assert expected in problems[0].message
+    assert instead in problems[0].instead
 
 
-def test_a_cycle_is_told_with_the_way_around(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_a_cycle_is_reported_with_its_nodes(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         nodes:
           a: {use: fill.hold, in: @@c}
@@ -135,11 +135,11 @@ def test_a_cycle_is_told_with_the_way_around(mistakes_of: Mistakes) -> None:
           d: {use: fill.hold, in: c}
         """
     )
-    assert found[0].message == "'a' feeds itself: a -> b -> c -> a"
+    assert problems[0].message == "'a' feeds itself: a -> b -> c -> a"
 
 
-def test_every_cycle_is_told_and_other_mistakes_too(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_every_cycle_is_reported_and_other_errors_too(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         axes: {k: [1, 2]}
         nodes:
@@ -150,7 +150,7 @@ def test_every_cycle_is_told_and_other_mistakes_too(mistakes_of: Mistakes) -> No
           e: {use: compare.table, in: c, over: [k]}
         """
     )
-    assert [one.message.partition(":")[0] for one in found] == [
+    assert [problem.message.partition(":")[0] for problem in problems] == [
         "'a' feeds itself",
         "'b' feeds itself",
         "c",
@@ -158,8 +158,8 @@ def test_every_cycle_is_told_and_other_mistakes_too(mistakes_of: Mistakes) -> No
     ]
 
 
-def test_what_an_unknown_part_hides_is_not_complained_about(mistakes_of: Mistakes) -> None:
-    mistakes_of(
+def test_nothing_is_reported_that_follows_from_another_error(problems_of: ProblemsOf) -> None:
+    problems_of(
         """
         axes: {k: [1, 2], j: [3, 4]}
         nodes:
@@ -174,8 +174,8 @@ def test_what_an_unknown_part_hides_is_not_complained_about(mistakes_of: Mistake
     )
 
 
-def test_an_alternative_is_named_where_its_wire_does_not_fit(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_an_alternative_is_named_where_its_wire_does_not_fit(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         nodes:
           a: {use: text.write}
@@ -183,11 +183,11 @@ def test_an_alternative_is_named_where_its_wire_does_not_fit(mistakes_of: Mistak
           b: {in: n, alternatives: {one: {use: fill.hold}, two: {use: fill.scale, in: @@a}}}
         """
     )
-    assert found[0].message.startswith("b (two): a (text.write): ")
+    assert problems[0].message.startswith("b (two): a (text.write): ")
 
 
-def test_a_port_must_exist_in_every_alternative(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_a_port_must_exist_in_every_alternative(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         nodes:
           n: {use: read.number}
@@ -195,18 +195,18 @@ def test_a_port_must_exist_in_every_alternative(mistakes_of: Mistakes) -> None:
           c: {use: fill.hold, in: @@b.gappy}
         """
     )
-    assert found[0].message == "c: b (fill.hold) has no output 'gappy'"
+    assert problems[0].message == "c: b (fill.hold) has no output 'gappy'"
 
 
-def test_each_first_output_must_fit_every_reader(mistakes_of: Mistakes) -> None:
-    found = mistakes_of(
+def test_each_first_output_must_fit_every_reader(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
         """
         nodes:
           b: {alternatives: [read.number, text.write]}
           c: {use: fill.hold, in: @@b}
         """
     )
-    assert "b (text.write)" in found[0].message
+    assert "b (text.write)" in problems[0].message
 
 
 EVERY_KIND = """
@@ -267,16 +267,16 @@ EVERY_KIND = """
     """
 
 
-def test_every_kind_of_mistake_is_told_in_one_go(mistakes_of: Mistakes) -> None:
+def test_every_kind_of_error_is_reported_at_once(problems_of: ProblemsOf) -> None:
     @node("set.two")
     def two(*, path: InputFile, number: float) -> float:
         return 0.0
 
-    found = mistakes_of(EVERY_KIND, more=[two])
-    assert len({one.message for one in found}) == 64
+    problems = problems_of(EVERY_KIND, more=[two])
+    assert len({problem.message for problem in problems}) == 64
 
 
-def test_the_message_is_what_a_user_reads(graph_of: Callable[..., Graph]) -> None:
+def test_the_text_of_an_error_has_place_message_and_hint(graph_of: Callable[..., Graph]) -> None:
     with pytest.raises(GraphError) as caught:
         graph_of("nodes:\n  a: {use: read.numbr}")
     assert str(caught.value) == (
@@ -287,7 +287,7 @@ def test_the_message_is_what_a_user_reads(graph_of: Callable[..., Graph]) -> Non
 
 
 def test_a_family_takes_no_label_and_a_plugin_needs_a_name(
-    mistakes_of: Callable[..., list[Problem]],
+    problems_of: Callable[..., list[Problem]],
 ) -> None:
     text = """
         nodes:
@@ -295,7 +295,7 @@ def test_a_family_takes_no_label_and_a_plugin_needs_a_name(
           b: {in: a, alternatives: {one: @@fill.*, two: {use: @@strict.*}}}
           c: {in: a, use: @@":fill.hold"}
         """
-    family, other, nameless = mistakes_of(text)
+    family, other, nameless = problems_of(text)
     assert "'fill.*' has a label for each of its methods" in family.message
     assert other.instead == "write {strict.*: {}}"
     assert "no node ':fill.hold'" in nameless.message

@@ -1,3 +1,5 @@
+"""Choices of inputs, axes and labels."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -38,26 +40,26 @@ def test_only_keeps_labels_in_the_order_of_the_file(graph_of: Callable[..., Grap
         ({"range": [2, 6, 2]}, (2, 4, 6)),
     ],
 )
-def test_an_axis_may_be_given_in_every_form(
+def test_an_axis_may_be_set_in_every_form(
     graph_of: Callable[..., Graph], axis: object, expected: tuple[object, ...]
 ) -> None:
     assert labels(graph_of(TEXT, axes={"k": axis}))["k"] == expected
 
 
-def test_a_given_axis_and_only_work_together(graph_of: Callable[..., Graph]) -> None:
+def test_axis_and_only_work_together(graph_of: Callable[..., Graph]) -> None:
     graph = graph_of(TEXT, axes={"k": [3, 4, 5]}, only={"k": (4,)})
     assert labels(graph)["k"] == (4,)
     assert graph.axes["k"].removed == {1, 2, 3, 5}
 
 
-def test_an_input_may_be_given(graph_of: Callable[..., Graph]) -> None:
+def test_an_input_may_be_set(graph_of: Callable[..., Graph]) -> None:
     graph = graph_of(TEXT, inputs={"start": 9})
     assert graph.nodes["a"].first.settings.values[()] == {"start": 9.0}
     assert graph.inputs == {"start": 9}
 
 
 @pytest.mark.parametrize(
-    ("choices", "said"),
+    ("choices", "expected"),
     [
         (
             {"inputs": {"strat": 1}},
@@ -79,16 +81,16 @@ def test_an_input_may_be_given(graph_of: Callable[..., Graph]) -> None:
         ({"inputs": {"start": "x"}}, "should be a valid number, got 'x'"),
     ],
 )
-def test_a_wrong_choice_is_told_as_it_was_given(
-    graph_of: Callable[..., Graph], choices: dict[str, object], said: str
+def test_a_wrong_choice_is_reported_with_its_option(
+    graph_of: Callable[..., Graph], choices: dict[str, object], expected: str
 ) -> None:
     with pytest.raises(GraphError) as caught:
         graph_of(TEXT, **choices)
-    assert said in str(caught.value)
+    assert expected in str(caught.value)
     assert len(caught.value.problems) == 1
 
 
-def test_a_wrong_value_is_told_where_it_was_given(graph_of: Callable[..., Graph]) -> None:
+def test_a_wrong_value_is_reported_at_its_option(graph_of: Callable[..., Graph]) -> None:
     text = """
         inputs: {start: 1.0, path: a.txt}
         axes: {length: [5]}
@@ -97,8 +99,8 @@ def test_a_wrong_value_is_told_where_it_was_given(graph_of: Callable[..., Graph]
           two: {use: read.file, with: {path: $path}}
           cut: {use: gaps.cut, in: one, with: {length: $length}}
     """
-    chosen = {"inputs": {"start": "word", "path": "none.txt"}, "axes": {"length": [5, 0]}}
+    choices = {"inputs": {"start": "word", "path": "none.txt"}, "axes": {"length": [5, 0]}}
     with pytest.raises(GraphError) as caught:
-        graph_of(text, **chosen)
-    found = [str(one.place) for one in caught.value.problems]
-    assert found == ["--axis length", "--set path", "--set start"]
+        graph_of(text, **choices)
+    problems = [str(problem.place) for problem in caught.value.problems]
+    assert problems == ["--axis length", "--set path", "--set start"]

@@ -1,3 +1,5 @@
+"""Settings that name columns, axes or labels."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -9,8 +11,8 @@ from nodegraph import Across, ColumnOf, Columns, GraphError, LabelOf, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
-Mistakes = Callable[..., list[Problem]]
-Told = Callable[..., list[str]]
+ProblemsOf = Callable[..., list[Problem]]
+MessagesOf = Callable[..., list[str]]
 
 
 class Rows(dict[str, float]):
@@ -120,22 +122,22 @@ def test_columns_labels_and_gathered_axes_may_be_named(
         ),
     ],
 )
-def test_a_name_that_is_not_there_is_refused_with_the_nearest(
-    mistakes_of: Mistakes, written: str, message: str, instead: str
+def test_an_unknown_name_is_reported_with_the_nearest(
+    problems_of: ProblemsOf, written: str, message: str, instead: str
 ) -> None:
-    (found,) = mistakes_of(study(written), more=MORE)
-    assert (found.message, found.instead) == (message, instead)
+    (problem,) = problems_of(study(written), more=MORE)
+    assert (problem.message, problem.instead) == (message, instead)
 
 
-def test_every_such_name_is_told_at_once(mistakes_of: Mistakes) -> None:
+def test_all_unknown_names_are_reported_at_once(problems_of: ProblemsOf) -> None:
     written = "metric: @@no, compare: @@never, within: @@[neither]"
-    assert len(mistakes_of(study(written), more=MORE)) == 3
+    assert len(problems_of(study(written), more=MORE)) == 3
 
 
-def test_an_axis_that_is_not_gathered_cannot_be_named(mistakes_of: Mistakes) -> None:
+def test_an_axis_that_is_not_gathered_cannot_be_named(problems_of: ProblemsOf) -> None:
     text = study("compare: @@trial").replace("rank.all,", "rank.all, over: [fill],")
-    (found,) = mistakes_of(text, more=MORE)
-    assert found.instead == "axes and columns: fill, gap, rmse, mae"
+    (problem,) = problems_of(text, more=MORE)
+    assert problem.instead == "axes and columns: fill, gap, rmse, mae"
 
 
 def test_the_axis_of_labelled_sources_is_the_port(graph_of: Callable[..., Graph]) -> None:
@@ -143,22 +145,22 @@ def test_the_axis_of_labelled_sources_is_the_port(graph_of: Callable[..., Graph]
     assert graph_of(text, more=MORE)
 
 
-def test_what_the_command_takes_away_is_no_mistake_of_the_graph(
+def test_a_label_that_the_command_removes_may_be_named(
     graph_of: Callable[..., Graph],
 ) -> None:
     assert graph_of(study("compare: fill, first: hold"), more=MORE, only={"fill": ("scale",)})
 
 
-def test_alternatives_have_the_columns_of_them_all(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+def test_alternatives_have_the_columns_of_all(
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
 ) -> None:
     methods = "in: fill, alternatives: {a: {use: rate.gaps}, b: {use: rate.lags}}"
     text = study("metric: NAME").replace("use: rate.gaps, in: fill", methods)
     assert graph_of(text.replace("NAME", "lag"), more=MORE)
-    assert mistakes_of(text.replace("NAME", "@@log"), more=MORE)
+    assert problems_of(text.replace("NAME", "@@log"), more=MORE)
 
 
-def test_where_one_does_not_say_what_it_has_anything_may_be_named(
+def test_any_column_may_be_named_where_a_node_declares_none(
     graph_of: Callable[..., Graph],
 ) -> None:
     assert graph_of(study("metric: what, compare: ever", "rate.anything"), more=MORE)
@@ -167,7 +169,7 @@ def test_where_one_does_not_say_what_it_has_anything_may_be_named(
     assert graph_of(text, more=MORE)
 
 
-def test_what_only_hands_on_has_the_columns_of_what_it_gets(
+def test_a_pass_through_node_has_the_columns_of_its_source(
     graph_of: Callable[..., Graph],
 ) -> None:
     @node("keep.one")
@@ -184,21 +186,21 @@ def test_what_only_hands_on_has_the_columns_of_what_it_gets(
     assert graph_of(text, more=(*MORE, keep))
 
 
-def test_a_port_that_is_open_has_nothing_to_be_named(graph_of: Callable[..., Graph]) -> None:
+def test_an_open_port_is_not_checked(graph_of: Callable[..., Graph]) -> None:
     assert graph_of(study("against: anything"), more=MORE)
 
 
 def test_values_along_an_axis_and_of_an_option_are_checked(
-    graph_of: Callable[..., Graph], mistakes_of: Mistakes
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
 ) -> None:
     text = study("metric: @@$of").replace("{trial: [0, 1]}", "{trial: [0, 1], of: [rmse, mea]}")
-    (found,) = mistakes_of(text, more=MORE)
-    assert "no column 'mea'" in found.message
+    (problem,) = problems_of(text, more=MORE)
+    assert "no column 'mea'" in problem.message
     text = f"inputs: {{of: rmse}}\n{study('metric: $of')}"
     assert graph_of(text, more=MORE)
     with pytest.raises(GraphError) as caught:
         graph_of(text, more=MORE, inputs={"of": "mea"})
-    assert [str(one.place) for one in caught.value.problems] == ["--set of"]
+    assert [str(problem.place) for problem in caught.value.problems] == ["--set of"]
 
 
 INNER = """
@@ -226,8 +228,8 @@ def test_a_graph_that_is_used_names_axes_as_they_are_called_in_it(
     assert graph_of(OUTER.replace("LAST", "mae"), more=MORE)
 
 
-def test_mistakes_in_a_graph_that_is_used_and_in_what_it_gives(told: Told) -> None:
-    first, second = told(
+def test_unknown_names_in_a_used_graph_and_of_its_outputs(messages_of: MessagesOf) -> None:
+    first, second = messages_of(
         OUTER.replace("LAST", "@@rsme"),
         more=MORE,
         inner=INNER.replace("WHAT", "@@fil"),

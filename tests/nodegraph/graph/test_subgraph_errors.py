@@ -1,4 +1,4 @@
-"""What is wrong with graphs used as nodes is told once, at its place, with everything else."""
+"""Errors in graphs used as nodes are reported once, at their place, with all others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
 
-Told = Callable[..., list[str]]
+MessagesOf = Callable[..., list[str]]
 
 CLEAN = """
     inputs: {recording: float, factor: 2.0}
@@ -33,7 +33,7 @@ def outer(clean: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("clean", "said"),
+    ("clean", "expected"),
     [
         (
             "{use: @@./claen.yaml, in: n}",
@@ -100,9 +100,9 @@ def outer(clean: str) -> str:
         ("{use: fill.hold, in: @@$n}", "clean: $n names a value; a port is fed by a node"),
     ],
 )  # fmt: skip
-def test_a_mistake_in_the_use_of_a_graph(told: Told, clean: str, said: str) -> None:
-    (found,) = told(outer(clean), clean=CLEAN)
-    assert said in found
+def test_an_error_in_the_use_of_a_graph(messages_of: MessagesOf, clean: str, expected: str) -> None:
+    (message,) = messages_of(outer(clean), clean=CLEAN)
+    assert expected in message
 
 
 USES = """
@@ -117,7 +117,7 @@ USES = """
 
 
 @pytest.mark.parametrize(
-    ("clean", "said"),
+    ("clean", "expected"),
     [
         ("nodes: {a: {use: @@read.numbr}}\noutputs: {a: a}", "no node 'read.numbr'"),
         ("inputs: {x: @@3}\nnodes: {a: {use: read.number}}\noutputs: {a: a}",
@@ -141,15 +141,15 @@ USES = """
         ("nodes: {a: {use: @@missing.yaml}}\noutputs: {a: a}", "missing.yaml: no such graph file"),
     ],
 )  # fmt: skip
-def test_a_mistake_inside_is_told_once_with_the_names_it_has_there(
-    told: Told, clean: str, said: str
+def test_an_error_inside_is_reported_once_with_its_inner_names(
+    messages_of: MessagesOf, clean: str, expected: str
 ) -> None:
-    (found,) = told(USES, clean=clean)
-    assert said in found
+    (message,) = messages_of(USES, clean=clean)
+    assert expected in message
 
 
 @pytest.mark.parametrize(
-    ("port", "nodes", "said"),
+    ("port", "nodes", "expected"),
     [
         ("@@float", "a: {use: read.number}", "nothing uses the input 'x' | write in: $x"),
         ("float", "b: {use: fill.hold, in: $x}, a: {use: read.number, with: {start: @@$x}}",
@@ -161,27 +161,31 @@ def test_a_mistake_inside_is_told_once_with_the_names_it_has_there(
         ("str", "a: {use: fill.hold, in: @@$x}", "a: $x (str): 'recording' takes float, not str"),
     ],
 )  # fmt: skip
-def test_a_mistake_with_a_port_is_told_once(told: Told, port: str, nodes: str, said: str) -> None:
+def test_an_error_at_a_port_is_reported_once(
+    messages_of: MessagesOf, port: str, nodes: str, expected: str
+) -> None:
     fed = USES.replace("clean.yaml}", f"clean.yaml, in: {'w' if port == 'str' else 'n'}}}")
-    (found,) = told(fed, clean=f"inputs: {{x: {port}}}\nnodes: {{{nodes}}}\noutputs: {{a: a}}")
-    assert said in found
+    (message,) = messages_of(
+        fed, clean=f"inputs: {{x: {port}}}\nnodes: {{{nodes}}}\noutputs: {{a: a}}"
+    )
+    assert expected in message
 
 
-def test_what_comes_from_outside_is_not_declared_known_inside(told: Told) -> None:
-    (found,) = told(
+def test_a_port_cannot_be_declared_as_known(messages_of: MessagesOf) -> None:
+    (message,) = messages_of(
         outer("{use: clean.yaml, in: n}"), clean=CLEAN.rstrip() + "\n    known: [@@$recording]\n"
     )
-    assert found.startswith("known: $recording comes from outside")
+    assert message.startswith("known: $recording comes from outside")
 
 
-def test_a_graph_without_outputs_is_told_where_it_is_used(told: Told) -> None:
+def test_a_graph_without_outputs_is_reported_where_it_is_used(messages_of: MessagesOf) -> None:
     text = "nodes: {a: {use: @@clean.yaml}, b: {use: @@clean.yaml}}"
-    found = told(text, clean="nodes: {a: {use: read.number}}")
-    assert found[0].startswith("a: clean.yaml has no 'outputs': nothing comes out of it")
+    messages = messages_of(text, clean="nodes: {a: {use: read.number}}")
+    assert messages[0].startswith("a: clean.yaml has no 'outputs': nothing comes out of it")
 
 
 @pytest.mark.parametrize(
-    ("text", "place", "said"),
+    ("text", "place", "expected"),
     [
         ("- 1\n", "clean.yaml:1:1", "a graph file is a mapping that begins with 'nodegraph: 1'"),
         ("a: [\n", "clean.yaml:2:1", "this is not YAML"),
@@ -190,19 +194,21 @@ def test_a_graph_without_outputs_is_told_where_it_is_used(told: Told) -> None:
         (b"\xff\xfe\x00", "toy.yaml:2:18", "clean.yaml: cannot be read"),
     ],
 )
-def test_a_file_that_is_no_graph_is_told(
-    graph_of: Callable[..., object], tmp_path: Path, text: str | bytes, place: str, said: str
+def test_a_file_that_is_not_a_graph(
+    graph_of: Callable[..., object], tmp_path: Path, text: str | bytes, place: str, expected: str
 ) -> None:
     data = text if isinstance(text, bytes) else text.encode()
     (tmp_path / "clean.yaml").write_bytes(data)
     with pytest.raises(GraphError) as caught:
         graph_of("nodes: {a: {use: clean.yaml}, b: {use: clean.yaml}, c: {use: read.numbr}}")
-    told = [f"{one.place}: {one.message}" for one in caught.value.problems]
-    assert sum(one.startswith(f"{place}: ") and said in one for one in told) == 1
-    assert any("read.numbr" in one for one in told)
+    messages = [f"{problem.place}: {problem.message}" for problem in caught.value.problems]
+    assert (
+        sum(message.startswith(f"{place}: ") and expected in message for message in messages) == 1
+    )
+    assert any("read.numbr" in message for message in messages)
 
 
-def test_a_folder_is_no_graph(graph_of: Callable[..., object], tmp_path: Path) -> None:
+def test_a_folder_is_not_a_graph(graph_of: Callable[..., object], tmp_path: Path) -> None:
     (tmp_path / "clean.yaml").mkdir()
     with pytest.raises(GraphError, match=r"toy.yaml:2:18: clean.yaml: is a folder"):
         graph_of("nodes: {a: {use: clean.yaml}}")
@@ -210,19 +216,19 @@ def test_a_folder_is_no_graph(graph_of: Callable[..., object], tmp_path: Path) -
         graph_of('nodes: {a: {use: "cl\\0ean.yaml"}}')
 
 
-def test_a_graph_that_uses_itself_is_refused_with_the_way_around(told: Told) -> None:
-    (found,) = told(
+def test_a_graph_that_uses_itself_is_reported_with_the_cycle(messages_of: MessagesOf) -> None:
+    (message,) = messages_of(
         "nodes: {a: {use: a.yaml}, b: {use: sub/b.yaml}}",
         a="nodes: {b: {use: sub/b.yaml}}\noutputs: {b: b}",
         sub__b="nodes: {a: {use: @@../a.yaml}}\noutputs: {a: a}",
     )
-    assert found.startswith("a.yaml uses itself: a.yaml -> sub/b.yaml -> a.yaml")
-    (found,) = told("nodes: {a: {use: @@./toy.yaml}}\noutputs: {a: a}")
-    assert found.startswith("toy.yaml uses itself: toy.yaml -> toy.yaml")
+    assert message.startswith("a.yaml uses itself: a.yaml -> sub/b.yaml -> a.yaml")
+    (message,) = messages_of("nodes: {a: {use: @@./toy.yaml}}\noutputs: {a: a}")
+    assert message.startswith("toy.yaml uses itself: toy.yaml -> toy.yaml")
 
 
 def test_a_graph_with_ports_cannot_run_by_itself(
-    told: Told, toys: Registry, tmp_path: Path
+    messages_of: MessagesOf, toys: Registry, tmp_path: Path
 ) -> None:
     text = """
     inputs: {recording: @@float, factor: 2.0, word: some_text}
@@ -232,8 +238,8 @@ def test_a_graph_with_ports_cannot_run_by_itself(
       wrong: {use: @@fill.scael, in: $recording}
     outputs: {recording: twice}
     """
-    found = told(text)
-    assert found[0] == (
+    messages = messages_of(text)
+    assert messages[0] == (
         "toy.yaml takes 'recording' (float) from the graph that uses it; it cannot run by itself"
         " | in another graph: {use: toy.yaml, in: {recording: node}}"
     )
@@ -241,10 +247,10 @@ def test_a_graph_with_ports_cannot_run_by_itself(
     path.write_text("nodegraph: 1" + CLEAN.replace("\n    ", "\n"))
     with pytest.raises(GraphError) as caught:
         build(read_graph_file(path), toys)
-    assert [one.place.line for one in caught.value.problems] == [2]
+    assert [problem.place.line for problem in caught.value.problems] == [2]
 
 
-def test_an_input_with_the_name_of_several_types_is_told(told: Told) -> None:
+def test_an_input_with_the_name_of_several_types(messages_of: MessagesOf) -> None:
     class Table:
         pass
 
@@ -253,21 +259,23 @@ def test_an_input_with_the_name_of_several_types_is_told(told: Told) -> None:
     class Table:  # type: ignore[no-redef]
         pass
 
-    def one() -> object: ...
+    def make_first() -> object: ...
     def two() -> object: ...
 
-    one.__annotations__["return"], two.__annotations__["return"] = first, Table
+    make_first.__annotations__["return"], two.__annotations__["return"] = first, Table
     first.__module__ = "other"
-    (found,) = told(
+    (message,) = messages_of(
         "nodes: {t: {use: make.one}, a: {use: clean.yaml, in: t}}",
         clean="inputs: {x: @@Table}\nnodes: {n: {use: read.number}}\noutputs: {n: n, x: $x}",
-        more=(node("make.one")(one), node("make.two")(two)),
+        more=(node("make.one")(make_first), node("make.two")(two)),
     )
-    assert "'Table' is the name of several types: " in found
-    assert "other.Table" in found
+    assert "'Table' is the name of several types: " in message
+    assert "other.Table" in message
 
 
-def test_what_is_fed_wrongly_is_told_once_however_many_read_it(told: Told) -> None:
+def test_a_wrong_source_is_reported_once_however_many_ports_read_it(
+    messages_of: MessagesOf,
+) -> None:
     clean = """
     inputs: {x: float}
     nodes:
@@ -278,11 +286,11 @@ def test_what_is_fed_wrongly_is_told_once_however_many_read_it(told: Told) -> No
     """
     inner = "inputs: {y: float}\nnodes: {h: {use: fill.hold, in: $y}}\noutputs: {h: h}"
     for fed in ("@@nowhere", "@@w", "@@n.put", "{from: @@n, at: {k: 1}}"):
-        (_,) = told(outer(f"{{use: clean.yaml, in: {fed}}}"), clean=clean, inner=inner)
+        (_,) = messages_of(outer(f"{{use: clean.yaml, in: {fed}}}"), clean=clean, inner=inner)
 
 
-def test_everything_is_told_in_one_go(told: Told) -> None:
-    found = told(
+def test_all_errors_are_reported_at_once(messages_of: MessagesOf) -> None:
+    messages = messages_of(
         """
         axes: {k: @@[1, 2]}
         nodes:
@@ -306,10 +314,10 @@ def test_everything_is_told_in_one_go(told: Told) -> None:
         """,
         deep="nodes: {a: {use: broken.yaml, in: {x: n}}, n: {use: @@read.numbr}}\noutputs: {a: a}",
     )
-    assert len(found) == 15
+    assert len(messages) == 15
 
 
-def test_a_setting_that_changes_nothing_is_told(told: Told) -> None:
+def test_a_setting_without_effect_is_an_error(messages_of: MessagesOf) -> None:
     clean = """
     inputs: {start: 1.0, metric: x}
     nodes:
@@ -318,11 +326,13 @@ def test_a_setting_that_changes_nothing_is_told(told: Told) -> None:
     outputs: {n: n}
     report: [table]
     """
-    (found,) = told("nodes: {a: {use: clean.yaml, with: {start: 2.0, metric: @@y}}}", clean=clean)
-    assert found.startswith("a: setting 'metric' of clean.yaml leads to none of its outputs")
+    (message,) = messages_of(
+        "nodes: {a: {use: clean.yaml, with: {start: 2.0, metric: @@y}}}", clean=clean
+    )
+    assert message.startswith("a: setting 'metric' of clean.yaml leads to none of its outputs")
 
 
-def test_a_field_that_is_not_given_is_told(told: Told) -> None:
+def test_a_missing_field_is_an_error(messages_of: MessagesOf) -> None:
     clean = "inputs: {who: {rec: 1.0}}\nnodes: {n: {use: read.number, with: {start: $who.rec}}}"
     text = """
     axes: {actor: {ME: {rec: 2.0}, MB: {model: 3.0}}}
@@ -330,32 +340,32 @@ def test_a_field_that_is_not_given_is_told(told: Told) -> None:
       a: {use: clean.yaml, with: {who: WHO}}
     """
     clean += "\noutputs: {n: n}"
-    (_, found) = told(
+    (_, message) = messages_of(
         text.replace("WHO", "@@{reck: 1}").replace("actor: ", "actor: @@"), clean=clean
     )
-    assert found == (
+    assert message == (
         "a: setting 'who' of clean.yaml needs 'rec' | did you mean 'reck'? fields: reck"
     )
-    (found, more) = told(text.replace("WHO", "@@@@$actor"), clean=clean)
-    assert "$actor.rec: label 'MB' has no field 'rec'" in found
+    (message, more) = messages_of(text.replace("WHO", "@@@@$actor"), clean=clean)
+    assert "$actor.rec: label 'MB' has no field 'rec'" in message
     assert "should be a valid number, got None" in more
-    (found,) = told(text.replace("WHO", "@@$actor.rec"), clean=clean)
-    assert "needs 'rec'" in found
+    (message,) = messages_of(text.replace("WHO", "@@$actor.rec"), clean=clean)
+    assert "needs 'rec'" in message
 
 
-def test_two_nodes_of_one_name_are_told(told: Told) -> None:
+def test_two_nodes_of_the_same_name_are_an_error(messages_of: MessagesOf) -> None:
     inner = "nodes: {x: {use: read.number}}\noutputs: {y: x}"
-    (found,) = told(
+    (message,) = messages_of(
         "nodes: {c: {alternatives: {a: middle.yaml, a.b: @@inner.yaml}}}",
         middle="nodes: {b: {use: inner.yaml}}\noutputs: {y: b}",
         inner=inner,
     )
-    assert "two nodes would be called 'c.a.b.x'" in found
+    assert "two nodes would be called 'c.a.b.x'" in message
 
 
-def test_pass_needs_a_sibling_with_an_input(told: Told) -> None:
-    (found,) = told(
+def test_pass_needs_a_sibling_with_an_input(messages_of: MessagesOf) -> None:
+    (message,) = messages_of(
         "nodes: {c: {alternatives: {a: inner.yaml, @@pass: {}}}}",
         inner="nodes: {x: {use: read.number}}\noutputs: {y: x}",
     )
-    assert "'pass' hands on an input, and inner.yaml has none" in found
+    assert "'pass' hands on an input, and inner.yaml has none" in message

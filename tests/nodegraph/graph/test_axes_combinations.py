@@ -1,4 +1,4 @@
-"""Combinations are counted before anything is made for each of them."""
+"""The number of combinations is checked before anything is computed for each of them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from nodegraph import GraphError, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
-Mistakes = Callable[..., list[Problem]]
+ProblemsOf = Callable[..., list[Problem]]
 
 
-def test_two_axes_of_a_million_labels_are_refused_with_their_sizes(mistakes_of: Mistakes) -> None:
-    (found,) = mistakes_of(
+def test_two_axes_of_a_million_labels_are_an_error_with_their_sizes(
+    problems_of: ProblemsOf,
+) -> None:
+    (problem,) = problems_of(
         """
         axes: {j: {count: 1000000}, k: {range: [1, 1000000, 1]}}
         nodes:
@@ -23,26 +25,26 @@ def test_two_axes_of_a_million_labels_are_refused_with_their_sizes(mistakes_of: 
           c: {use: compare.table, in: b}
         """
     )
-    assert found.message == (
+    assert problem.message == (
         "b: 1,000,000,000,000 combinations, j (1,000,000) x k (1,000,000); "
         "a graph may have 5,000,000, and this one has 2,000,001,000,000"
     )
-    assert "--axis or --only" in found.instead
+    assert "--axis or --only" in problem.instead
 
 
-def test_settings_of_one_node_alone_are_not_multiplied_out(mistakes_of: Mistakes) -> None:
+def test_settings_of_one_node_alone_are_not_multiplied_out(problems_of: ProblemsOf) -> None:
     text = """
         axes: {j: {count: 100000}, k: {count: 100000}}
         nodes:
           a: @@{use: gaps.cut, in: n, with: {length: @@$j, seed: $k}}
           n: {use: read.number}
         """
-    wrong, many = sorted(mistakes_of(text), key=lambda one: one.place.column, reverse=True)
+    wrong, many = sorted(problems_of(text), key=lambda problem: problem.place.column, reverse=True)
     assert "should be greater than or equal to 1, got 0" in wrong.message
     assert many.message.startswith("a: 10,000,000,000 combinations, j (100,000) x k (100,000)")
 
 
-def test_many_nodes_add_up_and_the_largest_is_named(mistakes_of: Mistakes) -> None:
+def test_many_nodes_add_up_and_the_largest_is_named(problems_of: ProblemsOf) -> None:
     nodes = "\n".join(f"  b{i}: {{use: fill.hold, in: a}}" for i in range(30))
     text = f"""
 axes: {{j: {{count: 200000}}, k: [1, 2]}}
@@ -51,15 +53,15 @@ nodes:
   z: @@{{use: fill.scale, in: a, with: {{power: $k}}}}
 {nodes}
 """
-    (found,) = mistakes_of(text)
-    assert found.message == (
+    (problem,) = problems_of(text)
+    assert problem.message == (
         "z: 400,000 combinations, j (200,000) x k (2); "
         "a graph may have 5,000,000, and this one has 6,600,000"
     )
 
 
-def test_what_is_gathered_for_each_combination_counts(mistakes_of: Mistakes) -> None:
-    (found,) = mistakes_of(
+def test_what_is_gathered_for_each_combination_counts(problems_of: ProblemsOf) -> None:
+    (problem,) = problems_of(
         """
         axes: {j: {count: 3000}, k: {count: 3000}}
         nodes:
@@ -68,10 +70,10 @@ def test_what_is_gathered_for_each_combination_counts(mistakes_of: Mistakes) -> 
           c: @@{use: compare.beside, in: {scores: a, reference: b}}
         """
     )
-    assert found.message.startswith("c: 9,000,000 combinations, k (3,000) x j (3,000)")
+    assert problem.message.startswith("c: 9,000,000 combinations, k (3,000) x j (3,000)")
 
 
-def test_what_the_command_keeps_is_what_counts(graph_of: Callable[..., Graph]) -> None:
+def test_labels_that_are_not_run_do_not_count(graph_of: Callable[..., Graph]) -> None:
     text = """
         axes: {j: {count: 3000}, k: {count: 3000}}
         nodes:
@@ -84,7 +86,7 @@ def test_what_the_command_keeps_is_what_counts(graph_of: Callable[..., Graph]) -
     assert graph_of(text, only={"k": (1,)})
 
 
-def test_a_number_without_end_is_not_written_out(mistakes_of: Mistakes) -> None:
+def test_a_number_without_end_is_not_written_out(problems_of: ProblemsOf) -> None:
     axes = ", ".join(f"k{i}: {{count: 1000}}" for i in range(900))
     marks = ", ".join(f"k{i}: $k{i}" for i in range(900))
     text = f"axes: {{{axes}}}\nnodes: {{a: @@{{use: set.any, with: {{named: {{{marks}}}}}}}}}"
@@ -93,22 +95,20 @@ def test_a_number_without_end_is_not_written_out(mistakes_of: Mistakes) -> None:
     def anything(*, named: dict[str, int]) -> float:
         return 0.0
 
-    (found,) = mistakes_of(text, more=[anything])
-    assert found.message.startswith("a: endless combinations, k0 (1,000) x k1 (1,000) x")
+    (problem,) = problems_of(text, more=[anything])
+    assert problem.message.startswith("a: endless combinations, k0 (1,000) x k1 (1,000) x")
 
 
-@pytest.mark.parametrize("given", [range(10**9), range(10**30), {"count": 10**9}, [0] * 1_000_001])
-def test_a_given_axis_without_end_is_not_listed_first(
-    graph_of: Callable[..., Graph], given: object
-) -> None:
+@pytest.mark.parametrize("axis", [range(10**9), range(10**30), {"count": 10**9}, [0] * 1_000_001])
+def test_an_endless_axis_is_not_listed_first(graph_of: Callable[..., Graph], axis: object) -> None:
     text = "axes: {k: [1]}\nnodes: {a: {use: read.number, with: {start: $k}}}"
     with pytest.raises(GraphError, match=r"--axis k: .*1,000,000") as caught:
-        graph_of(text, axes={"k": given})
+        graph_of(text, axes={"k": axis})
     assert len(caught.value.problems) == 1
 
 
-def test_a_used_graph_counts_with_the_axes_it_gets(told: Callable[..., list[str]]) -> None:
-    (found,) = told(
+def test_a_used_graph_counts_with_the_axes_it_gets(messages_of: Callable[..., list[str]]) -> None:
+    (message,) = messages_of(
         """
         axes: {k: {count: 3000}}
         nodes:
@@ -122,4 +122,4 @@ def test_a_used_graph_counts_with_the_axes_it_gets(told: Callable[..., list[str]
         outputs: {cut: cut}
         """,
     )
-    assert found.startswith("clean.cut: 9,000,000 combinations, k (3,000) x clean.j (3,000)")
+    assert message.startswith("clean.cut: 9,000,000 combinations, k (3,000) x clean.j (3,000)")
