@@ -9,11 +9,12 @@ from nodegraph.cli.arguments import add_run
 from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
 
-HELP = "Pack a run into one file, with what it takes to run it again (Workflow Run RO-Crate)."
+HELP = "Pack a run, and all that it takes to run it again, into one file."
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
+    parser.description = f"{HELP} The file is a Workflow Run RO-Crate."
     add_run(parser)
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="File to write (default: RUN.zip)."

@@ -102,26 +102,36 @@ def _parser(commands: Mapping[str, Command]) -> ArgumentParser:
         description="Compare methods that process facial motion capture.",
         epilog="Plugins may add commands; 'nodegraph help' lists them as well.",
         allow_abbrev=False,
+        add_help=False,
     )
+    _add_help(parser)
     parser.add_argument(
         "--version",
         action=_Version,
         nargs=0,
         default=SUPPRESS,
-        help="show the version and exit",
+        help="Show the version and exit.",
     )
-    choices = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    choices = parser.add_subparsers(
+        title="commands", dest="command", required=True, metavar="COMMAND"
+    )
     for name, command in commands.items():
         choice = choices.add_parser(
             name,
             help=command.help.replace("%", "%%"),
             description=command.help,
             allow_abbrev=False,
+            add_help=False,
         )
+        _add_help(choice)
         if name not in COMMANDS:
             add_plugin(choice)
         command.add_arguments(choice)
     return parser
+
+
+def _add_help(parser: ArgumentParser) -> None:
+    parser.add_argument("-h", "--help", action="help", help="Show this help and exit.")
 
 
 class _Version(Action):
