@@ -51,7 +51,7 @@ def nodegraph_storages() -> Iterable[Storage]:  # type: ignore[empty-body]
 
 @hookspec
 def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:  # type: ignore[empty-body]
-    """Return further ways to compute steps, by name: see `nodegraph.execute.Executor`."""
+    """Return further ways to compute steps, by name: see `nodegraph.executors.Executor`."""
 
 
 @hookspec
