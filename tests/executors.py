@@ -143,7 +143,7 @@ def script(tmp_path: Path, away: Path) -> Iterator[Callable[..., subprocess.Pope
 
 @pytest.fixture
 def fifo(tmp_path: Path) -> Callable[[str], Path]:
-    """Make a named pipe: who opens it waits for the other side, and hears when that is gone."""
+    """Make a named pipe: a process that opens it waits for the other side, and notices its end."""
 
     def make(name: str) -> Path:
         path = tmp_path / name

@@ -18,6 +18,7 @@ from urllib.parse import quote
 from nodegraph.errors import NodegraphError
 from nodegraph.report.study import STUDY
 from nodegraph.runs.folder import EVENTS
+from nodegraph.state import State
 
 if TYPE_CHECKING:
     from nodegraph.archive.contents import Contents
@@ -283,7 +284,7 @@ class _Crate:
             )
 
     def _describe_action(self, main: Any, read: list[Any]) -> None:
-        failed = self._contents.record.counts.get("failed", 0)
+        failed = self._contents.record.counts.get(State.FAILED, 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
         error = {"error": f"{failed} steps failed; run/run.json says which"} if failed else {}
         action = self._entities.add(

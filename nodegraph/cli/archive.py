@@ -8,6 +8,7 @@ from pathlib import Path
 from nodegraph.cli.arguments import add_run
 from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
+from nodegraph.state import State
 
 HELP = "Pack a run, and all that it takes to run it again, into one file."
 
@@ -58,7 +59,7 @@ def archive(arguments: Namespace) -> int:
     write_and_print(path, content)
     for line in contents.lacking:
         say(f"not in it: {line}")
-    failed = contents.record.counts.get("failed", 0)
+    failed = contents.record.counts.get(State.FAILED, 0)
     if failed:
         say(f"{failed} steps of this run failed; the archive says so")
     return 0

@@ -137,7 +137,7 @@ class _Lines(Display):
         elif event.kind == EventKind.PROGRESS:
             self._advance(event.detail)
         elif event.kind == EventKind.FINISHED:
-            counts = {"run": event.detail["done"], **event.detail}
+            counts = {"run": event.detail[State.DONE], **event.detail}
             self.say(f"finished after {event.seconds:.1f} s: {counts_text(counts)}")
 
     def _advance(self, detail: Mapping[str, Any]) -> None:
@@ -146,8 +146,8 @@ class _Lines(Display):
         if tenths <= self._tenths:
             return
         self._tenths = tenths
-        computed = detail["run"] + detail["failed"] + detail["refused"]
-        is_slow = detail["run"] or detail["failed"]  # stored results take no time
+        computed = detail["run"] + detail[State.FAILED] + detail[State.REFUSED]
+        is_slow = detail["run"] or detail[State.FAILED]  # stored results take no time
         if is_slow and computed > self._computed:
             self._computed = computed
             self.say(f"{settled} of {total} steps: {counts_text(detail)}")

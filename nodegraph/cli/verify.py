@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_executor, add_pairs, add_plugin, add_store, input_values
 from nodegraph.cli.output import MOST, counted, few, first_and_more, say
+from nodegraph.state import State
 
 if TYPE_CHECKING:
     from nodegraph.execute import Run
@@ -117,7 +118,7 @@ def _counts(compared: Compared, lock: Lock) -> str:
 def _ended(compared: Compared) -> str:
     """Return how many of the identical results are failures or refusals."""
     counts = [
-        f"{count} {'' if state == 'failed' else 'was ' if count == 1 else 'were '}{state}"
+        f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
         for state, count in compared.ended.items()
     ]
     return f" (of these {' and '.join(counts)}, as before)" if counts else ""

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from nodegraph.errors import NodegraphError
+from nodegraph.state import State
 from nodegraph.store import files
 from nodegraph.store.codec import Packed, Packer, Unreadable, Unstorable, digest_of
 from nodegraph.store.files import Blobs
@@ -107,7 +108,7 @@ class Entry(BaseModel):
     def _check_outputs(self) -> Entry:
         if not len(self.outputs) == len(self.digests) == len(self.faithful):
             raise ValueError("each output has a digest, and is faithful or not")
-        if self.outputs and self.state != "done":
+        if self.outputs and self.state != State.DONE:
             raise ValueError("what was refused has no output")
         return self
 
@@ -168,7 +169,7 @@ def read_entry(content: bytes, key: str, outputs: int | None = None) -> Entry | 
         return None
     if entry.key != key:
         return None
-    if outputs is not None and entry.state == "done" and len(entry.outputs) != outputs:
+    if outputs is not None and entry.state == State.DONE and len(entry.outputs) != outputs:
         return None
     entry._length = len(content)
     return entry

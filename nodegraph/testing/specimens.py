@@ -8,11 +8,12 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Absent, Across, Port
 from nodegraph.plugin.registry import Registry
+from nodegraph.state import State
 
 Inputs = Mapping[str, Any]
 _AXIS = "method"
 _LABELS = ("one", "other")
-_ABSENT = Absent({_AXIS: "third"}, "refused", "needs one complete frame")
+_ABSENT = Absent({_AXIS: "third"}, State.REFUSED.value, "needs one complete frame")
 
 
 def ports_without_specimens(node: Node, inputs: Inputs, registry: Registry) -> tuple[Port, ...]:

@@ -58,7 +58,7 @@ SKETCHES = Storage(Sketch, lambda word: word.text, stand_in, faithful=False)
 
 
 def word_of(name: str, *parts: object, kind: type[Word] = Word) -> Word:
-    """Return a word that tells all its parts apart, and now and then none at all."""
+    """Return a word that depends on all its parts, or sometimes raise an error."""
     digest = hashlib.sha256(repr((name, parts)).encode()).digest()
     if digest[0] < 20 and parts:
         raise Refusal(f"{name} does not take {digest[0]}")
@@ -146,15 +146,15 @@ class Study:
         self,
         how: HowToRun,
         say: Callable[[str], None] = pytest.fail,
-        hear: Iterable[Callable[[Event], None]] = (),
+        listeners: Iterable[Callable[[Event], None]] = (),
     ) -> tuple[Run, list[int]]:
         """Run with the store; return the indices of the steps that were called, too."""
         steps, events = self.plan(), list[Event]()
         store = open_store(self.registry, self.folder, say)
         keep = [name for name in steps.graph.nodes if self.chance.random() < 0.3]
         self.kept = {index for name in keep for index in steps.cells[name].values()}
-        listeners = [events.append, *hear]
-        run = execute(steps, how=how, store=store, keep=keep, listeners=listeners)
+        every = [events.append, *listeners]
+        run = execute(steps, how=how, store=store, keep=keep, listeners=every)
         last = [event.detail for event in events if event.kind == "progress"][-1:]
         assert all(detail["left"] == 0 for detail in last)
         return run, [event.step for event in events if event.kind == "started"]
@@ -328,13 +328,13 @@ def test_a_run_continues_where_it_was_interrupted(study: Study, how: HowToRun) -
     events: list[Event] = []
     most = study.chance.randrange(4 * len(alone.outcomes))
 
-    def hear(event: Event) -> None:
+    def count(event: Event) -> None:
         events.append(event)
         if len(events) == most:
             raise KeyboardInterrupt
 
     with suppress(KeyboardInterrupt):
-        study.run(how, hear=[hear])
+        study.run(how, listeners=[count])
     finished = {event.step for event in events if event.kind in ("done", "refused")}
     run, called = study.run(how)
     same(run, alone)

@@ -74,14 +74,14 @@ def study(folder: Path) -> Run:
     graph = build(read_graph_text(GRAPH, "killed.yaml", folder), registry, Choices())
     steps = plan(graph)
 
-    def hear(event: Event) -> None:
+    def note_end(event: Event) -> None:
         if event.kind == "done":
             note("done", event.step)
         elif event.kind == "started":
             note("step", event.step)
 
-    store = open_store(registry, folder, lambda text: note("said", text))
-    return execute(steps, how=HowToRun("serial"), store=store, keep=["total"], listeners=[hear])
+    store = open_store(registry, folder, lambda text: note("reported", text))
+    return execute(steps, how=HowToRun("serial"), store=store, keep=["total"], listeners=[note_end])
 
 
 def wait_for_more(log: Path, child: int) -> None:
@@ -141,7 +141,7 @@ def main(folder: Path) -> None:
                 "done before the last run": before,
                 "computed then": resumed.counts()["done"],
                 "twice": computed_twice(log),
-                "said": [line for line in whole.splitlines() if line.startswith("said")],
+                "reported": [line for line in whole.splitlines() if line.startswith("reported")],
                 "same": all(same) and resumed["total"].value == undisturbed["total"].value,
             }
         )

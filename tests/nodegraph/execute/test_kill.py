@@ -27,5 +27,5 @@ def test_fifty_kills_cost_nothing_that_was_finished(tmp_path: Path) -> None:
     assert 0 < report["done before the last run"] < 421
     assert report["computed then"] > 0
     assert report["twice"] == []
-    assert report["said"] == []
+    assert report["reported"] == []
     assert report["same"]

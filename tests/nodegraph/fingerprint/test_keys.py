@@ -25,11 +25,11 @@ TEXT = "nodes: {a: {use: read.file, with: {path: one.txt}}, b: {use: fill.hold, 
 def write(path: Path, content: str) -> Callable[[Event], None]:
     """Return a listener that writes a file when the first step starts."""
 
-    def hear(event: Event) -> None:
+    def listen(event: Event) -> None:
         if event.kind == "started" and event.node == "a":
             path.write_text(content)
 
-    return hear
+    return listen
 
 
 def test_nothing_is_stored_of_a_file_that_changed_while_it_was_read(
