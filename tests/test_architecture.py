@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+
+import networkx as nx
 
 import nodegraph
 from nodegraph import executors
@@ -47,6 +52,9 @@ WORDS_OF_THE_FIELD = {
     "trajectories", "mocap", "blendshape", "blendshapes", "landmark", "landmarks", "skeleton",
     "neutral", "procrustes",
 }  # fmt: skip
+HEAVY = {"distributed", "matplotlib", "numba", "pandas", "scipy"}
+"""Libraries that nodes import when they are called, so that commands start fast."""
+
 NAMES_OF_PLUGGY = {"HookspecMarker", "HookimplMarker"}
 
 
@@ -122,6 +130,30 @@ def test_a_module_with_kernels_takes_nothing_from_other_modules_of_its_package()
     assert "stepwise_kernel.py" in {path.name for path in with_kernels}
     for path in with_kernels:
         assert not [module for module, _ in imports(path) if module.startswith("nodegraph_")], path
+
+
+def test_no_modules_of_the_machine_import_each_other_in_a_circle() -> None:
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    for here, path in MACHINE.items():
+        if path.name == "__init__.py":
+            continue  # a front only hands on names of its modules
+        for module, name in imports(path):
+            target = f"{module}.{name}" if f"{module}.{name}" in MACHINE else module
+            if target in MACHINE and target != here:
+                graph.add_edge(here, target)
+    circles = [sorted(group) for group in nx.strongly_connected_components(graph) if len(group) > 1]
+    assert not circles
+
+
+def test_installed_plugins_import_no_heavy_library() -> None:
+    code = (
+        "import sys; from nodegraph.plugin.registry import Registry; Registry.installed();"
+        f"print(*sorted({HEAVY} & set(sys.modules)))"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", code]
+    result = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert result.stdout.split() == []
 
 
 def test_the_machine_has_no_word_of_motion_capture() -> None:

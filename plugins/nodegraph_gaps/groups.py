@@ -11,7 +11,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_gaps.places import Event
+    Event = tuple[int, NDArray[np.intp]]
+    """First frame, markers."""
 
 DIRECTIONS = 8
 """Directions drawn for `region`: enough that hardly two events of a take share one."""

@@ -9,11 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_gaps.groups import AnyMarkers, Groups
+    from nodegraph_gaps.groups import AnyMarkers, Event, Groups
     from nodegraph_mocap import Trajectories
-
-    Event = tuple[int, NDArray[np.intp]]
-    """First frame, markers."""
 
 
 def free_places(recording: Trajectories, length: int, *, at_end: bool) -> NDArray[np.bool_]:
