@@ -241,11 +241,6 @@ def test_no_other_file_is_taken_for_a_part_of_the_store(
         (("lock", "forged.yaml"), 0, "computed again"),
         (("diff", "first", "other"), 1, "no longer stored"),
         (("export", "first", "a", "--at", "number=0", "--out", "a.csv"), 2, "not in the store"),
-        (
-            ("export", "first", "a.take", "--at", "number=0", "--out", "a.csv"),
-            2,
-            "not in the store",
-        ),
     ],
     ids=lambda given: " ".join(given) if isinstance(given, tuple) else "",
 )
@@ -269,7 +264,7 @@ def test_every_command_reads_forged_entries(
 
 
 def test_what_is_changed_by_chance_is_never_kept_as_a_result(tmp_path: Path) -> None:
-    study, chance = Study(tmp_path, 250), Random(7)
+    study, chance = Study(tmp_path, 120), Random(7)
     for path in study.entries("toy.sum").values():
         path.unlink()
     for path in study.entries("toy.both").values():
@@ -278,7 +273,7 @@ def test_what_is_changed_by_chance_is_never_kept_as_a_result(tmp_path: Path) -> 
         else:
             forged.forge(path, forged.any_change(chance))
     told = study.run("second").splitlines()
-    assert 100 < len(told) < 250
+    assert 50 < len(told) < 120
     assert study.results("second") == study.results("first")
 
 
