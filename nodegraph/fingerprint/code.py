@@ -89,10 +89,10 @@ class Code:
     def __init__(
         self, followed: Iterable[str], remembered: Mapping[str, Any] | None = None
     ) -> None:
-        kept = remembered if isinstance(remembered, Mapping) else {}
-        ours = kept.get("format") == _FORMAT and kept.get("python") == _PYTHON
-        self._sources = Sources(kept.get("files") if ours else None)
-        self._distributions = Distributions(kept.get("distributions") if ours else None)
+        known = remembered if isinstance(remembered, Mapping) else {}
+        ours = known.get("format") == _FORMAT and known.get("python") == _PYTHON
+        self._sources = Sources(known.get("files") if ours else None)
+        self._distributions = Distributions(known.get("distributions") if ours else None)
         self._places = Places(followed, self._distributions)
         self._links = Links(self._places, self._sources)
         self._known: dict[int, tuple[object, Reached]] = {}
@@ -117,11 +117,11 @@ class Code:
 
     def _find(self, function: Callable[..., Any]) -> Reached:
         live = Live(self._links, self._places)
-        found, versioned, troubles, modules = self._gather(live.look_at(function))
+        digests_by_unit, versioned, troubles, modules = self._gather(live.look_at(function))
         troubles |= set(edited_since(modules, function))
         for label, digests in live.units.items():
-            found[label] |= digests
-        units = {label: _one(digests) for label, digests in sorted(found.items())}
+            digests_by_unit[label] |= digests
+        units = {label: _one(digests) for label, digests in sorted(digests_by_unit.items())}
         versions = {"python": _PYTHON}
         for top in sorted(versioned):
             versions.update(self._places.origin(top).versions)
@@ -134,19 +134,19 @@ class Code:
 
     def _gather(self, reach: Reach) -> _Gathered:
         """Return digests by label, modules whose version counts, troubles, and modules read."""
-        found: defaultdict[str, set[str]] = defaultdict(set)
+        digests: defaultdict[str, set[str]] = defaultdict(set)
         versioned, troubles = set(reach.versioned), set()
         seen = set(reach.spots)
         waiting = list(seen)
         while waiting:
             unit = self._links.unit(waiting.pop())
-            found[unit.label].add(unit.digest)
+            digests[unit.label].add(unit.digest)
             versioned |= unit.reach.versioned
             troubles |= {unit.trouble} - {""}
             new = unit.reach.spots - seen
             seen |= new
             waiting.extend(new)
-        return found, versioned, troubles, {spot.module for spot in seen}
+        return digests, versioned, troubles, {spot.module for spot in seen}
 
 
 @contextmanager

@@ -91,7 +91,7 @@ class Describer:
         return self._instance(value)
 
     def _mapping(self, value: Mapping[Any, Any]) -> tuple[object, ...]:
-        return tuple((self.of(key), self.of(one)) for key, one in value.items())
+        return tuple((self.of(key), self.of(item)) for key, item in value.items())
 
     def _array(self, value: Any) -> object:
         if value.dtype.hasobject:
@@ -111,7 +111,9 @@ class Describer:
         if isinstance(value, tuple) and hasattr(value, "_fields"):
             return self.of(type(value)), self.all(tuple(value))
         if is_dataclass(value) and not isinstance(value, type):
-            return self.of(type(value)), self.all(getattr(value, one.name) for one in fields(value))
+            return self.of(type(value)), self.all(
+                getattr(value, field.name) for field in fields(value)
+            )
         return self._code(value)
 
 
@@ -150,7 +152,9 @@ def bare_members(kind: type) -> dict[str, Any]:
         if name not in _BOOKKEEPING and not name.startswith("__dataclass")
         if not isinstance(member, _SLOTS) and not _is_made(kind, name, member)
     }
-    annotations = {name: str(one) for name, one in getattr(kind, "__annotations__", {}).items()}
+    annotations = {
+        name: str(annotation) for name, annotation in getattr(kind, "__annotations__", {}).items()
+    }
     return members | {"annotations": annotations, "fields": _fields(kind)}
 
 
@@ -162,10 +166,19 @@ def _fields(kind: Any) -> list[Any]:
     return [parameters, *map(_field, dataclasses.fields(kind))]
 
 
-def _field(one: dataclasses.Field[Any]) -> tuple[Any, ...]:
-    default = () if one.default is dataclasses.MISSING else (one.default,)
-    factory = () if one.default_factory is dataclasses.MISSING else (one.default_factory,)
-    return one.name, one.init, one.repr, one.hash, one.compare, one.kw_only, default, factory
+def _field(field: dataclasses.Field[Any]) -> tuple[Any, ...]:
+    default = () if field.default is dataclasses.MISSING else (field.default,)
+    factory = () if field.default_factory is dataclasses.MISSING else (field.default_factory,)
+    return (
+        field.name,
+        field.init,
+        field.repr,
+        field.hash,
+        field.compare,
+        field.kw_only,
+        default,
+        factory,
+    )
 
 
 def _bare(member: Any) -> Any:
@@ -179,8 +192,8 @@ def _bare(member: Any) -> Any:
 def _is_made(kind: type, name: str, member: Any) -> bool:
     if hasattr(kind, "_fields") and issubclass(kind, tuple):
         return name in _MADE_BY_NAMEDTUPLE
-    made = isinstance(member, FunctionType) and member.__code__.co_filename in _NOWHERE
-    return made and name in _MADE_BY_DATACLASS and dataclasses.is_dataclass(kind)
+    generated = isinstance(member, FunctionType) and member.__code__.co_filename in _NOWHERE
+    return generated and name in _MADE_BY_DATACLASS and dataclasses.is_dataclass(kind)
 
 
 def made_with(function: FunctionType) -> Iterator[tuple[str, Any]]:
@@ -291,7 +304,7 @@ class Live:
             return (
                 "function",
                 _label(value),
-                [(name, self._describer.of(one)) for name, one in held],
+                [(name, self._describer.of(value)) for name, value in held],
             )
         if self._is_named(value):
             return "named", value.__module__, _name(value)
@@ -440,10 +453,10 @@ def _module_name(function: FunctionType) -> str:
 
 def _look_up(names: Any, qualified: str) -> Any:
     name, *attributes = qualified.split(".")
-    found = names.get(name)
+    value = names.get(name)
     for attribute in attributes:
-        found = getattr(found, attribute, None)
-    return found
+        value = getattr(value, attribute, None)
+    return value
 
 
 class Cell(NamedTuple):
@@ -492,5 +505,5 @@ def _constant(value: object) -> object:
 
 
 def _names(code: CodeType) -> set[str]:
-    inner = (one for one in code.co_consts if isinstance(one, CodeType))
+    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
     return set(code.co_names).union(*map(_names, inner))

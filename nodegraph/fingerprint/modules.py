@@ -49,11 +49,15 @@ class Distributions:
         if known and all(_is_there(owner, folder) for owner in known):
             return known
         named = metadata.distributions(name=top, path=[folder])
-        found = [_owner(one) for one in named if _has(_files(one), top, ("/__init__.", "."))]
-        if not found:
-            found = [owner for owner, files in self._in(folder) if _has(files, top, "/.")]
-        self._known[top] = found
-        return found
+        owners = [
+            _owner(distribution)
+            for distribution in named
+            if _has(_files(distribution), top, ("/__init__.", "."))
+        ]
+        if not owners:
+            owners = [owner for owner, files in self._in(folder) if _has(files, top, "/.")]
+        self._known[top] = owners
+        return owners
 
     def version(self, name: str) -> str:
         """Return the version of the distribution of that name; empty when there is none."""
@@ -65,19 +69,22 @@ class Distributions:
     def remembered(self) -> dict[str, list[list[str]]]:
         """Return what was found, for a later process."""
         return {
-            top: [[one.name, one.version] for one in owners] for top, owners in self._known.items()
+            top: [[owner.name, owner.version] for owner in owners]
+            for top, owners in self._known.items()
         }
 
     def _in(self, folder: str) -> list[tuple[Owner, str]]:
         if folder not in self._files:
             every = metadata.distributions(path=[folder])
-            self._files[folder] = [(_owner(one), _files(one)) for one in every]
+            self._files[folder] = [
+                (_owner(distribution), _files(distribution)) for distribution in every
+            ]
         return self._files[folder]
 
 
 def _is_there(owner: Owner, folder: str) -> bool:
-    found = metadata.distributions(name=owner.name, path=[folder])
-    return any(_owner(one) == owner for one in found)
+    distributions = metadata.distributions(name=owner.name, path=[folder])
+    return any(_owner(distribution) == owner for distribution in distributions)
 
 
 def _has(files: str, top: str, ends: Iterable[str]) -> bool:
@@ -203,12 +210,12 @@ class Places:
     @cached_property
     def _with_plugins(self) -> frozenset[Owner]:
         """The distributions that brought what is followed, with whatever else they brought."""
-        found: set[Owner] = set()
+        owners: set[Owner] = set()
         for top in self._followed:
             place = self.place(top)
             folder = _installed_in(place.file) if place else ""
-            found.update(self._distributions.owners(top, folder) if folder else ())
-        return frozenset(found)
+            owners.update(self._distributions.owners(top, folder) if folder else ())
+        return frozenset(owners)
 
 
 def _of_module(module: Any) -> Place | None:
@@ -253,10 +260,10 @@ def _pythons_folders() -> tuple[str, ...]:
         os.path.join(sys.base_prefix, "DLLs"),
         os.path.dirname(os.__file__),
     )
-    return tuple(os.path.join(one, "") for one in own)
+    return tuple(os.path.join(folder, "") for folder in own)
 
 
 def _installed_in(where: str) -> str:
     """Return the folder for installed packages that holds a file; empty when none does."""
     path = Path(where)
-    return next((str(one) for one in (path, *path.parents) if one.name in _INSTALLED), "")
+    return next((str(folder) for folder in (path, *path.parents) if folder.name in _INSTALLED), "")

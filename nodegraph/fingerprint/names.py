@@ -103,8 +103,8 @@ def absolute(here: Module | None, target: str) -> str:
     if here is None:
         return ""
     above = here.name.split(".")
-    kept = len(above) - dots + here.package
-    return ".".join([*above[:kept], *([name] if name else [])]) if kept > 0 else ""
+    count = len(above) - dots + here.package
+    return ".".join([*above[:count], *([name] if name else [])]) if count > 0 else ""
 
 
 _LATE = "__getattr__"
@@ -157,7 +157,7 @@ class Search:
             self._versioned |= self._links.versioned([where])
             return
         self._spots |= self._links.entered(module)
-        self._stack.extend((module, one) for one in ([name] if name else _all_names(module)))
+        self._stack.extend((module, each) for each in ([name] if name else _all_names(module)))
         if not name:
             for star in module.summary.stars:
                 self._import(module, star, "")
@@ -169,14 +169,14 @@ class Search:
             return
         self._spots |= meaning.own
         self._versioned |= meaning.versioned
-        self._stack += [(one, _joined(taken, attributes)) for one, taken in meaning.imported]
+        self._stack += [(place, _joined(taken, attributes)) for place, taken in meaning.imported]
 
     def _look_further(self, module: Module, name: str, attributes: str) -> None:
         full = _joined(name, attributes)
         for star in module.summary.stars:
             self._import(module, star, full)
         if name in WHOLE_MODULE:
-            self._stack.extend((module, one) for one in _all_names(module))
+            self._stack.extend((module, each) for each in _all_names(module))
         elif not hasattr(builtins, name):
             if module.package and self._places.place(f"{module.name}.{name}"):
                 self._stack.append((f"{module.name}.{name}", attributes))
@@ -285,7 +285,9 @@ class Links:
         full = [(absolute(module, inside), taken) for inside, _, taken in targets]
         return Meaning(
             frozenset({Spot(module, name)} if name in summary.names else ()),
-            tuple(one for one in full if one[0] and self._places.origin(one[0]).followed),
+            tuple(
+                target for target in full if target[0] and self._places.origin(target[0]).followed
+            ),
             self.versioned(inside for inside, _ in full if inside),
         )
 

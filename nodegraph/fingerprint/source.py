@@ -98,7 +98,7 @@ def from_plain(plain: Any) -> Summary:
     TypeError, ValueError, KeyError
         If it is none.
     """
-    parts = tuple(_part(*one) for one in plain["parts"])
+    parts = tuple(_part(*part) for part in plain["parts"])
     return Summary(
         parts=parts,
         names={name: _numbers(some, len(parts)) for name, some in plain["names"].items()},
@@ -142,37 +142,37 @@ def syntax_digest(tree: ast.AST, marks: Marks) -> str:
     tokens: list[object] = []
     stack: list[Any] = [tree]
     while stack:
-        found = stack.pop()
-        kind = type(found)
+        node = stack.pop()
+        kind = type(node)
         if kind is list:
-            kept = [one for one in found if not is_idle(one)]
-            tokens.append(len(kept))
-            stack += kept
+            parts = [child for child in node if not is_idle(child)]
+            tokens.append(len(parts))
+            stack += parts
         elif kind in _LEAVES:
-            tokens.append(found)
+            tokens.append(node)
         else:
-            fields = found.__dict__
+            fields = node.__dict__
             tokens.append(kind.__name__)
             if kind in FUNCTIONS and fields["decorator_list"]:
-                fields = fields | {"decorator_list": decorators(found, marks)}
+                fields = fields | {"decorator_list": decorators(node, marks)}
             stack += map(fields.get, kind._fields)
     return short_digest(tokens)
 
 
 def children(tree: ast.AST) -> list[ast.AST]:
     """Return the nodes directly below one, in any order, three times as fast as `ast` does."""
-    found = []
+    nodes = []
     for value in tree.__dict__.values():
         if type(value) is list:
-            found += [one for one in value if isinstance(one, ast.AST)]
+            nodes += [item for item in value if isinstance(item, ast.AST)]
         elif isinstance(value, ast.AST) and not isinstance(value, ast.expr_context):
-            found.append(value)
-    return found
+            nodes.append(value)
+    return nodes
 
 
 def decorators(definition: ast.AST, marks: Marks) -> list[ast.expr]:
     """Return the decorators of a function or class, but for those that make it a node."""
-    return [one for one in definition.decorator_list if not is_mark(one, marks)]  # type: ignore[attr-defined]
+    return [decorator for decorator in definition.decorator_list if not is_mark(decorator, marks)]  # type: ignore[attr-defined]
 
 
 def is_mark(decorator: ast.expr, marks: Marks) -> bool:
@@ -229,55 +229,57 @@ class Bindings:
 
 def bindings(block: Iterable[ast.AST]) -> Bindings:
     """Return what statements bind, without what functions and classes in them bind inside."""
-    found = Bindings()
+    bound = Bindings()
     outer: set[str] = set()
     stack = list(block)
     while stack:
-        one = stack.pop()
-        kind = type(one)
+        node = stack.pop()
+        kind = type(node)
         if kind in _BINDING:
-            _bind(one, found)
-            if isinstance(one, ast.Nonlocal):
-                outer.update(one.names)
+            _bind(node, bound)
+            if isinstance(node, ast.Nonlocal):
+                outer.update(node.names)
         if kind not in _CLOSED:
-            stack += _inside_comprehension(one) if kind in COMPREHENSIONS else children(one)
-    found.names -= outer | found.elsewhere
-    return found
+            stack += _inside_comprehension(node) if kind in COMPREHENSIONS else children(node)
+    bound.names -= outer | bound.elsewhere
+    return bound
 
 
 def import_targets(statement: ast.Import | ast.ImportFrom) -> list[tuple[str, str]]:
     """Return each name that an import binds, with what it stands for."""
     if isinstance(statement, ast.ImportFrom):
         module = "." * statement.level + (statement.module or "")
-        return [(one.asname or one.name, f"{module}:{one.name}") for one in statement.names]
+        return [(alias.asname or alias.name, f"{module}:{alias.name}") for alias in statement.names]
     return [
-        (one.asname, f"{one.name}:") if one.asname else (_top(one.name), f"{_top(one.name)}:")
-        for one in statement.names
+        (alias.asname, f"{alias.name}:")
+        if alias.asname
+        else (_top(alias.name), f"{_top(alias.name)}:")
+        for alias in statement.names
     ]
 
 
-def _bind(one: ast.AST, found: Bindings) -> None:
-    if isinstance(one, ast.Name):
-        if not isinstance(one.ctx, ast.Load):
-            found.names.add(one.id)
-    elif isinstance(one, DEFINITIONS):
-        found.names.add(one.name)
-    elif isinstance(one, (ast.Import, ast.ImportFrom)):
-        for name, target in import_targets(one):
-            found.names.add(name)
-            found.imports.setdefault(name, []).append(target)
-    elif isinstance(one, ast.Global):
-        found.elsewhere.update(one.names)
-    elif isinstance(one, (ast.ExceptHandler, ast.MatchAs, ast.MatchStar)) and one.name:
-        found.names.add(one.name)
-    elif isinstance(one, ast.MatchMapping) and one.rest:
-        found.names.add(one.rest)
+def _bind(node: ast.AST, bound: Bindings) -> None:
+    if isinstance(node, ast.Name):
+        if not isinstance(node.ctx, ast.Load):
+            bound.names.add(node.id)
+    elif isinstance(node, DEFINITIONS):
+        bound.names.add(node.name)
+    elif isinstance(node, (ast.Import, ast.ImportFrom)):
+        for name, target in import_targets(node):
+            bound.names.add(name)
+            bound.imports.setdefault(name, []).append(target)
+    elif isinstance(node, ast.Global):
+        bound.elsewhere.update(node.names)
+    elif isinstance(node, (ast.ExceptHandler, ast.MatchAs, ast.MatchStar)) and node.name:
+        bound.names.add(node.name)
+    elif isinstance(node, ast.MatchMapping) and node.rest:
+        bound.names.add(node.rest)
 
 
-def _inside_comprehension(one: Any) -> list[ast.AST]:
+def _inside_comprehension(comprehension: Any) -> list[ast.AST]:
     """Return what may bind around a comprehension: its targets are its own, unlike those of :=."""
-    loops = [part for loop in one.generators for part in (loop.iter, *loop.ifs)]
-    return loops + [part for part in children(one) if type(part) is not ast.comprehension]
+    loops = [part for loop in comprehension.generators for part in (loop.iter, *loop.ifs)]
+    return loops + [part for part in children(comprehension) if type(part) is not ast.comprehension]
 
 
 def _top(module: str) -> str:
@@ -320,52 +322,52 @@ class _Reader:
                 self._found.update(scope.bound.imports[name])
         return tuple(sorted(self._found))
 
-    def _visit(self, one: Any, scope: _Scope | None) -> None:
-        kind = type(one)
+    def _visit(self, node: Any, scope: _Scope | None) -> None:
+        kind = type(node)
         if kind is ast.Constant:
             return
         if kind is ast.Name:
-            self._name(one, scope)
+            self._name(node, scope)
         elif kind is ast.Attribute:
-            self._attribute(one, scope)
+            self._attribute(node, scope)
         elif kind in FUNCTIONS:
-            self._function(one, scope)
+            self._function(node, scope)
         elif kind is ast.Lambda:
-            self._push(_defaults(one.args), scope)
-            self._push([one.body], self._inner(scope, one.args, [one.body]))
+            self._push(_defaults(node.args), scope)
+            self._push([node.body], self._inner(scope, node.args, [node.body]))
         elif kind is ast.ClassDef:
-            self._class(one, scope)
+            self._class(node, scope)
         elif kind in COMPREHENSIONS:
-            self._comprehension(one, scope)
+            self._comprehension(node, scope)
         else:
-            self._plainly(one, scope)
+            self._plainly(node, scope)
 
-    def _plainly(self, one: Any, scope: _Scope | None) -> None:
+    def _plainly(self, node: Any, scope: _Scope | None) -> None:
         """Read what opens no scope."""
-        if isinstance(one, (ast.Import, ast.ImportFrom)):
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
             if scope is not None and scope.is_class:
-                self._found.update(target for _, target in import_targets(one))
+                self._found.update(target for _, target in import_targets(node))
             return
-        if isinstance(one, ast.AnnAssign):
-            self._push(_quoted(one.annotation), scope)
-        elif isinstance(one, ast.Call):
-            self._found.update(_named_modules(one))
-        self._push(children(one), scope)
+        if isinstance(node, ast.AnnAssign):
+            self._push(_quoted(node.annotation), scope)
+        elif isinstance(node, ast.Call):
+            self._found.update(_named_modules(node))
+        self._push(children(node), scope)
 
     def _push(self, some: Iterable[ast.AST], scope: _Scope | None) -> None:
-        self._stack += [(one, scope) for one in some]
+        self._stack += [(node, scope) for node in some]
 
-    def _name(self, one: ast.Name, scope: _Scope | None) -> None:
-        binds = isinstance(one.ctx, ast.Store) and (scope is None or scope.is_class)
+    def _name(self, name: ast.Name, scope: _Scope | None) -> None:
+        binds = isinstance(name.ctx, ast.Store) and (scope is None or scope.is_class)
         if not binds:
-            self._refer(one.id, "", scope)
+            self._refer(name.id, "", scope)
 
-    def _attribute(self, one: ast.Attribute, scope: _Scope | None) -> None:
-        root, _, attributes = dotted(one).partition(".")
+    def _attribute(self, attribute: ast.Attribute, scope: _Scope | None) -> None:
+        root, _, attributes = dotted(attribute).partition(".")
         if root:
             self._refer(root, attributes, scope)
         else:
-            self._push([one.value], scope)
+            self._push([attribute.value], scope)
 
     def _refer(self, name: str, attributes: str, scope: _Scope | None) -> None:
         while scope is not None and name not in scope.bound.elsewhere:
@@ -377,46 +379,51 @@ class _Reader:
             scope = scope.outer
         self._found.add(f"{name}.{attributes}" if attributes else name)
 
-    def _function(self, one: ast.FunctionDef | ast.AsyncFunctionDef, scope: _Scope | None) -> None:
-        self._push([*decorators(one, self._marks), *_defaults(one.args)], scope)
-        for argument in _arguments(one.args):
+    def _function(
+        self, function: ast.FunctionDef | ast.AsyncFunctionDef, scope: _Scope | None
+    ) -> None:
+        self._push([*decorators(function, self._marks), *_defaults(function.args)], scope)
+        for argument in _arguments(function.args):
             if argument.annotation:
                 self._annotation(argument.annotation, scope)
-        if one.returns:
-            self._annotation(one.returns, scope)
-        parameters = getattr(one, "type_params", [])
+        if function.returns:
+            self._annotation(function.returns, scope)
+        parameters = getattr(function, "type_params", [])
         self._push(parameters, scope)
-        inner = self._inner(scope, one.args, one.body)
+        inner = self._inner(scope, function.args, function.body)
         inner.bound.names.update(parameter.name for parameter in parameters)
-        self._push(one.body, inner)
+        self._push(function.body, inner)
 
-    def _class(self, one: ast.ClassDef, scope: _Scope | None) -> None:
-        parameters = getattr(one, "type_params", [])
-        self._push([*one.decorator_list, *one.bases, *one.keywords, *parameters], scope)
-        self._push(one.body, _Scope(scope, Bindings(), is_class=True))
+    def _class(self, definition: ast.ClassDef, scope: _Scope | None) -> None:
+        parameters = getattr(definition, "type_params", [])
+        self._push(
+            [*definition.decorator_list, *definition.bases, *definition.keywords, *parameters],
+            scope,
+        )
+        self._push(definition.body, _Scope(scope, Bindings(), is_class=True))
 
     def _inner(
         self, scope: _Scope | None, arguments: ast.arguments, body: Iterable[ast.AST]
     ) -> _Scope:
         bound = bindings(body)
         bound.names.update(argument.arg for argument in _arguments(arguments))
-        made = _Scope(scope, bound)
-        self._scopes.append(made)
-        return made
+        inner = _Scope(scope, bound)
+        self._scopes.append(inner)
+        return inner
 
     def _comprehension(
         self,
-        one: ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp,
+        comprehension: ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp,
         scope: _Scope | None,
     ) -> None:
-        targets = bindings([loop.target for loop in one.generators])
+        targets = bindings([loop.target for loop in comprehension.generators])
         inner = _Scope(scope, targets)
         # Python evaluates the first iterable outside
-        self._push([one.generators[0].iter], scope)
-        for loop in one.generators:
+        self._push([comprehension.generators[0].iter], scope)
+        for loop in comprehension.generators:
             self._push([loop.target, *loop.ifs], inner)
-        self._push([loop.iter for loop in one.generators[1:]], inner)
-        parts = [part for part in children(one) if type(part) is not ast.comprehension]
+        self._push([loop.iter for loop in comprehension.generators[1:]], inner)
+        parts = [part for part in children(comprehension) if type(part) is not ast.comprehension]
         self._push(parts, inner)
 
     def _annotation(self, annotation: ast.expr, scope: _Scope | None) -> None:
@@ -431,18 +438,18 @@ def _joined(target: str, attributes: str) -> str:
 
 def _arguments(arguments: ast.arguments) -> Iterator[ast.arg]:
     yield from (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)
-    yield from (one for one in (arguments.vararg, arguments.kwarg) if one)
+    yield from (argument for argument in (arguments.vararg, arguments.kwarg) if argument)
 
 
 def _defaults(arguments: ast.arguments) -> list[ast.expr]:
-    return [*arguments.defaults, *(one for one in arguments.kw_defaults if one)]
+    return [*arguments.defaults, *(default for default in arguments.kw_defaults if default)]
 
 
-def _named_modules(one: ast.Call) -> Iterator[str]:
+def _named_modules(call: ast.Call) -> Iterator[str]:
     """Yield the module that ``import_module("a.b")`` imports."""
-    if one.args and isinstance(one.args[0], ast.Constant):
-        name = one.args[0].value
-        imports = dotted(one.func).rpartition(".")[2] in ("import_module", "__import__")
+    if call.args and isinstance(call.args[0], ast.Constant):
+        name = call.args[0].value
+        imports = dotted(call.func).rpartition(".")[2] in ("import_module", "__import__")
         if imports and isinstance(name, str) and not name.startswith("."):
             yield f"{name}:"
 
@@ -451,15 +458,15 @@ def _quoted(annotation: ast.expr) -> Iterator[ast.expr]:
     """Yield the types that an annotation holds as texts; texts that are values are left out."""
     stack: list[ast.AST] = [annotation]
     while stack:
-        one = stack.pop()
-        if isinstance(one, ast.Constant) and isinstance(one.value, str):
-            if parsed := _expression(one.value):
+        node = stack.pop()
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            if parsed := _expression(node.value):
                 yield parsed
                 stack.append(parsed)
-        elif isinstance(one, ast.Subscript):
-            stack.extend(_types_in(one))
-        elif isinstance(one, (ast.BinOp, ast.Tuple, ast.List, ast.Starred)):
-            stack.extend(ast.iter_child_nodes(one))
+        elif isinstance(node, ast.Subscript):
+            stack.extend(_types_in(node))
+        elif isinstance(node, (ast.BinOp, ast.Tuple, ast.List, ast.Starred)):
+            stack.extend(ast.iter_child_nodes(node))
 
 
 def _types_in(subscript: ast.Subscript) -> list[ast.expr]:
@@ -502,7 +509,7 @@ def summarise(source: bytes) -> Summary:
 def part_of(statement: ast.stmt, marks: Marks) -> Part:
     """Return a statement's digest, references and lines."""
     decorated = getattr(statement, "decorator_list", [])
-    first = min(one.lineno for one in (statement, *decorated))
+    first = min(each.lineno for each in (statement, *decorated))
     return Part(
         syntax_digest(statement, marks),
         references(statement, marks),
@@ -515,32 +522,32 @@ def part_of(statement: ast.stmt, marks: Marks) -> Part:
 class _Module:
     def __init__(self, tree: ast.Module) -> None:
         self._written = tree.body
-        self._body = [one for one in _flat(tree.body) if not _is_left_out(one)]
+        self._body = [statement for statement in _flat(tree.body) if not _is_left_out(statement)]
         self._parts: list[Part] = []
         self._names: dict[str, list[int]] = {}
         self._imports: dict[str, list[str]] = {}
         self._statements: list[int] = []
         self._exported = {
             text
-            for one in tree.body
-            if _is_export_list(one)
-            for part in ast.walk(one)
+            for statement in tree.body
+            if _is_export_list(statement)
+            for part in ast.walk(statement)
             if isinstance(part, ast.Constant) and isinstance(text := part.value, str)
         }
 
     def summary(self) -> Summary:
-        for one in self._body:
-            if isinstance(one, (ast.Import, ast.ImportFrom)):
-                self._import(import_targets(one))
+        for statement in self._body:
+            if isinstance(statement, (ast.Import, ast.ImportFrom)):
+                self._import(import_targets(statement))
         self._marks = frozenset(
             name + _MARKS[target]
             for name, targets in self._imports.items()
             for target in targets
             if target in _MARKS
         )
-        for one in self._body:
-            if not isinstance(one, (ast.Import, ast.ImportFrom)):
-                self._statement(one)
+        for statement in self._body:
+            if not isinstance(statement, (ast.Import, ast.ImportFrom)):
+                self._statement(statement)
         stars = self._imports.pop(STAR, [])
         return Summary(
             parts=tuple(self._parts if stars else map(self._shortened, self._parts)),
@@ -555,35 +562,37 @@ class _Module:
         for name, target in targets:
             self._imports.setdefault(name, []).append(target)
 
-    def _statement(self, one: ast.stmt) -> None:
-        bound = bindings([one])
+    def _statement(self, statement: ast.stmt) -> None:
+        bound = bindings([statement])
         number = len(self._parts)
-        self._parts.append(part_of(one, self._marks.__contains__))
+        self._parts.append(part_of(statement, self._marks.__contains__))
         for name in sorted(bound.names - {STAR, "__all__"}):
             self._names.setdefault(name, []).append(number)
         for name, targets in bound.imports.items():
             self._import((name, target) for target in targets)
-        if not bound.names or _acts(one):
+        if not bound.names or _acts(statement):
             self._statements.append(number)
 
     def _shortened(self, part: Part) -> Part:
         """Leave out builtins, and attributes of what the module makes itself."""
-        kept = []
+        shortened = []
         for reference in part.references:
             root = reference.partition(".")[0]
             if root in self._imports:
-                kept.append(reference)
+                shortened.append(reference)
             elif root in self._names:
-                kept.append(root)
+                shortened.append(root)
             elif root not in _BUILTINS:
-                kept.append(reference)
-        return part._replace(references=tuple(dict.fromkeys(kept)))
+                shortened.append(reference)
+        return part._replace(references=tuple(dict.fromkeys(shortened)))
 
     def _registered(self) -> Iterator[str]:
         """Yield functions that a decorator of this module may enter in a table of this module."""
-        for one in self._body:
-            if isinstance(one, DEFINITIONS) and any(map(self._registers, one.decorator_list)):
-                yield one.name
+        for statement in self._body:
+            if isinstance(statement, DEFINITIONS) and any(
+                map(self._registers, statement.decorator_list)
+            ):
+                yield statement.name
 
     def _registers(self, decorator: ast.expr) -> bool:
         function = decorator.func if isinstance(decorator, ast.Call) else decorator
@@ -599,14 +608,16 @@ class _Module:
 
     def _imported_for_effect(self) -> Iterator[str]:
         """Yield modules that are imported and never named: they are there for what they do."""
-        named = {one.partition(".")[0] for part in self._parts for one in part.references}
+        named = {
+            reference.partition(".")[0] for part in self._parts for reference in part.references
+        }
         named |= self._exported | self._named_aside()
-        for one in self._written:
-            if isinstance(one, ast.Import):
-                bound = [name for name, _ in import_targets(one)]
+        for statement in self._written:
+            if isinstance(statement, ast.Import):
+                bound = [name for name, _ in import_targets(statement)]
                 yield from (
                     f"{alias.name}:"
-                    for alias, name in zip(one.names, bound, strict=True)
+                    for alias, name in zip(statement.names, bound, strict=True)
                     if name not in named
                 )
 
@@ -614,55 +625,63 @@ class _Module:
         """Return names in what decides nothing: node decorators and what is left out."""
         marks = self._marks.__contains__
         aside: list[ast.AST] = [
-            one.test if isinstance(one, ast.If) and _imports_for_types(one) else one
-            for one in self._written
-            if _is_left_out(one) or (isinstance(one, ast.If) and _imports_for_types(one))
+            each.test if isinstance(each, ast.If) and _imports_for_types(each) else each
+            for each in self._written
+            if _is_left_out(each) or (isinstance(each, ast.If) and _imports_for_types(each))
         ]
-        for one in self._body:
-            if isinstance(one, DEFINITIONS):
-                aside += [part for part in one.decorator_list if is_mark(part, marks)]
-        return {part.id for one in aside for part in ast.walk(one) if isinstance(part, ast.Name)}
+        for statement in self._body:
+            if isinstance(statement, DEFINITIONS):
+                aside += [part for part in statement.decorator_list if is_mark(part, marks)]
+        return {part.id for each in aside for part in ast.walk(each) if isinstance(part, ast.Name)}
 
 
 def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
     """Yield a module's statements; imports for a type checker stand beside the others."""
-    for one in body:
-        if isinstance(one, ast.If) and _imports_for_types(one):
-            yield from one.body
+    for statement in body:
+        if isinstance(statement, ast.If) and _imports_for_types(statement):
+            yield from statement.body
         else:
-            yield one
+            yield statement
 
 
-def _imports_for_types(one: ast.If) -> bool:
-    only = all(isinstance(inner, (ast.Import, ast.ImportFrom)) for inner in one.body)
-    return only and not one.orelse and dotted(one.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+def _imports_for_types(statement: ast.If) -> bool:
+    only = all(isinstance(inner, (ast.Import, ast.ImportFrom)) for inner in statement.body)
+    return (
+        only
+        and not statement.orelse
+        and dotted(statement.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+    )
 
 
-def _is_left_out(one: ast.stmt) -> bool:
+def _is_left_out(statement: ast.stmt) -> bool:
     """Whether a statement decides nothing for who imports the module."""
-    future = isinstance(one, ast.ImportFrom) and one.module == "__future__"
-    return future or is_idle(one) or _is_export_list(one) or _is_for_scripts(one)
+    future = isinstance(statement, ast.ImportFrom) and statement.module == "__future__"
+    return future or is_idle(statement) or _is_export_list(statement) or _is_for_scripts(statement)
 
 
-def _is_export_list(one: ast.stmt) -> bool:
-    if isinstance(one, ast.Expr) and isinstance(one.value, ast.Call):
-        return dotted(one.value.func).startswith("__all__.")
-    targets = one.targets if isinstance(one, ast.Assign) else [getattr(one, "target", None)]
-    return isinstance(one, _CHANGES) and all(
+def _is_export_list(statement: ast.stmt) -> bool:
+    if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
+        return dotted(statement.value.func).startswith("__all__.")
+    targets = (
+        statement.targets
+        if isinstance(statement, ast.Assign)
+        else [getattr(statement, "target", None)]
+    )
+    return isinstance(statement, _CHANGES) and all(
         isinstance(target, ast.Name) and target.id == "__all__" for target in targets
     )
 
 
-def _is_for_scripts(one: ast.stmt) -> bool:
+def _is_for_scripts(statement: ast.stmt) -> bool:
     """Whether a statement is ``if __name__ == "__main__"``."""
-    if not isinstance(one, ast.If) or one.orelse:
+    if not isinstance(statement, ast.If) or statement.orelse:
         return False
-    return ast.unparse(one.test) == "__name__ == '__main__'"
+    return ast.unparse(statement.test) == "__name__ == '__main__'"
 
 
-def _acts(one: ast.stmt) -> bool:
+def _acts(statement: ast.stmt) -> bool:
     """Whether a statement does more than to bind names, such as a call in a loop."""
-    stack: list[ast.AST] = [one]
+    stack: list[ast.AST] = [statement]
     while stack:
         inner = stack.pop()
         if isinstance(inner, ast.Delete) or (isinstance(inner, ast.Expr) and not is_idle(inner)):
@@ -714,7 +733,7 @@ class Sources:
             known = _still_true(self._known.get(file), state)
             if known is not None:
                 return known
-            made = _read(Path(file))
+            summary = _read(Path(file))
         except OSError as error:
             self._known.pop(file, None)
             return Summary(trouble=f"its file cannot be read: {error.strerror or error}")
@@ -728,9 +747,9 @@ class Sources:
             "size": state.st_size,
             "mtime_ns": state.st_mtime_ns,
             "read_ns": now,
-            "summary": to_plain(made),
+            "summary": to_plain(summary),
         }
-        return made
+        return summary
 
 
 def is_source(file: str) -> bool:

@@ -66,8 +66,8 @@ def framed(rendered: Rendered) -> str:
 
     A notebook shows a cell again and again in one page, where the names of two scripts would meet.
     """
-    styles = "".join(f"<style>{one}</style>" for one in rendered.styles)
-    scripts = "".join(f"<script>{one}</script>" for one in rendered.scripts)
+    styles = "".join(f"<style>{text}</style>" for text in rendered.styles)
+    scripts = "".join(f"<script>{text}</script>" for text in rendered.scripts)
     return f"<!DOCTYPE html><meta charset=utf-8>{_FONT}{styles}{rendered.html}{scripts}"
 
 

@@ -51,7 +51,7 @@ class Unstorable(NodegraphError):
         super().__init__(kind, why)
 
     def __str__(self) -> str:
-        where = "".join(f" inside {one}" for one in self.inside)
+        where = "".join(f" inside {place}" for place in self.inside)
         return f"a value of type {self.kind}{where} cannot be kept: {self.why}"
 
 
@@ -367,18 +367,18 @@ def contents(value: Any, names: tuple[str, ...]) -> list[Any]:
     Unstorable
         If a field has no value, or the value has more than its fields.
     """
-    found = [getattr(value, name, _UNSET) for name in names]
-    if any(one is _UNSET for one in found):
+    values = [getattr(value, name, _UNSET) for name in names]
+    if any(value_ is _UNSET for value_ in values):
         raise Unstorable(type(value).__name__, "a field of it has no value")
     more = set(getattr(value, "__dict__", ())).difference(names)
     # what it has computed from its fields, it can compute again
-    kept = {name for name in more if not isinstance(_attribute(value, name), cached_property)}
-    if kept:
-        raise Unstorable(type(value).__name__, f"{', '.join(sorted(kept))}: not among its fields")
-    return found
+    extra = {name for name in more if not isinstance(_attribute(value, name), cached_property)}
+    if extra:
+        raise Unstorable(type(value).__name__, f"{', '.join(sorted(extra))}: not among its fields")
+    return values
 
 
-def with_contents(kind: type[Value], given: Mapping[str, Any]) -> Value:
+def with_contents(kind: type[Value], fields: Mapping[str, Any]) -> Value:
     """Return a value with these fields as they are: none is computed anew.
 
     They are checked by the class's own `__post_init__`, which is called with another value of the
@@ -389,15 +389,15 @@ def with_contents(kind: type[Value], given: Mapping[str, Any]) -> Value:
     Unreadable
         If the class has other fields now, or makes fields of other types of these.
     """
-    if field_names(kind) != tuple(given):
+    if field_names(kind) != tuple(fields):
         raise Unreadable(f"{kind.__name__} has other fields than when it was kept")
     check: Callable[[Value], None] = getattr(kind, "__post_init__", _no_check)
     if check is not _no_check:
-        trial = _with_fields(kind, given)
+        trial = _with_fields(kind, fields)
         check(trial)
-        for name, value in given.items():
+        for name, value in fields.items():
             _check_type(f"{kind.__name__}.{name}", value, getattr(trial, name))
-    return _with_fields(kind, given)
+    return _with_fields(kind, fields)
 
 
 def field_names(kind: type) -> tuple[str, ...]:
@@ -409,9 +409,9 @@ def _no_check(value: Value) -> None:
     pass
 
 
-def _with_fields(kind: type[Value], given: Mapping[str, Any]) -> Value:
+def _with_fields(kind: type[Value], fields: Mapping[str, Any]) -> Value:
     value = object.__new__(kind)
-    for name, field in given.items():
+    for name, field in fields.items():
         object.__setattr__(value, name, field)
     return value
 
@@ -431,10 +431,10 @@ def _attribute(value: Any, name: str) -> Any:
 
 def _found(module: Any, qualified: str) -> Any:
     """Return what a module holds under a dotted name, without asking it to import anything."""
-    found = module
+    target = module
     for part in qualified.split("."):
-        found = getattr(found, "__dict__", {}).get(part)
-    return found
+        target = getattr(target, "__dict__", {}).get(part)
+    return target
 
 
 _PATH = type(Path())
@@ -606,7 +606,7 @@ def restorers(
     storages: Iterable[Storage], packages: Callable[[str], bool]
 ) -> Mapping[str, Restorer]:
     """Return what puts each kind of list together, by its first word."""
-    by_name = {storage_name(one): one for one in reversed(tuple(storages))}
+    by_name = {storage_name(storage): storage for storage in reversed(tuple(storages))}
     return {
         **_RESTORED,
         **NUMPYS,
@@ -655,7 +655,7 @@ def _list(value: list[Any], apart: Apart) -> Any:
 
 
 def _dict(value: dict[Any, Any], apart: Apart) -> Any:
-    return ["dict", *apart.all((one for item in value.items() for one in item), "dict")]
+    return ["dict", *apart.all((part for item in value.items() for part in item), "dict")]
 
 
 def _own_contents(value: Any, names: tuple[str, ...]) -> list[Any]:
@@ -729,8 +729,8 @@ def _restored(by_name: Mapping[str, Storage], together: Together, name: str, pla
 def _restored_value(
     packages: Callable[[str], bool], together: Together, name: str, names: list[str], *plain: Any
 ) -> Value:
-    given = dict(zip(names, together.all(plain), strict=True))
-    return with_contents(class_named(name, packages), given)
+    fields = dict(zip(names, together.all(plain), strict=True))
+    return with_contents(class_named(name, packages), fields)
 
 
 BASIC: dict[type, Way] = {
@@ -896,7 +896,7 @@ class Packer:
         return value if lender is None else lender(value)
 
     def _storage_of(self, kind: type) -> Storage | None:
-        return next((one for one in self._storages if issubclass(kind, one.type)), None)
+        return next((storage for storage in self._storages if issubclass(kind, storage.type)), None)
 
     def _lender_of(self, kind: type) -> Callable[[Any], Any] | None:
         storage = self._storage[kind]
@@ -913,5 +913,5 @@ class _ByType(dict[type, T]):
         self._find = find
 
     def __missing__(self, kind: type) -> T:
-        found = self[kind] = self._find(kind)
-        return found
+        way = self[kind] = self._find(kind)
+        return way

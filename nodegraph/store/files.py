@@ -111,18 +111,18 @@ def unseal(content: bytes) -> bytes | None:
 
 def folders_in(folder: str) -> list[os.DirEntry[str]]:
     """Return the folders that lie in one; none if it is not there."""
-    return [one for one in _inside(folder) if one.is_dir(follow_symlinks=False)]
+    return [item for item in _inside(folder) if item.is_dir(follow_symlinks=False)]
 
 
 def files_in(folder: str) -> list[os.DirEntry[str]]:
     """Return the files that lie in one folder; none if it is not there."""
-    return [one for one in _inside(folder) if one.is_file(follow_symlinks=False)]
+    return [item for item in _inside(folder) if item.is_file(follow_symlinks=False)]
 
 
 def _inside(folder: str) -> list[os.DirEntry[str]]:
     try:
-        with os.scandir(folder) as found:
-            return list(found)
+        with os.scandir(folder) as items:
+            return list(items)
     except (FileNotFoundError, NotADirectoryError):
         return []
 
@@ -162,16 +162,16 @@ class Blobs:
         """
         path = self.path(name)
         try:
-            found = read_checked(path, size, name)
+            content = read_checked(path, size, name)
         except OSError as error:
             raise Unreadable(f"{path}: {error.strerror}") from error
-        if found is None:
+        if content is None:
             with suppress(OSError):
                 # what is whole, and of another size than an entry says, is of use to others
                 if not is_whole(path, name):
                     os.unlink(path)
             raise Unreadable(f"{path} is not what was written")
-        return found
+        return content
 
     def path(self, name: str) -> str:
         """Return where bytes lie."""

@@ -140,9 +140,9 @@ def entry_of(key: str, about: About, packed: Sequence[Packed], blobs: Blobs) -> 
         warnings=tuple(map(_writable, about.warnings)),
         seconds=about.seconds,
         created=time.time(),
-        digests=tuple(one.digest for one in packed),
-        faithful=tuple(one.faithful for one in packed),
-        outputs=[(_head(one.head, blobs), _buffers(one, blobs)) for one in packed],
+        digests=tuple(output.digest for output in packed),
+        faithful=tuple(output.faithful for output in packed),
+        outputs=[(_head(output.head, blobs), _buffers(output, blobs)) for output in packed],
     )
     content = files.seal(_encode(entry.model_dump()))
     entry._length = len(content)
@@ -371,10 +371,10 @@ class Store:
         """Return what `remember` kept last; nothing if that is damaged."""
         try:
             text = files.unseal(files.read(f"{self._root}/{name}.json")[0])
-            found = json.loads(text) if text is not None else {}
+            value = json.loads(text) if text is not None else {}
         except (OSError, ValueError, RecursionError):
             return {}
-        return found if isinstance(found, dict) else {}
+        return value if isinstance(value, dict) else {}
 
     def _values(self, entry: Entry) -> Iterator[Any]:
         parts = packed_parts(entry, self._blobs)
@@ -412,10 +412,10 @@ class Store:
 VARIABLE = "NODEGRAPH_STORE"
 
 
-def store_folder(given: Path | None = None) -> Path:
+def store_folder(folder: Path | None = None) -> Path:
     """Return the folder of the store: the given one, else NODEGRAPH_STORE, else the platform's."""
-    if given is not None:
-        return given
+    if folder is not None:
+        return folder
     if named := os.environ.get(VARIABLE):
         return Path(named).expanduser()
     from platformdirs import user_cache_path

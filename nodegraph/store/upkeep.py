@@ -64,10 +64,10 @@ class Upkeep:
 
     def entries(self) -> Iterator[Kept]:
         """Yield every entry that is whole."""
-        for found in self._entry_files():
-            kept = _kept(found.path)
-            if kept is not None:
-                yield kept
+        for item in self._entry_files():
+            entry = _kept(item.path)
+            if entry is not None:
+                yield entry
 
     def size(self) -> Amount:
         """Return how much there is."""
@@ -80,7 +80,9 @@ class Upkeep:
 
     def other_formats(self) -> list[str]:
         """Return names of folders of other versions of this program, which are left alone."""
-        return sorted(one.name for one in self.folder.glob("format-*") if one.name != files.FORMAT)
+        return sorted(
+            path.name for path in self.folder.glob("format-*") if path.name != files.FORMAT
+        )
 
     def prune(self, older_than: float | None = None, keep: int | None = None) -> Amount:
         """Remove entries, the longest unused first, then arrays that no entry needs.
@@ -96,13 +98,17 @@ class Upkeep:
             Entries go until all that is needed has at most so many bytes.
         """
         now = time.time()
-        there = sorted(self.entries(), key=lambda one: one.used)
-        aged = [one for one in there if older_than is not None and now - one.used > older_than]
+        there = sorted(self.entries(), key=lambda entry: entry.used)
+        aged = [
+            entry for entry in there if older_than is not None and now - entry.used > older_than
+        ]
         left = there[len(aged) :]
         more = _too_many(left, self._blob_sizes(), keep) if keep is not None else []
-        removed = sum((_removed(one.path, Amount(1, 0, one.length)) for one in aged + more), _NONE)
-        needed = {name for one in left[len(more) :] for name in one.entry.blobs()}
-        removed += self._without_damaged({one.path for one in there}, now)
+        removed = sum(
+            (_removed(entry.path, Amount(1, 0, entry.length)) for entry in aged + more), _NONE
+        )
+        needed = {name for entry in left[len(more) :] for name in entry.entry.blobs()}
+        removed += self._without_damaged({entry.path for entry in there}, now)
         return removed + self._without_unneeded(needed, now) + self._without_unfinished(now)
 
     def clear(self) -> Amount:
@@ -112,23 +118,23 @@ class Upkeep:
             removed += _removed(entry.path, Amount(1, 0, _size(entry)))
         for blob in self._blob_files():
             removed += _removed(blob.path, Amount(0, 1, _size(blob)))
-        for one in files.files_in(self._root):
-            if one.name.endswith(_ENTRY):  # what was remembered
-                removed += _removed(one.path, Amount(0, 0, _size(one)))
+        for item in files.files_in(self._root):
+            if item.name.endswith(_ENTRY):  # what was remembered
+                removed += _removed(item.path, Amount(0, 0, _size(item)))
         return removed + self._without_unfinished(float("inf"))
 
     def _entry_files(self) -> Iterator[os.DirEntry[str]]:
-        return (one for one in self._all(self._entries) if one.name.endswith(_ENTRY))
+        return (item for item in self._all(self._entries) if item.name.endswith(_ENTRY))
 
     def _blob_files(self) -> Iterator[os.DirEntry[str]]:
-        found = self._all(self._blobs)
-        return (one for one in found if not one.name.endswith(files.UNFINISHED))
+        items = self._all(self._blobs)
+        return (item for item in items if not item.name.endswith(files.UNFINISHED))
 
     def _blob_sizes(self) -> dict[str, int]:
         return {_name(blob): _size(blob) for blob in self._blob_files()}
 
     def _all(self, folder: str) -> Iterator[os.DirEntry[str]]:
-        return (one for inner in files.folders_in(folder) for one in files.files_in(inner.path))
+        return (item for inner in files.folders_in(folder) for item in files.files_in(inner.path))
 
     def _without_damaged(self, whole: Set[str], now: float) -> Amount:
         removed = _NONE
@@ -146,11 +152,11 @@ class Upkeep:
 
     def _without_unfinished(self, now: float) -> Amount:
         """Remove what a program that was killed has left half written."""
-        found = [*self._all(self._entries), *self._all(self._blobs), *files.files_in(self._root)]
+        items = [*self._all(self._entries), *self._all(self._blobs), *files.files_in(self._root)]
         removed = _NONE
-        for one in found:
-            if one.name.endswith(files.UNFINISHED) and now - _changed(one) > _HOUR:
-                removed += _removed(one.path, Amount(0, 0, _size(one)))
+        for item in items:
+            if item.name.endswith(files.UNFINISHED) and now - _changed(item) > _HOUR:
+                removed += _removed(item.path, Amount(0, 0, _size(item)))
         return removed
 
 
@@ -166,16 +172,16 @@ def _kept(path: str) -> Kept | None:
 
 def _too_many(there: Sequence[Kept], sizes: Mapping[str, int], keep: int) -> list[Kept]:
     """Return which entries go, the first ones first, for the rest to have so few bytes."""
-    readers = Counter(name for one in there for name in one.entry.blobs())
-    total = sum(one.length for one in there) + sum(sizes.get(name, 0) for name in readers)
+    readers = Counter(name for entry in there for name in entry.entry.blobs())
+    total = sum(entry.length for entry in there) + sum(sizes.get(name, 0) for name in readers)
     gone: list[Kept] = []
-    for one in there:
+    for entry in there:
         if total <= keep:
             break
-        gone.append(one)
-        readers.subtract(one.entry.blobs().keys())
-        freed = sum(sizes.get(name, 0) for name in one.entry.blobs() if not readers[name])
-        total -= one.length + freed
+        gone.append(entry)
+        readers.subtract(entry.entry.blobs().keys())
+        freed = sum(sizes.get(name, 0) for name in entry.entry.blobs() if not readers[name])
+        total -= entry.length + freed
     return gone
 
 
@@ -191,16 +197,16 @@ def _name(blob: os.DirEntry[str]) -> str:
     return os.path.basename(os.path.dirname(blob.path)) + blob.name
 
 
-def _size(found: os.DirEntry[str]) -> int:
+def _size(item: os.DirEntry[str]) -> int:
     try:
-        return found.stat(follow_symlinks=False).st_size
+        return item.stat(follow_symlinks=False).st_size
     except FileNotFoundError:
         return 0
 
 
-def _changed(found: os.DirEntry[str]) -> float:
+def _changed(item: os.DirEntry[str]) -> float:
     try:
         # not what the folder said of it when it was listed: it may be in use again since
-        return os.stat(found.path, follow_symlinks=False).st_mtime
+        return os.stat(item.path, follow_symlinks=False).st_mtime
     except FileNotFoundError:
         return 0.0
