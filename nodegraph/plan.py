@@ -130,7 +130,7 @@ class Plan:
 
         Examples
         --------
-        >>> networkx.ancestors(plan.network, step.index)  # doctest: +SKIP
+        >>> networkx.ancestors(plan.network, step.index)  # what a step is computed from
         """
         import networkx as nx
 

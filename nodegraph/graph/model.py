@@ -230,9 +230,9 @@ class Graph:
     registry : Registry
         Where its nodes, and the way in which values are shown, come from.
     network : networkx.MultiDiGraph
-        Nodes and wires, frozen. Each node comes after those that feed it, and has its `GraphNode`
-        as the attribute ``record``. An edge leads from a node to a reader of it, one per
-        reference, and has its `Wire` as the attribute ``record``.
+        Nodes and wires, frozen. Nodes come in an order in which each follows those that feed it;
+        the attribute ``record`` of a node is its `GraphNode`. An edge leads from a node to a
+        reader of it, one per reference; its attribute ``record`` is its `Wire`.
     axes : mapping of name to Axis
     inputs : mapping of name to value
         As in the file or as chosen.
@@ -243,12 +243,11 @@ class Graph:
 
     Examples
     --------
-    >>> graph = nodegraph.load("graphs/fill.yaml")  # doctest: +SKIP
-    >>> networkx.ancestors(graph.network, "error")  # doctest: +SKIP
-    {'capture', 'gaps', 'fill'}
-    >>> for source, target, wire in graph.network.in_edges("fill", data="record"):
-    ...     print(f"{source}.{wire.output} -> {target}.{wire.port}, {wire.reference.place}")
-    gaps.gappy -> fill.recording, fill.yaml:12:9
+    >>> graph = nodegraph.load("graphs/fill.yaml")
+    >>> networkx.ancestors(graph.network, "fill")
+    {'capture', 'gaps'}
+    >>> [(wire.output, wire.port) for *_, wire in graph.network.in_edges("error", data="record")]
+    [('output', 'estimate'), ('truth', 'truth'), ('hidden', 'hidden')]
     """
 
     spec: GraphSpec

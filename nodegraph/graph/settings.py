@@ -68,11 +68,14 @@ class SettingsReader:
 
     def read(self, where: str, method: ResolvedMethod, node: Node) -> Settings:
         """Return the settings of a method, without values; `where` names it in messages."""
-        if method.settings or any(setting.required for setting in node.settings.values()):
+        if method.settings:
             return self._read(where, method, node)
-        if node not in self._defaults:
-            self._defaults[node] = self._read(where, method, node)
-        return self._defaults[node]
+        settings = self._defaults.get(node)
+        if settings is None:
+            settings = self._read(where, method, node)
+            if not any(setting.required for setting in node.settings.values()):
+                self._defaults[node] = settings
+        return settings
 
     def fill(self, *, in_full: bool) -> None:
         """Validate the settings that were read, at every combination or at the first one."""
