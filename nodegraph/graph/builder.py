@@ -15,7 +15,7 @@ from nodegraph.graph.methods import (
     deprecations,
     resolve_methods,
 )
-from nodegraph.graph.model import Choices, Graph, GraphNode, LeftOut, Method
+from nodegraph.graph.model import Choices, Graph, GraphNode, LeftOut, Method, method_name
 from nodegraph.graph.namespace import Namespace
 from nodegraph.graph.settings import SettingsReader
 from nodegraph.graph.wiring import WireChecker, sorted_names, typed_network
@@ -140,7 +140,7 @@ class Builder:
         )
 
     def _method(self, spec: NodeSpec, method: ResolvedMethod) -> Method | None:
-        where = f"{spec.name} ({method.label})" if method.label else spec.name
+        where = method_name(spec.name, method.label)
         if method.registered is None:
             self._namespace.use(method.settings.values())
             for source in method.references():
@@ -164,7 +164,7 @@ class Builder:
         """Record axes that the node would see under the same name."""
         names = [node.local_name(axis) for axis in node.gathered]
         for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-            message = f"{node.name}: gathers two axes that are called {name!r} in there"
+            message = f"{node.name}: gathers two axes with the inner name {name!r}"
             self._problems.add(node.place, message, f"rename one of the axes {name!r}")
         for method in node.methods.values():
             for gather in method.gathers:

@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
 
 from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest
+from nodegraph.graph.model import method_name
 from nodegraph.graph.pass_through import pass_beside, public_inputs
 from nodegraph.graphfile.spec import (
     Gathering,
@@ -259,7 +260,7 @@ def _deprecated_in_method(name: str, method: ResolvedMethod) -> Iterator[Problem
     if method.registered is None:
         return
     node = method.registered.node
-    where = f"{name} ({method.label})" if method.label else name
+    where = method_name(name, method.label)
     if node.deprecated:
         yield Problem(method.place, f"{where}: {node.name} is deprecated", node.deprecated)
     for setting, written in method.settings.items():

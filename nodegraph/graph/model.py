@@ -151,6 +151,11 @@ class Method:
         return tuple(feed for feed in self.inputs.values() if isinstance(feed, Gather))
 
 
+def method_name(node: str, label: str) -> str:
+    """Return the name of a method in messages: ``fill (muscle)``; without a label, the node's."""
+    return f"{node} ({label})" if label else node
+
+
 @dataclass(frozen=True)
 class GraphNode:
     """One node of the graph.

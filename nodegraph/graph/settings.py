@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError, Problems, nearest
 from nodegraph.graph.methods import ResolvedMethod
-from nodegraph.graph.model import Gather, Graph, GraphNode, Method, Settings, sources_of
+from nodegraph.graph.model import (
+    Gather,
+    Graph,
+    GraphNode,
+    Method,
+    Settings,
+    method_name,
+    sources_of,
+)
 from nodegraph.graph.namespace import Namespace
 from nodegraph.graphfile.spec import Variable, Written
 from nodegraph.node.decorator import Node
@@ -276,8 +284,7 @@ class _NameCheck:
                     self._add_problem("label", name, nearest(name, labels, what="labels"))
 
     def _add_problem(self, kind: str, name: str, hint: str) -> None:
-        label = self.method.label
-        where = f"{self.node.name} ({label})" if label else self.node.name
+        where = method_name(self.node.name, self.method.label)
         place = self.method.places.get(self.setting, self.method.place)
         message = f"{where}: {self.setting}: port {self.port!r} has no {kind} {name!r}"
         self.problems.add(place, message, hint)

@@ -11,7 +11,7 @@ import networkx as nx
 
 from nodegraph.errors import Problems, nearest
 from nodegraph.graph.methods import shared_and_own
-from nodegraph.graph.model import Gather, Graph, sources_of
+from nodegraph.graph.model import Gather, Graph, method_name, sources_of
 from nodegraph.graph.pass_through import PassThrough, graph_stand_in
 from nodegraph.graph.settings import common_columns
 from nodegraph.graphfile.spec import (
@@ -183,8 +183,7 @@ class Use:
     @property
     def where(self) -> str:
         """The node and label for messages."""
-        label = self.method.label
-        return f"{self.node.name} ({label})" if label else self.node.name
+        return method_name(self.node.name, self.method.label)
 
     @property
     def prefix(self) -> str:
@@ -230,8 +229,8 @@ class _UseCheck:
     def run(self) -> None:
         place = self._use.method.place
         if not self._graph.spec.outputs:
-            message = f"{self._use.where}: {self._name} has no 'outputs': nothing comes out of it"
-            self.problems.add(place, message, "write there: outputs: {name: node}")
+            message = f"{self._use.where}: {self._name} has no 'outputs'"
+            self.problems.add(place, message, "write in that file: outputs: {name: node}")
         for name, feed in self._use.wiring.items():
             self._check_port(name, feed)
         for name, port in self._graph.inputs.items():
@@ -243,7 +242,7 @@ class _UseCheck:
         if self._graph.is_valid:
             self._check_fields()
             if expands_too_far(self._graph.spec, self._use.settings):
-                message = f"with these settings, those inside {self._name} become endless"
+                message = f"with these values, the settings inside {self._name} grow without bound"
                 instead = "each of several graphs puts its input into a list or mapping again"
                 self._add(self._use.method, message, instead)
 

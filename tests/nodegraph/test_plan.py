@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import networkx as nx
+
 from nodegraph.graph import Graph
 from nodegraph.plan import Gathered, Output, Plan
 from nodegraph.plan import plan as make_plan
@@ -45,6 +47,17 @@ def test_every_combination_has_one_step(graph_of: Callable[..., Graph]) -> None:
 def test_a_step_comes_after_what_it_needs(graph_of: Callable[..., Graph]) -> None:
     for step in make_plan(graph_of(TEXT)).steps:
         assert all(needed < step.index for needed in step.needed)
+
+
+def test_the_network_of_steps_has_what_each_step_needs(graph_of: Callable[..., Graph]) -> None:
+    plan = make_plan(graph_of(TEXT))
+    error = plan.steps[plan.cells["error"][2, 15, "scale"]]
+    steps = [plan.steps[index] for index in sorted(nx.ancestors(plan.network, error.index))]
+    assert [step.name for step in steps] == [
+        "capture",
+        "gaps(trial=2, length=15)",
+        "fill(trial=2, length=15, fill=scale)",
+    ]
 
 
 def test_a_branch_is_finished_before_the_next_begins(graph_of: Callable[..., Graph]) -> None:

@@ -272,7 +272,8 @@ def test_two_axes_of_the_same_inner_name_are_an_error(
         outputs: {table: table}
         """,
     )
-    assert message.startswith("study.table: gathers two axes that are called 'fill' in there")
+    assert message.startswith("study.table: ")
+    assert "'fill'" in message
 
 
 def test_references_keep_the_axes_that_they_fix(files: Files, run_of: Callable[..., Run]) -> None:
@@ -620,4 +621,4 @@ def test_settings_that_double_are_an_error(messages_of: Callable[..., list[str]]
         return 0.0
 
     (message,) = messages_of("nodes: {g: {use: g0.yaml}}", more=(anything,), **texts)
-    assert "become endless" in message
+    assert "grow without bound" in message

@@ -181,7 +181,7 @@ def test_a_port_cannot_be_declared_as_known(messages_of: MessagesOf) -> None:
 def test_a_graph_without_outputs_is_reported_where_it_is_used(messages_of: MessagesOf) -> None:
     text = "nodes: {a: {use: @@clean.yaml}, b: {use: @@clean.yaml}}"
     messages = messages_of(text, clean="nodes: {a: {use: read.number}}")
-    assert messages[0].startswith("a: clean.yaml has no 'outputs': nothing comes out of it")
+    assert messages[0].startswith("a: clean.yaml has no 'outputs'")
 
 
 @pytest.mark.parametrize(
