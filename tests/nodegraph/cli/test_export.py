@@ -119,4 +119,4 @@ def test_what_was_refused_or_failed_has_no_value(command: Command) -> None:
 def test_a_folder_without_a_run_is_an_error(command: Command) -> None:
     status, _, err = command("export", ".", "a", "--out", "a.txt")
     assert status == 2
-    assert "run.json: there is no finished run; run the graph" in err
+    assert "run.json: there is no finished run" in err

@@ -1,11 +1,11 @@
-"""What feeds a combination tells whether a difference begins with it."""
+"""A difference begins where nothing upstream differs, or where the step itself changed."""
 
 from __future__ import annotations
 
 from nodegraph.runs.diff import Spread
 
 
-def test_a_difference_begins_where_nothing_above_differs_and_where_a_step_is_another() -> None:
+def test_a_difference_begins_where_nothing_upstream_differs_and_where_a_step_changed() -> None:
     spread: Spread[str] = Spread()
     spread.add("first", "a", 0, (), changed=False)
     spread.add("fed by it", "b", 1, (0,), changed=False)
