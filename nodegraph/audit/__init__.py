@@ -1,1 +1,1 @@
-"""Whether nodes give one answer, whatever the circumstances."""
+"""Audits: whether each step of a run gives the same result when it is called again."""

@@ -1,14 +1,14 @@
-"""Whether each node of a graph gives one answer: again, with more threads, in another process."""
+"""Audit steps of a run: call each again, with more threads, and in another process."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import networkx as nx
 
-from nodegraph.audit.repeat import SEVERAL, Case, Drift, Given, Repeats, drift, floor_of
+from nodegraph.audit.drift import CallResult, Drift, Grade, drift, floor_of
+from nodegraph.audit.repeat import Case, Repeats
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.call import Outcome
@@ -16,53 +16,46 @@ from nodegraph.execute.worker.client import WorkerEndedError
 from nodegraph.plan import Step
 from nodegraph.state import State
 
-Grade = Literal["identical", "close", "skipped", "refused", "failed", "mutates", "differs"]
-WORSE: tuple[Grade, ...] = get_args(Grade)
-"""From the best to the worst."""
-
-GOOD = frozenset({"identical", "close", "skipped", "refused"})
-
+_THREADS = 2
 AGAIN = "a second call"
-THREADS = f"{SEVERAL} threads"
+THREADS = f"{_THREADS} threads"
 PROCESS = "another process"
 STORED = "the stored result"
 
 
 @dataclass(frozen=True)
 class Audited:
-    """What an audit found of one step.
+    """The outcome of the audit of one step.
 
     Attributes
     ----------
     step : Step
-    grade : str
-        ``identical`` under every condition; ``close``, up to rounding; ``differs``: it has no one
-        answer; ``mutates``: it changes its inputs; or how it ended in the run, if it has no result.
-    under : tuple of str
-        The conditions under which it was not identical.
-    said : tuple of str
-        What differs, in words; why there is no result.
+    grade : Grade
+    conditions : tuple of str
+        The conditions under which the grade is this one, unless it is identical.
+    details : tuple of str
+        A sentence per difference, or why the step has no result.
     untried : tuple of (condition, str)
-        What could not be tried, and why.
+        The conditions that were not possible, and why.
     """
 
     step: Step
     grade: Grade
-    under: tuple[str, ...] = ()
-    said: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    details: tuple[str, ...] = ()
     untried: tuple[tuple[str, str], ...] = ()
 
     @property
-    def is_one_of_several(self) -> bool:
-        """Whether runs may get another answer next time; each call of a run has one thread."""
-        return self.grade == "differs" and set(self.under) != {THREADS}
+    def varies(self) -> bool:
+        """Whether another run may have another result; each call of a run has one thread."""
+        return self.grade is Grade.DIFFERS and set(self.conditions) != {THREADS}
 
     @property
     def text(self) -> str:
-        """What was found, in a line."""
-        under = ", ".join(self.under)
-        said = [f"{under}: {self.said[0]}" if under else self.said[0]] if self.said else []
-        return "; ".join([*said, *(f"not in {name}: {why}" for name, why in self.untried)])
+        """The outcome in one line."""
+        conditions = ", ".join(self.conditions)
+        details = [f"{conditions}: {text}" if conditions else text for text in self.details[:1]]
+        return "; ".join([*details, *(f"not in {name}: {why}" for name, why in self.untried)])
 
 
 def cases(run: Run, *, every: bool = False) -> dict[tuple[str, str], tuple[int, ...]]:
@@ -75,24 +68,27 @@ def cases(run: Run, *, every: bool = False) -> dict[tuple[str, str], tuple[int, 
         Whether to take every combination; else the first of each method that has a result, or the
         first.
     """
-    found: dict[tuple[str, str], list[int]] = {}
+    by_method: dict[tuple[str, str], list[int]] = {}
     for name, node in run.plan.graph.nodes.items():
         for combination, index in run.plan.cells.get(name, {}).items():
             labels = dict(zip(node.axes, combination, strict=True))
             label = str(labels.get(name, "")) if node.has_alternatives else ""
-            found.setdefault((name, label), []).append(index)
+            by_method.setdefault((name, label), []).append(index)
     if every:
-        return {at: tuple(dict.fromkeys(steps)) for at, steps in found.items()}
-    return {at: (_first(run, steps),) for at, steps in found.items()}
+        return {method: tuple(dict.fromkeys(steps)) for method, steps in by_method.items()}
+    return {
+        method: (next((i for i in steps if run.outcomes[i].state.has_value), steps[0]),)
+        for method, steps in by_method.items()
+    }
 
 
 def audit(run: Run, steps: Iterable[int]) -> Iterator[Audited]:
-    """Repeat steps of a finished run, and yield what each was found to be, in their order.
+    """Repeat steps of a finished run, and yield the outcome for each, in the order of the plan.
 
-    Each is called twice here with one thread for numerical libraries, once with two, and once in
-    another process, always with the same inputs; and its stored result is compared, if what feeds
-    it gives one answer. What has several answers is written down in the store: later runs do not
-    store its results, and say so.
+    Each is called twice in this process with one thread for numerical libraries, once with two,
+    and once in another process, always with the same inputs. Its stored result is compared as
+    well, unless it depends on a step whose result varies. The store records the steps whose
+    results vary: later runs do not store those results, and warn of them.
 
     Parameters
     ----------
@@ -101,103 +97,95 @@ def audit(run: Run, steps: Iterable[int]) -> Iterator[Audited]:
     steps
         Their indices.
     """
-    wavering: set[int] = set()
+    differing: set[int] = set()
     with Repeats(run) as repeats:
         for index in sorted(set(steps)):
             step = run.plan.steps[index]
             upstream = nx.ancestors(run.plan.network, index)
-            found = _audited(run, step, repeats, fed_anew=bool(wavering & upstream))
-            if found.grade == "differs":
-                wavering.add(index)
-            if found.is_one_of_several and run.cache is not None:
-                run.cache.distrust(step, ", ".join(found.under))
-            yield found
+            audited = _audit(run, step, repeats, compare_stored=differing.isdisjoint(upstream))
+            if audited.grade is Grade.DIFFERS:
+                differing.add(index)
+            if audited.varies and run.cache is not None:
+                run.cache.distrust(step, ", ".join(audited.conditions))
+            yield audited
 
 
-def _first(run: Run, steps: list[int]) -> int:
-    return next((index for index in steps if _has_result(run.outcomes[index])), steps[0])
-
-
-def _has_result(outcome: Outcome) -> bool:
-    return outcome.state.has_value
-
-
-def _audited(run: Run, step: Step, repeats: Repeats, *, fed_anew: bool) -> Audited:
-    ended = run.outcomes[step.index]
-    if not _has_result(ended):
-        state: Grade = ended.state  # type: ignore[assignment]
-        return Audited(step, state, said=(ended.reason,))
+def _audit(run: Run, step: Step, repeats: Repeats, *, compare_stored: bool) -> Audited:
+    outcome = run.outcomes[step.index]
+    if not outcome.state.has_value:
+        return Audited(step, Grade(outcome.state), details=(outcome.reason,))
     try:
         case = repeats.case(step.index)
     except NodegraphError as error:
-        return Audited(step, "failed", said=(str(error),))
+        return Audited(step, Grade.FAILED, details=(str(error),))
     try:
-        elsewhere = repeats.elsewhere(case)
-    except WorkerEndedError as ended:  # here it would end this program
-        return Audited(step, "differs", (PROCESS,), (f"the process {ended}",))
-    return _Trial(run, step, repeats, case).audited(elsewhere, compare_stored=not fed_anew)
+        # first, because a call that ends its process would end this one
+        in_process = repeats.call_in_process(case)
+    except WorkerEndedError as ended:
+        return Audited(step, Grade.DIFFERS, (PROCESS,), (f"the process {ended}",))
+    trial = _Trial(run, step, repeats, case)
+    return trial.audited(in_process, compare_stored=compare_stored)
 
 
 class _Trial:
     """One step, repeated under each condition."""
 
     def __init__(self, run: Run, step: Step, repeats: Repeats, case: Case) -> None:
-        self._run = run
         self._step = step
         self._repeats = repeats
         self._case = case
-        self._ports = [port.name for port in step.method.node.outputs]
         self._floor = floor_of(case.call.inputs, run.packer)
+        self._comparisons = run.plan.graph.registry.hooks.comparisons
         self._drifts: dict[str, Drift] = {}
-        self._untried: list[tuple[str, str]] = []
-        self._changed = ""
-        self._first = self._here()
-        # once: a drawing is another each time that its figure is drawn again
-        self._gave = repeats.given(self._first)
+        self._modified = ""
+        self._first = self._call()
+        # packed only once, because a figure differs each time that it is drawn
+        self._result = repeats.result(self._first)
 
-    def audited(self, elsewhere: Outcome | str, *, compare_stored: bool) -> Audited:
-        """Repeat the step here, and return what became of it under each condition."""
-        self._compare(AGAIN, self._here())
-        self._compare(THREADS, self._here(SEVERAL))
-        if isinstance(elsewhere, str):
-            self._untried.append((PROCESS, elsewhere))
+    def audited(self, in_process: Outcome | str, *, compare_stored: bool) -> Audited:
+        """Repeat the step in this process, and grade the results under all conditions."""
+        untried: tuple[tuple[str, str], ...] = ()
+        self._compare(AGAIN, self._call())
+        self._compare(THREADS, self._call(_THREADS))
+        if isinstance(in_process, str):
+            untried = ((PROCESS, in_process),)
         else:
-            self._compare(PROCESS, elsewhere)
+            self._compare(PROCESS, in_process)
+        stored = self._repeats.stored_result(self._step.index) if compare_stored else None
         if self._first.state is not State.DONE:
-            said = f"it was done, now it is {_ended(self._first)}"
-            self._drifts[STORED] = Drift("differs", (said,))
-        elif compare_stored and (stored := self._repeats.stored(self._step.index)) is not None:
+            text = f"it was done, now it is {_ending(self._first)}"
+            self._drifts[STORED] = Drift(Grade.DIFFERS, (text,))
+        elif stored is not None:
             self._drifts[STORED] = self._drift(stored)
-        return self._graded()
+        grade = max((drift.grade for drift in self._drifts.values()), key=lambda grade: grade.rank)
+        if self._modified and grade is not Grade.DIFFERS:
+            text = f"modifies its input {self._modified}"
+            return Audited(self._step, Grade.MUTATES, (), (text,), untried)
+        if grade is Grade.IDENTICAL:
+            return Audited(self._step, grade, untried=untried)
+        worst = {name: drift for name, drift in self._drifts.items() if drift.grade is grade}
+        details = next(iter(worst.values())).differences
+        return Audited(self._step, grade, tuple(worst), details, untried)
 
-    def _here(self, threads: int = 1) -> Outcome:
-        outcome, changed = self._repeats.here(self._case, threads)
-        self._changed = self._changed or changed
+    def _call(self, threads: int = 1) -> Outcome:
+        outcome, modified = self._repeats.call_here(self._case, threads)
+        self._modified = self._modified or modified
         return outcome
 
-    def _compare(self, condition: str, other: Outcome) -> None:
+    def _compare(self, condition: str, outcome: Outcome) -> None:
         first = self._first
-        if first.state is not State.DONE or other.state is not State.DONE:
-            same = (first.state, first.reason) == (other.state, other.reason)
-            said = f"{_ended(first)} once, {_ended(other)} then"
-            self._drifts[condition] = Drift() if same else Drift("differs", (said,))
+        if first.state is State.DONE and outcome.state is State.DONE:
+            self._drifts[condition] = self._drift(self._repeats.result(outcome))
+        elif (first.state, first.reason) == (outcome.state, outcome.reason):
+            self._drifts[condition] = Drift()
         else:
-            self._drifts[condition] = self._drift(self._repeats.given(other))
+            text = f"{_ending(first)} at first, then {_ending(outcome)}"
+            self._drifts[condition] = Drift(Grade.DIFFERS, (text,))
 
-    def _drift(self, other: Given) -> Drift:
-        comparisons = self._run.plan.graph.registry.hooks.comparisons
-        return drift(self._gave, other, self._ports, comparisons, self._floor)
-
-    def _graded(self) -> Audited:
-        grades: set[Grade] = {one.grade for one in self._drifts.values()}
-        grade = max(grades, key=WORSE.index)
-        drifts = self._drifts.items() if grade != "identical" else ()
-        worst = {name: one for name, one in drifts if one.grade == grade}
-        said = next((one.said for one in worst.values()), ())
-        if self._changed and grade != "differs":
-            said, grade, worst = (f"changes its input {self._changed}",), "mutates", {}
-        return Audited(self._step, grade, tuple(worst), said, tuple(self._untried))
+    def _drift(self, result: CallResult) -> Drift:
+        ports = [port.name for port in self._step.method.node.outputs]
+        return drift(self._result, result, ports, self._comparisons, self._floor)
 
 
-def _ended(outcome: Outcome) -> str:
+def _ending(outcome: Outcome) -> str:
     return f"{outcome.state} ({outcome.reason})" if outcome.reason else outcome.state

@@ -32,7 +32,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def audit(arguments: Namespace) -> int:
     """Run a graph, repeat its steps, and print for each method whether results are the same."""
-    from nodegraph.audit.audit import GOOD, audit, cases
+    from nodegraph.audit.audit import audit, cases
     from nodegraph.cli.graphs import graph_of, run_of, store_of
 
     graph = graph_of(arguments)
@@ -45,7 +45,7 @@ def audit(arguments: Namespace) -> int:
     print(columns(list(_rows(run, by_method, audited))))
     for line in (*_notes(audited.values(), writable=store.writable), *run.not_stored()):
         print(f"\n{line}")
-    return 0 if all(result.grade in GOOD for result in audited.values()) else 1
+    return 0 if all(result.grade.passes for result in audited.values()) else 1
 
 
 def _rows(
@@ -54,14 +54,10 @@ def _rows(
     audited: Mapping[int, Audited],
 ) -> Iterator[tuple[str, ...]]:
     """Yield a row per node and method, with the worst of its steps."""
-    from nodegraph.audit.audit import WORSE
-
     yield "node", "method", "grade", "cases", "what"
     for (node, label), steps in by_method.items():
         method = run.plan.graph.nodes[node].methods[label].node.name
-        worst = max(
-            (audited[index] for index in steps), key=lambda result: WORSE.index(result.grade)
-        )
+        worst = max((audited[index] for index in steps), key=lambda result: result.grade.rank)
         count = sum(audited[index].grade == worst.grade for index in steps)
         cases = f"{count} of {len(steps)}" if count < len(steps) else str(len(steps))
         yield node, method, worst.grade, cases, worst.text
@@ -69,7 +65,7 @@ def _rows(
 
 def _notes(audited: Iterable[Audited], *, writable: bool) -> Iterator[str]:
     """Yield the consequences for later runs."""
-    several = {result.step.method.node.name for result in audited if result.is_one_of_several}
+    several = {result.step.method.node.name for result in audited if result.varies}
     names = ", ".join(sorted(several))
     if several and writable:
         yield (

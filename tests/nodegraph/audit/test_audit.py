@@ -1,4 +1,4 @@
-"""An audit tells nodes of one answer from those of several, and the store learns of these."""
+"""Steps of a run that give the same result again, and those that do not."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import itertools
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,12 +13,11 @@ from threadpoolctl import threadpool_info
 
 from nodegraph import Refusal, node
 from nodegraph.audit.audit import AGAIN, PROCESS, STORED, THREADS, Audited, audit, cases
-from nodegraph.audit.repeat import Given, drift, numeric_threads
+from nodegraph.audit.drift import Grade
 from nodegraph.execute import Run
-from nodegraph.plugin.hook_types import Storage
-from nodegraph.store import Packer
 
 RunOf = Callable[..., Run]
+AuditOf = Callable[[str], dict[str, Audited]]
 _calls = itertools.count(1)
 
 
@@ -35,9 +33,9 @@ def good(x: np.ndarray) -> np.ndarray:
 
 @node("odd.counts")
 def counts(x: np.ndarray) -> np.ndarray:
-    made = x.copy()
-    made[3] += next(_calls)
-    return made
+    result = x.copy()
+    result[3] += next(_calls)
+    return result
 
 
 @node("odd.drifts")
@@ -52,7 +50,7 @@ def process(x: np.ndarray) -> int:
 
 @node("odd.threads")
 def threads(x: np.ndarray) -> int:
-    return int(max(one["num_threads"] for one in threadpool_info()))
+    return int(max(pool["num_threads"] for pool in threadpool_info()))
 
 
 @node("odd.refuses_later")
@@ -89,31 +87,31 @@ def text_of(method: str) -> str:
     return f"""
     nodes:
       make: {{use: odd.make}}
-      made: {{use: {method}, in: make}}
+      tested: {{use: {method}, in: make}}
     """
 
 
 @pytest.fixture
-def audited(run_of: RunOf, tmp_path: Path) -> Callable[[str], dict[str, Audited]]:
-    def audit_it(text: str, **more: Any) -> dict[str, Audited]:
+def audited(run_of: RunOf, tmp_path: Path) -> AuditOf:
+    """Return a function that runs a graph and returns what its audit found, by node."""
+
+    def audit_graph(text: str) -> dict[str, Audited]:
         global _calls
         _calls = itertools.count(1)
-        run = run_of(text, more=ODD, store=tmp_path / "store", **more)
-        steps = [index for chosen in cases(run).values() for index in chosen]
-        return {one.step.node: one for one in audit(run, steps)}
+        run = run_of(text, more=ODD, store=tmp_path / "store")
+        indices = [index for steps in cases(run).values() for index in steps]
+        return {result.step.node: result for result in audit(run, indices)}
 
-    return audit_it
+    return audit_graph
 
 
-def test_a_node_of_one_answer_is_identical_everywhere(
-    audited: Callable[[str], dict[str, Audited]],
-) -> None:
-    found = audited(text_of("odd.good"))["made"]
-    assert (found.grade, found.under, found.said, found.untried) == ("identical", (), (), ())
+def test_a_deterministic_node_is_identical_under_every_condition(audited: AuditOf) -> None:
+    result = audited(text_of("odd.good"))["tested"]
+    assert result == Audited(result.step, Grade.IDENTICAL)
 
 
 @pytest.mark.parametrize(
-    ("method", "grade", "under", "doubted"),
+    ("method", "grade", "conditions", "varies"),
     [
         ("odd.drifts", "close", {AGAIN, THREADS, STORED}, False),
         ("odd.counts", "differs", {AGAIN, THREADS, STORED}, True),
@@ -122,58 +120,48 @@ def test_a_node_of_one_answer_is_identical_everywhere(
         ("odd.refuses_later", "differs", {STORED}, True),
     ],
 )
-def test_a_node_of_several_answers_is_told_with_the_conditions(
-    audited: Callable[[str], dict[str, Audited]],
-    method: str,
-    grade: str,
-    under: set[str],
-    doubted: bool,
+def test_a_result_that_varies_is_reported_with_the_conditions(
+    audited: AuditOf, method: str, grade: str, conditions: set[str], varies: bool
 ) -> None:
-    found = audited(text_of(method))["made"]
-    assert found.grade == grade
+    result = audited(text_of(method))["tested"]
+    assert result.grade == grade
     # another process counts its own calls, and may have come to the same number
-    assert set(found.under) - {PROCESS} == under - {PROCESS}
-    assert found.is_one_of_several == doubted
+    ignored = {PROCESS} if method != "odd.process" else set()
+    assert set(result.conditions) - ignored == conditions
+    assert result.varies == varies
 
 
-def test_what_differs_is_named(audited: Callable[[str], dict[str, Audited]]) -> None:
-    [said] = audited(text_of("odd.counts"))["made"].said
-    assert said.startswith("value[3]: ")
+def test_a_difference_is_located(audited: AuditOf) -> None:
+    [text] = audited(text_of("odd.counts"))["tested"].details
+    assert text.startswith("value[3]: ")
 
 
-def test_a_node_that_refuses_when_it_is_repeated_is_told(
-    audited: Callable[[str], dict[str, Audited]],
-) -> None:
-    said = audited(text_of("odd.refuses_later"))["made"].said
-    # another process counts its own calls
-    assert said in (
-        ("refused (had enough) once, done then",),
-        ("it was done, now it is refused (had enough)",),
-    )
+def test_a_node_that_refuses_when_it_is_repeated_is_reported(audited: AuditOf) -> None:
+    [text] = audited(text_of("odd.refuses_later"))["tested"].details
+    assert "done" in text
+    assert "refused (had enough)" in text
 
 
-def test_a_node_that_changes_what_it_was_lent_is_told(
-    audited: Callable[[str], dict[str, Audited]],
-) -> None:
-    found = audited("nodes: {items: {use: odd.items}, x: {use: odd.appends, in: items}}")["x"]
-    assert (found.grade, found.said) == ("mutates", ("changes its input x",))
-    assert not found.is_one_of_several
+def test_a_node_that_modifies_an_input_is_reported_with_its_name(audited: AuditOf) -> None:
+    result = audited("nodes: {items: {use: odd.items}, a: {use: odd.appends, in: items}}")["a"]
+    [text] = result.details
+    assert result.grade is Grade.MUTATES
+    assert text.endswith(" input x")
+    assert not result.varies
 
 
-def test_what_is_fed_by_a_node_of_several_answers_is_not_accused(
-    run_of: RunOf, tmp_path: Path
-) -> None:
-    text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: made}}\n"
+def test_a_step_is_not_blamed_for_inputs_that_vary(run_of: RunOf, tmp_path: Path) -> None:
+    text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: tested}}\n"
     for _ in range(2):
         run = run_of(text, more=ODD, store=tmp_path / "store")
-        grades = {one.step.node: one.grade for one in audit(run, range(len(run.plan.steps)))}
-        assert grades == {"make": "identical", "made": "differs", "after": "identical"}
+        grades = {
+            result.step.node: result.grade for result in audit(run, range(len(run.plan.steps)))
+        }
+        assert grades == {"make": "identical", "tested": "differs", "after": "identical"}
 
 
-def test_later_runs_neither_use_nor_keep_results_of_a_node_of_several_answers(
-    run_of: RunOf, tmp_path: Path
-) -> None:
-    text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: made}}\n"
+def test_later_runs_neither_load_nor_store_results_that_vary(run_of: RunOf, tmp_path: Path) -> None:
+    text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: tested}}\n"
     store = tmp_path / "store"
     first = run_of(text, more=ODD, store=store)
     assert first.cache is not None
@@ -183,21 +171,18 @@ def test_later_runs_neither_use_nor_keep_results_of_a_node_of_several_answers(
 
     later = run_of(text, more=ODD, store=store)
     assert later.cache is not None
-    [why, follows] = later.cache.not_stored
-    assert (
-        why
-        == "odd.counts: an audit found that it gives another answer in a second call, "
-        + (why.split(", ", 1)[1])
-    )
-    assert follows == "they are made of results that are not stored"
-    said = {step.node: outcome.warnings for step, outcome in later.settled()}
-    assert said["after"] == said["make"] == ()
-    assert said["made"][0].endswith("this result is one of several, and is not stored")
+    reasons = list(later.cache.not_stored)
+    assert len(reasons) == 2
+    assert reasons[0].startswith("odd.counts: ")
+    assert AGAIN in reasons[0]
+    warnings = {step.node: outcome.warnings for step, outcome in later.settled()}
+    assert warnings["after"] == warnings["make"] == ()
+    assert "not stored" in warnings["tested"][0]
     assert later.outcomes[0].stored
     assert not later.outcomes[1].stored
 
 
-def test_one_combination_of_each_method_is_taken_the_first_with_a_result(run_of: RunOf) -> None:
+def test_the_first_combination_with_a_result_represents_a_method(run_of: RunOf) -> None:
     text = """
     axes: {below: [5, 0.5, 0.25]}
     nodes:
@@ -208,61 +193,8 @@ def test_one_combination_of_each_method_is_taken_the_first_with_a_result(run_of:
     assert cases(run, every=True) == {("limit", ""): tuple(run.plan.cells["limit"].values())}
 
 
-def test_a_step_without_result_is_told_as_it_ended(
-    audited: Callable[..., dict[str, Audited]],
-) -> None:
+def test_a_step_without_a_result_has_the_grade_of_its_state(audited: AuditOf) -> None:
     text = "nodes: {a: {use: odd.limit, with: {below: 3}}, b: {use: odd.limit}}"
-    found = audited(text)
-    assert (found["a"].grade, found["a"].said) == ("refused", ("too high",))
-    assert found["b"].grade == "identical"
-
-
-def test_numbers_are_close_relative_to_what_they_are_made_of() -> None:
-    def apart(one: Any, other: Any, floor: float = 0.0) -> str:
-        first, second = (Given.of((value,), Packer()) for value in (one, other))
-        return drift(first, second, ["x"], (), floor).grade
-
-    x = np.linspace(1, 2, 30)
-    assert apart(x, x.copy()) == "identical"
-    assert apart(x, np.asfortranarray(x + 0.0)) == "identical"
-    assert apart(x, x * (1 + 1e-14)) == "close"
-    assert apart(x, x * (1 + 1e-6)) == "differs"
-    assert apart(x * 1e-18, x * 2e-18) == "differs"
-    assert apart(x * 1e-18, x * 2e-18, floor=1e-3) == "close"
-    assert apart(np.array([0.0, 1.0]), np.array([-0.0, 1.0])) == "close"
-    assert apart(np.array([np.nan, 1.0]), np.array([1.0, 1.0])) == "differs"
-    assert apart(3, 4) == "differs"
-    assert apart(x.reshape(5, 6), x.reshape(6, 5)) == "differs"
-
-
-def test_numeric_threads_hold_for_a_while() -> None:
-    def now() -> set[int]:
-        return {one["num_threads"] for one in threadpool_info()}
-
-    before = now()
-    with numeric_threads(1):
-        assert now() == {1}
-        with numeric_threads(2):
-            assert now() == {2}
-        assert now() == {1}
-    assert now() == before
-
-
-def test_a_drawing_is_drawn_once_to_be_compared_often() -> None:
-    drawn: list[int] = []
-
-    class Drawing:
-        """Is another one each time that it is looked at, as a figure that lays itself out."""
-
-        def __init__(self) -> None:
-            self.looks = 0
-
-    def take_apart(value: Drawing) -> int:
-        value.looks += 1
-        drawn.append(value.looks)
-        return value.looks
-
-    given = [Given.of((Drawing(),), Packer([Storage(Drawing, take_apart, int, False)]))] * 2
-    given.append(Given.of((Drawing(),), Packer([Storage(Drawing, take_apart, int, False)])))
-    assert [drift(given[0], one, ["x"], ()).grade for one in given] == ["identical"] * 3
-    assert drawn == [1, 1]
+    results = audited(text)
+    assert (results["a"].grade, results["a"].details) == ("refused", ("too high",))
+    assert results["b"].grade == "identical"

@@ -1,0 +1,150 @@
+"""How far the results of two calls of one step are apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
+from nodegraph.plugin.hook_types import Comparison
+from nodegraph.runs.diff import value_differences
+from nodegraph.store import Packed, Packer, Unstorable
+
+_SAME_NUMBERS = "equal numbers with other bits or another layout in memory"
+
+
+class Grade(StrEnum):
+    """The outcome of an audit, from the best to the worst."""
+
+    IDENTICAL = "identical"
+    CLOSE = "close"
+    SKIPPED = "skipped"
+    REFUSED = "refused"
+    FAILED = "failed"
+    MUTATES = "mutates"
+    DIFFERS = "differs"
+
+    @property
+    def rank(self) -> int:
+        """The position in the order from the best to the worst."""
+        return list(Grade).index(self)
+
+    @property
+    def passes(self) -> bool:
+        """Whether the step gives the same result each time, if any."""
+        return self.rank <= Grade.REFUSED.rank
+
+
+@dataclass(frozen=True)
+class CallResult:
+    """The values that a call returned, ready for comparisons.
+
+    Attributes
+    ----------
+    values : tuple
+        One per output, as a store would return it.
+    digests : tuple of str
+        One per output; empty where the value cannot be stored.
+    packed : tuple of Packed or None
+        None where a store does not return the value itself.
+    """
+
+    values: tuple[Any, ...]
+    digests: tuple[str, ...]
+    packed: tuple[Packed | None, ...]
+
+    @classmethod
+    def of(cls, values: Iterable[Any], packer: Packer) -> CallResult:
+        """Return the result of a call that returned these values."""
+        outputs = [_stored_form(value, packer) for value in values]
+        return cls(
+            tuple(value for value, _ in outputs),
+            tuple(packed.digest if packed else "" for _, packed in outputs),
+            tuple(packed if packed and packed.faithful else None for _, packed in outputs),
+        )
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How far two results are apart.
+
+    Attributes
+    ----------
+    grade : Grade
+        Identical to the bit, close up to rounding, or different.
+    differences : tuple of str
+        A sentence for each.
+    """
+
+    grade: Grade = Grade.IDENTICAL
+    differences: tuple[str, ...] = ()
+
+
+def drift(
+    first: CallResult,
+    second: CallResult,
+    ports: Sequence[str],
+    comparisons: Iterable[Comparison],
+    floor: float = 0.0,
+) -> Drift:
+    """Return how far two results of one call are apart.
+
+    Numbers are close if they differ by no more than the tolerance of locks, relative to the root
+    mean square of those at the same place of the value. Everything but floats must be equal, and
+    the same floats must be missing.
+
+    Parameters
+    ----------
+    first, second
+    ports
+        Names of the outputs.
+    comparisons
+        Those of plugins, which describe differences.
+    floor
+        Smaller numbers are compared as if they were of this size.
+    """
+    comparisons = tuple(comparisons)
+    grades = [Grade.IDENTICAL]
+    differences: list[str] = []
+    for position, port in enumerate(ports):
+        if first.digests[position] and first.digests[position] == second.digests[position]:
+            continue
+        texts = value_differences(first.values[position], second.values[position], comparisons)
+        grade = _grade(first.packed[position], second.packed[position], texts, floor)
+        if grade is Grade.CLOSE and not texts:
+            differences.append(_SAME_NUMBERS)
+        differences += [f"{port}: {text}" if len(ports) > 1 else text for text in texts]
+        grades.append(grade)
+    return Drift(max(grades, key=lambda grade: grade.rank), tuple(differences))
+
+
+def floor_of(inputs: Mapping[str, Any], packer: Packer) -> float:
+    """Return the size below which the results of a call may be rounding errors of its inputs."""
+    packed = {port: _stored_form(value, packer)[1] for port, value in inputs.items()}
+    leaves = sketch({port: value for port, value in packed.items() if value is not None}).leaves
+    return FLOOR * max((leaf.size for leaf in leaves.values()), default=0.0)
+
+
+def _grade(
+    first: Packed | None, second: Packed | None, differences: tuple[str, ...], floor: float
+) -> Grade:
+    if first is None or second is None:
+        return Grade.DIFFERS if differences else Grade.IDENTICAL
+    sketches = sketch({"": first}), sketch({"": second})
+    if sketches[0].exact != sketches[1].exact:
+        return Grade.DIFFERS if differences else Grade.CLOSE
+    scales = {place: max(leaf.size, floor) for place, leaf in sketches[0].leaves.items()}
+    measured = [sketch.against(scales) for sketch in sketches]
+    distance = measured[0].apart(measured[1].projections)
+    return Grade.CLOSE if distance <= TOLERANCE else Grade.DIFFERS
+
+
+def _stored_form(value: Any, packer: Packer) -> tuple[Any, Packed | None]:
+    """Return a value as a store would return it, and packed."""
+    try:
+        packed = packer.pack(value)
+    except Unstorable:
+        return value, None
+    return value if packed.faithful else packer.unpack(packed.head, packed.buffers), packed
