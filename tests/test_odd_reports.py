@@ -93,8 +93,8 @@ report: [table]
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as made:
-        yield made
+    with opened(tmp_path_factory.mktemp("profile")) as browser_tab:
+        yield browser_tab
 
 
 def run_of(text: str, folder: Path) -> Path:
@@ -102,11 +102,11 @@ def run_of(text: str, folder: Path) -> Path:
     (folder / "graph.yaml").write_text(text)
     (folder / "odd.py").write_text(NODES)
     words = ["run", "graph.yaml", "--plugin", "odd.py", "--out", "run", "--no-cache"]
-    done = subprocess.run(
+    ended = subprocess.run(
         [sys.executable, "-m", "nodegraph.cli.main", *words, "--store", "store"],
         cwd=folder, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert (folder / "run" / "report.html").is_file(), done.stderr
+    assert (folder / "run" / "report.html").is_file(), ended.stderr
     return folder / "run"
 
 
@@ -167,16 +167,16 @@ def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> 
     assert by_kind["refused"][-2] == by_kind["fails"][-2] == "1"
     drawn = tab.value("document.querySelectorAll('.result figure.figure > svg').length")
     assert drawn == len(list(odd.glob("*.svg")))
-    said = tab.value("document.querySelector('#notes').parentElement.textContent")
-    assert "cannot</b>" in said
-    assert "Repeat it alone" in said
+    text = tab.value("document.querySelector('#notes').parentElement.textContent")
+    assert "cannot</b>" in text
+    assert "Repeat it alone" in text
 
 
 def test_markers_without_edges_are_drawn_and_played(odd: Path, tab: Tab) -> None:
     tab.show(odd / "report.html")
-    told = tab.value("document.querySelector('figure.playback').playback.state")
-    assert [one["label"] for one in told["panels"]] == ["truth", MARKUP, "y"]
-    assert all(len(one["dots"]) == 9 for one in told["panels"])
+    state = tab.value("document.querySelector('figure.playback').playback.state")
+    assert [panel["label"] for panel in state["panels"]] == ["truth", MARKUP, "y"]
+    assert all(len(panel["dots"]) == 9 for panel in state["panels"])
 
 
 def test_thousands_of_rows_are_folded_and_sort(tmp_path: Path, tab: Tab) -> None:

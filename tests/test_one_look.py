@@ -40,8 +40,8 @@ def colours(figure: Any) -> dict[str, str]:
     """Return the colour of every label that a figure draws."""
     (axis,) = figure.axes
     handles, labels = axis.get_legend_handles_labels()
-    drawn = [getattr(one, "lines", [one])[0] for one in handles]
-    return {name: to_hex(one.get_color()) for name, one in zip(labels, drawn, strict=True)}
+    drawn = [getattr(handle, "lines", [handle])[0] for handle in handles]
+    return {name: to_hex(figure.get_color()) for name, figure in zip(labels, drawn, strict=True)}
 
 
 def test_what_is_drawn_of_some_looks_as_it_does_among_all(tmp_path: Path) -> None:

@@ -110,8 +110,8 @@ CONTRAST = """
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as made:
-        yield made
+    with opened(tmp_path_factory.mktemp("profile")) as browser_tab:
+        yield browser_tab
 
 
 @pytest.fixture(scope="module", params=GRAPHS, ids=lambda path: path.stem)
@@ -121,10 +121,10 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     folder = tmp_path_factory.mktemp(graph.stem) / "run"
     command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph)]
     words = ["--out", str(folder), "--store", str(folder.parent / "store")]
-    done = subprocess.run(
+    ended = subprocess.run(
         [*command, *SMALL.get(graph.stem, []), *words], capture_output=True, text=True, check=False
     )
-    assert done.returncode == 0, done.stderr
+    assert ended.returncode == 0, ended.stderr
     return folder
 
 
@@ -143,12 +143,12 @@ def cells(text: str) -> tuple[list[str], list[list[str]]]:
     return heads, rows
 
 
-def alike(shown: str, kept: str) -> bool:
+def alike(shown: str, stored: str) -> bool:
     """Return whether a cell says what the file says, intervals and daggers after it aside."""
-    if shown == kept or (shown == "" and kept in ("", "nan")):
+    if shown == stored or (shown == "" and stored in ("", "nan")):
         return True
     try:
-        return math.isclose(float(shown.split(" ")[0]), float(kept), rel_tol=1e-3, abs_tol=5e-4)
+        return math.isclose(float(shown.split(" ")[0]), float(stored), rel_tol=1e-3, abs_tol=5e-4)
     except ValueError:
         return False
 
@@ -165,9 +165,9 @@ def test_the_page_fits_and_says_its_question_and_answer(run: Path, page: Tab) ->
 
 
 def test_tables_hold_what_their_files_hold(run: Path, page: Tab) -> None:
-    tables = [one for one in page.value(TABLES) if one["file"]]
-    kept = sorted(path.name for path in run.glob("*.csv"))
-    assert sorted(one["file"] for one in tables) == kept
+    tables = [table for table in page.value(TABLES) if table["file"]]
+    stored = sorted(path.name for path in run.glob("*.csv"))
+    assert sorted(table["file"] for table in tables) == stored
     for table in tables:
         heads, rows = cells((run / table["file"]).read_text())
         assert len(table["rows"]) == len(rows)
@@ -195,8 +195,8 @@ def test_a_table_sorts_by_a_click_and_is_copied_with_all_its_numbers(run: Path, 
     names, copied = cells(page.value("window.copied"))
     assert names == heads
     assert sorted(map(plainly, copied)) == sorted(map(plainly, rows))
-    found = [row[heads.index(column)] for row in copied if row[heads.index(column)]]
-    assert [float(one) for one in found] == shown
+    numbers = [row[heads.index(column)] for row in copied if row[heads.index(column)]]
+    assert [float(value) for value in numbers] == shown
     for name, start in (("LaTeX", "% needs"), ("Markdown", "| ")):
         page.value(f"document.querySelector('.copy [aria-label$={name}]').click()")
         assert page.value("window.copied").startswith(start)
@@ -204,7 +204,7 @@ def test_a_table_sorts_by_a_click_and_is_copied_with_all_its_numbers(run: Path, 
 
 def plainly(row: list[str]) -> tuple[str, ...]:
     """Return a row of a CSV file with its numbers in one form."""
-    return tuple(f"{float(one):.12g}" if is_text_of_number(one) else one for one in row)
+    return tuple(f"{float(value):.12g}" if is_text_of_number(value) else value for value in row)
 
 
 def is_text_of_number(text: str) -> bool:
@@ -217,10 +217,10 @@ def is_text_of_number(text: str) -> bool:
 
 def is_number(rows: list[list[str]], heads: list[str], name: str) -> bool:
     values = [row[heads.index(name)] for row in rows]
-    return any(values) and all(is_text_of_number(one) for one in values if one)
+    return any(values) and all(is_text_of_number(value) for value in values if value)
 
 
-def said(text: str) -> str:
+def plain_text(text: str) -> str:
     """Return what a text of an SVG file says; a power stands in a part of its own."""
     return " ".join(html.unescape(re.sub("<[^>]*>", "", text)).split())
 
@@ -229,13 +229,17 @@ def test_figures_are_those_of_the_files_beside_the_page_and_can_be_heard(
     run: Path, page: Tab
 ) -> None:
     drawn = page.value(FIGURES)
-    for one in drawn:
-        assert one["label"]
-        assert one["marks"] > 10
-        beside = (run / one["file"]).with_suffix(".svg").read_text()
+    for figure in drawn:
+        assert figure["label"]
+        assert figure["marks"] > 10
+        beside = (run / figure["file"]).with_suffix(".svg").read_text()
         texts = re.findall(r"<text\b[^>]*>(.*?)</text>", beside, re.DOTALL)
-        assert [said(text) for text in one["texts"]] == [said(text) for text in texts]
-    assert sorted(one["file"] for one in drawn) == sorted(path.name for path in run.glob("*.svg"))
+        assert [plain_text(text) for text in figure["texts"]] == [
+            plain_text(text) for text in texts
+        ]
+    assert sorted(figure["file"] for figure in drawn) == sorted(
+        path.name for path in run.glob("*.svg")
+    )
     for path in run.glob("*.svg"):
         assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
 
@@ -250,9 +254,9 @@ def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page
     last = state(page)["tick"]
     for tick in dict.fromkeys((last, 0, 7)):
         page.value(f"{SLIDER}.value = {tick}; {SLIDER}.dispatchEvent(new Event('input'))")
-        told = state(page)
-        assert told["tick"] == tick
-        assert_drawn(told, data, yaw=0.0)
+        playback = state(page)
+        assert playback["tick"] == tick
+        assert_drawn(playback, data, yaw=0.0)
     page.click(".playback button")
     page.value(
         "new Promise((done) => { const look = () => "
@@ -268,12 +272,12 @@ def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page
     assert_drawn(turned, data, yaw=math.pi * 60 / width)
 
 
-def assert_drawn(told: Any, data: Read, yaw: float) -> None:
+def assert_drawn(playback: Any, data: Read, yaw: float) -> None:
     """Compare the markers' dots with the positions, seen from the front and turned by an angle."""
     panels = data.head["panels"]
-    assert [one["label"] for one in told["panels"]] == [one["label"] for one in panels]
-    radius = max((one["radius"] for one in panels if one["kind"] == "markers"), default=1.0)
-    for place, (shown, panel) in enumerate(zip(told["panels"], panels, strict=True)):
+    assert [panel["label"] for panel in playback["panels"]] == [panel["label"] for panel in panels]
+    radius = max((panel["radius"] for panel in panels if panel["kind"] == "markers"), default=1.0)
+    for place, (shown, panel) in enumerate(zip(playback["panels"], panels, strict=True)):
         if panel["kind"] != "markers":
             assert len(shown["dots"]) > 0
             continue

@@ -49,7 +49,7 @@ def test_sections_are_what_the_report_lists_at_every_combination(
     run_of: Callable[..., Run],
 ) -> None:
     study = _study(run_of(TEXT))
-    shown = [(one.title, one.labels, one.rendered.text) for one in study.sections]
+    shown = [(section.title, section.labels, section.rendered.text) for section in study.sections]
     assert shown == [
         ("text", "length=5", "5"),
         ("text", "length=15", "15"),
@@ -64,14 +64,14 @@ def test_without_a_list_the_nodes_that_nothing_reads_are_shown(
     run_of: Callable[..., Run],
 ) -> None:
     text = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}, c: {use: text.write}}"
-    assert [one.title for one in _study(run_of(text)).sections] == ["b", "c"]
+    assert [section.title for section in _study(run_of(text)).sections] == ["b", "c"]
 
 
 def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
     notes = _study(run_of(TEXT)).notes
     below = ["length=5, trial=0", "length=5, trial=1", "length=15, trial=0", "length=15, trial=1"]
-    refused = [("fill (strict.positive)", f"{one}, fill=positive") for one in below]
-    failed = [("fill (strict.fails)", f"{one}, fill=fails") for one in below]
+    refused = [("fill (strict.positive)", f"{value}, fill=positive") for value in below]
+    failed = [("fill (strict.fails)", f"{value}, fill=fails") for value in below]
     assert sorted(_kinds(notes, "refused")) == sorted(refused)
     assert sorted(_kinds(notes, "failed")) == sorted(failed)
     skipped = [("fill", "length=5, trial=1, fill=hold"), ("fill", "length=15, trial=1, fill=hold")]
@@ -96,12 +96,12 @@ def test_settings_show_every_value_and_whether_it_is_the_default(
     run_of: Callable[..., Run],
 ) -> None:
     study = _study(run_of(TEXT))
-    gaps = next(one for one in study.methods if one.use == "gaps.cut")
+    gaps = next(method for method in study.methods if method.use == "gaps.cut")
     rows = {row.name: (row.value, row.unit, row.default) for row in gaps.settings}
     assert {row.name: row.meaning for row in gaps.settings}["length"] == "Length of each gap."
     assert gaps.plugin == "toys"
     assert rows == {"length": ("5, 15", "frames", False), "seed": ("0, 1", "", False)}
-    hold = next(one for one in study.methods if one.use == "fill.hold")
+    hold = next(method for method in study.methods if method.use == "fill.hold")
     assert [(row.value, row.default) for row in hold.settings] == [("null", True)]
     assert hold.citation == "hold2001 (no BibTeX entry is installed)"
     assert study.seeds == (("gaps", "0, 1"),)
@@ -150,7 +150,7 @@ def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> N
     run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), toys)))
     with pytest.warns(UserWarning, match="a: cannot be shown: RuntimeError: no ink"):
         study = _study(run)
-    shown = [(one.title, one.rendered.text) for one in study.sections]
+    shown = [(section.title, section.rendered.text) for section in study.sections]
     assert shown == [("a", "cannot be shown: RuntimeError: no ink"), ("b", "0")]
     (note,) = study.notes
     assert (note.node, note.kind, note.reason) == ("a", "failed", shown[0][1])
@@ -185,7 +185,7 @@ def test_an_output_is_found_by_its_name_in_every_alternative() -> None:
     run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), registry)))
     assert [value for _, value in run["a.value"]] == [1.0, 2.0]
     assert [value for _, value in run["a"]] == [1.0, "two"]
-    assert [one.rendered.text for one in _study(run).sections] == ["1.0", "2.0"]
+    assert [section.rendered.text for section in _study(run).sections] == ["1.0", "2.0"]
 
 
 class Size(float):
@@ -229,7 +229,7 @@ def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: 
 
 def test_files_lie_in_a_folder_for_each_combination_whatever_the_report_lists() -> None:
     @node("read.one")
-    def one(*, start: float) -> float:
+    def number_of(*, start: float) -> float:
         return start
 
     @node("write.number")
@@ -245,12 +245,12 @@ nodes:
 report: [one]
 """
     spec = read_graph_text(text, "toy.yaml", Path())
-    graph = build(spec, Registry.of([one, written]))
+    graph = build(spec, Registry.of([number_of, written]))
     files, study = report_files(execute(plan(graph)), SETTINGS)
     assert files["out_start-1.5/one.txt"] == b"1.5"
     assert files["out_start-2.5/more/about.md"] == b"a number"
     last = study.sections[-1]
     assert (last.title, last.labels) == ("out", "start=2.5")
     assert last.rendered.text == ("out_start-2.5/one.txt (3 B)\nout_start-2.5/more/about.md (8 B)")
-    assert [one.text for one in last.files] == ["one.txt", "about.md"]
+    assert [link.text for link in last.files] == ["one.txt", "about.md"]
     assert 'out_start-1.5/one.txt">one.txt</a>' in files["report.html"].decode()

@@ -45,10 +45,10 @@ def opened(html: str, folder: Path) -> tuple[str, list[str]]:
     file = folder / "report.html"
     file.write_text(html, encoding="utf-8")
     command = [str(BROWSER), *QUIET, f"--user-data-dir={folder / 'profile'}", "--dump-dom"]
-    done = subprocess.run(
+    ended = subprocess.run(
         [*command, file.as_uri()], capture_output=True, text=True, timeout=120, check=True
     )
-    return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    return ended.stdout, [line for line in ended.stderr.splitlines() if "CONSOLE" in line]
 
 
 def first_column(html: str) -> list[str]:
@@ -65,8 +65,8 @@ def test_the_console_stays_empty(tmp_path: Path) -> None:
         notes=(StepNote("fill", "trial=0", "needs a neutral pose", "refused"),),
         timings=(TimingRow("fill", 1, 1.0),),
     )
-    html, said = opened(page(whole), tmp_path)
-    assert said == []
+    html, console = opened(page(whole), tmp_path)
+    assert console == []
     assert "needs a neutral pose" in html
 
 
@@ -82,9 +82,9 @@ def test_the_console_stays_empty(tmp_path: Path) -> None:
 def test_tables_sort_by_their_heads(
     tmp_path: Path, clicks: list[int], order: list[str], state: str
 ) -> None:
-    click = "".join(CLICK.format(one) for one in clicks)
-    html, said = opened(with_html(TABLE + ON_LOAD.format(click)), tmp_path)
-    assert said == []
+    click = "".join(CLICK.format(column) for column in clicks)
+    html, console = opened(with_html(TABLE + ON_LOAD.format(click)), tmp_path)
+    assert console == []
     assert first_column(html) == order
     heads = re.findall(r"<th [^>]*>", html)
     assert f'aria-sort="{state}"' in heads[clicks[-1]]
@@ -118,32 +118,34 @@ def test_a_table_is_copied_as_it_is_shown(tmp_path: Path, form: str, text: str) 
     take = f'Object.defineProperty(navigator, "clipboard", {board});'
     press = f"document.querySelector('.copy [aria-label$=\"{form}\"]').click();"
     exact = TABLE.replace('class="number">10<', 'class="number" data-value="10.123456">10<')
-    html, said = opened(with_html(exact + ON_LOAD.format(CLICK.format(1) + take + press)), tmp_path)
-    assert said == []
-    found = html_module.unescape(html[html.index("<title>") + 7 : html.index("</title>")])
-    assert found.startswith(text)
+    html, console = opened(
+        with_html(exact + ON_LOAD.format(CLICK.format(1) + take + press)), tmp_path
+    )
+    assert console == []
+    title = html_module.unescape(html[html.index("<title>") + 7 : html.index("</title>")])
+    assert title.startswith(text)
     assert f"{form} copied" in html
 
 
 def test_a_script_that_results_bring_runs_once(tmp_path: Path) -> None:
     count = "document.title = `${document.querySelectorAll('.bait').length} ${document.title}`;"
-    brought = Rendered("<p class=bait>x</p>", scripts=(count,), styles=(".bait { color: red; }",))
-    sections = tuple(Section(name, brought) for name in ("one", "two"))
-    html, said = opened(page(Study("A title", sections=sections)), tmp_path)
-    assert said == []
+    rendered = Rendered("<p class=bait>x</p>", scripts=(count,), styles=(".bait { color: red; }",))
+    sections = tuple(Section(name, rendered) for name in ("one", "two"))
+    html, console = opened(page(Study("A title", sections=sections)), tmp_path)
+    assert console == []
     assert "<title>2 A title</title>" in html
 
 
 def test_a_handler_in_markup_does_not_run(tmp_path: Path) -> None:
     fragment = "<p id=bait onclick=\"document.title = 'ran'\">x</p>"
     click = ON_LOAD.format('document.getElementById("bait").click();')
-    html, said = opened(with_html(fragment + click), tmp_path)
+    html, console = opened(with_html(fragment + click), tmp_path)
     assert "<title>A title</title>" in html
-    assert any("Content Security Policy" in line for line in said)
+    assert any("Content Security Policy" in line for line in console)
 
 
 def test_the_network_is_out_of_reach(tmp_path: Path) -> None:
     call = 'fetch("https://example.invalid/").catch(() => { document.title = "refused"; });'
-    html, said = opened(with_html(f"<script>{call}</script>"), tmp_path)
+    html, console = opened(with_html(f"<script>{call}</script>"), tmp_path)
     assert "<title>refused</title>" in html
-    assert any("Content Security Policy" in line for line in said)
+    assert any("Content Security Policy" in line for line in console)

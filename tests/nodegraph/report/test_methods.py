@@ -36,29 +36,29 @@ def read_files(
 def test_methods_are_those_with_a_result_and_the_others_are_counted(
     run_of: Callable[..., Run],
 ) -> None:
-    said = Methods(run_of(TEXT))
-    assert [(one.node, one.label) for one in said.rows()] == [
+    methods = Methods(run_of(TEXT))
+    assert [(method.node, method.label) for method in methods.rows()] == [
         ("capture", ""),
         ("gaps", ""),
         ("held", ""),
         ("fill", "positive"),
         ("fill", "fails"),
     ]
-    assert said.without_result() == (
+    assert methods.without_result() == (
         WithoutResult("fill", "fill.hold", "hold", "4 left out"),
         WithoutResult("low", "strict.fails", "", "2 failed"),
         WithoutResult("after", "fill.hold", "", "2 left out"),
     )
-    assert str(said.without_result()[0]) == "fill=hold (fill.hold): 4 left out"
+    assert str(methods.without_result()[0]) == "fill=hold (fill.hold): 4 left out"
 
 
 def test_settings_and_seeds_are_those_with_a_result(run_of: Callable[..., Run]) -> None:
     text = TEXT.replace("gaps.gappy, with: {max_gap: $length}", "strict, with: {max_gap: $length}")
     strict = "      strict: {use: strict.positive, in: gaps.gappy}\n"
-    said = Methods(run_of(text.replace("      held:", f"{strict}      held:")))
-    (held,) = [one for one in said.rows() if one.node == "held"]
-    assert [(one.name, one.value) for one in held.settings] == [("max_gap", "1")]
-    assert said.seeds() == (("gaps", "0, 1"),)
+    methods = Methods(run_of(text.replace("      held:", f"{strict}      held:")))
+    (held,) = [method for method in methods.rows() if method.node == "held"]
+    assert [(setting.name, setting.value) for setting in held.settings] == [("max_gap", "1")]
+    assert methods.seeds() == (("gaps", "0, 1"),)
 
 
 def test_a_combination_that_another_step_stands_for_has_its_result(
@@ -66,7 +66,7 @@ def test_a_combination_that_another_step_stands_for_has_its_result(
 ) -> None:
     run = run_of("nodes: {a: {use: read.number}, b: {use: read.number}}")
     assert len(run.plan.steps) == 1
-    assert [one.node for one in Methods(run).rows()] == ["a", "b"]
+    assert [method.node for method in Methods(run).rows()] == ["a", "b"]
 
 
 def test_in_print_files_have_their_names_alone(run_of: Callable[..., Run]) -> None:
@@ -84,7 +84,7 @@ def test_in_print_files_have_their_names_alone(run_of: Callable[..., Run]) -> No
 def test_of_several_runs_each_says_what_gave_no_result(run_of: Callable[..., Run]) -> None:
     runs = {"one": run_of(TEXT), "two": run_of(TEXT, inputs={"start": 99})}
     both = merged({name: compose(run, RunSettings("toy.yaml"))[0] for name, run in runs.items()})
-    assert [str(one) for one in both.without_result] == [
+    assert [str(value) for value in both.without_result] == [
         "fill=hold (fill.hold): 4 left out (one)",
         "low (strict.fails): 2 failed (one)",
         "after (fill.hold): 2 left out (one)",

@@ -35,8 +35,8 @@ def study(**fields: Any) -> Study:
 def refusals(count: int) -> tuple[StepNote, ...]:
     reason = "needs one complete frame"
     return tuple(
-        StepNote("fill (fill.guenter)", f"fill=guenter, trial={one}", reason, "refused")
-        for one in range(count)
+        StepNote("fill (fill.guenter)", f"fill=guenter, trial={number}", reason, "refused")
+        for number in range(count)
     )
 
 
@@ -64,14 +64,16 @@ class Hostile:
             trusted = {"graph_svg": "<svg></svg>", "in_print": "by name"}
             return kind(
                 **{
-                    one.name: trusted.get(one.name) or self.make(hints[one.name])
-                    for one in fields(kind)
+                    field.name: trusted.get(field.name) or self.make(hints[field.name])
+                    for field in fields(kind)
                 }
             )
         if get_origin(kind) is Literal:
             return get_args(kind)[0]
         if get_origin(kind) is tuple:
-            return tuple(self.make(one) for one in get_args(kind) if one is not Ellipsis)
+            return tuple(
+                self.make(argument) for argument in get_args(kind) if argument is not Ellipsis
+            )
         return self.text() if kind is str else kind(1)
 
 
@@ -113,7 +115,7 @@ def test_every_text_is_shown_and_none_is_run() -> None:
     hostile = Hostile()
     read = Page(page(hostile.make(Study)))
     shown = read.text
-    links = [one["href"] for one in read.all("a")]
+    links = [tag["href"] for tag in read.all("a")]
     paths = [link for link in links if link.startswith("./")]
     assert len(hostile.texts) > 40
     assert len(paths) == 2
@@ -122,7 +124,7 @@ def test_every_text_is_shown_and_none_is_run() -> None:
         assert in_path or text in shown, f"text {number} is not shown as it is"
     assert len(list(read.all("script"))) == len(("page.js", "copy.js"))
     assert not list(read.all("img"))
-    assert not [name for _, found in read.tags for name in found if name.startswith("on")]
+    assert not [name for _, attributes in read.tags for name in attributes if name.startswith("on")]
 
 
 def test_all_of_a_study_is_in_its_page() -> None:
@@ -131,7 +133,10 @@ def test_all_of_a_study_is_in_its_page() -> None:
         answer=("muscle is best.", "lin comes second."),
         notes_markdown="Which method **restores** markers?\n\n| a | b |\n|---|---|\n| 1 | 2 |",
         graph_svg=svg(Picture("drawn", (Box("capture"),))),
-        axes=(AxisRow("trial", tuple(str(one) for one in range(100))), AxisRow("k", ("3", "5"))),
+        axes=(
+            AxisRow("trial", tuple(str(number) for number in range(100))),
+            AxisRow("k", ("3", "5")),
+        ),
         inputs=(SettingRow("recording", "sample:face"),),
         known=("face.neutral",),
         methods=(MethodRow("gaps", "gaps.cut", "Hide samples.", "", settings, "Nobody (2001)."),),
@@ -156,7 +161,7 @@ def test_all_of_a_study_is_in_its_page() -> None:
         assert text in read.text, text
     assert "<strong>restores</strong>" in html
     order = [html.index(text) for text in ("muscle is best", "restores", "Errors", "drawn</title>")]
-    order += [html.index(f'<h2 id="{one}"') for one in ("methods", "notes", "timings", "again")]
+    order += [html.index(f'<h2 id="{note}"') for note in ("methods", "notes", "timings", "again")]
     assert order == sorted(order)
 
 
@@ -168,7 +173,7 @@ def test_what_happened_to_thousands_is_folded_but_whole() -> None:
     assert "trial=4999" in read.text
     folded = [index for index, (tag, _) in enumerate(read.tags) if tag == "details"]
     listed = [
-        index for index, (_, one) in enumerate(read.tags) if one.get("class") == "combinations"
+        index for index, (_, tag) in enumerate(read.tags) if tag.get("class") == "combinations"
     ]
     assert folded[0] < listed[0]
 
@@ -197,25 +202,25 @@ def test_a_run_without_notes_says_so() -> None:
 
 
 def test_what_several_results_bring_stands_in_the_page_once() -> None:
-    def brought(html: str, *scripts: str) -> Section:
+    def section(html: str, *scripts: str) -> Section:
         return Section("playing", Rendered(html, scripts=scripts, styles=("p { color: red; }",)))
 
-    sections = (brought("<p>1</p>", "one(1 < 2);"), brought("<p>2</p>", "one(1 < 2);", "two();"))
+    sections = (section("<p>1</p>", "one(1 < 2);"), section("<p>2</p>", "one(1 < 2);", "two();"))
     html = page(Study("Many", sections=sections))
     read = Page(html)
     scripts = [text.strip() for tag, text in read.texts if tag == "script"]
     assert scripts[-2:] == ["one(1 < 2);", "two();"]
     assert len(set(scripts)) == len(scripts)
     assert html.count("p { color: red; }") == 1
-    rule = next(one["content"] for one in read.all("meta") if "http-equiv" in one)
+    rule = next(tag["content"] for tag in read.all("meta") if "http-equiv" in tag)
     assert rule.count("'sha256-") == len(scripts)
     assert html.index("<p>2</p>") < html.index("one(1 < 2);")
 
 
-@pytest.mark.parametrize("brought", [{"scripts": ("a('</SCRIPT>')",)}, {"styles": ("</style x>",)}])
-def test_what_would_end_itself_in_a_page_is_refused(brought: Any) -> None:
+@pytest.mark.parametrize("fields", [{"scripts": ("a('</SCRIPT>')",)}, {"styles": ("</style x>",)}])
+def test_what_would_end_itself_in_a_page_is_refused(fields: Any) -> None:
     with pytest.raises(ValueError, match="in a page must not contain </s"):
-        Rendered("<p>x</p>", **brought)
+        Rendered("<p>x</p>", **fields)
 
 
 def test_a_study_without_results_says_so() -> None:
@@ -233,13 +238,13 @@ def test_one_title_is_one_result_and_many_labels_fold() -> None:
 def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:
     notes = "![a](http://evil.example/x.png) <img src=http://evil.example/y> [b](javascript:c)"
     read = Page(page(study(notes_markdown=notes)))
-    policy = next(one["content"] for one in read.all("meta") if "http-equiv" in one)
+    policy = next(tag["content"] for tag in read.all("meta") if "http-equiv" in tag)
     assert policy.startswith("default-src 'none'; script-src 'sha256-")
     assert "http" not in policy
-    for _, found in read.tags:
-        assert not re.match(r"https?:|//|javascript:", found.get("src", ""))
-    assert [one["href"] for one in read.all("link")] == ["data:,"]
-    assert not [one for one in read.all("a") if one["href"].startswith("javascript")]
+    for _, attributes in read.tags:
+        assert not re.match(r"https?:|//|javascript:", attributes.get("src", ""))
+    assert [tag["href"] for tag in read.all("link")] == ["data:,"]
+    assert not [tag for tag in read.all("a") if tag["href"].startswith("javascript")]
     style = "".join(text for tag, text in read.texts if tag == "style")
     assert not re.search(r"url\(|@import", style)
 
@@ -247,15 +252,15 @@ def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:
 def test_it_can_be_read_without_eyes() -> None:
     read = Page(page(study(notes=refusals(2), timings=timings())))
     tags = [tag for tag, _ in read.tags]
-    assert [tags.count(one) for one in ("header", "nav", "main", "h1")] == [1, 1, 1, 1]
+    assert [tags.count(value) for value in ("header", "nav", "main", "h1")] == [1, 1, 1, 1]
     assert next(read.all("html"))["lang"] == "en"
-    assert all("scope" in one for one in read.all("th"))
-    ids = [one["id"] for _, one in read.tags if "id" in one]
+    assert all("scope" in tag for tag in read.all("th"))
+    ids = [tag["id"] for _, tag in read.tags if "id" in tag]
     assert len(ids) == len(set(ids))
     for link in read.all("a"):
         assert not link["href"].startswith("#") or link["href"][1:] in ids
-    for _, one in read.tags:
-        assert one.get("aria-labelledby", ids[0]) in ids
+    for _, attributes in read.tags:
+        assert attributes.get("aria-labelledby", ids[0]) in ids
 
 
 def test_a_file_beside_the_page_stays_beside_it() -> None:

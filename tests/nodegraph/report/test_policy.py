@@ -17,9 +17,9 @@ def test_scripts_of_trusted_parts_are_allowed_once_each() -> None:
         "<script>own()</script>",
         "<script>d\r\n</script>",
     ]
-    rules = dict(one.split(" ", 1) for one in policy(parts, "own()").split("; "))
-    expected = [digest(one) for one in ("own()", "a &amp; b < c", "d\n")]
-    assert rules["script-src"] == " ".join(f"'sha256-{one}'" for one in expected)
+    rules = dict(value.split(" ", 1) for value in policy(parts, "own()").split("; "))
+    expected = [digest(value) for value in ("own()", "a &amp; b < c", "d\n")]
+    assert rules["script-src"] == " ".join(f"'sha256-{script}'" for script in expected)
     assert rules["default-src"] == "'none'"
 
 

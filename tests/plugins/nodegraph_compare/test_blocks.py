@@ -20,8 +20,8 @@ def across(
 ) -> Across[pd.DataFrame]:
     return Across(
         ("length", "fill"),
-        tuple(({"length": one[0], "fill": one[1]}, table) for one, table in values.items()),
-        tuple(Absent({"length": one[0], "fill": one[1]}, one[2], "why") for one in absent),
+        tuple(({"length": value[0], "fill": value[1]}, table) for value, table in values.items()),
+        tuple(Absent({"length": value[0], "fill": value[1]}, value[2], "why") for value in absent),
     )
 
 

@@ -13,7 +13,7 @@ from nodegraph_compare.question import Question, ask
 TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
 
 
-def asked(scores: Across[Any]) -> Question:
+def question_of(scores: Across[Any]) -> Question:
     return ask(scores, metric="rmse", compare=None, within=(), blocks=())
 
 
@@ -45,7 +45,10 @@ def test_a_method_looks_the_same_whichever_others_are_compared() -> None:
     every = Across.of(dict.fromkeys(fills, TABLE), axis="fill")
     some = Across.of({"muscle": TABLE, "ridge": TABLE}, axis="scores")
     known = replace(some, known={"scores": fills})
-    looks = [compared_looks(one, asked(one), groups(one, asked(one))) for one in (every, known)]
+    looks = [
+        compared_looks(value, question_of(value), groups(value, question_of(value)))
+        for value in (every, known)
+    ]
     assert list(looks[1]) == ["muscle", "ridge"]
     assert {name: looks[0][name] for name in looks[1]} == looks[1]
-    assert compared_looks(some, asked(some), groups(some, asked(some))) != looks[1]
+    assert compared_looks(some, question_of(some), groups(some, question_of(some))) != looks[1]

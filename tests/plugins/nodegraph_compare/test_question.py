@@ -16,24 +16,24 @@ def across(*axes: str, **columns: list[object]) -> Across[pd.DataFrame]:
     return Across(axes, ((dict.fromkeys(axes, "one"), score(**columns)),))
 
 
-def asked(scores: Across[pd.DataFrame], **given: object) -> Question:
+def question_of(scores: Across[pd.DataFrame], **settings: object) -> Question:
     defaults = {"metric": None, "compare": None, "within": (), "blocks": ()}
-    return ask(scores, **{**defaults, **given})  # type: ignore[arg-type]
+    return ask(scores, **{**defaults, **settings})  # type: ignore[arg-type]
 
 
 def test_defaults() -> None:
-    found = asked(across("trial", "length", "fill"), within=("length",))
-    assert found == Question("rmse", "fill", ("length",), ("trial", "gap"), ())
+    question = question_of(across("trial", "length", "fill"), within=("length",))
+    assert question == Question("rmse", "fill", ("length",), ("trial", "gap"), ())
 
 
 def test_compare_is_the_last_axis_that_is_not_taken() -> None:
-    assert asked(across("fill", "trial"), blocks=("trial",)).compare == "fill"
-    assert asked(across("fill", "trial"), within=("trial", "fill")).compare is None
+    assert question_of(across("fill", "trial"), blocks=("trial",)).compare == "fill"
+    assert question_of(across("fill", "trial"), within=("trial", "fill")).compare is None
 
 
 def test_axes_named_nowhere_are_averaged_over() -> None:
-    found = asked(across("take", "trial", "fill"), blocks=("trial", "gap"))
-    assert found.averaged == ("take",)
+    question = question_of(across("take", "trial", "fill"), blocks=("trial", "gap"))
+    assert question.averaged == ("take",)
 
 
 @pytest.mark.parametrize(
@@ -43,20 +43,20 @@ def test_axes_named_nowhere_are_averaged_over() -> None:
 def test_frames_and_floats_are_no_unit(first: dict[str, list[float]], blocks: object) -> None:
     table = pd.DataFrame({**first, "rmse": [1.0, 2.0]})
     scores = Across(("trial", "fill"), (({"trial": 0, "fill": "a"}, table),))
-    assert asked(scores).blocks == blocks
+    assert question_of(scores).blocks == blocks
 
 
 def test_columns_can_be_compared_and_grouped_by() -> None:
-    found = asked(across("fill", side=["l", "r"]), compare="side", within=("fill",))
-    assert found == Question("rmse", "side", ("fill",), ("gap",), ())
+    question = question_of(across("fill", side=["l", "r"]), compare="side", within=("fill",))
+    assert question == Question("rmse", "side", ("fill",), ("gap",), ())
 
 
 def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:
-    assert asked(across("fill"), metric="frames").metric == "frames"
+    assert question_of(across("fill"), metric="frames").metric == "frames"
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("settings", "message"),
     [
         (
             {"metric": "rms"},
@@ -75,50 +75,52 @@ def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:
         ({"compare": "fill", "within": ("fill",)}, "share a name: fill"),
     ],
 )
-def test_what_there_is_not_is_named_with_what_there_is(given: dict[str, object], told: str) -> None:
-    with pytest.raises(ValueError, match=told):
-        asked(across("fill", name=["x", "y"]), **given)
+def test_unknown_names_are_refused_with_those_that_exist(
+    settings: dict[str, object], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        question_of(across("fill", name=["x", "y"]), **settings)
 
 
 def test_tables_without_floats_and_no_tables() -> None:
     table = pd.DataFrame({"gap": [0], "name": ["x"]})
     with pytest.raises(ValueError, match="no column of floats; columns: gap, name"):
-        asked(Across.of({"a": table}, axis="fill"))
+        question_of(Across.of({"a": table}, axis="fill"))
     with pytest.raises(ValueError, match="no table to compare"):
-        asked(Across(("fill",), ()))
+        question_of(Across(("fill",), ()))
 
 
 def test_a_table_that_lacks_the_metric_is_named() -> None:
     scores = Across.of({"a": score(), "b": score().drop(columns="rmse")}, axis="fill")
     with pytest.raises(ValueError, match="no metric 'rmse' in the table of fill=b"):
-        asked(scores)
+        question_of(scores)
 
 
 def test_the_better_end_is_declared_or_given() -> None:
     higher = TableInfo(better={"rmse": "higher"})
     scores = Across.of({"a": with_info(score(), higher)}, axis="fill")
-    assert asked(scores).better == "higher"
-    assert asked(scores, better="none").better == "none"
+    assert question_of(scores).better == "higher"
+    assert question_of(scores, better="none").better == "none"
 
 
 def test_the_unit_is_the_first_tables() -> None:
     scores = across("fill")
-    assert unit_of(scores, asked(scores).metric) == ""
+    assert unit_of(scores, question_of(scores).metric) == ""
     scores = Across.of({"a": with_info(score(), TableInfo(units={"rmse": "mm"}))}, axis="fill")
-    assert unit_of(scores, asked(scores).metric) == "mm"
+    assert unit_of(scores, question_of(scores).metric) == "mm"
 
 
 def test_blocks_are_called_by_the_column_that_tells_them_or_the_only_axis() -> None:
     scores = across("trial", "fill")
-    assert blocks_name(scores, asked(scores)) == "gaps"
-    assert blocks_name(scores, asked(scores, blocks=("trial",))) == "trials"
-    assert blocks_name(scores, asked(scores, blocks=("gap", "frames"))) == "blocks"
+    assert blocks_name(scores, question_of(scores)) == "gaps"
+    assert blocks_name(scores, question_of(scores, blocks=("trial",))) == "trials"
+    assert blocks_name(scores, question_of(scores, blocks=("gap", "frames"))) == "blocks"
     more = across("take", "trial", "fill")
-    assert blocks_name(more, asked(more, blocks=("take", "trial"))) == "blocks"
+    assert blocks_name(more, question_of(more, blocks=("take", "trial"))) == "blocks"
 
 
 def test_frames_are_no_blocks() -> None:
     scores = across("trial", frame=[0, 1])
     for blocks in (("frame",), ("trial", "frame")):
         with pytest.raises(ValueError, match=r"frames of a take .* name axes such as trial"):
-            asked(scores, blocks=blocks)
+            question_of(scores, blocks=blocks)

@@ -30,8 +30,8 @@ def mixed(blocks: int = 25) -> Any:
 @pytest.mark.parametrize("blocks", [1, 2, 6, 9, 14, 25, 60])
 def test_the_signed_rank_p_of_each_column_is_scipys(blocks: int) -> None:
     differences = mixed(blocks)
-    found = signed_rank(differences)
-    for p, column in zip(found, differences.T, strict=True):
+    result = signed_rank(differences)
+    for p, column in zip(result, differences.T, strict=True):
         assert p == pytest.approx(wilcoxon(column).pvalue if column.any() else 1.0)
 
 
@@ -87,8 +87,8 @@ def test_the_rank_biserial_correlation_is_that_of_plain_rank_sums() -> None:
 
 
 def test_holm_by_hand() -> None:
-    found = holm(np.array([0.01, np.nan, 0.04, 0.03, 0.5]))
-    assert found == pytest.approx([0.04, np.nan, 0.09, 0.09, 0.5], nan_ok=True)
+    result = holm(np.array([0.01, np.nan, 0.04, 0.03, 0.5]))
+    assert result == pytest.approx([0.04, np.nan, 0.09, 0.09, 0.5], nan_ok=True)
 
 
 @settings(max_examples=50, deadline=None)

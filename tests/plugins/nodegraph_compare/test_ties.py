@@ -44,23 +44,23 @@ def test_a_table_of_methods_that_rounding_tells_apart_is_that_of_equal_ones(
     noise: float, test: Any, baseline: str
 ) -> None:
     for better in ("lower", "higher"):
-        made, peer = (
-            table(study(one), baseline=baseline, test=test, better=better).table
-            for one in (noise, 0.0)
+        result, peer = (
+            table(study(noise), baseline=baseline, test=test, better=better).table
+            for noise in (noise, 0.0)
         )
-        assert_frame_equal(made, peer, check_exact=True)
-        assert info_of(made) == info_of(peer)
+        assert_frame_equal(result, peer, check_exact=True)
+        assert info_of(result) == info_of(peer)
 
 
 @pytest.mark.parametrize("noise", [0.0, *NOISE])
 @pytest.mark.parametrize("names", ["abcd", "cbad"])
 def test_methods_that_rounding_tells_apart_share_what_is_best(noise: float, names: str) -> None:
-    made = table(study(noise, names=names), baseline="c").table
-    first = ", ".join(one for one in names if one in "ab")
-    assert info_of(made).answer[0].startswith(f"{first} share the lowest mean rmse (")
-    assert info_of(made).answer[0].endswith("every other method is clearly behind.")
-    assert info_of(made).best == {"mean": (0, 1)}
-    first_two = made.set_index("fill").loc[["a", "b"]].to_numpy()
+    frame = table(study(noise, names=names), baseline="c").table
+    first = ", ".join(value for value in names if value in "ab")
+    assert info_of(frame).answer[0].startswith(f"{first} share the lowest mean rmse (")
+    assert info_of(frame).answer[0].endswith("every other method is clearly behind.")
+    assert info_of(frame).best == {"mean": (0, 1)}
+    first_two = frame.set_index("fill").loc[["a", "b"]].to_numpy()
     assert np.array_equal(first_two[0], first_two[1])
     against = table(study(noise, names=names), baseline="a").table.set_index("fill")
     columns = ["difference", "difference low", "difference high", "p", "better in"]
@@ -71,12 +71,12 @@ def test_methods_that_rounding_tells_apart_share_what_is_best(noise: float, name
 @pytest.mark.parametrize("test", ["nemenyi", "wilcoxon_holm"])
 @pytest.mark.parametrize("names", ["abcd", "cbad"])
 def test_methods_that_rounding_tells_apart_rank_alike(noise: float, test: Any, names: str) -> None:
-    made, peer = (ranks(study(one, names=names), test=test) for one in (noise, 0.0))
-    assert made.table["mean rank"].tolist() == [1.5, 1.5, 3.0, 4.0]
-    assert made.table["fill"].tolist() == peer.table["fill"].tolist()
-    assert_frame_equal(made.pairs, peer.pairs, check_exact=True)
-    assert_frame_equal(made.overall, peer.overall, check_exact=True)
-    assert info_of(made.table).answer == info_of(peer.table).answer
+    result, peer = (ranks(study(noise, names=names), test=test) for noise in (noise, 0.0))
+    assert result.table["mean rank"].tolist() == [1.5, 1.5, 3.0, 4.0]
+    assert result.table["fill"].tolist() == peer.table["fill"].tolist()
+    assert_frame_equal(result.pairs, peer.pairs, check_exact=True)
+    assert_frame_equal(result.overall, peer.overall, check_exact=True)
+    assert info_of(result.table).answer == info_of(peer.table).answer
 
 
 @pytest.mark.parametrize("noise", NOISE)
@@ -89,39 +89,39 @@ def test_rounding_wins_nothing_and_explains_nothing(noise: float) -> None:
         else (at, frame)
         for at, frame in entries
     ]
-    made, peer = (
-        importance(Across(("trial", "fill"), tuple(one)), factors=("trial", "fill")).table
-        for one in (uneven, entries)
+    result, peer = (
+        importance(Across(("trial", "fill"), tuple(entry)), factors=("trial", "fill")).table
+        for entry in (uneven, entries)
     )
-    assert_frame_equal(made, peer, check_exact=True)
-    assert made.set_index("source").loc["trial", "winner changes"] == 0.0
-    assert made["variance"].tolist()[2] == 0.0
+    assert_frame_equal(result, peer, check_exact=True)
+    assert result.set_index("source").loc["trial", "winner changes"] == 0.0
+    assert result["variance"].tolist()[2] == 0.0
 
 
 def test_no_share_of_nothing() -> None:
     tables = {
-        name: pd.DataFrame({"gap": range(3), "rmse": one})
-        for name, one in {"a": [0.3, 0.3, 0.1 + 0.2], "b": [0.1 + 0.2, 0.3, 0.3]}.items()
+        name: pd.DataFrame({"gap": range(3), "rmse": number})
+        for name, number in {"a": [0.3, 0.3, 0.1 + 0.2], "b": [0.1 + 0.2, 0.3, 0.3]}.items()
     }
-    told = info_of(importance(Across.of(tables, axis="fill")).table).answer
-    assert told == ("rmse is the same in all combinations; nothing is to be explained.",)
+    sentences = info_of(importance(Across.of(tables, axis="fill")).table).answer
+    assert sentences == ("rmse is the same in all combinations; nothing is to be explained.",)
 
 
 def test_methods_that_rounding_tells_apart_agree() -> None:
-    made = agreement(study(1e-15)).table
-    assert made[["first", "second"]].to_numpy()[0].tolist() == ["a", "b"]
-    assert made[["bias", "sd", "lower", "upper", "slope"]].to_numpy()[0].tolist() == [0] * 5
-    told = info_of(agreement(study(0.0)).table).answer
-    assert not any("changes with the value" in one for one in told)
+    frame = agreement(study(1e-15)).table
+    assert frame[["first", "second"]].to_numpy()[0].tolist() == ["a", "b"]
+    assert frame[["bias", "sd", "lower", "upper", "slope"]].to_numpy()[0].tolist() == [0] * 5
+    sentences = info_of(agreement(study(0.0)).table).answer
+    assert not any("changes with the value" in value for value in sentences)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_is_a_millionth_apart_counts(sign: int) -> None:
-    made = ranks(study(sign * 1e-6))
-    assert made.table["mean rank"].tolist() == [1.0, 2.0, 3.0, 4.0]
+    result = ranks(study(sign * 1e-6))
+    assert result.table["mean rank"].tolist() == [1.0, 2.0, 3.0, 4.0]
     first = "b" if sign < 0 else "a"
-    (told,) = info_of(table(study(sign * 1e-6)).table).answer
-    assert told.startswith(f"{first} has the lowest mean rmse")
+    (sentence,) = info_of(table(study(sign * 1e-6)).table).answer
+    assert sentence.startswith(f"{first} has the lowest mean rmse")
 
 
 def sweep(*values: float) -> Any:
@@ -133,10 +133,10 @@ def sweep(*values: float) -> Any:
 def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -> None:
     level = Across.of({"ME": pd.DataFrame({"mse": [0.3 * (1 - noise)]})}, axis="actor")
     values = (0.9, 0.5 * (1 + noise), 0.5, 0.5, 0.3 * (1 + noise), 0.4)
-    made = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
-    assert made["local minimum"].tolist() == [False] * 4 + [True, False]
-    assert made["below floor"].tolist() == [False] * 4 + [True, False]
-    assert "at or below it, first at markers 4." in info_of(made).answer[-1]
+    frame = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
+    assert frame["local minimum"].tolist() == [False] * 4 + [True, False]
+    assert frame["below floor"].tolist() == [False] * 4 + [True, False]
+    assert "at or below it, first at markers 4." in info_of(frame).answer[-1]
     flat = curve(
         sweep(0.3, 0.2 * (1 + noise), 0.1), x="markers", metric="mse", mark="minimum"
     ).table
@@ -144,8 +144,8 @@ def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -
 
 
 def test_errors_of_rounding_alone_are_one_beside_others() -> None:
-    made = curve(sweep(30.0, 1.0, 2e-31, 0.0, 5e-31, 1e-30), x="markers", metric="mse").table
-    assert not made["local minimum"].any()
+    frame = curve(sweep(30.0, 1.0, 2e-31, 0.0, 5e-31, 1e-30), x="markers", metric="mse").table
+    assert not frame["local minimum"].any()
 
 
 def test_equal_numbers_become_the_first_and_others_stay_as_they_are() -> None:
@@ -180,10 +180,10 @@ def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.Da
     """Also on numbers on which a grid would have its borders."""
     eps = data.draw(arrays(np.float64, values.shape, elements=st.sampled_from([-1e-12, 0, 1e-12])))
     twice = np.concatenate([values, values * (1 + eps)], axis=1)
-    made = tied(twice)
+    result = tied(twice)
     count = values.shape[1]
-    assert np.array_equal(made[:, :count], made[:, count:])
-    assert np.abs(made - twice).max() <= ROUNDING * 1e3
+    assert np.array_equal(result[:, :count], result[:, count:])
+    assert np.abs(result - twice).max() <= ROUNDING * 1e3
 
 
 @given(
@@ -193,10 +193,10 @@ def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.Da
 )
 @settings(deadline=None)
 def test_many_close_values_do_not_run_into_one(values: Any) -> None:
-    made = settled(values, values)
-    assert np.abs(made - values).max() <= 1.01 * ROUNDING
+    result = settled(values, values)
+    assert np.abs(result - values).max() <= 1.01 * ROUNDING
     order = np.argsort(values, kind="stable")
-    assert (np.diff(made[order])[np.diff(values[order]) == 0] == 0).all()
+    assert (np.diff(result[order])[np.diff(values[order]) == 0] == 0).all()
 
 
 def test_a_set_of_values_is_settled_alike_whole_and_in_parts(
@@ -210,18 +210,18 @@ def test_a_set_of_values_is_settled_alike_whole_and_in_parts(
 
 def test_equal_differences_have_one_size() -> None:
     first, second = np.array([0.3, 0.2, 0.6, 1.0, 2.0]), np.array([0.2, 0.1, 0.7, 1 + 1e-13, 2.1])
-    found = apart(first, second)
-    assert len(set(np.abs(found))) == 2
-    assert np.sign(found).tolist() == [1, 1, -1, 0, -1]
-    assert found == pytest.approx(first - second, abs=1e-12)
+    differences = apart(first, second)
+    assert len(set(np.abs(differences))) == 2
+    assert np.sign(differences).tolist() == [1, 1, -1, 0, -1]
+    assert differences == pytest.approx(first - second, abs=1e-12)
 
 
 def test_differences_are_measured_by_what_they_are_differences_of() -> None:
     # 1e-5 beside a thousand is no rounding; beside it, the differences of small values count too
     first = np.array([1000.0, 1e-3, 5.0])
-    found = apart(first, first - np.array([1e-5, 1e-9, 1e-7]))
-    assert (found > 0).all()
-    assert len(set(found)) == 3
+    differences = apart(first, first - np.array([1e-5, 1e-9, 1e-7]))
+    assert (differences > 0).all()
+    assert len(set(differences)) == 3
 
 
 def test_constants_do_not_differ_and_a_level_is_reached_up_to_rounding() -> None:

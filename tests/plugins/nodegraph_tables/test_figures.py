@@ -16,17 +16,17 @@ from nodegraph_tables.figures import StoredFigure, draw, render_figure, store_fi
 
 @pytest.fixture
 def figure() -> Figure:
-    made = Figure(figsize=(3, 2))
-    axes = made.subplots()
+    drawing = Figure(figsize=(3, 2))
+    axes = drawing.subplots()
     axes.plot([1, 2], [3, 5], marker="o", label='a > id="x"')
     axes.fill_between([1, 2], [3, 5], hatch="/")
     axes.set_title("<b> url(#q)")
     axes.legend()
-    return made
+    return drawing
 
 
 def ids(html: str) -> set[str]:
-    return {found.get("id", "") for found in drawing(html).iter()} - {""}
+    return {element.get("id", "") for element in drawing(html).iter()} - {""}
 
 
 def drawing(html: str) -> ET.Element:
@@ -67,7 +67,9 @@ def test_every_reference_of_a_drawing_has_its_target(figure: Figure) -> None:
 
 
 def test_texts_of_a_drawing_stay_as_they_are(figure: Figure) -> None:
-    texts = {"".join(one.itertext()) for one in drawing(render_figure(figure, "t").html).iter()}
+    texts = {
+        "".join(element.itertext()) for element in drawing(render_figure(figure, "t").html).iter()
+    }
     assert {'a > id="x"', "<b> url(#q)"} <= texts
 
 
@@ -116,9 +118,9 @@ def test_what_is_no_formula_is_drawn_as_text_and_told(place: str) -> None:
 
 
 def test_it_is_told_once_for_the_same_text() -> None:
-    with pytest.warns(UserWarning, match="formula") as told:
+    with pytest.warns(UserWarning, match="formula") as caught:
         render_figure(labelled(title=BROKEN, legend=BROKEN), "t")
-    assert [str(one.message).count("frac") for one in told] == [1]
+    assert [str(warning.message).count("frac") for warning in caught] == [1]
 
 
 def test_one_line_of_a_text_may_be_broken() -> None:

@@ -85,9 +85,9 @@ def test_a_cell_is_shown_with_the_digits_that_count(value: Any, text: str) -> No
 
 
 def test_what_came_from_users_is_escaped_everywhere() -> None:
-    made = table(**{UGLY: [UGLY]})
-    made = with_info(made, TableInfo(title=UGLY, notes=(UGLY,), units={UGLY: "<mm>"}))
-    rendered = render_table(made, "unused")
+    frame = table(**{UGLY: [UGLY]})
+    frame = with_info(frame, TableInfo(title=UGLY, notes=(UGLY,), units={UGLY: "<mm>"}))
+    rendered = render_table(frame, "unused")
     page = Page(rendered.html)
     assert page.rows == [[f"{UGLY} [<mm>]"], [UGLY]]
     assert not page.open
@@ -103,9 +103,9 @@ def test_what_came_from_users_is_escaped_everywhere() -> None:
 
 
 def test_numbers_stand_right_and_have_their_unit() -> None:
-    made = table(method=["a", "bb"], rmse=[1.23456, 22.0], count=[1, 20])
-    made = with_info(made, TableInfo(units={"rmse": "mm"}))
-    rendered = render_table(made, "Errors")
+    frame = table(method=["a", "bb"], rmse=[1.23456, 22.0], count=[1, 20])
+    frame = with_info(frame, TableInfo(units={"rmse": "mm"}))
+    rendered = render_table(frame, "Errors")
     page = Page(rendered.html)
     assert page.rows == [
         ["method", "rmse [mm]", "count"], ["a", "1.23", "1"], ["bb", "22.00", "20"],
@@ -123,10 +123,10 @@ def test_numbers_stand_right_and_have_their_unit() -> None:
 
 
 def test_the_star_of_the_best_is_explained_where_there_is_one() -> None:
-    made = table(fill=["a", "b"], mean=[0.5, 1.5])
-    assert "*" not in render_table(made, "t").text
-    made = with_info(made, TableInfo(best={"mean": (0,)}))
-    assert render_table(made, "t").text.splitlines()[1:] == [
+    frame = table(fill=["a", "b"], mean=[0.5, 1.5])
+    assert "*" not in render_table(frame, "t").text
+    frame = with_info(frame, TableInfo(best={"mean": (0,)}))
+    assert render_table(frame, "t").text.splitlines()[1:] == [
         "a     0.500*",
         "b      1.500",
         "* the best of its group",
@@ -134,8 +134,8 @@ def test_the_star_of_the_best_is_explained_where_there_is_one() -> None:
 
 
 def test_the_csv_file_has_every_digit() -> None:
-    made = table(name=["a,b", "c\nd"], value=[0.1 + 0.2, float("nan")], whole=[1, 2])
-    text = render_table(made, "t").files[".csv"].decode()
+    frame = table(name=["a,b", "c\nd"], value=[0.1 + 0.2, float("nan")], whole=[1, 2])
+    text = render_table(frame, "t").files[".csv"].decode()
     assert list(csv.reader(StringIO(text))) == [
         ["name", "value", "whole"],
         ["a,b", "0.30000000000000004", "1"],
@@ -144,9 +144,9 @@ def test_the_csv_file_has_every_digit() -> None:
 
 
 def test_notes_follow() -> None:
-    made = table(a=[1])
-    made = with_info(made, TableInfo(notes=("one", "two")))
-    rendered = render_table(made, "t")
+    frame = table(a=[1])
+    frame = with_info(frame, TableInfo(notes=("one", "two")))
+    rendered = render_table(frame, "t")
     assert rendered.html.endswith("<li>one</li><li>two</li></ul>")
     assert rendered.text.endswith("\none\ntwo")
 
@@ -167,9 +167,9 @@ def test_an_empty_table_is_shown_as_one() -> None:
 
 
 def test_names_of_rows_become_columns() -> None:
-    made = table(a=[1, 2]).set_index(pd.Index(["x", "y"], name="method"))
-    made = with_info(made, TableInfo(title="Kept"))
-    rendered = render_table(made, "t")
+    frame = table(a=[1, 2]).set_index(pd.Index(["x", "y"], name="method"))
+    frame = with_info(frame, TableInfo(title="Kept"))
+    rendered = render_table(frame, "t")
     assert Page(rendered.html).rows == [["method", "a"], ["x", "1"], ["y", "2"]]
     assert rendered.files[".csv"] == b"method,a\nx,1\ny,2\n"
     assert "Kept" in rendered.html
@@ -191,20 +191,20 @@ def test_an_interval_and_a_p_stand_in_the_cell_of_their_mean_and_the_best_is_mar
     )
     cells: dict[str, dict[Part, str]] = {"x": {"low": "x low", "high": "x high", "p": "x p"}}
     table = with_info(table, TableInfo(best={"x": (0,)}, cells=cells))
-    made = render_table(table, "t")
-    assert "<strong>0.500</strong> <br><small>[0.250, 0.750] \N{DAGGER}</small>" in made.html
-    assert '<td class="number" data-within=",,0.5">2.000</td>' in made.html
-    assert 'data-value="0.5" data-within="0.25,0.75,0.01"' in made.html
-    assert made.text.splitlines()[1].split() == [
+    rendered = render_table(table, "t")
+    assert "<strong>0.500</strong> <br><small>[0.250, 0.750] \N{DAGGER}</small>" in rendered.html
+    assert '<td class="number" data-within=",,0.5">2.000</td>' in rendered.html
+    assert 'data-value="0.5" data-within="0.25,0.75,0.01"' in rendered.html
+    assert rendered.text.splitlines()[1].split() == [
         "a",
         "0.500",
         "[0.250,",
         "0.750]",
         "\N{DAGGER}*",
     ]
-    assert r"\textbf{0.500} {[}0.250, 0.750] \textdagger{}" in made.files[".tex"].decode()
-    assert "x low" not in re.sub(r'data-names="[^"]*"', "", made.html)
-    assert made.files[".csv"].decode().splitlines()[:2] == [
+    assert r"\textbf{0.500} {[}0.250, 0.750] \textdagger{}" in rendered.files[".tex"].decode()
+    assert "x low" not in re.sub(r'data-names="[^"]*"', "", rendered.html)
+    assert rendered.files[".csv"].decode().splitlines()[:2] == [
         "marker,x,x low,x high,x p",
         "a,0.5,0.25,0.75,0.01",
     ]
@@ -220,7 +220,7 @@ def test_the_points_of_a_column_meet_and_tiny_numbers_have_a_power_of_ten() -> N
     table = pd.DataFrame(
         {"small": [0.0359, 1.134, 0.0], "wide": [213.0, 30.0, 3.5e-31], "whole": [2.0, 5.0, 1e5]}
     )
-    columns = {one.name: [str(cell) for cell in one.cells] for one in columns_of(table)}
+    columns = {column.name: [str(cell) for cell in column.cells] for column in columns_of(table)}
     assert columns == {
         "small": ["0.0359", "1.1340", "0"],
         "wide": ["213.0", "30.0", "3.50e-31"],

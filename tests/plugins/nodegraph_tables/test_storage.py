@@ -30,21 +30,21 @@ def packer() -> Packer:
 
 @pytest.fixture
 def figure() -> Figure:
-    made = Figure(figsize=(3, 2))
-    axes = made.subplots()
+    drawing = Figure(figsize=(3, 2))
+    axes = drawing.subplots()
     axes.plot([1, 2], [3, 5], marker="o", label="a")
     axes.fill_between([1, 2], [3, 5], hatch="/")
     axes.legend()
-    return made
+    return drawing
 
 
 def there_and_back(value: Any, packer: Packer) -> Any:
     packed = packer.pack(value)
-    return packer.unpack(packed.head, [bytes(one) for one in packed.buffers])
+    return packer.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
 
 
 def test_the_hook_gives_them() -> None:
-    kinds = [one.type.__name__ for one in nodegraph_tables.nodegraph_storages()]
+    kinds = [storage.type.__name__ for storage in nodegraph_tables.nodegraph_storages()]
     assert kinds == ["Table", "Figure"]
 
 
@@ -72,7 +72,7 @@ def test_a_damaged_record_is_not_read(packer: Packer) -> None:
     packed = packer.pack(with_info(pd.DataFrame({"a": [1.5]}), TableInfo(better={"a": "lower"})))
     head = packed.head.replace('"lower"', '"louder"')
     with pytest.raises(Unreadable, match=r"better\.a"):
-        packer.unpack(head, [bytes(one) for one in packed.buffers])
+        packer.unpack(head, [bytes(buffer) for buffer in packed.buffers])
 
 
 def test_a_table_of_what_nobody_can_keep_is_refused(packer: Packer) -> None:
@@ -155,10 +155,10 @@ def test_asking_for_storages_imports_no_heavy_library() -> None:
         "packer.pack(1.5), packer.lend((1,))\n"
         "sys.exit(len({'pandas', 'matplotlib'} & set(sys.modules)))"
     )
-    done = subprocess.run(
+    ended = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False
     )
-    assert done.returncode == 0, done.stderr
+    assert ended.returncode == 0, ended.stderr
 
 
 RNG = np.random.default_rng(3)
@@ -249,9 +249,9 @@ def test_a_table_comes_back_exactly(name: str) -> None:
     assert back.index.names == table.index.names
     assert back.attrs == table.attrs
     for place in range(table.shape[1]):
-        one, other = table.iloc[:, place], back.iloc[:, place]
-        assert one.dtype == other.dtype
-        assert list(map(type, one)) == list(map(type, other))
+        value, other = table.iloc[:, place], back.iloc[:, place]
+        assert value.dtype == other.dtype
+        assert list(map(type, value)) == list(map(type, other))
 
 
 def test_bits_of_numbers_are_kept() -> None:
@@ -282,7 +282,7 @@ class Special(pd.DataFrame):
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "message"),
     [
         (pd.DataFrame({"x": pd.to_datetime(["2020-01-01"]).tz_localize("UTC")}), "'x'.*UTC"),
         (pd.DataFrame({"x": pd.period_range("2020", periods=2)}), "'x'.*period"),
@@ -293,8 +293,8 @@ class Special(pd.DataFrame):
         (Special({"x": [1]}), "Special is more"),
     ],
 )
-def test_what_would_not_come_back_exactly_is_refused(table: pd.DataFrame, told: str) -> None:
-    with pytest.raises(TypeError, match=told):
+def test_what_would_not_come_back_exactly_is_refused(table: pd.DataFrame, message: str) -> None:
+    with pytest.raises(TypeError, match=message):
         take_apart(table)
 
 

@@ -6,7 +6,7 @@ import io
 from xml.etree import ElementTree as ET
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -41,9 +41,12 @@ def drawn(text: str) -> list[str]:
     with rc_context({"svg.fonttype": "none"}):
         figure.savefig(file, format="svg")
     root = ET.fromstring(file.getvalue())
-    return ["".join(one.itertext()) for one in root.iter("{http://www.w3.org/2000/svg}text")]
+    return [
+        "".join(element.itertext()) for element in root.iter("{http://www.w3.org/2000/svg}text")
+    ]
 
 
+@settings(deadline=None)
 @given(PRINTABLE)
 @example(r"$\frac$")
 @example("$x_1$")
@@ -53,9 +56,9 @@ def drawn(text: str) -> list[str]:
 @example("_$_")
 def test_every_name_stands_in_title_and_legend_as_it_is(name: str) -> None:
     shown = " ".join(name.split())
-    assert [one.replace("\u200b", "") for one in drawn(figure_text(name))] == [shown] * 2 * bool(
+    assert [figure.replace("\u200b", "") for figure in drawn(figure_text(name))] == [
         shown
-    )
+    ] * 2 * bool(shown)
 
 
 def test_white_space_and_line_ends_are_one_space() -> None:
@@ -103,7 +106,7 @@ def test_lines_end_between_words() -> None:
 def test_there_are_never_more_nor_longer_lines(name: str, across: int, lines: int) -> None:
     broken = figure_text(name, across=across, lines=lines).replace("\u200b", "").split("\n")
     assert len(broken) <= lines
-    assert max(map(len, (one.replace(r"\$", "$") for one in broken))) <= across
+    assert max(map(len, (line.replace(r"\$", "$") for line in broken))) <= across
 
 
 def test_nothing_stays_nothing() -> None:

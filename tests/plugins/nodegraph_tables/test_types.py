@@ -20,8 +20,8 @@ def test_the_names_recognise_what_they_stand_for() -> None:
 
 
 def test_the_names_recognise_nothing_else() -> None:
-    others: tuple[object, ...] = (pd.Series(dtype=float), Drawn(), {}, None)
-    for other in others:
+    rest: tuple[object, ...] = (pd.Series(dtype=float), Drawn(), {}, None)
+    for other in rest:
         assert not isinstance(other, Table)
     assert not isinstance(pd.DataFrame(), Figure)
     assert not issubclass(Figure, Table)
@@ -34,7 +34,7 @@ def test_asking_imports_nothing_slow() -> None:
         "slow = {'pandas', 'matplotlib', 'scipy', 'ezc3d', 'numba', 'yaml', 'sklearn'};"
         "print(sorted(slow & set(sys.modules)))"
     )
-    done = subprocess.run(
+    ended = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
-    assert done.stdout == "[]\n"
+    assert ended.stdout == "[]\n"

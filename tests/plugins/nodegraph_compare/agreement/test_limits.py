@@ -10,33 +10,33 @@ STUDIES = 1000
 
 
 def test_bias_and_limits_by_hand() -> None:
-    found = limits(np.array([1.0, 2.0, 4.0]), np.array([0.0, 2.0, 1.0]))
+    result = limits(np.array([1.0, 2.0, 4.0]), np.array([0.0, 2.0, 1.0]))
     sd = np.std([1, 0, 3], ddof=1)
-    assert found.bias == pytest.approx(4 / 3)
-    assert found.lower == pytest.approx(4 / 3 - 1.959964 * sd)
-    assert found.upper == pytest.approx(4 / 3 + 1.959964 * sd)
-    assert found.middle.tolist() == [0.5, 2.0, 2.5]
-    assert found.of_bias == pytest.approx(t.interval(0.95, 2, 4 / 3, sd / np.sqrt(3)))
+    assert result.bias == pytest.approx(4 / 3)
+    assert result.lower == pytest.approx(4 / 3 - 1.959964 * sd)
+    assert result.upper == pytest.approx(4 / 3 + 1.959964 * sd)
+    assert result.middle.tolist() == [0.5, 2.0, 2.5]
+    assert result.of_bias == pytest.approx(t.interval(0.95, 2, 4 / 3, sd / np.sqrt(3)))
 
 
 def test_the_slope_is_that_of_scipy() -> None:
     random = np.random.default_rng(0)
     truth = random.uniform(1, 10, size=40)
     first, second = truth * 1.1 + random.normal(size=40), truth + random.normal(size=40)
-    found = limits(first, second)
+    result = limits(first, second)
     peer = linregress((first + second) / 2, first - second)
     reach = t.ppf(0.975, 38) * peer.stderr
-    assert found.slope == pytest.approx(peer.slope)
-    assert found.of_slope == pytest.approx((peer.slope - reach, peer.slope + reach))
+    assert result.slope == pytest.approx(peer.slope)
+    assert result.of_slope == pytest.approx((peer.slope - reach, peer.slope + reach))
 
 
 def test_the_ends_of_a_limits_interval_are_passed_as_rarely_as_they_say() -> None:
     random = np.random.default_rng(0)
     differences = random.normal(size=(30, 200_000))
     mean, sd = differences.mean(axis=0), differences.std(axis=0, ddof=1)
-    found = limits(differences[:, 0], np.zeros(30))
-    for end, share in zip(found.of_upper, (0.975, 0.025), strict=True):
-        factor = (end - found.bias) / found.sd
+    result = limits(differences[:, 0], np.zeros(30))
+    for end, share in zip(result.of_upper, (0.975, 0.025), strict=True):
+        factor = (end - result.bias) / result.sd
         assert np.mean(mean + factor * sd < REACH) == pytest.approx(share, abs=0.003)
 
 
@@ -46,29 +46,29 @@ def test_intervals_cover_as_often_as_they_say(blocks: int) -> None:
     covered = np.zeros(3)
     for _ in range(STUDIES):
         truth = random.lognormal(size=blocks)
-        found = limits(truth + random.normal(0.3, 1.2, size=blocks), truth)
-        ends = (found.of_bias, found.of_lower, found.of_upper)
+        result = limits(truth + random.normal(0.3, 1.2, size=blocks), truth)
+        ends = (result.of_bias, result.of_lower, result.of_upper)
         true = (0.3, 0.3 - REACH * 1.2, 0.3 + REACH * 1.2)
-        covered += [low <= one <= high for one, (low, high) in zip(true, ends, strict=True)]
+        covered += [low <= value <= high for value, (low, high) in zip(true, ends, strict=True)]
     assert (covered / STUDIES > 0.93).all()
     assert (covered / STUDIES < 0.97).all()
 
 
 def test_equal_methods_agree_exactly() -> None:
     values = np.array([1.0, 2.0, 3.0])
-    found = limits(values, values)
-    assert (found.bias, found.sd, found.lower, found.slope) == (0, 0, 0, 0)
-    assert found.of_upper == (0, 0)
+    result = limits(values, values)
+    assert (result.bias, result.sd, result.lower, result.slope) == (0, 0, 0, 0)
+    assert result.of_upper == (0, 0)
 
 
 @pytest.mark.parametrize("blocks", [0, 1, 2])
 def test_few_blocks(blocks: int) -> None:
     values = np.arange(float(blocks))
-    found = limits(values, 2 * values)
-    assert np.isnan(found.bias) == (blocks == 0)
-    assert np.isnan(found.sd) == (blocks < 2)
-    assert np.isnan(found.of_bias[0]) == (blocks < 2)
-    assert np.isnan(found.of_slope[0])
+    result = limits(values, 2 * values)
+    assert np.isnan(result.bias) == (blocks == 0)
+    assert np.isnan(result.sd) == (blocks < 2)
+    assert np.isnan(result.of_bias[0]) == (blocks < 2)
+    assert np.isnan(result.of_slope[0])
 
 
 def test_a_constant_has_no_slope() -> None:
@@ -77,6 +77,6 @@ def test_a_constant_has_no_slope() -> None:
 
 def test_ten_thousand_blocks_have_intervals() -> None:
     random = np.random.default_rng(0)
-    found = limits(random.normal(size=10_000), np.zeros(10_000))
-    assert found.of_upper[0] < found.upper < found.of_upper[1]
-    assert found.of_upper[1] - found.of_upper[0] < 0.08
+    result = limits(random.normal(size=10_000), np.zeros(10_000))
+    assert result.of_upper[0] < result.upper < result.of_upper[1]
+    assert result.of_upper[1] - result.of_upper[0] < 0.08

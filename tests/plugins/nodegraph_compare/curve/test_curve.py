@@ -17,16 +17,16 @@ VALLEY = {5: 0.9, 15: 0.5, 25: 0.2, 35: 0.1, 45: 0.3, 55: 0.25}
 SLOPE = {5: 0.9, 15: 0.5, 25: 0.2, 35: 0.1, 45: 0.09, 55: 0.08}
 
 
-def one(markers: float, mse: float) -> pd.DataFrame:
-    made = pd.DataFrame({"markers": [markers], "mse": [mse]})
-    made = with_info(made, TableInfo(units={"mse": "1"}))
-    return made
+def point(markers: float, mse: float) -> pd.DataFrame:
+    frame = pd.DataFrame({"markers": [markers], "mse": [mse]})
+    frame = with_info(frame, TableInfo(units={"mse": "1"}))
+    return frame
 
 
 def swept(**actors: dict[Any, float]) -> Any:
     """One table for each actor and k; k is five less than the number of markers."""
     entries: list[Any] = [
-        ({"actor": actor, "k": markers - 5}, one(markers, mse))
+        ({"actor": actor, "k": markers - 5}, point(markers, mse))
         for actor, values in actors.items()
         for markers, mse in values.items()
     ]
@@ -34,46 +34,48 @@ def swept(**actors: dict[Any, float]) -> Any:
 
 
 def drawn(scores: Any, floor: Any = None, **settings: Any) -> Curve:
-    given = {"x": "markers", "metric": "mse", "compare": "actor", **settings}
-    return curve(scores, floor, **given)
+    chosen = {"x": "markers", "metric": "mse", "compare": "actor", **settings}
+    return curve(scores, floor, **chosen)
 
 
-def best(made: Curve) -> pd.DataFrame:
-    return made.table[made.table["marked"] != ""]
+def best(result: Curve) -> pd.DataFrame:
+    return result.table[result.table["marked"] != ""]
 
 
 def floor(**levels: list[float]) -> Any:
     return Across.of(
-        {name: pd.DataFrame({"mse": one}) for name, one in levels.items()}, axis="actor"
+        {name: pd.DataFrame({"mse": axis}) for name, axis in levels.items()}, axis="actor"
     )
 
 
 def test_a_row_per_point_in_the_order_of_labels_and_of_x() -> None:
-    made = drawn(swept(ME=VALLEY, JZ=dict(reversed(SLOPE.items())))).table
-    assert list(made.columns) == [
+    frame = drawn(swept(ME=VALLEY, JZ=dict(reversed(SLOPE.items())))).table
+    assert list(frame.columns) == [
         "actor", "k", "markers", "mse", "rows", "on curve", "local minimum", "marked",
     ]  # fmt: skip
-    assert made["actor"].tolist() == ["ME"] * 6 + ["JZ"] * 6
-    assert made["markers"].tolist() == [*VALLEY, *SLOPE]
-    assert made["markers"].dtype == np.int64
-    assert made["mse"].tolist() == [*VALLEY.values(), *SLOPE.values()]
-    assert made["k"].tolist() == [markers - 5 for markers in (*VALLEY, *SLOPE)]
-    assert made.loc[made["local minimum"], ["actor", "markers"]].to_numpy().tolist() == [["ME", 35]]
-    assert (made["marked"] == "").all()
-    assert made["on curve"].all()
-    assert info_of(made).title == "mse over markers by actor"
-    assert info_of(made).units == {"mse": "1"}
+    assert frame["actor"].tolist() == ["ME"] * 6 + ["JZ"] * 6
+    assert frame["markers"].tolist() == [*VALLEY, *SLOPE]
+    assert frame["markers"].dtype == np.int64
+    assert frame["mse"].tolist() == [*VALLEY.values(), *SLOPE.values()]
+    assert frame["k"].tolist() == [markers - 5 for markers in (*VALLEY, *SLOPE)]
+    assert frame.loc[frame["local minimum"], ["actor", "markers"]].to_numpy().tolist() == [
+        ["ME", 35]
+    ]
+    assert (frame["marked"] == "").all()
+    assert frame["on curve"].all()
+    assert info_of(frame).title == "mse over markers by actor"
+    assert info_of(frame).units == {"mse": "1"}
 
 
 def test_the_curve_takes_the_lowest_of_several_points_at_one_x() -> None:
     entries: list[Any] = [
-        ({"actor": "ME", "k": k}, one(markers, mse))
+        ({"actor": "ME", "k": k}, point(markers, mse))
         for k, markers, mse in [(5, 9, 0.5), (10, 9, 0.4), (15, 9, 0.4), (20, 11, 0.1)]
     ]
-    made = drawn(Across(("actor", "k"), tuple(entries))).table
-    assert made["markers"].tolist() == [9, 9, 9, 11]
-    assert made["k"].tolist() == [10, 15, 5, 20]
-    assert made["on curve"].tolist() == [True, False, False, True]
+    frame = drawn(Across(("actor", "k"), tuple(entries))).table
+    assert frame["markers"].tolist() == [9, 9, 9, 11]
+    assert frame["k"].tolist() == [10, 15, 5, 20]
+    assert frame["on curve"].tolist() == [True, False, False, True]
     mean = drawn(Across(("actor", "k"), tuple(entries)), lowest=False).table
     assert mean["mse"].tolist() == pytest.approx([1.3 / 3, 0.1])
     assert mean["rows"].tolist() == [3, 1]
@@ -89,79 +91,79 @@ def test_repeats_are_averaged_with_an_interval_over_blocks() -> None:
         for place in range(2)
     ]
     scores = Across(("trial", "length"), tuple(entries))
-    made = curve(scores, x="length", blocks=("trial",), seed=3).table
-    assert made["length"].tolist() == [0, 10]
-    assert made["blocks"].tolist() == [8, 8]
-    for place, row in enumerate(made.to_dict("records")):
+    frame = curve(scores, x="length", blocks=("trial",), seed=3).table
+    assert frame["length"].tolist() == [0, 10]
+    assert frame["blocks"].tolist() == [8, 8]
+    for place, row in enumerate(frame.to_dict("records")):
         means = rmse[:, place].mean(axis=1)
         low, high = Bootstrap(3).interval(means[:, np.newaxis])
         assert row["rmse"] == pytest.approx(means.mean())
         assert [row["low"], row["high"]] == pytest.approx([low[0], high[0]])
-    assert "bootstrap" in info_of(made).notes[0]
+    assert "bootstrap" in info_of(frame).notes[0]
 
 
 def test_of_repeats_the_lowest_is_that_of_their_means() -> None:
     errors = {("a", 0): 1.0, ("a", 1): 5.0, ("b", 0): 2.0, ("b", 1): 2.0}
     entries: list[Any] = [
-        ({"search": search, "trial": trial, "actor": "ME"}, one(9, mse))
+        ({"search": search, "trial": trial, "actor": "ME"}, point(9, mse))
         for (search, trial), mse in errors.items()
     ]
     scores = Across(("search", "trial", "actor"), tuple(entries))
-    made = curve(scores, x="markers", metric="mse", blocks=("trial",)).table
-    assert made[["search", "mse", "on curve"]].to_numpy().tolist() == [
+    frame = curve(scores, x="markers", metric="mse", blocks=("trial",)).table
+    assert frame[["search", "mse", "on curve"]].to_numpy().tolist() == [
         ["b", 2.0, True], ["a", 3.0, False],
     ]  # fmt: skip
 
 
 def test_a_shared_minimum_is_named_and_marked_on_every_curve() -> None:
     near = {**VALLEY, 35: 0.15, 37: 0.1}
-    made = drawn(swept(ME=VALLEY, MB=near, JZ=VALLEY), mark="shared")
-    assert best(made)[["actor", "k", "markers", "marked"]].to_numpy().tolist() == [
+    result = drawn(swept(ME=VALLEY, MB=near, JZ=VALLEY), mark="shared")
+    assert best(result)[["actor", "k", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 30, 35, "shared"], ["MB", 32, 37, "shared"], ["JZ", 30, 35, "shared"],
     ]  # fmt: skip
-    told = info_of(made.table).answer[0]
-    assert told.startswith("All 3 curves have a local minimum within 2 of markers 35, ")
-    assert "MB at 37 (mse 0.1 1)" in told
-    assert made.figure.axes[0].get_title() == "minimum shared at 35 markers"
+    sentence = info_of(result.table).answer[0]
+    assert sentence.startswith("All 3 curves have a local minimum within 2 of markers 35, ")
+    assert "MB at 37 (mse 0.1 1)" in sentence
+    assert result.figure.axes[0].get_title() == "minimum shared at 35 markers"
     apart = drawn(swept(ME=VALLEY, MB=near, JZ=VALLEY), mark="shared", tolerance=1)
     assert set(best(apart)["marked"]) == {"knee"}
 
 
 def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_said() -> None:
-    made = drawn(swept(ME=VALLEY, JZ=SLOPE), mark="shared")
-    assert best(made)[["actor", "markers", "marked"]].to_numpy().tolist() == [
+    result = drawn(swept(ME=VALLEY, JZ=SLOPE), mark="shared")
+    assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 25, "knee"], ["JZ", 25, "knee"],
     ]  # fmt: skip
-    none, knees = info_of(made.table).answer
+    none, knees = info_of(result.table).answer
     assert none == ("No local minimum is shared within 2 markers: ME has some at 35; JZ has none.")
     assert knees.startswith("Knees, marked instead: ME at 25 (mse 0.2 1), JZ at 25 (mse 0.2 1).")
-    assert any(note.startswith("knee: ") for note in info_of(made.table).notes)
-    assert made.figure.axes[0].get_title() == "no minimum shared within 2 markers"
+    assert any(note.startswith("knee: ") for note in info_of(result.table).notes)
+    assert result.figure.axes[0].get_title() == "no minimum shared within 2 markers"
 
 
 def test_each_curve_has_its_own_lowest_minimum() -> None:
     twice = {5: 0.9, 15: 0.3, 25: 0.5, 35: 0.2, 45: 0.3}
-    made = drawn(swept(ME=twice, JZ=SLOPE), mark="minimum")
-    assert best(made)[["actor", "markers", "marked"]].to_numpy().tolist() == [
+    result = drawn(swept(ME=twice, JZ=SLOPE), mark="minimum")
+    assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 35, "minimum"], ["JZ", 25, "knee"],
     ]  # fmt: skip
 
 
 def test_a_straight_curve_has_nothing_to_mark() -> None:
-    made = drawn(swept(ME={1: 3.0, 2: 2.0, 3: 1.0}), mark="shared")
-    assert info_of(made.table).answer[-1] == "Neither a minimum to mark nor a knee: ME."
-    assert not len(best(made))
-    assert list(best(made).columns) == list(made.table.columns)
+    result = drawn(swept(ME={1: 3.0, 2: 2.0, 3: 1.0}), mark="shared")
+    assert info_of(result.table).answer[-1] == "Neither a minimum to mark nor a knee: ME."
+    assert not len(best(result))
+    assert list(best(result).columns) == list(result.table.columns)
 
 
 def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_told() -> None:
     levels = floor(ME=[0.2, 0.3], JZ=[0.01])
-    made = drawn(swept(ME=VALLEY, JZ=SLOPE), levels, mark="shared").table
-    assert made["floor"].unique().tolist() == [0.25, 0.01]
-    me = made[made["actor"] == "ME"]
+    frame = drawn(swept(ME=VALLEY, JZ=SLOPE), levels, mark="shared").table
+    assert frame["floor"].unique().tolist() == [0.25, 0.01]
+    me = frame[frame["actor"] == "ME"]
     assert me.loc[me["below floor"], "markers"].tolist() == [25, 35, 55]
-    assert not made.loc[made["actor"] == "JZ", "below floor"].any()
-    answer = list(info_of(made).answer)
+    assert not frame.loc[frame["actor"] == "JZ", "below floor"].any()
+    answer = list(info_of(frame).answer)
     assert answer[1].startswith(
         "Knees, marked instead: ME at 25 (mse 0.2 1, not above the noise floor), JZ at 35 (mse 0"
     )
@@ -177,34 +179,34 @@ def test_the_knee_is_that_of_the_curve_as_drawn_and_of_nothing_below_the_noise()
     assert best(drawn(swept(ME=SLOPE), mark="shared"))["markers"].tolist() == [25]
     logarithms = np.log10([1.0, 0.3, 0.02, 0.015, 0.015, 0.015])
     below = np.linspace(logarithms[0], logarithms[-1], 6) - logarithms
-    found = best(drawn(swept(ME=steep), floor(ME=[0.015]), mark="shared"))
-    assert found["markers"].tolist() == [1 + np.argmax(below)] == [3]
+    result = best(drawn(swept(ME=steep), floor(ME=[0.015]), mark="shared"))
+    assert result["markers"].tolist() == [1 + np.argmax(below)] == [3]
     linear = {**steep, 1: 0.29, 2: 0.28}
-    found = best(drawn(swept(ME=linear), floor(ME=[0.27]), mark="shared"))
-    assert found["markers"].tolist() == [3]
+    result = best(drawn(swept(ME=linear), floor(ME=[0.27]), mark="shared"))
+    assert result["markers"].tolist() == [3]
 
 
 def test_a_floor_without_labels_lies_under_all_curves() -> None:
     common = Across((), (({}, pd.DataFrame({"mse": [0.25]})),))
-    made = drawn(swept(ME=VALLEY, JZ=SLOPE), common).table
-    assert (made["floor"] == 0.25).all()
+    frame = drawn(swept(ME=VALLEY, JZ=SLOPE), common).table
+    assert (frame["floor"] == 0.25).all()
 
 
 def test_a_label_without_a_floor_is_told() -> None:
     with pytest.warns(UserWarning, match="without a noise floor: JZ"):
-        made = drawn(swept(ME=VALLEY, JZ=SLOPE), floor(ME=[0.1], MB=[0.2], JZ=[NAN])).table
-    assert made.loc[made["actor"] == "JZ", "floor"].isna().all()
-    assert not made.loc[made["actor"] == "JZ", "below floor"].any()
+        frame = drawn(swept(ME=VALLEY, JZ=SLOPE), floor(ME=[0.1], MB=[0.2], JZ=[NAN])).table
+    assert frame.loc[frame["actor"] == "JZ", "floor"].isna().all()
+    assert not frame.loc[frame["actor"] == "JZ", "below floor"].any()
 
 
 def test_what_has_no_number_is_left_out_and_counted() -> None:
     scores = swept(ME={**VALLEY, 25: NAN, 60: np.inf}, MB=dict.fromkeys(VALLEY, NAN))
     with pytest.warns(UserWarning, match="ME: 2 rows left out.*MB: 6 rows.*without a curve: MB"):
-        made = drawn(scores, mark="shared")
-    assert made.table.loc[made.table["mse"].isna(), "on curve"].tolist() == [False] * 8
-    assert "All 1 curves have" in info_of(made.table).answer[0]
-    assert best(made)["actor"].tolist() == ["ME"]
-    assert "MB (no value)" in [text.get_text() for text in made.figure.legends[0].get_texts()]
+        result = drawn(scores, mark="shared")
+    assert result.table.loc[result.table["mse"].isna(), "on curve"].tolist() == [False] * 8
+    assert "All 1 curves have" in info_of(result.table).answer[0]
+    assert best(result)["actor"].tolist() == ["ME"]
+    assert "MB (no value)" in [text.get_text() for text in result.figure.legends[0].get_texts()]
 
 
 def test_rows_without_a_place_are_left_out_and_counted() -> None:
@@ -225,20 +227,20 @@ def test_a_block_that_lacks_a_number_is_left_out() -> None:
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_where_nothing_has_a_number_nothing_is_said() -> None:
-    made = drawn(swept(ME=dict.fromkeys(VALLEY, NAN)), floor(ME=[NAN]), mark="shared")
-    assert list(info_of(made.table).answer) == [
+    result = drawn(swept(ME=dict.fromkeys(VALLEY, NAN)), floor(ME=[NAN]), mark="shared")
+    assert list(info_of(result.table).answer) == [
         "No point has a number for mse; nothing can be said."
     ]
-    assert not len(best(made))
-    empty = drawn(Across.of({"ME": one(1, 1).iloc[:0]}, axis="actor"), mark="shared")
+    assert not len(best(result))
+    empty = drawn(Across.of({"ME": point(1, 1).iloc[:0]}, axis="actor"), mark="shared")
     assert not len(empty.table)
     assert list(empty.table.columns)[:3] == ["actor", "markers", "mse"]
 
 
 def test_one_point_is_neither_minimum_nor_knee() -> None:
-    made = drawn(swept(ME={9: 0.1}), mark="shared")
-    assert not len(best(made))
-    assert made.figure.axes[0].get_title() == "no minimum shared within 2 markers"
+    result = drawn(swept(ME={9: 0.1}), mark="shared")
+    assert not len(best(result))
+    assert result.figure.axes[0].get_title() == "no minimum shared within 2 markers"
 
 
 def test_absent_combinations_are_counted_and_keep_their_place() -> None:
@@ -249,19 +251,19 @@ def test_absent_combinations_are_counted_and_keep_their_place() -> None:
         Absent({"actor": "JZ", "k": 55}, "skipped", "skip"),
     )
     with pytest.warns(UserWarning, match="MB: 2 combinations refused") as caught:
-        made = drawn(Across(scores.axes, scores.entries, absent)).table
+        frame = drawn(Across(scores.axes, scores.entries, absent)).table
     assert "skipped" not in str(caught[0].message)
-    assert "MB: 2 combinations refused (needs frames)" in info_of(made).notes
-    assert "JZ: 1 combination skipped (skip)" in info_of(made).notes
+    assert "MB: 2 combinations refused (needs frames)" in info_of(frame).notes
+    assert "JZ: 1 combination skipped (skip)" in info_of(frame).notes
 
 
 def test_labels_with_markup_stay_as_they_are() -> None:
     names = {"$x^$": VALLEY, "<b>": SLOPE, "_hidden": SLOPE}
-    made = drawn(swept(**names), floor(**{name: [0.2] for name in names}), mark="shared")
-    made.figure.canvas.draw()
-    texts = [text.get_text() for text in made.figure.legends[0].get_texts()]
+    result = drawn(swept(**names), floor(**{name: [0.2] for name in names}), mark="shared")
+    result.figure.canvas.draw()
+    texts = [text.get_text() for text in result.figure.legends[0].get_texts()]
     assert [text.strip("\u200b").replace(r"\$", "$") for text in texts[:3]] == list(names)
-    assert made.table["actor"].unique().tolist() == list(names)
+    assert result.table["actor"].unique().tolist() == list(names)
 
 
 @pytest.mark.parametrize(
@@ -280,13 +282,13 @@ def test_labels_with_markup_stay_as_they_are() -> None:
     ],
 )
 def test_names_that_do_not_fit_are_told(settings: dict[str, Any], message: str) -> None:
-    entries: Any = (({"actor": "ME", "k": 5}, one(5, 0.1).assign(name="a")),)
+    entries: Any = (({"actor": "ME", "k": 5}, point(5, 0.1).assign(name="a")),)
     with pytest.raises(ValueError, match=message):
         drawn(Across(("actor", "k"), entries), **{"compare": "k", **settings})
 
 
 def test_a_name_that_the_table_needs_is_refused() -> None:
-    scores = Across.of({1: one(5, 0.1).assign(floor=1.0)}, axis="low")
+    scores = Across.of({1: point(5, 0.1).assign(floor=1.0)}, axis="low")
     with pytest.raises(ValueError, match="has a column low of its own"):
         curve(scores, x="markers", metric="mse")
 

@@ -29,8 +29,8 @@ def scores(scale: float = 1.0, actors: tuple[str, ...] = ACTORS) -> Any:
     return Across(("actor", "k"), tuple(entries))
 
 
-def figure(given: Any, floor: Any = None, **settings: Any) -> Any:
-    return curve(given, floor, x="markers", metric="mse", compare="actor", **settings).figure
+def figure(scores: Any, floor: Any = None, **settings: Any) -> Any:
+    return curve(scores, floor, x="markers", metric="mse", compare="actor", **settings).figure
 
 
 def curves(axis: Any) -> list[Any]:
@@ -42,7 +42,7 @@ def curves(axis: Any) -> list[Any]:
 def test_the_curve_goes_through_the_lowest_and_every_other_point_is_there() -> None:
     (axis,) = figure(scores()).axes
     look = looks(ACTORS)
-    off = [one for one in axis.collections if isinstance(one, PathCollection)]
+    off = [axis for axis in axis.collections if isinstance(axis, PathCollection)]
     for actor, line, points in zip(ACTORS, curves(axis), off, strict=True):
         assert np.column_stack(line.get_data()).tolist() == [[9, 0.4], [11, 0.1], [13, 0.3]]
         assert to_hex(line.get_color()).upper() == look[actor].colour
@@ -70,12 +70,12 @@ def test_each_label_has_its_dashed_floor() -> None:
     levels = {actor: pd.DataFrame({"mse": [0.1 * place]}) for place, actor in enumerate(ACTORS)}
     (axis,) = figure(scores(), Across.of(levels, axis="actor")).axes
     look = looks(ACTORS)
-    found = {
+    heights = {
         to_hex(line.get_color()).upper(): line.get_ydata()[0]
         for line in axis.lines
         if list(line.get_xdata()) == [0, 1]
     }
-    assert found == {look[actor].colour: 0.1 * place for place, actor in enumerate(ACTORS)}
+    assert heights == {look[actor].colour: 0.1 * place for place, actor in enumerate(ACTORS)}
     names = [text.get_text() for text in axis.figure.legends[0].get_texts()]
     assert names[3:] == [f"noise floor {actor}" for actor in ACTORS]
 
@@ -96,11 +96,11 @@ def test_intervals_are_those_of_the_table() -> None:
         for trial in range(6)
         for length in (5, 45)
     ]
-    made = curve(Across(("trial", "length"), tuple(entries)), x="length", blocks=("trial",))
-    (axis,) = made.figure.axes
+    result = curve(Across(("trial", "length"), tuple(entries)), x="length", blocks=("trial",))
+    (axis,) = result.figure.axes
     container: Any = axis.containers[0]
-    ends = np.array([one[:, 1] for one in container.lines[2][0].get_segments()])
-    assert ends == pytest.approx(made.table[["low", "high"]].to_numpy())
+    ends = np.array([line[:, 1] for line in container.lines[2][0].get_segments()])
+    assert ends == pytest.approx(result.table[["low", "high"]].to_numpy())
 
 
 def test_the_scale_is_logarithmic_where_values_span_much_and_nothing_falls_off_it() -> None:
@@ -138,12 +138,12 @@ def test_intervals_are_in_sight() -> None:
         )
         for k in (5, 10, 15)
     )
-    made = curve(
+    result = curve(
         Across(("actor", "k"), entries),
         x="markers",
         metric="mse",
         compare="actor",
         blocks=("unit",),
     )
-    (axis,) = made.figure.axes
-    assert axis.get_ylim()[1] > made.table["high"].max() > 1.05 * made.table["mse"].max()
+    (axis,) = result.figure.axes
+    assert axis.get_ylim()[1] > result.table["high"].max() > 1.05 * result.table["mse"].max()

@@ -36,7 +36,7 @@ def test_a_local_minimum_is_lower_than_what_is_before_and_after(
 @given(VALUES)
 def test_walking_from_a_minimum_either_way_leads_up_first(value: list[float]) -> None:
     def climbs(steps: list[float], here: float) -> bool:
-        return next((one > here for one in steps if one != here), False)
+        return next((value > here for value in steps if value != here), False)
 
     expected = [
         place
@@ -64,7 +64,7 @@ def test_walking_from_a_minimum_either_way_leads_up_first(value: list[float]) ->
 def test_a_minimum_is_shared_if_every_curve_has_one_near_it(
     minima: list[list[float]], tolerance: float, expected: float | None
 ) -> None:
-    arrays = [np.array(one, dtype=float) for one in minima]
+    arrays = [np.array(minimum, dtype=float) for minimum in minima]
     assert shared_minimum(arrays, tolerance) == expected
 
 
@@ -75,10 +75,10 @@ def test_the_shared_minimum_is_the_smallest_of_all_that_fit(
     fitting = [
         x
         for x in itertools.chain(*minima)
-        if all(any(abs(x - other) <= tolerance for other in one) for one in minima)
+        if all(any(abs(x - other) <= tolerance for other in minimum) for minimum in minima)
     ]
-    found = shared_minimum([np.array(one) for one in minima], tolerance)
-    assert found == min(fitting, default=None)
+    shared = shared_minimum([np.array(value) for value in minima], tolerance)
+    assert shared == min(fitting, default=None)
 
 
 @given(

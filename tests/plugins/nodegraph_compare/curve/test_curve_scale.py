@@ -21,7 +21,7 @@ def scale(*values: float, floor: float = np.nan) -> Scale:
 
 
 @pytest.mark.parametrize(
-    ("found", "logarithmic"),
+    ("result", "logarithmic"),
     [
         (scale(1.0, 30.0), False),
         (scale(1.0, 31.0), True),
@@ -34,17 +34,17 @@ def scale(*values: float, floor: float = np.nan) -> Scale:
         (scale(), False),
     ],
 )
-def test_logarithmic_where_positive_values_span_much(found: Scale, logarithmic: bool) -> None:
-    assert found.logarithmic == logarithmic
+def test_logarithmic_where_positive_values_span_much(result: Scale, logarithmic: bool) -> None:
+    assert result.logarithmic == logarithmic
 
 
 def test_a_logarithmic_scale_shows_what_is_lower_on_its_edge() -> None:
-    found = scale(1e-9, 0.0, 0.01, 1.0)
-    assert found.lowest == pytest.approx(0.01 / 1.5)
-    shown = found.shown(np.array([0.0, 0.005, 0.01, 1.0, np.nan]))
-    assert shown[:4].tolist() == [found.lowest, found.lowest, 0.01, 1.0]
+    result = scale(1e-9, 0.0, 0.01, 1.0)
+    assert result.lowest == pytest.approx(0.01 / 1.5)
+    shown = result.shown(np.array([0.0, 0.005, 0.01, 1.0, np.nan]))
+    assert shown[:4].tolist() == [result.lowest, result.lowest, 0.01, 1.0]
     assert np.isnan(shown[4])
-    assert found.along(np.array([0.1, 0.0])) == pytest.approx([-1.0, np.log10(found.lowest)])
+    assert result.along(np.array([0.1, 0.0])) == pytest.approx([-1.0, np.log10(result.lowest)])
 
 
 def test_a_linear_scale_starts_at_0_unless_something_is_negative() -> None:

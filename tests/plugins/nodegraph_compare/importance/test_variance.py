@@ -22,19 +22,19 @@ def table(*shape: int) -> Any:
 
 def test_each_effect_is_its_sum_of_squares_cell_by_cell() -> None:
     values = table(3, 4, 2)
-    found = effects(values)
+    variances = effects(values)
     mean = values.mean()
     main = {axis: values.mean(axis=tuple({0, 1, 2} - {axis})) for axis in range(3)}
     for axis in range(3):
-        assert found[axis,] == pytest.approx(np.mean((main[axis] - mean) ** 2))
-    for one, other in combinations(range(3), 2):
-        (third,) = {0, 1, 2} - {one, other}
+        assert variances[axis,] == pytest.approx(np.mean((main[axis] - mean) ** 2))
+    for number, other in combinations(range(3), 2):
+        (third,) = {0, 1, 2} - {number, other}
         both = values.mean(axis=third)
-        told = [
-            (both[i, j] - main[one][i] - main[other][j] + mean) ** 2
+        message = [
+            (both[i, j] - main[number][i] - main[other][j] + mean) ** 2
             for i, j in product(*map(range, both.shape))
         ]
-        assert found[one, other] == pytest.approx(np.mean(told))
+        assert variances[number, other] == pytest.approx(np.mean(message))
 
 
 def test_the_sums_of_squares_are_those_of_statsmodels() -> None:
@@ -44,11 +44,11 @@ def test_the_sums_of_squares_are_those_of_statsmodels() -> None:
     cells = [(f"a{i}", f"b{j}", f"c{k}", values[i, j, k]) for i, j, k in np.ndindex(3, 4, 2)]
     frame = DataFrame(cells, columns=["a", "b", "c", "y"])
     peer = anova(ols("y ~ a + b + c + a:b + a:c + b:c", frame).fit())["sum_sq"] / values.size
-    found = effects(values)
+    variances = effects(values)
     expected = {"a": (0,), "b": (1,), "c": (2,), "a:b": (0, 1), "a:c": (0, 2), "b:c": (1, 2)}
     for name, sources in expected.items():
-        assert found[sources] == pytest.approx(peer[name])
-    assert found[()] == pytest.approx(peer["Residual"])
+        assert variances[sources] == pytest.approx(peer[name])
+    assert variances[()] == pytest.approx(peer["Residual"])
 
 
 @settings(max_examples=40, deadline=None)
@@ -56,16 +56,16 @@ def test_the_sums_of_squares_are_those_of_statsmodels() -> None:
     arrays(np.float64, st.tuples(*[st.integers(1, 4)] * 3), elements=st.floats(-100, 100)),
 )
 def test_the_parts_add_up_to_the_variance(values: Any) -> None:
-    found = effects(values)
-    assert min(found.values()) >= 0
-    assert sum(found.values()) == pytest.approx(values.var(), abs=1e-8)
+    variances = effects(values)
+    assert min(variances.values()) >= 0
+    assert sum(variances.values()) == pytest.approx(values.var(), abs=1e-8)
 
 
 def test_an_axis_alone_explains_what_only_it_does() -> None:
     values = np.zeros((3, 4, 5)) + np.arange(4.0)[:, np.newaxis]
-    found = effects(values)
-    assert found[1,] == pytest.approx(1.25)
-    assert sum(found.values()) == pytest.approx(1.25)
+    variances = effects(values)
+    assert variances[1,] == pytest.approx(1.25)
+    assert sum(variances.values()) == pytest.approx(1.25)
     # neither does anything alone
     only_together = effects(np.array([[1.0, -1.0], [-1.0, 1.0]]))
     assert (only_together[0,], only_together[1,], only_together[0, 1]) == (0, 0, 1)
@@ -73,15 +73,15 @@ def test_an_axis_alone_explains_what_only_it_does() -> None:
 
 
 def test_a_full_table_is_kept_whole() -> None:
-    assert [one.tolist() for one in whole(table(2, 3))] == [[0, 1], [0, 1, 2]]
+    assert [value.tolist() for value in whole(table(2, 3))] == [[0, 1], [0, 1, 2]]
 
 
 def test_what_is_missing_altogether_goes_first() -> None:
     values = table(4, 3, 2)
     values[:, 1] = NAN
     values[2] = NAN
-    kept = whole(values)
-    assert [one.tolist() for one in kept] == [[0, 1, 3], [0, 2], [0, 1]]
+    places = whole(values)
+    assert [value.tolist() for value in places] == [[0, 1, 3], [0, 2], [0, 1]]
 
 
 def test_the_label_with_the_largest_share_missing_goes() -> None:
@@ -89,13 +89,13 @@ def test_the_label_with_the_largest_share_missing_goes() -> None:
     values[[2, 5, 7], 1] = NAN
     values[9, 0] = NAN
     # a trial lacks a third of its cells, a method three of twenty
-    assert [len(one) for one in whole(values)] == [16, 3]
+    assert [len(value) for value in whole(values)] == [16, 3]
     values[:12, 1] = NAN
-    assert [len(one) for one in whole(values)] == [19, 2]
+    assert [len(value) for value in whole(values)] == [19, 2]
 
 
 def test_nothing_at_all_leaves_nothing() -> None:
-    assert 0 in [len(one) for one in whole(np.full((2, 3), NAN))]
+    assert 0 in [len(value) for value in whole(np.full((2, 3), NAN))]
 
 
 @settings(max_examples=40, deadline=None)
@@ -107,8 +107,8 @@ def test_nothing_at_all_leaves_nothing() -> None:
     )
 )
 def test_what_is_kept_is_never_missing(values: Any) -> None:
-    kept = whole(values)
-    assert not np.isnan(values[np.ix_(*kept)]).any()
+    places = whole(values)
+    assert not np.isnan(values[np.ix_(*places)]).any()
 
 
 def test_winner_changes_are_counted_pair_by_pair() -> None:

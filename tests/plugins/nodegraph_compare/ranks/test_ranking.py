@@ -27,9 +27,9 @@ def group(values: Any) -> Group:
 
 def scores(blocks: int = 12, methods: int = 5, *, tied: bool = False) -> Any:
     random = np.random.default_rng(7)
-    made = random.gamma(2, size=(blocks, 1)) + random.normal(size=(blocks, methods))
-    made = made + 0.4 * np.arange(methods)
-    return np.round(made) if tied else made
+    result = random.gamma(2, size=(blocks, 1)) + random.normal(size=(blocks, methods))
+    result = result + 0.4 * np.arange(methods)
+    return np.round(result) if tied else result
 
 
 @pytest.mark.parametrize("tied", [False, True])
@@ -54,23 +54,23 @@ def test_iman_and_davenports_f_is_that_of_an_analysis_of_variance_of_the_ranks()
 @pytest.mark.parametrize("tied", [False, True])
 def test_nemenyi_is_that_of_scikit_posthocs(tied: bool) -> None:
     values = scores(tied=tied)
-    found = rank(group(values), "lower", "nemenyi").pairs
+    ranking = rank(group(values), "lower", "nemenyi").pairs
     peer = scikit_posthocs.posthoc_nemenyi_friedman(values).to_numpy()
-    assert found.p == pytest.approx(peer[found.first, found.second], abs=1e-9)
+    assert ranking.p == pytest.approx(peer[ranking.first, ranking.second], abs=1e-9)
 
 
 def test_wilcoxon_with_holm_is_that_of_scikit_posthocs() -> None:
     values = scores()
-    found = rank(group(values), "lower", "wilcoxon_holm").pairs
+    ranking = rank(group(values), "lower", "wilcoxon_holm").pairs
     p = np.array(
         [
             wilcoxon(values[:, a], values[:, b]).pvalue
-            for a, b in zip(found.first, found.second, strict=True)
+            for a, b in zip(ranking.first, ranking.second, strict=True)
         ]
     )
-    assert found.p == pytest.approx(holm(p))
+    assert ranking.p == pytest.approx(holm(p))
     peer = scikit_posthocs.posthoc_wilcoxon(list(values.T), p_adjust="holm").to_numpy()
-    assert found.p == pytest.approx(peer[found.first, found.second])
+    assert ranking.p == pytest.approx(peer[ranking.first, ranking.second])
 
 
 @pytest.mark.parametrize(
@@ -85,10 +85,10 @@ def test_critical_differences_are_those_of_demsars_table_5(methods: int, quantil
 
 def test_two_methods_are_apart_from_the_critical_difference_on() -> None:
     values = scores(40)
-    found = rank(group(values), "lower", "nemenyi")
-    apart = np.abs(found.ranks[found.pairs.first] - found.ranks[found.pairs.second])
-    assert ((apart >= found.overall.critical) == (found.pairs.p <= 0.05)).all()
-    at = studentized_range.sf(found.overall.critical * np.sqrt(2 * 6 * 40 / (5 * 6)), 5, np.inf)
+    ranking = rank(group(values), "lower", "nemenyi")
+    apart = np.abs(ranking.ranks[ranking.pairs.first] - ranking.ranks[ranking.pairs.second])
+    assert ((apart >= ranking.overall.critical) == (ranking.pairs.p <= 0.05)).all()
+    at = studentized_range.sf(ranking.overall.critical * np.sqrt(2 * 6 * 40 / (5 * 6)), 5, np.inf)
     assert at == pytest.approx(0.05)
 
 
@@ -112,52 +112,57 @@ def test_incomplete_blocks_and_methods_without_a_number_do_not_count() -> None:
     values = scores(6, 4)
     values[0, 1] = NAN
     values[:, 2] = NAN
-    found = rank(group(values), "lower", "nemenyi")
-    assert found.methods == ("m0", "m1", "m3")
-    assert found.values.shape == (5, 3)
-    assert found.ranks == pytest.approx(rankdata(values[1:, [0, 1, 3]], axis=1).mean(axis=0))
+    ranking = rank(group(values), "lower", "nemenyi")
+    assert ranking.methods == ("m0", "m1", "m3")
+    assert ranking.values.shape == (5, 3)
+    assert ranking.ranks == pytest.approx(rankdata(values[1:, [0, 1, 3]], axis=1).mean(axis=0))
 
 
 def test_two_methods_are_compared_by_wilcoxon_alone() -> None:
     values = scores(15, 2)
     tests: tuple[PairTest, ...] = ("nemenyi", "wilcoxon_holm")
     for test in tests:
-        found = rank(group(values), "lower", test)
-        assert found.pairs.p == pytest.approx(wilcoxon(values[:, 0], values[:, 1]).pvalue)
-        assert np.isnan(found.overall.chi2)
+        ranking = rank(group(values), "lower", test)
+        assert ranking.pairs.p == pytest.approx(wilcoxon(values[:, 0], values[:, 1]).pvalue)
+        assert np.isnan(ranking.overall.chi2)
 
 
 def test_one_method_has_no_pairs_and_ranks_first() -> None:
-    found = rank(group([[1.0], [2.0]]), "lower", "nemenyi")
-    assert found.ranks.tolist() == [1.0]
-    assert len(found.pairs.p) == 0
-    assert runs(found) == []
+    ranking = rank(group([[1.0], [2.0]]), "lower", "nemenyi")
+    assert ranking.ranks.tolist() == [1.0]
+    assert len(ranking.pairs.p) == 0
+    assert runs(ranking) == []
 
 
 @pytest.mark.parametrize("test", ["nemenyi", "wilcoxon_holm"])
 def test_ties_everywhere_are_no_difference(test: PairTest) -> None:
-    found = rank(group(np.ones((8, 4))), "lower", test)
-    assert (found.overall.chi2, found.overall.p, found.overall.p_f, found.overall.w) == (0, 1, 1, 0)
-    assert found.ranks.tolist() == [2.5] * 4
-    assert found.pairs.p == pytest.approx(1.0)
-    assert found.pairs.effect.tolist() == [0.0] * 6
-    assert runs(found) == [(0, 3)]
+    ranking = rank(group(np.ones((8, 4))), "lower", test)
+    assert (ranking.overall.chi2, ranking.overall.p, ranking.overall.p_f, ranking.overall.w) == (
+        0,
+        1,
+        1,
+        0,
+    )
+    assert ranking.ranks.tolist() == [2.5] * 4
+    assert ranking.pairs.p == pytest.approx(1.0)
+    assert ranking.pairs.effect.tolist() == [0.0] * 6
+    assert runs(ranking) == [(0, 3)]
 
 
 @pytest.mark.parametrize("blocks", range(2, 40))
 @pytest.mark.parametrize("row", [[1.0, 2.0, 3.0, 4.0], [1.0, 1.0, 3.0], [1.0, 2.0, 2.0, 2.0, 3.0]])
 def test_blocks_that_all_rank_alike(blocks: int, row: list[float]) -> None:
-    found = rank(group([row] * blocks), "lower", "nemenyi")
-    assert found.overall.w == 1.0
-    assert found.overall.p_f == 0.0
-    assert found.overall.f == np.inf
+    ranking = rank(group([row] * blocks), "lower", "nemenyi")
+    assert ranking.overall.w == 1.0
+    assert ranking.overall.p_f == 0.0
+    assert ranking.overall.f == np.inf
 
 
 @pytest.mark.parametrize("blocks", [0, 1])
 def test_too_few_blocks(blocks: int) -> None:
-    found = rank(group(np.full((2, 3), NAN) if not blocks else scores(1, 3)), "lower", "nemenyi")
-    assert np.isnan(found.overall.p)
-    assert len(found.values) == blocks
+    ranking = rank(group(np.full((2, 3), NAN) if not blocks else scores(1, 3)), "lower", "nemenyi")
+    assert np.isnan(ranking.overall.p)
+    assert len(ranking.values) == blocks
 
 
 def test_bars_join_methods_of_which_no_two_are_apart() -> None:
@@ -191,11 +196,11 @@ def equal_methods(blocks: int, methods: int) -> Any:
 
 def test_where_all_are_equal_one_study_in_twenty_rejects() -> None:
     low, high = bounds()
-    studies = [rank(group(one), "lower", "nemenyi") for one in equal_methods(20, 5)]
+    studies = [rank(group(value), "lower", "nemenyi") for value in equal_methods(20, 5)]
     shares = {
-        "chi2": np.mean([one.overall.p < 0.05 for one in studies]),
-        "F": np.mean([one.overall.p_f < 0.05 for one in studies]),
-        "Nemenyi": np.mean([one.pairs.p.min() < 0.05 for one in studies]),
+        "chi2": np.mean([value.overall.p < 0.05 for value in studies]),
+        "F": np.mean([value.overall.p_f < 0.05 for value in studies]),
+        "Nemenyi": np.mean([value.pairs.p.min() < 0.05 for value in studies]),
     }
     assert low < shares["F"] < high
     # these two are known to be somewhat conservative, never liberal
@@ -206,8 +211,8 @@ def test_where_all_are_equal_one_study_in_twenty_rejects() -> None:
 def test_where_all_are_equal_wilcoxon_with_holm_claims_a_difference_in_one_study_in_twenty() -> (
     None
 ):
-    studies = [rank(group(one), "lower", "wilcoxon_holm") for one in equal_methods(20, 4)]
-    assert 0.015 < np.mean([one.pairs.p.min() < 0.05 for one in studies]) < bounds()[1]
+    studies = [rank(group(value), "lower", "wilcoxon_holm") for value in equal_methods(20, 4)]
+    assert 0.015 < np.mean([value.pairs.p.min() < 0.05 for value in studies]) < bounds()[1]
 
 
 @pytest.mark.parametrize("test", ["wilcoxon", "t", "sign"])

@@ -39,14 +39,14 @@ def scored(*values: float) -> pd.DataFrame:
     return pd.DataFrame({"gap": range(len(values)), "rmse": np.array(values, dtype=float)})
 
 
-def texts(made: Ranked) -> list[str]:
-    return [text.get_text() for axis in made.figure.axes for text in axis.texts]
+def texts(result: Ranked) -> list[str]:
+    return [text.get_text() for axis in result.figure.axes for text in axis.texts]
 
 
 def test_methods_stand_by_their_mean_rank() -> None:
-    made = ranks(study(), within=("length",))
-    assert list(made.table.columns) == ["length", "fill", "blocks", "mean rank", "mean"]
-    for _, rows in made.table.groupby("length"):
+    result = ranks(study(), within=("length",))
+    assert list(result.table.columns) == ["length", "fill", "blocks", "mean rank", "mean"]
+    for _, rows in result.table.groupby("length"):
         assert rows["mean rank"].is_monotonic_increasing
         assert rows["fill"].iloc[0] == "lin"
         assert rows["mean rank"].sum() == pytest.approx(1 + 2 + 3 + 4)
@@ -55,35 +55,35 @@ def test_methods_stand_by_their_mean_rank() -> None:
 
 def test_the_overall_test_is_scipys_on_the_blocks() -> None:
     scores = study()
-    made = ranks(scores)
+    result = ranks(scores)
     columns = [
         np.concatenate([table["rmse"] for at, table in scores if at["fill"] == name])
         for name in NAMES
     ]
-    (row,) = made.overall.to_dict("records")
+    (row,) = result.overall.to_dict("records")
     peer = friedmanchisquare(*columns)
     assert (row["methods"], row["blocks"]) == (4, 60)
     assert (row["chi2"], row["p"]) == (pytest.approx(peer.statistic), pytest.approx(peer.pvalue))
 
 
 def test_every_pair_has_a_row() -> None:
-    made = ranks(study(), within=("length",), test="wilcoxon_holm")
-    assert len(made.pairs) == 2 * 6
-    first = made.pairs.iloc[0]
+    result = ranks(study(), within=("length",), test="wilcoxon_holm")
+    assert len(result.pairs) == 2 * 6
+    first = result.pairs.iloc[0]
     assert (first["length"], first["first"], first["second"]) == (5, "lin", "cubic")
-    by_name = made.table[made.table["length"] == 5].set_index("fill")["mean rank"]
+    by_name = result.table[result.table["length"] == 5].set_index("fill")["mean rank"]
     assert first["rank difference"] == pytest.approx(by_name["lin"] - by_name["cubic"])
-    assert made.pairs["p"].between(0, 1).all()
+    assert result.pairs["p"].between(0, 1).all()
     assert first["effect"] > 0
 
 
 def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
-    (told,) = info_of(ranks(study(apart=0.8)).table).answer
+    (sentence,) = info_of(ranks(study(apart=0.8)).table).answer
     assert re.match(
         r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 blocks\); the methods differ by "
         r"Friedman's test \(F = [\d.]+, p < 0\.001; Kendall's W = 0\.\d\d\); by Nemenyi's test "
         r"(all others are apart from it|not apart from it: [a-z, ]+)\.$",
-        told,
+        sentence,
     )
 
 
@@ -91,8 +91,8 @@ def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
     whole = {name: scored(*(place + at for at in range(8))) for place, name in enumerate("abc")}
     shy = scored(*[float("nan")] * 3, *range(5))
     with pytest.warns(UserWarning, match="3 of 8 blocks left out"):
-        (told,) = info_of(ranks(Across.of({**whole, "shy": shy}, axis="f")).table).answer
-    assert "of 4 methods, 5 of 8 gaps: shy lacks 3)" in told
+        (sentence,) = info_of(ranks(Across.of({**whole, "shy": shy}, axis="f")).table).answer
+    assert "of 4 methods, 5 of 8 gaps: shy lacks 3)" in sentence
 
 
 def test_no_claim_where_friedman_makes_none() -> None:
@@ -100,17 +100,17 @@ def test_no_claim_where_friedman_makes_none() -> None:
         name: scored(*np.random.default_rng(place).normal(size=8))
         for place, name in enumerate("abcd")
     }
-    (told,) = info_of(ranks(Across.of(same, axis="fill")).table).answer
-    assert "Friedman's test does not tell the methods apart" in told
-    assert "not apart from it" not in told
+    (sentence,) = info_of(ranks(Across.of(same, axis="fill")).table).answer
+    assert "Friedman's test does not tell the methods apart" in sentence
+    assert "not apart from it" not in sentence
 
 
 def test_methods_of_one_mean_rank_share_it() -> None:
     worse = {name: scored(*range(place, place + 8)) for place, name in enumerate("cdef", start=3)}
     tied = {"a": scored(*range(8)), "b": scored(*range(8)), **worse}
-    (told,) = info_of(ranks(Across.of(tied, axis="fill")).table).answer
-    assert told.startswith("a, b share the lowest mean rank (1.50 of 6 methods, 8 blocks); ")
-    assert told.endswith("by Nemenyi's test not apart from them: c, d.")
+    (sentence,) = info_of(ranks(Across.of(tied, axis="fill")).table).answer
+    assert sentence.startswith("a, b share the lowest mean rank (1.50 of 6 methods, 8 blocks); ")
+    assert sentence.endswith("by Nemenyi's test not apart from them: c, d.")
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
     assert list(info_of(ranks(two).table).answer) == [
         "a, b share the lowest mean rank (1.50 of 2 methods, 8 blocks); the two are not clearly "
@@ -124,20 +124,20 @@ def test_of_many_groups_each_of_equal_methods_counts() -> None:
         for name, value in {"a": 0.3, "b": 0.1 + 0.2, "c": 0.5}.items()
     }
     scores = Across.of(tables, axis="fill")
-    (told,) = info_of(ranks(scores, within=("take",)).table).answer
-    assert told.startswith("Of 20 groups (take), the lowest mean rank has a in 20, b in 20; ")
-    (told,) = info_of(table(scores, within=("take",)).table).answer
-    assert told == "Of 20 groups (take), a has the lowest mean rmse in 20, b in 20."
+    (sentence,) = info_of(ranks(scores, within=("take",)).table).answer
+    assert sentence.startswith("Of 20 groups (take), the lowest mean rank has a in 20, b in 20; ")
+    (sentence,) = info_of(table(scores, within=("take",)).table).answer
+    assert sentence == "Of 20 groups (take), a has the lowest mean rmse in 20, b in 20."
 
 
 def test_two_methods_one_method_one_block() -> None:
     two = Across.of({"a": scored(1, 2, 3, 4, 5, 6, 7), "b": scored(2, 3, 4, 5, 6, 7, 9)}, axis="f")
-    (told,) = info_of(ranks(two).table).answer
-    assert told.endswith("the two are apart by Wilcoxon's signed-rank test (p = 0.016).")
-    one = ranks(Across.of({"a": scored(1, 2)}, axis="f"))
-    assert list(info_of(one.table).answer) == ["only a has numbers; there is nothing to rank."]
-    assert one.table["mean rank"].tolist() == [1.0]
-    assert len(one.pairs) == 0
+    (sentence,) = info_of(ranks(two).table).answer
+    assert sentence.endswith("the two are apart by Wilcoxon's signed-rank test (p = 0.016).")
+    axis = ranks(Across.of({"a": scored(1, 2)}, axis="f"))
+    assert list(info_of(axis.table).answer) == ["only a has numbers; there is nothing to rank."]
+    assert axis.table["mean rank"].tolist() == [1.0]
+    assert len(axis.pairs) == 0
     single = Across.of({name: scored(place) for place, name in enumerate("abc")}, axis="f")
     assert "one block says nothing of chance" in info_of(ranks(single).table).answer[0]
 
@@ -149,9 +149,9 @@ def test_a_method_without_any_number_is_in_the_answer() -> None:
         axis="f",
     )
     with pytest.warns(UserWarning, match="without any number"):
-        made = ranks(scores)
-    (told,) = info_of(made.table).answer
-    assert told.endswith("; without any number, not compared: c.")
+        result = ranks(scores)
+    (sentence,) = info_of(result.table).answer
+    assert sentence.endswith("; without any number, not compared: c.")
 
 
 def test_higher_is_better_where_the_score_declares_it() -> None:
@@ -164,7 +164,7 @@ def test_higher_is_better_where_the_score_declares_it() -> None:
     assert ranks(scores).table["fill"].tolist() == ["a", "b"]
     assert ranks(scores, better="lower").table["fill"].tolist() == ["b", "a"]
     assert any(
-        "the lowest value" in one for one in info_of(ranks(scores, better="none").table).notes
+        "the lowest value" in note for note in info_of(ranks(scores, better="none").table).notes
     )
 
 
@@ -177,19 +177,21 @@ def test_what_is_left_out_is_told_and_listed() -> None:
     )
     scores = Across(("fill",), entries, (Absent({"fill": "d"}, "refused", "too short"),))
     with pytest.warns(UserWarning, match=r"1 of 4 blocks left out \(b lacks 1\).*compared: c"):
-        made = ranks(scores)
-    assert made.table["fill"].tolist() == ["a", "b", "e", "c", "d"]
-    assert made.table["blocks"].tolist() == [3, 3, 3, 0, 0]
-    assert made.table["mean rank"].isna().tolist() == [False, False, False, True, True]
-    assert any("d: 1 combination refused (too short)" in note for note in info_of(made.table).notes)
+        result = ranks(scores)
+    assert result.table["fill"].tolist() == ["a", "b", "e", "c", "d"]
+    assert result.table["blocks"].tolist() == [3, 3, 3, 0, 0]
+    assert result.table["mean rank"].isna().tolist() == [False, False, False, True, True]
+    assert any(
+        "d: 1 combination refused (too short)" in note for note in info_of(result.table).notes
+    )
 
 
 @pytest.mark.parametrize("values", [(), (NAN, NAN)])
 def test_nothing_to_rank(values: tuple[float, ...]) -> None:
     with pytest.warns(UserWarning, match="no rows|not compared: a, b"):
-        made = ranks(Across.of({"a": scored(*values), "b": scored(*values)}, axis="fill"))
-    assert made.table.get("mean rank", pd.Series(dtype=float)).isna().all()
-    assert not made.figure.axes
+        result = ranks(Across.of({"a": scored(*values), "b": scored(*values)}, axis="fill"))
+    assert result.table.get("mean rank", pd.Series(dtype=float)).isna().all()
+    assert not result.figure.axes
 
 
 def test_thousands_of_combinations_are_summed_up() -> None:
@@ -204,46 +206,46 @@ def test_thousands_of_combinations_are_summed_up() -> None:
         )
         for name in "abc"
     }
-    made = ranks(Across.of(rows, axis="fill"), within=("gap",), blocks=("take",))
-    assert len(made.overall) == 50
-    (told,) = info_of(made.table).answer
-    assert told.startswith("Of 50 groups (gap), the lowest mean rank has ")
-    assert len(made.figure.axes) == 12
-    assert "38 more groups are not drawn" in made.figure.get_supxlabel()
+    result = ranks(Across.of(rows, axis="fill"), within=("gap",), blocks=("take",))
+    assert len(result.overall) == 50
+    (sentence,) = info_of(result.table).answer
+    assert sentence.startswith("Of 50 groups (gap), the lowest mean rank has ")
+    assert len(result.figure.axes) == 12
+    assert "38 more groups are not drawn" in result.figure.get_supxlabel()
 
 
 def test_the_diagram_names_every_method_once_in_its_colour() -> None:
-    made = ranks(study(), within=("length",))
-    assert len(made.figure.axes) == 2
-    shown = texts(made)
+    result = ranks(study(), within=("length",))
+    assert len(result.figure.axes) == 2
+    shown = texts(result)
     for name in NAMES:
         assert sum(name in text for text in shown) == 2
     assert sum(text.strip().startswith("critical difference") for text in shown) == 2
     look = looks(NAMES)
-    axis = made.figure.axes[0]
+    axis = result.figure.axes[0]
     markers = {
         line.get_marker(): to_hex(str(line.get_color())).upper()
         for line in axis.lines
         if line.get_marker() not in ("None", "")
     }
-    assert markers == {one.marker: one.colour for one in look.values()}
+    assert markers == {value.marker: value.colour for value in look.values()}
 
 
 def test_markers_stand_at_the_mean_ranks_and_bars_over_what_is_not_apart() -> None:
-    made = ranks(study(apart=0.4))
-    axis = made.figure.axes[0]
+    result = ranks(study(apart=0.4))
+    axis = result.figure.axes[0]
     at = sorted(
         float(np.asarray(line.get_xdata())[0])
         for line in axis.lines
         if line.get_marker() not in ("None", "")
     )
-    assert at == pytest.approx(sorted(made.table["mean rank"]))
+    assert at == pytest.approx(sorted(result.table["mean rank"]))
     bars = [np.asarray(line.get_xdata()) for line in axis.lines if line.get_linewidth() == 3]
-    apart = made.pairs[made.pairs["p"] >= 0.05]
-    place = made.table.set_index("fill")["mean rank"]
-    for one, other in zip(apart["first"], apart["second"], strict=True):
+    apart = result.pairs[result.pairs["p"] >= 0.05]
+    place = result.table.set_index("fill")["mean rank"]
+    for value, other in zip(apart["first"], apart["second"], strict=True):
         assert any(
-            bar[0] <= min(place[one], place[other]) and max(place[one], place[other]) <= bar[1]
+            bar[0] <= min(place[value], place[other]) and max(place[value], place[other]) <= bar[1]
             for bar in bars
         )
 
@@ -254,11 +256,11 @@ def test_wilcoxon_has_no_critical_difference() -> None:
 
 @pytest.mark.parametrize("count", [2, 3, 70])
 def test_any_number_of_methods_can_be_drawn(count: int) -> None:
-    made = ranks(study(tuple(f"m{place}" for place in range(count)), trials=2))
-    made.figure.savefig(io.BytesIO(), format="svg")
-    named = sum(bool(re.search(r"\bm\d+\b", text)) for text in texts(made))
+    result = ranks(study(tuple(f"m{place}" for place in range(count)), trials=2))
+    result.figure.savefig(io.BytesIO(), format="svg")
+    named = sum(bool(re.search(r"\bm\d+\b", text)) for text in texts(result))
     assert named == min(count, 60)
-    assert any("10 more methods are not named" in text for text in texts(made)) == (count == 70)
+    assert any("10 more methods are not named" in text for text in texts(result)) == (count == 70)
 
 
 def test_labels_with_markup_and_long_ones_are_drawn_as_they_are() -> None:
@@ -268,12 +270,12 @@ def test_labels_with_markup_and_long_ones_are_drawn_as_they_are() -> None:
         "<b>&amp;",
         "an enormously long name of a method, much too long to draw",
     )
-    made = ranks(study(names))
+    result = ranks(study(names))
     buffer = io.BytesIO()
-    made.figure.savefig(buffer, format="svg")
-    assert any(text.startswith(r"a \$x^2\$") for text in texts(made))
-    assert made.table["fill"].tolist() == list(names)
-    assert all(len(text) < 60 for text in texts(made))
+    result.figure.savefig(buffer, format="svg")
+    assert any(text.startswith(r"a \$x^2\$") for text in texts(result))
+    assert result.table["fill"].tolist() == list(names)
+    assert all(len(text) < 60 for text in texts(result))
 
 
 def test_the_node_and_its_citations() -> None:

@@ -28,14 +28,14 @@ def compared(*, within: tuple[str, ...], scale: float = 1.0) -> Compared:
 
 
 def points(axis: Any) -> dict[str, ErrorbarContainer]:
-    return {one.get_label(): one for one in axis.containers}
+    return {axis.get_label(): axis for axis in axis.containers}
 
 
 def test_means_and_intervals_are_those_of_the_table() -> None:
-    made = compared(within=("length",))
-    (axis,) = made.figure.axes
+    result = compared(within=("length",))
+    (axis,) = result.figure.axes
     for fill, container in points(axis).items():
-        rows = made.table[made.table["fill"] == fill]
+        rows = result.table[result.table["fill"] == fill]
         line, _, (bars,) = container.lines
         assert np.asarray(line.get_ydata()) == pytest.approx(rows["mean"].to_numpy())
         ends = np.array([segment[:, 1] for segment in bars.get_segments()])
@@ -44,23 +44,23 @@ def test_means_and_intervals_are_those_of_the_table() -> None:
 
 
 def test_a_panel_per_combination_and_one_look_per_method() -> None:
-    made = compared(within=("take", "length"))
-    assert [axis.get_title() for axis in made.figure.axes] == ["take jaw", "take cheeks"]
+    result = compared(within=("take", "length"))
+    assert [axis.get_title() for axis in result.figure.axes] == ["take jaw", "take cheeks"]
     look = looks(["lin", "cubic", "akima"])
-    for axis in made.figure.axes:
+    for axis in result.figure.axes:
         for fill, container in points(axis).items():
             line = container.lines[0]
             assert to_hex(line.get_color()).upper() == look[fill].colour
             assert line.get_marker() == look[fill].marker
-    (legend,) = made.figure.legends
+    (legend,) = result.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["lin", "cubic", "akima"]
 
 
 def test_methods_stand_along_x_where_there_is_one_group() -> None:
-    made = compared(within=())
-    (axis,) = made.figure.axes
+    result = compared(within=())
+    (axis,) = result.figure.axes
     assert [text.get_text() for text in axis.get_xticklabels()] == ["lin", "cubic", "akima"]
-    assert [np.asarray(one.lines[0].get_xdata()).item() for one in points(axis).values()] == [
+    assert [np.asarray(value.lines[0].get_xdata()).item() for value in points(axis).values()] == [
         0,
         1,
         2,
@@ -78,8 +78,8 @@ def test_a_method_without_a_value_is_in_the_legend() -> None:
         for name, values in {"lin": [1.0, 2.0], "pca": [np.nan, np.nan]}.items()
     }
     with pytest.warns(UserWarning, match="not compared: pca"):
-        made = table(Across.of(tables, axis="fill"), within=("side",))
-    (legend,) = made.figure.legends
+        result = table(Across.of(tables, axis="fill"), within=("side",))
+    (legend,) = result.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["lin", "pca (no value)"]
 
 
@@ -107,10 +107,10 @@ def of_labels(labels: list[str], groups: int = 1) -> Compared:
 
 
 def test_labels_are_drawn_as_they_are() -> None:
-    made = of_labels(["a $x$", "_under", "<b>"], groups=2)
-    (legend,) = made.figure.legends
+    result = of_labels(["a $x$", "_under", "<b>"], groups=2)
+    (legend,) = result.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [r"a \$x\$", "\u200b_under", "<b>"]
-    made.figure.savefig(io.BytesIO(), format="svg")
+    result.figure.savefig(io.BytesIO(), format="svg")
 
 
 def test_of_many_places_along_x_some_are_named() -> None:
@@ -130,9 +130,9 @@ def test_of_many_methods_some_are_named() -> None:
 def test_of_many_panels_some_are_drawn_and_the_rest_told() -> None:
     rows = pd.DataFrame({"a": np.repeat(range(30), 4), "b": [0, 0, 1, 1] * 30, "gap": [0, 1] * 60})
     tables = {name: rows.assign(rmse=np.arange(120.0) + 1) for name in ("x", "y")}
-    made = table(Across.of(tables, axis="fill"), within=("a", "b"), blocks=("gap",))
-    assert len(made.figure.axes) == 24
-    assert made.figure.get_supxlabel() == "6 more panels are not drawn"
+    result = table(Across.of(tables, axis="fill"), within=("a", "b"), blocks=("gap",))
+    assert len(result.figure.axes) == 24
+    assert result.figure.get_supxlabel() == "6 more panels are not drawn"
 
 
 def test_an_end_that_is_not_finite_leaves_the_points_in_sight() -> None:
@@ -144,9 +144,11 @@ def test_an_end_that_is_not_finite_leaves_the_points_in_sight() -> None:
 
 def test_methods_of_which_one_is_always_zero_are_all_in_sight() -> None:
     tables = {"without": [0.0] * 8, "rare": [0.0] * 7 + [0.02], "other": [0.3, 0.4] * 4}
-    scores = {name: pd.DataFrame({"gap": range(8), "rmse": one}) for name, one in tables.items()}
-    made = table(Across.of(scores, axis="fill"))
-    (axis,) = made.figure.axes
+    scores = {
+        name: pd.DataFrame({"gap": range(8), "rmse": number}) for name, number in tables.items()
+    }
+    result = table(Across.of(scores, axis="fill"))
+    (axis,) = result.figure.axes
     low, high = axis.get_ylim()
     assert low <= 0.0
     assert 0.35 < high < 2.0

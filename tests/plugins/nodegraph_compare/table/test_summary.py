@@ -24,9 +24,9 @@ def summary(values: Any, end: Any = "lower", *, against: Any = None) -> Summary:
 
 @pytest.mark.parametrize(("end", "bests"), [("lower", [1, 3]), ("higher", [2]), ("none", [])])
 def test_the_best_means_are_at_the_better_end(end: str, bests: list[int]) -> None:
-    found = summary([[2.0, 1.0, 5.0, 1.0], [2.0, 1.0, 6.0, 1.0]], end)
-    assert np.flatnonzero(found.bests).tolist() == bests
-    assert found.best == (bests[0] if bests else None)
+    result = summary([[2.0, 1.0, 5.0, 1.0], [2.0, 1.0, 6.0, 1.0]], end)
+    assert np.flatnonzero(result.bests).tolist() == bests
+    assert result.best == (bests[0] if bests else None)
 
 
 def test_better_in_counts_blocks_on_the_better_side() -> None:
@@ -57,7 +57,7 @@ def test_of_equal_methods_any_is_behind_in_about_one_study_in_twenty(
 ) -> None:
     random = np.random.default_rng(methods)
     studies = random.normal(size=(1000, blocks, methods)) + random.normal(size=(1000, blocks, 1))
-    share = np.mean([_any_behind(one) for one in studies])
+    share = np.mean([_any_behind(value) for value in studies])
     assert 0.025 < share < 0.085
 
 
@@ -84,7 +84,7 @@ def test_two_blocks_leave_nobody_behind() -> None:
 
 
 def test_nothing_complete_is_nan() -> None:
-    found = summary([[1.0, NAN], [NAN, 2.0]])
-    assert np.isnan([found.mean, found.rms, found.median, found.sd, found.low]).all()
-    assert found.best is None
-    assert found.blocks.tolist() == [0, 0]
+    result = summary([[1.0, NAN], [NAN, 2.0]])
+    assert np.isnan([result.mean, result.rms, result.median, result.sd, result.low]).all()
+    assert result.best is None
+    assert result.blocks.tolist() == [0, 0]

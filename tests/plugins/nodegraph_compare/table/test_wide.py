@@ -14,7 +14,7 @@ from nodegraph_tables.rendering import render_table
 NAN = np.nan
 
 
-def study(**chosen: Any) -> Any:
+def study(**settings: Any) -> Any:
     """Scores of two methods at two lengths on three markers, eight trials."""
     random = np.random.default_rng(3)
     entries = []
@@ -26,52 +26,52 @@ def study(**chosen: Any) -> Any:
                 rows = pd.DataFrame({"marker": ["jaw", "chin", "brow"], "rmse": rmse})
                 rows = with_info(rows, TableInfo(units={"rmse": "mm"}))
                 entries.append((labels, rows))
-    return Across(("trial", "length", "fill"), tuple(entries)), chosen
+    return Across(("trial", "length", "fill"), tuple(entries)), settings
 
 
-def laid_out(**chosen: Any) -> Any:
-    scores, settings = study(**chosen)
+def laid_out(**options: Any) -> Any:
+    scores, settings = study(**options)
     return table(scores, **settings).table
 
 
-def long(**chosen: Any) -> Any:
-    return laid_out(**chosen).set_index([*chosen["within"], "fill"])
+def long(**settings: Any) -> Any:
+    return laid_out(**settings).set_index([*settings["within"], "fill"])
 
 
 def test_a_row_per_trajectory_and_a_column_per_method() -> None:
-    made = laid_out(rows=("marker",), columns=("fill",), blocks=("trial", "length"))
+    result = laid_out(rows=("marker",), columns=("fill",), blocks=("trial", "length"))
     parts = ["lin", "lin low", "lin high", "cubic", "cubic low", "cubic high"]
-    assert list(made.columns) == ["marker", "blocks", *parts]
-    assert made["marker"].tolist() == ["jaw", "chin", "brow"]
-    assert made["blocks"].tolist() == [16] * 3
+    assert list(result.columns) == ["marker", "blocks", *parts]
+    assert result["marker"].tolist() == ["jaw", "chin", "brow"]
+    assert result["blocks"].tolist() == [16] * 3
     plain = long(within=("marker",), compare="fill", blocks=("trial", "length"))
-    for row in made.to_dict("records"):
+    for row in result.to_dict("records"):
         for fill in ("lin", "cubic"):
             assert row[fill] == plain.loc[(row["marker"], fill), "mean"]
             assert row[f"{fill} high"] == plain.loc[(row["marker"], fill), "high"]
 
 
 def test_methods_down_the_side_and_lengths_along_the_top() -> None:
-    made = laid_out(rows=("fill",), columns=("length",))
-    assert made["fill"].tolist() == ["lin", "cubic"]
-    assert [name for name in made if " " not in name[8:]] == ["fill", "length 5", "length 45"]
+    result = laid_out(rows=("fill",), columns=("length",))
+    assert result["fill"].tolist() == ["lin", "cubic"]
+    assert [name for name in result if " " not in name[8:]] == ["fill", "length 5", "length 45"]
     # the best of a group, here a column, is marked
-    assert info_of(made).best == {"length 5": (1,), "length 45": (0,)}
-    assert "blocks" not in made
-    assert any("Every mean is over 24 blocks." in note for note in info_of(made).notes)
+    assert info_of(result).best == {"length 5": (1,), "length 45": (0,)}
+    assert "blocks" not in result
+    assert any("Every mean is over 24 blocks." in note for note in info_of(result).notes)
 
 
 def test_the_best_of_each_row_is_marked_at_the_better_end() -> None:
-    chosen: Any = {"rows": ("length",), "columns": ("fill",)}
-    assert info_of(laid_out(**chosen)).best == {"lin": (1,), "cubic": (0,)}
-    assert info_of(laid_out(**chosen, better="higher")).best == {"lin": (0,), "cubic": (1,)}
-    assert info_of(laid_out(**chosen, better="none")).best == {"lin": (), "cubic": ()}
+    settings: Any = {"rows": ("length",), "columns": ("fill",)}
+    assert info_of(laid_out(**settings)).best == {"lin": (1,), "cubic": (0,)}
+    assert info_of(laid_out(**settings, better="higher")).best == {"lin": (0,), "cubic": (1,)}
+    assert info_of(laid_out(**settings, better="none")).best == {"lin": (), "cubic": ()}
 
 
 def test_what_is_named_nowhere_stands_in_the_rows() -> None:
-    made = laid_out(within=("length",), columns=("fill",))
-    assert made["length"].tolist() == [5, 45]
-    assert list(made.columns[:3]) == ["length", "blocks", "lin"]
+    result = laid_out(within=("length",), columns=("fill",))
+    assert result["length"].tolist() == [5, 45]
+    assert list(result.columns[:3]) == ["length", "blocks", "lin"]
 
 
 def test_rows_alone_put_the_rest_along_the_top() -> None:
@@ -83,41 +83,43 @@ def test_rows_alone_put_the_rest_along_the_top() -> None:
 
 
 def test_several_names_along_the_top() -> None:
-    made = laid_out(rows=("marker",), columns=("length", "fill"), blocks=("trial",))
-    heads = [name for name in info_of(made).cells]
+    result = laid_out(rows=("marker",), columns=("length", "fill"), blocks=("trial",))
+    heads = [name for name in info_of(result).cells]
     assert heads == ["length 5, lin", "length 5, cubic", "length 45, lin", "length 45, cubic"]
-    assert info_of(made).best["length 5, cubic"] == (0, 1, 2)
+    assert info_of(result).best["length 5, cubic"] == (0, 1, 2)
 
 
 def test_a_baseline_adds_the_p_of_each_cell() -> None:
-    chosen: Any = {"blocks": ("trial", "marker"), "baseline": "lin"}
-    made = laid_out(rows=("length",), columns=("fill",), **chosen)
-    plain = long(within=("length",), compare="fill", **chosen)
-    assert made["cubic p"].tolist() == [plain.loc[(length, "cubic"), "p"] for length in (5, 45)]
-    assert made["lin p"].isna().all()
-    assert "\N{DAGGER}" in render_table(made, "t").text
-    without = laid_out(rows=("length",), columns=("fill",), **chosen, test="none")
+    settings: Any = {"blocks": ("trial", "marker"), "baseline": "lin"}
+    result = laid_out(rows=("length",), columns=("fill",), **settings)
+    plain = long(within=("length",), compare="fill", **settings)
+    assert result["cubic p"].tolist() == [plain.loc[(length, "cubic"), "p"] for length in (5, 45)]
+    assert result["lin p"].isna().all()
+    assert "\N{DAGGER}" in render_table(result, "t").text
+    without = laid_out(rows=("length",), columns=("fill",), **settings, test="none")
     assert "cubic p" not in without
 
 
 def test_a_reader_sees_a_column_per_method_and_the_file_has_every_digit() -> None:
-    made = laid_out(rows=("length",), columns=("fill",))
-    shown = render_table(made, "t")
+    result = laid_out(rows=("length",), columns=("fill",))
+    shown = render_table(result, "t")
     assert shown.text.splitlines()[0].split() == ["length", "blocks", "lin", "cubic"]
     header, first = shown.files[".csv"].decode().splitlines()[:2]
     assert header.startswith("length,blocks,lin,lin low,lin high,cubic")
-    assert float(first.split(",")[2]) == made["lin"][0]
-    assert info_of(made).title == "Mean rmse (mm) by fill within length"
+    assert float(first.split(",")[2]) == result["lin"][0]
+    assert info_of(result).title == "Mean rmse (mm) by fill within length"
 
 
 def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
     scores, _ = study()
-    kept = [one for one in scores.entries if (one[0]["length"], one[0]["fill"]) != (45, "cubic")]
-    made = table(Across(scores.axes, tuple(kept)), rows=("length",), columns=("fill",)).table
-    assert made["lin"].notna().all()
-    assert made["cubic"].isna().tolist() == [False, True]
+    rest = [
+        entry for entry in scores.entries if (entry[0]["length"], entry[0]["fill"]) != (45, "cubic")
+    ]
+    frame = table(Across(scores.axes, tuple(rest)), rows=("length",), columns=("fill",)).table
+    assert frame["lin"].notna().all()
+    assert frame["cubic"].isna().tolist() == [False, True]
     # what stands alone is better than nothing
-    assert info_of(made).best == {"lin": (), "cubic": (0,)}
+    assert info_of(frame).best == {"lin": (), "cubic": (0,)}
 
 
 def test_labels_that_would_name_two_columns_alike_are_told_apart() -> None:
@@ -128,19 +130,19 @@ def test_labels_that_would_name_two_columns_alike_are_told_apart() -> None:
         },
         axis="fill",
     )
-    made = table(scores, rows=("gap",), columns=("fill",)).table
-    assert len(set(made.columns)) == len(made.columns)
-    assert "fill 'a low'" in made
+    frame = table(scores, rows=("gap",), columns=("fill",)).table
+    assert len(set(frame.columns)) == len(frame.columns)
+    assert "fill 'a low'" in frame
 
 
 @pytest.mark.parametrize(
-    ("chosen", "told"),
+    ("settings", "message"),
     [
         ({"rows": ("fill",), "columns": ("fill",)}, "rows and columns share a name: fill"),
         ({"rows": ("trial",), "columns": ("fill",), "blocks": ("trial",)}, "share a name: trial"),
         ({"rows": ("nothing",), "columns": ("fill",)}, "no axis or column 'nothing'"),
     ],
 )
-def test_mistakes_of_a_layout_are_named(chosen: Any, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
-        laid_out(**chosen)
+def test_mistakes_of_a_layout_are_named(settings: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        laid_out(**settings)

@@ -28,8 +28,8 @@ CORNERS = """
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as made:
-        yield made
+    with opened(tmp_path_factory.mktemp("profile")) as browser_tab:
+        yield browser_tab
 
 
 @pytest.mark.parametrize("html", [FIGURE, TABLE], ids=["figure", "table"])
@@ -40,8 +40,8 @@ def test_two_runs_stand_beside_each_other_on_a_desktop_and_below_on_a_phone(
     file = tmp_path / "both.html"
     file.write_text(page(merged({"one": study, "other": study})), encoding="utf-8")
     tab.show(file, width=1900)
-    (one, left, top), (other, right, beside) = tab.value(CORNERS)
-    assert (one, other) == ("one", "other")
+    (value, left, top), (other, right, beside) = tab.value(CORNERS)
+    assert (value, other) == ("one", "other")
     assert top == beside
     assert left + 300 < right
     tab.size(390, 844)
