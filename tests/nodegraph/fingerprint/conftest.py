@@ -69,4 +69,4 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Folder]:
 @pytest.fixture(autouse=True)
 def _just_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the program begin after whatever the tests write and import."""
-    monkeypatch.setattr("nodegraph.import_time.STARTED", 2**62)
+    monkeypatch.setattr("nodegraph.fingerprint.code.STARTED", 2**62)

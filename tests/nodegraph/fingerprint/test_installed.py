@@ -16,7 +16,10 @@ from nodegraph.fingerprint import Code, Reached
 from nodegraph.plugin.registry import Registry, default_registry
 
 ROOT = Path(__file__).parents[3]
-MACHINE = {f"nodegraph.{name}" for name in ("errors", "hook_objects", "kernels", "ports", "values")}
+MACHINE = {
+    f"nodegraph.{name}"
+    for name in ("errors", "kernels", "node.ports", "node.values", "plugin.hook_types")
+}
 
 
 def followed(registry: Registry) -> set[str]:
