@@ -114,7 +114,9 @@ class _SpecReader:
             Form.OUTPUTS: lambda key: self._mapping(key, lambda _, item: self._reference(item)),
         }
         sections = {
-            name: readers[key.form](name) for name, key in TOP_LEVEL.items() if key.form in readers
+            name: readers[key.form](name)
+            for name, key in TOP_LEVEL.items()
+            if key.form is not Form.NUMBER  # which is checked, and not part of the spec
         }
         return GraphSpec(file=file, folder=folder, text=text, **sections)
 

@@ -150,7 +150,7 @@ def error_text(error: BaseException, package: str = "") -> str:
     With the package of a plugin, also the last line of that package's code that was reached.
     """
     text = str(error) if isinstance(error, NodegraphError) else f"{type(error).__name__}: {error}"
-    file, line = _last_line(error, package)
+    file, line = _last_line(error, package) if package else ("", 0)
     return f"{text} ({file}:{line})" if file else text
 
 
