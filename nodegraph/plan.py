@@ -184,7 +184,7 @@ class _Planner:
         }
         for combination in itertools.product(*(self._labels(axis) for axis in node.axes)):
             labels = dict(zip(node.axes, combination, strict=True))
-            reason = self._skip_reason(labels)
+            reason = self._graph.spec.skip and self._skip_reason(labels)
             step = reason or self._step(node, labels, texts)
             if isinstance(step, str):
                 skipped[combination] = step
@@ -215,7 +215,11 @@ class _Planner:
         method = node.methods[label]
         inputs: dict[str, StepInput] = {}
         for port, feed in method.inputs.items():
-            source = self._input(node, feed, labels)
+            source: StepInput | str
+            if isinstance(feed, Reference):
+                source = self._output(feed, labels)
+            else:
+                source = self._gathered(node, feed, labels)
             if isinstance(source, str):
                 return source
             inputs[port] = source
@@ -227,11 +231,10 @@ class _Planner:
             self._drafts.append(_Draft(node.name, method, labels, row, inputs, needed))
         return index
 
-    def _input(
-        self, node: GraphNode, feed: Reference | Gather, labels: Mapping[str, Label]
-    ) -> StepInput | str:
-        if isinstance(feed, Reference):
-            return self._output(feed, labels)
+    def _gathered(
+        self, node: GraphNode, feed: Gather, labels: Mapping[str, Label]
+    ) -> Gathered | str:
+        """Return what a gathering port takes at one combination, or why it takes nothing."""
         axes = self._gathered_axes(node, feed)
         entries: list[tuple[Combination, Output]] = []
         absent: list[tuple[Combination, str]] = []
@@ -296,16 +299,26 @@ class _Planner:
 
 
 def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:
-    """Return the steps, each after those that it needs, so that few values wait at a time."""
-    import networkx as nx
+    """Return the steps, each after those that it needs, so that few values wait at a time.
 
+    The same as networkx's ``dfs_postorder_nodes``, in less than a third of its time.
+    """
     read = {source for sources in needed for source in sources}
-    network: nx.DiGraph[int] = nx.DiGraph()
-    network.add_nodes_from(step for step in range(len(needed)) if step not in read)
-    network.add_edges_from(
-        (step, source) for step, sources in enumerate(needed) for source in sources
-    )
-    return list(nx.dfs_postorder_nodes(network))
+    order: list[int] = []
+    seen: set[int] = set()
+    for last in (step for step in range(len(needed)) if step not in read):
+        stack = [(last, iter(needed[last]))]
+        while stack:
+            step, sources = stack[-1]
+            for source in sources:
+                if source not in seen:
+                    seen.add(source)
+                    stack.append((source, iter(needed[source])))
+                    break
+            else:
+                order.append(step)
+                stack.pop()
+    return order
 
 
 def _ordered_step(draft: _Draft, index: int, indices: Sequence[int]) -> Step:

@@ -64,6 +64,7 @@ class Builder:
         self._wires = WireChecker(spec, self._nodes, self._namespace, problems)
         self._left_out: list[LeftOut] = []
         self._incomplete: set[str] = set()  # nodes that may lack an axis because of an error
+        self._ignored = Problems()  # errors that may follow from those
 
     def build(self) -> Graph | None:
         """Return the graph, or None if there are errors, in it or in a graph that it uses."""
@@ -104,7 +105,7 @@ class Builder:
             self._problems.add(spec.over[0][1], f"{spec.name}: 'over' needs a port that gathers")
         for method in methods.values():
             for source in method.references():
-                if reason := self._check_fixed_axes(source):
+                if source.at and (reason := self._check_fixed_axes(source)):
                     self._left_out.append(LeftOut(spec.name, reason))
         if not all(map(self._is_complete, resolved)):
             self._incomplete.add(spec.name)
@@ -114,7 +115,7 @@ class Builder:
             methods.values(),
             self._nodes,
             self._namespace.axes,
-            self._problems if is_certain else Problems(),
+            self._problems if is_certain else self._ignored,
         )
         node = GraphNode(
             spec.name, spec.place, methods, spec.has_alternatives, axes, gathered, spec.prefix

@@ -8,7 +8,7 @@ import networkx as nx
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.methods import ResolvedMethod, labelled
-from nodegraph.graph.model import Gather, GraphNode, Wire, sources_of
+from nodegraph.graph.model import Gather, GraphNode, Wire
 from nodegraph.graph.namespace import Namespace
 from nodegraph.graph.pass_through import public_outputs
 from nodegraph.graphfile.spec import GraphSpec, Reference
@@ -116,7 +116,7 @@ def typed_network(nodes: Mapping[str, GraphNode]) -> nx.MultiDiGraph[str]:
         for method in node.methods.values():
             for port, feed in method.inputs.items():
                 gathers = isinstance(feed, Gather)
-                for source in sources_of(feed):
+                for source in feed.sources.values() if isinstance(feed, Gather) else (feed,):
                     output = source.port or nodes[source.node].first.node.outputs[0].name
                     wire = Wire(output, port, source, gathers)
                     # methods that share a reference share its edge
