@@ -84,9 +84,10 @@ def _one_thread(api: str) -> AbstractContextManager[Any]:
 def _blas() -> Iterator[None]:
     from threadpoolctl import OpenBLASController
 
+    # threadpoolctl lets one thread control OpenBLAS, but runs may begin and end in others
+    OpenBLASController.clear_controlling_thread(force=True)
     with _one_thread("blas"):
         yield
-        # the last thread to leave lifts the limit, and may be another than the one that set it
         OpenBLASController.clear_controlling_thread(force=True)
 
 

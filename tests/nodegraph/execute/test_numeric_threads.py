@@ -105,3 +105,9 @@ def test_the_limit_holds_until_the_last_thread_leaves_and_leaves_no_trace() -> N
     assert threads_now() == {2}
     assert os.environ["OPENBLAS_NUM_THREADS"] == "2"
     assert "OMP_NUM_THREADS" not in os.environ
+    with one_thread_each():
+        pass
+    thread = threading.Thread(target=other)
+    thread.start()
+    thread.join()
+    assert inside == [{1}, {1}]
