@@ -26,6 +26,8 @@ def nothing(*arguments: Any) -> tuple[str, ...]:
         (lambda: Rendered(b"<p>"), "Rendered.html: expected str, got bytes"),  # type: ignore[arg-type]
         (lambda: Rendered("", scripts="let a = 1"), "Rendered.scripts: .*tuple"),  # type: ignore[arg-type]
         (lambda: Rendered("", scripts=(b"let a = 1",)), "Rendered.scripts: .*str"),  # type: ignore[arg-type]
+        (lambda: Rendered("", answer="a wins."), "Rendered.answer: .*tuple"),  # type: ignore[arg-type]
+        (lambda: Rendered("", answer=(3,)), "Rendered.answer: .*str"),  # type: ignore[arg-type]
         (lambda: Rendered("", files={".csv": "a,b"}), r"Rendered.files\['.csv'\]: .*bytes"),  # type: ignore[dict-item]
     ],
 )
