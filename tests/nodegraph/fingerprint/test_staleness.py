@@ -27,7 +27,7 @@ FUTURE = 10_000_000_000
 
 @pytest.fixture(autouse=True)
 def _begun(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nodegraph.import_time.STARTED", STARTED)
+    monkeypatch.setattr("nodegraph.fingerprint.code.STARTED", STARTED)
 
 
 def edited(path: Path, text: str) -> None:
