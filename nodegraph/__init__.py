@@ -31,6 +31,7 @@ from nodegraph.plugin.hook_types import (
     Comparison,
     Conclusion,
     Contract,
+    Format,
     Rendered,
     Renderer,
     Storage,
@@ -41,6 +42,7 @@ from nodegraph.plugin.hooks import hookimpl
 if TYPE_CHECKING:
     from nodegraph.api import load, run
     from nodegraph.kernels import kernel
+    from nodegraph.plugin.formats import formats
     from nodegraph.plugin.registry import get_node
 
 __all__ = [
@@ -54,6 +56,7 @@ __all__ = [
     "Contract",
     "Deprecated",
     "Files",
+    "Format",
     "GraphError",
     "InputFile",
     "Label",
@@ -69,6 +72,7 @@ __all__ = [
     "Unit",
     "Value",
     "closest",
+    "formats",
     "get_node",
     "hookimpl",
     "kernel",
@@ -83,6 +87,7 @@ __all__ = [
 _LATE = {
     "load": "nodegraph.api",
     "run": "nodegraph.api",
+    "formats": "nodegraph.plugin.formats",
     "get_node": "nodegraph.plugin.registry",
     "kernel": "nodegraph.kernels",
 }

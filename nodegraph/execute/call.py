@@ -17,6 +17,8 @@ from nodegraph.errors import NodegraphError, Refusal
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
 from nodegraph.plan import Gathered, Plan, Step
+from nodegraph.plugin.formats import formats_of
+from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 
 _READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
@@ -40,6 +42,8 @@ class Call:
     settings : mapping of setting to value
     key : str
         Under which the result is stored; empty if it cannot be.
+    registry : Registry or None
+        The plugins of the run, if the node is to read the formats of their files.
     """
 
     step: int
@@ -48,6 +52,7 @@ class Call:
     inputs: Mapping[str, Any]
     settings: Mapping[str, Any]
     key: str = ""
+    registry: Registry | None = None
 
 
 @dataclass(slots=True)
@@ -113,7 +118,8 @@ def perform(call: Call) -> Outcome:
     token = _warnings.set(messages)
     start = time.perf_counter()
     try:
-        values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
+        with formats_of(call.registry):
+            values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
         outcome = Outcome(State.REFUSED, reason=_printable(str(refusal) or "no reason given"))

@@ -107,7 +107,10 @@ class Schedule:
             if self._observer is not None:
                 self._observer.started(step)
             inputs = {port: self._input(source) for port, source in step.inputs.items()}
-            return Call(index, step.method.node, step.method.plugin, inputs, step.settings, key)
+            method = step.method
+            return Call(
+                index, method.node, method.plugin, inputs, step.settings, key, self.registry
+            )
         return None
 
     def perform(self, call: Call) -> Outcome:

@@ -65,7 +65,10 @@ class StepCache:
         self.store = store
         self._plan = plan
         self._remembered = {name: store.recall(name) for name in (_CODE, _FILES)}
-        self._code = Code(followed(plan.graph.registry), self._remembered[_CODE])
+        registry = plan.graph.registry
+        self._code = Code(
+            followed(registry), self._remembered[_CODE], lambda: registry.hooks.unguarded_formats
+        )
         self._files = Files(self._remembered[_FILES])
         self._findings: dict[str, str] = {}
         self._digests = StepDigests(self._code, self._files, self._finding)

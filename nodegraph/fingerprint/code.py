@@ -14,9 +14,10 @@ from typing import Any
 
 from nodegraph.fingerprint.functions import Live
 from nodegraph.fingerprint.modules import Distributions, Places
-from nodegraph.fingerprint.names import Links, Module, Reach
+from nodegraph.fingerprint.names import FORMATS, Links, Module, Reach
 from nodegraph.fingerprint.source import Sources, short_digest
 from nodegraph.import_time import LOADED, STARTED
+from nodegraph.plugin.hook_types import Format
 
 
 def edited_since(modules: Iterable[Module], function: Callable[..., Any]) -> Iterator[str]:
@@ -84,10 +85,16 @@ class Code:
     remembered
         What `remembered` returned in an earlier process. What does not hold any more, or is not
         of that form, is left out.
+    formats
+        Returns the formats of the plugins in use: a function that calls `nodegraph.formats` reaches
+        the code of all of them.
     """
 
     def __init__(
-        self, followed: Iterable[str], remembered: Mapping[str, Any] | None = None
+        self,
+        followed: Iterable[str],
+        remembered: Mapping[str, Any] | None = None,
+        formats: Callable[[], Iterable[Format]] = tuple,
     ) -> None:
         known = remembered if isinstance(remembered, Mapping) else {}
         ours = known.get("format") == _FORMAT and known.get("python") == _PYTHON
@@ -95,6 +102,7 @@ class Code:
         self._distributions = Distributions(known.get("distributions") if ours else None)
         self._places = Places(followed, self._distributions)
         self._links = Links(self._places, self._sources)
+        self._formats = formats
         self._known: dict[int, tuple[object, Reached]] = {}
 
     def of(self, function: Callable[..., Any]) -> Reached:
@@ -117,7 +125,12 @@ class Code:
 
     def _find(self, function: Callable[..., Any]) -> Reached:
         live = Live(self._links, self._places)
-        digests_by_unit, versioned, troubles, modules = self._gather(live.look_at(function))
+        reach = live.look_at(function)
+        if ":".join(FORMATS) in self._gather(reach)[0]:
+            for form in self._formats():
+                described = form.type.__qualname__, form.suffixes, form.read, form.recognizes
+                reach = live.look_at(described, f"format:{form.name}")
+        digests_by_unit, versioned, troubles, modules = self._gather(reach)
         troubles |= set(edited_since(modules, function))
         for label, digests in live.units.items():
             digests_by_unit[label] |= digests

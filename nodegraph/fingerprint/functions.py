@@ -269,9 +269,9 @@ class Live:
         self.units: defaultdict[str, set[str]] = defaultdict(set)
         self.troubles: list[str] = []
 
-    def look_at(self, function: Any) -> Reach:
-        """Return what a function leads to in files."""
-        self._waiting.append((_label(function), function))
+    def look_at(self, value: Any, label: str = "") -> Reach:
+        """Return what a function, or a value that holds functions, leads to in files."""
+        self._waiting.append((label or _label(value), value))
         while self._waiting:
             label, value = self._waiting.pop()
             if id(value) not in self._seen:

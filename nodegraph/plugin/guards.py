@@ -18,6 +18,7 @@ from nodegraph.plugin.hook_types import (
     Command,
     Comparison,
     Conclusion,
+    Format,
     Parts,
     Rendered,
     Renderer,
@@ -160,6 +161,25 @@ def guard_conclusion(conclusion: Conclusion, source: Source) -> Conclusion:
         conclude=source.warning(f"the conclusion of {name}", conclude, lambda *_: ()),
         numbers=source.warning(f"the numbers of {name}", numbers, lambda *_: ""),
     )
+
+
+def guard_format(form: Format, source: Source) -> Format:
+    """Return a format that raises `PluginError` where another fails.
+
+    What the reader raises for a file that it cannot read passes.
+    """
+    what = f"the format {form.name}"
+
+    def read(path: Path, **options: Any) -> Any:
+        try:
+            return expect(form.read(path, **options), form.type)
+        except (NodegraphError, ValueError, OSError):
+            raise
+        except (Exception, SystemExit) as error:
+            raise PluginError(source.failure(what, error)) from error
+
+    recognizes = source.warning(what, form.recognizes, lambda start: False)
+    return replace(form, read=read, recognizes=recognizes)
 
 
 def guard_executor(name: str, executor: Function, source: Source) -> Function:

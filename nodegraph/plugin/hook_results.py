@@ -23,6 +23,7 @@ from nodegraph.plugin.guards import (
     guard_comparison,
     guard_conclusion,
     guard_executor,
+    guard_format,
     guard_place,
     guard_renderer,
     guard_specimens,
@@ -33,6 +34,7 @@ from nodegraph.plugin.hook_types import (
     Comparison,
     Conclusion,
     Contract,
+    Format,
     Renderer,
     Storage,
     expect,
@@ -65,6 +67,16 @@ class HookResults:
     def storages(self) -> tuple[Storage, ...]:
         """How values are stored; the last plugin comes first."""
         return tuple(guard_storage(*pair) for pair in self._listed("nodegraph_storages"))
+
+    @cached_property
+    def formats(self) -> tuple[Format, ...]:
+        """How values are read from files; the last plugin comes first."""
+        return tuple(guard_format(*pair) for pair in self._formats)
+
+    @property
+    def unguarded_formats(self) -> tuple[Format, ...]:
+        """The formats with the plugins' own functions, whose code counts in the keys of steps."""
+        return tuple(form for form, _ in self._formats)
 
     @cached_property
     def executors(self) -> Mapping[str, Callable[..., Any]]:
@@ -114,6 +126,10 @@ class HookResults:
         """Yield types with functions that make small values by name, the last plugin's first."""
         for kind, make, source in self._items("nodegraph_specimens"):
             yield kind, guard_specimens(kind, make, source)
+
+    @cached_property
+    def _formats(self) -> tuple[tuple[Format, Source], ...]:
+        return tuple(self._listed("nodegraph_formats"))
 
     @cached_property
     def _places(self) -> Mapping[str, Callable[[str], Path]]:

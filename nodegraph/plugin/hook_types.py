@@ -1,4 +1,4 @@
-"""What the hooks of plugins return: how values are shown, stored, compared and concluded from."""
+"""What the hooks of plugins return: how values are read, stored, shown and compared."""
 
 from __future__ import annotations
 
@@ -150,6 +150,45 @@ class Storage:
 
     def __post_init__(self) -> None:
         _check_fields(self)
+
+
+@dataclass(frozen=True)
+class Format:
+    """Reads values of one type from files of one format.
+
+    Attributes
+    ----------
+    name : str
+        As messages write it: ``C3D``.
+    type : type
+    suffixes : tuple of str
+        In lower case, with the dot. A folder is searched for a file with the first.
+    read : callable
+        ``read(path, **options)`` returns the value. Which options there are depends on the type;
+        a ``ValueError``, which names the file, is a message to users.
+    recognizes : callable
+        ``recognizes(start)`` returns whether a file that begins with these bytes, 1024 unless it
+        is shorter, is of the format. By default, only the suffix counts.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    ValueError
+        If there are no suffixes, or one is not of that form.
+    """
+
+    name: str
+    type: type
+    suffixes: tuple[str, ...]
+    read: Callable[..., Any]
+    recognizes: Callable[[bytes], bool] = lambda start: False
+
+    def __post_init__(self) -> None:
+        _check_fields(self)
+        for suffix in self.suffixes or ("",):
+            if not isinstance(suffix, str) or suffix[:1] != "." or suffix != suffix.lower():
+                raise ValueError(f"Format.suffixes: {suffix!r} is not of the form '.c3d'")
 
 
 Parts = Mapping[str, tuple[tuple[str, tuple[str, ...]], ...]]

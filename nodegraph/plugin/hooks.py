@@ -12,7 +12,15 @@ from typing import Any
 
 import pluggy
 
-from nodegraph.plugin.hook_types import Command, Comparison, Conclusion, Contract, Renderer, Storage
+from nodegraph.plugin.hook_types import (
+    Command,
+    Comparison,
+    Conclusion,
+    Contract,
+    Format,
+    Renderer,
+    Storage,
+)
 
 GROUP = "nodegraph"
 hookspec = pluggy.HookspecMarker(GROUP)
@@ -47,6 +55,11 @@ def nodegraph_conclusions() -> Iterable[Conclusion]:  # type: ignore[empty-body]
 @hookspec
 def nodegraph_storages() -> Iterable[Storage]:  # type: ignore[empty-body]
     """Return how values of the plugin's types are stored."""
+
+
+@hookspec
+def nodegraph_formats() -> Iterable[Format]:  # type: ignore[empty-body]
+    """Return how values are read from files: see `nodegraph.formats`."""
 
 
 @hookspec

@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import hookimpl
+from nodegraph import Format, hookimpl
 from nodegraph_files.c3d import c3d_bytes, read_c3d, write_c3d
 from nodegraph_files.glb.writing import animation_bytes, head_bytes
-from nodegraph_files.marker_set import marker_set_text, read_marker_set
+from nodegraph_files.head import RawHead
+from nodegraph_files.marker_set import marker_set_text, read_marker_set_yaml
 from nodegraph_files.model import model_bytes, read_model_npz
 from nodegraph_files.npz import npz_bytes, read_npz, write_npz
 from nodegraph_files.paths import sample_folder
@@ -16,6 +17,7 @@ from nodegraph_files.text.live_link import read_live_link
 from nodegraph_files.text.trc import read_trc, trc_bytes, write_trc
 
 __all__ = [
+    "RawHead",
     "animation_bytes",
     "c3d_bytes",
     "csv_bytes",
@@ -26,7 +28,7 @@ __all__ = [
     "read_c3d",
     "read_csv",
     "read_live_link",
-    "read_marker_set",
+    "read_marker_set_yaml",
     "read_model_npz",
     "read_npz",
     "read_trc",
@@ -42,19 +44,14 @@ __all__ = [
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the nodes of this package."""
-    from nodegraph_files import writers
-    from nodegraph_files.head import read_head
-    from nodegraph_files.marker_set import read_marker_set_node
-    from nodegraph_files.model import read_model
-    from nodegraph_files.recording import read_recording
-    from nodegraph_files.weights import read_weights
+    from nodegraph_files import readers, writers
 
     return (
-        read_recording,
-        read_marker_set_node,
-        read_weights,
-        read_head,
-        read_model,
+        readers.read_recording,
+        readers.read_marker_set,
+        readers.read_weights,
+        readers.read_head,
+        readers.read_model,
         writers.write_c3d,
         writers.write_trc,
         writers.write_csv,
@@ -63,6 +60,17 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
         writers.write_model,
         writers.write_glb,
     )
+
+
+@hookimpl
+def nodegraph_formats() -> Iterable[Format]:
+    """Return the formats that are read; of those that fit a file, the first."""
+    from nodegraph_files import c3d, model, npz, obj
+    from nodegraph_files.glb import reading as glb
+    from nodegraph_files.text import csv, live_link, trc
+
+    formats = (c3d, npz, trc, csv, live_link, model, glb, obj)
+    return tuple(module.FORMAT for module in formats)
 
 
 @hookimpl

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from nodegraph import Format
 from nodegraph_files.c3d_header import (
     BLOCK,
     FLOAT,
@@ -277,3 +278,11 @@ def _write(recording: Trajectories, head: bytes, stream: BinaryIO) -> None:
     # give it some that are not there.
     if recording.frames < LARGEST_COUNT:
         stream.write(bytes(-written % BLOCK))
+
+
+def _is_c3d(start: bytes) -> bool:
+    # a small number comes first, which text with a P in second place does not begin with
+    return start[1:2] == b"\x50" and start[0] < 0x20
+
+
+FORMAT = Format("C3D", Trajectories, (".c3d",), read_c3d, _is_c3d)

@@ -1,28 +1,72 @@
-"""Read a head, whatever its file form."""
+"""Heads as their files have them, in a unit that may have to be guessed, and their markers."""
 
 from __future__ import annotations
 
 import csv
 import warnings
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
-from nodegraph import InputFile, node
-from nodegraph_files.glb.buffers import MAGIC
-from nodegraph_files.glb.reading import read_glb
-from nodegraph_files.obj import read_obj
-from nodegraph_files.paths import find_file
-from nodegraph_files.raw_head import RawHead
+import numpy as np
+
 from nodegraph_files.text.table import text_lines
 from nodegraph_files.units import MILLIMETRES
 from nodegraph_mocap.head import Head
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _LEAST, _MOST = 100.0, 500.0
 """Millimetres that a head, a face or a bust may measure, the longest way along an axis."""
 
 _USUAL = ("m", "cm", "mm")
 """At most one of them gives a plausible size, as they lie further apart than its bounds."""
+
+_COLUMNS = ["marker", "vertex"]
+
+
+@dataclass(frozen=True)
+class RawHead:
+    """What a reader of heads returns.
+
+    Attributes
+    ----------
+    vertices : (V, 3) array of float64
+    faces : (F, 3) array of int64
+    morphs : mapping of name to (V, 3) array of float64
+        Offsets of the vertices at weight 1.
+    unit : str
+        Of length.
+    unit_stated : bool
+        Whether this file says so, and not only its form or a habit.
+    marker_vertices : mapping of marker to vertex
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    morphs: Mapping[str, NDArray[np.float64]]
+    unit: str
+    unit_stated: bool = False
+    marker_vertices: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def extent(self) -> float:
+        """The longest side, along an axis."""
+        return float(np.ptp(self.vertices, axis=0).max())
+
+    def head(self, millimetres: float) -> Head:
+        """Return the head in millimetres, of which the unit is that many."""
+        offsets = list(self.morphs.values()) or np.zeros((0, *self.vertices.shape))
+        return Head(
+            vertices=self.vertices * millimetres,
+            faces=self.faces,
+            morphs=np.asarray(offsets) * millimetres,
+            names=tuple(self.morphs),
+            markers=tuple(self.marker_vertices),
+            marker_vertices=np.array(list(self.marker_vertices.values()), dtype=np.int64),
+        )
 
 
 def unit_of_mesh(path: Path, extent: float, *, assumed: str, stated: bool) -> str:
@@ -64,9 +108,6 @@ def _warn(path: Path, said: str) -> None:
     warnings.warn(f"{path}: {said}", stacklevel=5)
 
 
-_HEADER = ["marker", "vertex"]
-
-
 def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
     """Read which vertex each marker sits on.
 
@@ -94,8 +135,8 @@ def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
     found: dict[str, int] = {}
     try:
         header = [cell.strip().lower() for cell in next(rows, [])]
-        if header != _HEADER:
-            raise ValueError(f"the header must be {','.join(_HEADER)}, not {','.join(header)!r}")
+        if header != _COLUMNS:
+            raise ValueError(f"the header must be {','.join(_COLUMNS)}, not {','.join(header)!r}")
         for row in rows:
             cells = [cell.strip() for cell in row]
             if any(cells):
@@ -117,81 +158,3 @@ def _add(found: dict[str, int], cells: list[str], vertices: int) -> None:
     if vertex >= vertices:
         raise ValueError(f"marker {marker!r}: no vertex {vertex}; the mesh has {vertices}, from 0")
     found[marker] = vertex
-
-
-_NEUTRAL = "neutral.obj"
-_HEADS = ("head.glb", _NEUTRAL, "head.obj")
-_MARKER_VERTICES = ("marker_vertices.csv",)
-
-
-@node("read.head")
-def read_head(
-    *,
-    path: InputFile,
-    marker_vertices: InputFile | None = None,
-    unit: Literal["auto", "m", "cm", "mm", "in"] = "auto",
-) -> Head:
-    """Read a head with its morph targets: a GLB file, or OBJ files.
-
-    Parameters
-    ----------
-    path
-        A GLB file; an OBJ file, a head without morph targets; or a folder that holds ``head.glb``,
-        or ``neutral.obj`` and an OBJ file per morph target, named as it is and with the same
-        vertices and faces.
-    marker_vertices
-        A table ``marker,vertex`` (CSV), vertices counted from 0. By default
-        ``marker_vertices.csv`` of the folder, or what a GLB file says itself, or no markers.
-    unit
-        Of length in the file. By default metres for GLB, as glTF has it, and millimetres for OBJ;
-        but if the head would then be no 100 to 500 mm long, and is so in metres, centimetres or
-        millimetres, then these, with a warning. A GLB file by this package is sure to be in metres.
-
-    Returns
-    -------
-    Head
-        In millimetres, in the axes of the file.
-
-    Raises
-    ------
-    ValueError
-        If a file cannot be read, or names a vertex that is not there.
-    """
-    file = find_file(path, _HEADS)
-    raw = _read(file, with_shapes=Path(path) != file)
-    table = _table(Path(path), file, marker_vertices)
-    if table is not None:
-        raw = replace(raw, marker_vertices=read_marker_vertices(table, len(raw.vertices)))
-    try:
-        return raw.head(MILLIMETRES[_unit(file, raw, unit)])
-    except ValueError as error:
-        raise ValueError(f"{file}: {error}") from None
-
-
-def _read(file: Path, *, with_shapes: bool) -> RawHead:
-    with file.open("rb") as opened:
-        start = opened.read(len(MAGIC))
-    suffix = file.suffix.lower()
-    if start == MAGIC or suffix == ".glb":
-        return read_glb(file)
-    if suffix != ".obj":
-        raise ValueError(f"{file}: neither GLB nor OBJ")
-    others = sorted(one for one in file.parent.glob("*.obj") if one != file)
-    return read_obj(file, tuple(others) if with_shapes and file.name == _NEUTRAL else ())
-
-
-def _table(path: Path, file: Path, given: Path | None) -> Path | None:
-    """Return the table of marker vertices; the one beside a file only if its folder was named."""
-    if given is not None:
-        return find_file(given, _MARKER_VERTICES)
-    beside = file.parent / _MARKER_VERTICES[0]
-    return beside if path != file and beside.is_file() else None
-
-
-def _unit(file: Path, raw: RawHead, given: str) -> str:
-    if given != "auto":
-        return unit_of_mesh(file, raw.extent, assumed=given, stated=True)
-    unit = unit_of_mesh(file, raw.extent, assumed=raw.unit, stated=raw.unit_stated)
-    if file.suffix.lower() == ".obj":
-        warnings.warn(f"{file}: OBJ tells no unit of length; {unit} is taken", stacklevel=3)
-    return unit

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from nodegraph import InputFile, node
-from nodegraph_files.paths import find_file
 from nodegraph_mocap.marker_set import MarkerSet
-from nodegraph_mocap.recording import Trajectories
 
 PARTS = tuple(field.name for field in fields(MarkerSet))
 _COUPLES = ("pairs", "edges")
 
 
-def read_marker_set(path: Path) -> MarkerSet:
+def read_marker_set_yaml(path: Path) -> MarkerSet:
     """Read a marker set.
 
     The file lists ``markers`` and, where they are known, ``pairs``, ``midline``, ``stable`` and
@@ -113,67 +110,3 @@ def _couple(part: str, item: Any) -> tuple[str, str]:
     if not isinstance(item, list) or len(item) != 2 or not all(isinstance(x, str) for x in item):
         raise ValueError(f"{part!r} must be a list of two names each, not {reprlib.repr(item)}")
     return item[0], item[1]
-
-
-_MARKER_SETS = ("markers.yaml",)
-
-
-def marker_set_for(path: Path, file: Path, given: Path | None) -> MarkerSet | None:
-    """Return the marker set of a file, or None.
-
-    Parameters
-    ----------
-    path
-        What the user named.
-    file
-        The file that this led to. ``markers.yaml`` beside it counts only if the user named the
-        folder: results are stored by the content of what is named, and by nothing else.
-    given
-        The marker set's own file, if the user named one.
-    """
-    if given is not None:
-        return read_marker_set(find_file(given, _MARKER_SETS))
-    beside = file.parent / _MARKER_SETS[0]
-    asked_for_folder = path != file
-    return read_marker_set(beside) if asked_for_folder and beside.is_file() else None
-
-
-def with_marker_set(recording: Trajectories, found: MarkerSet | None, file: Path) -> Trajectories:
-    """Return the recording with that marker set, or as it is if there is none.
-
-    Raises
-    ------
-    ValueError
-        If the set names a marker that the recording lacks.
-    """
-    if found is None:
-        return recording
-    absent = [name for name in found.markers if name not in recording.markers]
-    if absent:
-        raise ValueError(
-            f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "
-            f"{', '.join(recording.markers)}"
-        )
-    return replace(recording, marker_set=found)
-
-
-@node("read.marker_set")
-def read_marker_set_node(*, path: InputFile) -> MarkerSet:
-    """Read a marker set: which markers are pairs, on the midline, stable, joined when drawn.
-
-    Parameters
-    ----------
-    path
-        A YAML file, a folder that holds ``markers.yaml``, or ``sample:NAME``.
-
-    Returns
-    -------
-    MarkerSet
-        As written; every name in it is one of its markers.
-
-    Raises
-    ------
-    ValueError
-        If the file is not of that form, with the place where it is not.
-    """
-    return read_marker_set(find_file(path, ("markers.yaml",)))

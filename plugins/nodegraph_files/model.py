@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import InputFile, node
-from nodegraph_files.marker_set import marker_set_for, with_marker_set
-from nodegraph_files.npz import npz_arrays
-from nodegraph_files.paths import find_file
+from nodegraph import Format
+from nodegraph_files.npz import is_archive, npz_arrays
 from nodegraph_mocap.face_model import BlendshapeModel
-from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
 
 _KINDS = {"neutral": "fiu", "shapes": "fiu", "shape_names": "U", "markers": "U"}
 
@@ -62,44 +58,4 @@ def _names(array: NDArray[np.str_]) -> tuple[str, ...]:
     return tuple(str(name) for name in array.ravel())
 
 
-_MODELS = ("model.npz",)
-_RATE = 1.0
-"""A single frame has no rate, but a recording needs one."""
-
-
-class Model(NamedTuple):
-    """What `read.model` gives."""
-
-    model: BlendshapeModel
-    neutral: Trajectories
-
-
-@node("read.model")
-def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model:
-    """Read a blendshape model: NPZ with ``neutral``, ``shapes``, ``shape_names``, ``markers``.
-
-    Parameters
-    ----------
-    path
-        A file, a folder that holds ``model.npz``, or ``sample:NAME``.
-    marker_set
-        A marker-set file (YAML) for `neutral`. By default ``markers.yaml`` of the folder, or none.
-
-    Returns
-    -------
-    model : BlendshapeModel
-        In millimetres.
-    neutral : Trajectories
-        The model's face at rest: a recording of one frame, its rate set to 1 Hz, with the marker
-        set.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read, or lacks a marker that the set names.
-    """
-    file = find_file(path, _MODELS)
-    model = read_model_npz(file)
-    neutral = Trajectories(positions=model.neutral[None], markers=model.markers, rate=_RATE)
-    found = marker_set_for(Path(path), file, marker_set)
-    return Model(model, with_marker_set(neutral, found, file))
+FORMAT = Format("NPZ", BlendshapeModel, (".npz",), read_model_npz, is_archive)

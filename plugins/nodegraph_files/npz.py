@@ -11,6 +11,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
+from nodegraph import Format
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
 from nodegraph_mocap.pieces import pieces
@@ -25,6 +26,11 @@ if TYPE_CHECKING:
 _LONGEST_TEXTS = 2**26
 _DEFLATED = 1032
 """Nothing that deflate packs comes out longer than this many times (zlib, technical details)."""
+
+
+def is_archive(start: bytes) -> bool:
+    """Return whether a file that begins with these bytes is a ZIP archive, as NPZ is."""
+    return start.startswith(b"PK\x03\x04")
 
 
 def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) -> dict[str, Any]:
@@ -187,3 +193,6 @@ def _recording(arrays: dict[str, Any], zeros_missing: bool) -> Trajectories:
         origin=arrays.get("origin"),  # type: ignore[arg-type]
         sigma=arrays.get("sigma"),
     )
+
+
+FORMAT = Format("NPZ", Trajectories, (".npz",), read_npz, is_archive)

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_files.raw_head import RawHead
+from nodegraph import Format
+from nodegraph_files.head import RawHead
 from nodegraph_files.text.table import cell_numbers
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 UNIT = "mm"
 """An OBJ file tells none; this one is assumed."""
+
+NEUTRAL = "neutral.obj"
+"""The head at rest in a folder with an OBJ file per morph target."""
 
 _CORNER = re.compile(r"(-?[0-9]{1,18})(/.*)?")
 
@@ -116,3 +120,12 @@ def _corner(path: Path, line: int, word: str, vertices: int) -> int:
     if -number > vertices:
         raise ValueError(f"{path}:{line}: a face names vertex {number} of {vertices} so far")
     return number - 1 if number > 0 else vertices + number
+
+
+def _read(path: Path, *, is_folder: bool) -> RawHead:
+    """Read a head, with the morph targets beside it if the user named its folder."""
+    targets = sorted(path.parent.glob("*.obj")) if is_folder and path.name == NEUTRAL else []
+    return read_obj(path, tuple(target for target in targets if target != path))
+
+
+FORMAT = Format("OBJ", RawHead, (".obj",), _read)

@@ -77,7 +77,7 @@ def read(path: Path, library: str) -> Any:
     if library == "numpy.load":
         with np.load(path) as archive:
             return archive["positions"]
-    from nodegraph_files.recording import read_recording
+    from nodegraph_files.readers import read_recording
 
     return read_recording(path=path)
 

@@ -69,6 +69,7 @@ class NodeFinder:
 
     Attributes
     ----------
+    registry : Registry
     packer : Packer
     differences : str
         Versions here that are not those of the environment.
@@ -77,10 +78,10 @@ class NodeFinder:
     def __init__(self, environment: Environment) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the run itself warns of plugins that are broken
-            self._registry = Registry.installed(environment.plugin_files())
+            self.registry = Registry.installed(environment.plugin_files())
         self._known: dict[bytes, Node] = {}
         # requests may name a node in any module, so values may be of classes of any module
-        self.packer = Packer(self._registry.hooks.storages, lambda package: True)
+        self.packer = Packer(self.registry.hooks.storages, lambda package: True)
         self.differences = "; ".join(environment.differences(Environment()))
         self._code = environment.code
         for package, code in code_of(environment.code).items():
@@ -102,7 +103,7 @@ class NodeFinder:
 
     def _find(self, address: NodeAddress) -> Node:
         try:
-            registered = self._registry.find(f"{address.plugin}:{address.node}")
+            registered = self.registry.find(f"{address.plugin}:{address.node}")
         except UnknownNodeError:
             return self._imported(address)
         if registered.distribution != address.distribution:
@@ -134,10 +135,10 @@ class NodeFinder:
 
     def _why_missing(self, address: NodeAddress) -> str:
         plugin = f"plugin {address.plugin!r}"
-        for broken in self._registry.broken:
+        for broken in self.registry.broken:
             if broken.name == address.plugin:
                 return f"has left out the {plugin}, which defines {address.node}: {broken.reason}"
-        distributions = {loaded.name: loaded.distribution for loaded in self._registry.loaded}
+        distributions = {loaded.name: loaded.distribution for loaded in self.registry.loaded}
         distribution = distributions.get(address.plugin)
         if distribution is None:
             version = f" ({address.distribution})" if address.distribution else ""
@@ -165,7 +166,7 @@ def _response(finder: NodeFinder, request: Request) -> Response:
         return _failure(ResponseKind.UNSENDABLE, str(error))
     try:
         with _warnings.entered(), one_thread_each():
-            outcome = perform(Call(0, node, "", inputs, settings))
+            outcome = perform(Call(0, node, "", inputs, settings, registry=finder.registry))
     except KeyboardInterrupt:
         return _failure(ResponseKind.INTERRUPTED, "")
     try:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
-from nodegraph_files.glb.buffers import UNIT, Accessors, split_glb
+from nodegraph import Format
+from nodegraph_files.glb.buffers import MAGIC, UNIT, Accessors, split_glb
 from nodegraph_files.glb.document import Document, found, read_document
 from nodegraph_files.glb.mesh import Placed, check_sizes, joined_parts, placed_meshes, read_mesh
-from nodegraph_files.raw_head import RawHead
+from nodegraph_files.head import RawHead
 
 
 def read_glb(path: Path) -> RawHead:
@@ -82,3 +83,12 @@ def _tell_raised(document: Document, chosen: list[Placed]) -> None:
             f"{raised} morph targets have a weight from the start; the head at rest is without",
             stacklevel=5,
         )
+
+
+FORMAT = Format(
+    "GLB",
+    RawHead,
+    (".glb",),
+    lambda path, *, is_folder: read_glb(path),
+    lambda start: start.startswith(MAGIC),
+)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from nodegraph import listed
+from nodegraph import Format, listed
 from nodegraph_files.text.motive import is_motive, read_motive
 from nodegraph_files.text.qtm import is_qtm, read_qtm
 from nodegraph_files.text.table import (
@@ -532,3 +532,6 @@ def csv_bytes(recording: Trajectories) -> bytes:
         numbers = ("" if number != number else repr(number) for number in row)
         target.write(f"{frame},{','.join(numbers)}\n")
     return target.getvalue().encode()
+
+
+FORMAT = Format("table of text", Trajectories, (".csv", ".tsv", ".txt"), read_csv)

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import Format
 from nodegraph_files.text.table import cell_numbers, text_lines
+from nodegraph_files.text.text_file import start_in_utf8
 from nodegraph_mocap.checks import distinct
 from nodegraph_mocap.face_model import Weights
 
@@ -245,3 +247,11 @@ def _tell_steps(times: _Times, frames: NDArray[np.int64], rate: float) -> None:
             "before; each counts as a frame of its own",
             stacklevel=4,
         )
+
+
+def _is_live_link(start: bytes) -> bool:
+    first = start_in_utf8(start).decode(errors="replace").partition("\n")[0]
+    return [cell.strip('" \r').lower() for cell in first.split(",")[:2]] == _HEADER
+
+
+FORMAT = Format("Live Link Face", Weights, (".csv",), read_live_link, _is_live_link)

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from itertools import islice
 from pathlib import Path
 
+from nodegraph import Format
 from nodegraph_files.text.table import Row, Table, filled, read_rows
 from nodegraph_files.text.table_recording import (
     positive_number,
@@ -19,12 +20,12 @@ from nodegraph_files.text.table_recording import (
     tell_other_rate,
     tell_skipped,
 )
-from nodegraph_files.text.text_file import read_text_file
+from nodegraph_files.text.text_file import read_text_file, start_in_utf8
 from nodegraph_files.text.vicon import LEADING, count_triples, labels_over
 from nodegraph_files.units import to_millimetres
 from nodegraph_mocap.recording import Trajectories
 
-FIRST_WORD = "PathFileType"
+_FIRST_WORD = "PathFileType"
 _HEADER_LINES = 5
 
 
@@ -103,7 +104,7 @@ def trc_bytes(recording: Trajectories) -> bytes:
     }  # fmt: skip
     axes = [f"{axis}{marker}" for marker in range(1, count + 1) for axis in "XYZ"]
     lines = [
-        f"{FIRST_WORD}\t4\t(X/Y/Z)\trecording.trc",
+        f"{_FIRST_WORD}\t4\t(X/Y/Z)\trecording.trc",
         "\t".join(facts),
         "\t".join(str(value) for value in facts.values()),
         "\t".join(["Frame#", "Time", *(f"{name}\t\t" for name in recording.markers)]),
@@ -130,8 +131,8 @@ def _check_writable(recording: Trajectories) -> None:
 def _table(path: Path) -> Table:
     text = read_text_file(path)
     first = next((line.text for line in text.lines()), "")
-    if not first.startswith(FIRST_WORD):
-        raise ValueError(f"{path}: no TRC file: it begins with {first[:20]!r}, not {FIRST_WORD}")
+    if not first.startswith(_FIRST_WORD):
+        raise ValueError(f"{path}: no TRC file: it begins with {first[:20]!r}, not {_FIRST_WORD}")
     separator = max("\t,", key=first.count)
     if separator not in first:
         raise ValueError(f"{path}:1: neither tabs nor commas separate cells")
@@ -157,3 +158,10 @@ def _rate(path: Path, facts: Mapping[str, str]) -> float:
             f"{said or 'none'}"
         )
     return rate
+
+
+def _is_trc(start: bytes) -> bool:
+    return start_in_utf8(start).startswith(_FIRST_WORD.encode())
+
+
+FORMAT = Format("TRC", Trajectories, (".trc",), read_trc, _is_trc)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph import Comparison, Conclusion, Rendered, Renderer, Storage
+from nodegraph import Comparison, Conclusion, Format, Rendered, Renderer, Storage
 
 
 def nothing(*arguments: Any) -> tuple[str, ...]:
@@ -40,6 +40,12 @@ def test_a_field_of_another_type_is_named(make: Callable[[], object], message: s
 def test_a_script_that_would_end_its_tag_is_refused(part: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="must not contain </s"):
         Rendered("", **part)
+
+
+@pytest.mark.parametrize("suffixes", [(), ("c3d",), (".C3D",), (1,)])
+def test_a_suffix_of_another_form_is_refused(suffixes: Any) -> None:
+    with pytest.raises(ValueError, match=r"Format\.suffixes"):
+        Format("C3D", int, suffixes, nothing)
 
 
 def test_fields_of_the_declared_types_are_accepted() -> None:

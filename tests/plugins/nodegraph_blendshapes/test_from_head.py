@@ -8,9 +8,7 @@ import pytest
 
 from nodegraph import Refusal
 from nodegraph_blendshapes.from_head import from_head
-from nodegraph_files.head import read_head
-from nodegraph_files.marker_set import read_marker_set_node
-from nodegraph_files.model import read_model
+from nodegraph_files.readers import read_head, read_marker_set, read_model
 from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
 from nodegraph_mocap.specimens import specimens
 
@@ -72,7 +70,7 @@ def test_a_morph_target_that_the_markers_do_not_see_is_told() -> None:
 def test_a_published_head_gives_its_published_model() -> None:
     known = read_model(path=FACECAP / "model_60_markers.npz").model
     made, neutral = from_head(
-        read_head(path=FACECAP), read_marker_set_node(path=FACECAP / "markers.yaml")
+        read_head(path=FACECAP), read_marker_set(path=FACECAP / "markers.yaml")
     )
     assert (made.names, made.markers) == (known.names, known.markers)
     np.testing.assert_array_equal(made.neutral, known.neutral)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph_files.marker_set import marker_set_for, with_marker_set
+from nodegraph_files.readers import marker_set_for, with_marker_set
 from nodegraph_mocap import MarkerSet, Trajectories
 
 MARKERS = "markers: [a, é]\n"

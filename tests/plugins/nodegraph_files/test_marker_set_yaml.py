@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodegraph_files import marker_set_text, read_marker_set
+from nodegraph_files import marker_set_text, read_marker_set_yaml
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_mocap import MarkerSet
 
@@ -29,7 +29,7 @@ def write(tmp_path: Path) -> Write:
 
 def test_every_part_is_read(write: Write) -> None:
     text = "markers: [a, b, c]\npairs:  # left, right\n  - [a, b]\nmidline: [c]\nstable: [c]\n"
-    assert read_marker_set(write(text + "edges: [[a, c], [b, c]]\n")) == MarkerSet(
+    assert read_marker_set_yaml(write(text + "edges: [[a, c], [b, c]]\n")) == MarkerSet(
         markers=("a", "b", "c"),
         pairs=(("a", "b"),),
         midline=("c",),
@@ -40,11 +40,11 @@ def test_every_part_is_read(write: Write) -> None:
 
 def test_names_stay_the_texts_that_they_are(write: Write) -> None:
     names = ("no", "1e3", "0x1", "007", "null", "~", "yes", "1_0", "2001-01-01", "12:30:00")
-    assert read_marker_set(write(f"markers: [{', '.join(names)}]\n")).markers == names
+    assert read_marker_set_yaml(write(f"markers: [{', '.join(names)}]\n")).markers == names
 
 
 def test_a_part_may_be_empty(write: Write) -> None:
-    assert read_marker_set(write("markers: [a]\nmidline:\nedges: []\n")) == MarkerSet(
+    assert read_marker_set_yaml(write("markers: [a]\nmidline:\nedges: []\n")) == MarkerSet(
         markers=("a",)
     )
 
@@ -75,13 +75,13 @@ def test_a_part_may_be_empty(write: Write) -> None:
 )
 def test_what_is_no_marker_set_is_refused(write: Write, text: str, told: str) -> None:
     with pytest.raises(ValueError, match=rf"(?s)markers\.yaml: not a marker set: .*{told}"):
-        read_marker_set(write(text))
+        read_marker_set_yaml(write(text))
 
 
 def test_aliases_cannot_grow_beyond_bounds(write: Write) -> None:
     lines = ["- &a0 [a, b]", *(f"- &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 30))]
     with pytest.raises(ValueError, match="must be a list of two names") as refused:
-        read_marker_set(write("markers: [a, b]\npairs:\n" + "\n".join(lines)))
+        read_marker_set_yaml(write("markers: [a, b]\npairs:\n" + "\n".join(lines)))
     assert len(str(refused.value)) < 1000
 
 
@@ -108,7 +108,7 @@ def test_a_damaged_file_gives_a_marker_set_or_a_value_error(
             )
         path.write_bytes(content)
         try:
-            read_marker_set(path)
+            read_marker_set_yaml(path)
         except ValueError as error:
             refused.append(str(error))
     assert 250 < len(refused) < 500
@@ -120,7 +120,7 @@ def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "markers.yaml"
     path.write_bytes(b"\xff\xfe\0\0")
     with pytest.raises(ValueError, match=r"markers\.yaml: not a marker set"):
-        read_marker_set(path)
+        read_marker_set_yaml(path)
 
 
 @st.composite
@@ -146,5 +146,5 @@ def test_a_text_reads_back_equal(marker_set: MarkerSet) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "markers.yaml"
         path.write_text(marker_set_text(marker_set), encoding="utf-8")
-        assert read_marker_set(path) == marker_set
+        assert read_marker_set_yaml(path) == marker_set
     assert marker_set_of(plain_marker_set(marker_set)) == marker_set

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from nodegraph.testing import check_node
-from nodegraph_files import read_marker_set, sample_folder
-from nodegraph_files.model import read_model
+from nodegraph_files import read_marker_set_yaml, sample_folder
+from nodegraph_files.readers import read_model
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"
 
@@ -23,14 +23,14 @@ def test_a_sample_gives_its_model_and_its_face_at_rest(name: str) -> None:
     assert model.shapes.shape == (len(model.names), len(model.markers), 3)
     assert neutral.markers == model.markers
     np.testing.assert_array_equal(neutral.positions, model.neutral[None])
-    assert neutral.marker_set == read_marker_set(sample_folder(name) / "markers.yaml")
+    assert neutral.marker_set == read_marker_set_yaml(sample_folder(name) / "markers.yaml")
 
 
 def test_a_file_alone_has_no_marker_set_unless_one_is_named() -> None:
     folder = sample_folder("face")
     assert read_model(path=folder / "model.npz").neutral.marker_set is None
     named = read_model(path=folder / "model.npz", marker_set=folder / "markers.yaml").neutral
-    assert named.marker_set == read_marker_set(folder / "markers.yaml")
+    assert named.marker_set == read_marker_set_yaml(folder / "markers.yaml")
 
 
 def test_a_folder_without_marker_set_is_read(tmp_path: Path) -> None:

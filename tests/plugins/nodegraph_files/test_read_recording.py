@@ -22,7 +22,7 @@ from nodegraph_files import (
     write_npz,
     write_trc,
 )
-from nodegraph_files.recording import read_recording
+from nodegraph_files.readers import read_recording
 from nodegraph_mocap import MarkerSet, Trajectories
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
@@ -39,7 +39,7 @@ def test_the_node_keeps_its_promises() -> None:
     [
         ("livelink/actor_a_60fps.csv", "no columns NAME.X"),
         ("facecap/model_60_markers.npz", "no array positions, rate; there is"),
-        ("facecap/markers.yaml", "neither C3D, TRC, NPZ nor a table"),
+        ("facecap/markers.yaml", r"markers\.yaml: .*C3D.*NPZ.*TRC.*\.csv"),
     ],
 )
 def test_a_real_file_of_another_kind_is_refused(file: str, told: str) -> None:
@@ -55,7 +55,7 @@ def test_the_content_tells_the_form_then_the_suffix(
     path = tmp_path / name
     write(gappy, path)
     if write is write_csv and path.suffix not in (".csv", ".tsv", ".txt"):
-        with pytest.raises(ValueError, match=r"neither C3D, TRC, NPZ nor a table \(\.csv, \.tsv"):
+        with pytest.raises(ValueError, match=r"C3D.*NPZ.*TRC.*\.csv, \.tsv"):
             read_recording(path=path)
         return
     read = read_recording(path=path)

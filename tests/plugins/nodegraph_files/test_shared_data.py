@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nodegraph_files import read_c3d, read_live_link, read_marker_set, write_c3d
-from nodegraph_files.recording import read_recording
+from nodegraph_files import read_c3d, read_live_link, read_marker_set_yaml, write_c3d
+from nodegraph_files.readers import read_recording
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 TAKES = {  # frames, markers, rate, missing samples
@@ -70,7 +70,7 @@ def test_the_gaps_of_the_shoulder_are_those_that_were_counted() -> None:
 def test_a_marker_set_has_each_marker_in_a_pair_or_on_the_midline(
     name: str, count: int, pairs: int
 ) -> None:
-    found = read_marker_set(DATA / name / "markers.yaml")
+    found = read_marker_set_yaml(DATA / name / "markers.yaml")
     assert (len(found.markers), len(found.pairs)) == (count, pairs)
     placed = [marker for pair in found.pairs for marker in pair] + list(found.midline)
     assert sorted(placed) == sorted(found.markers)

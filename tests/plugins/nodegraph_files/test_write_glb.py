@@ -8,7 +8,7 @@ import pytest
 import nodegraph as ng
 from nodegraph.testing import check_node
 from nodegraph_files import animation_bytes, head_bytes
-from nodegraph_files.head import read_head
+from nodegraph_files.readers import read_head
 from nodegraph_files.writers import write_glb
 from nodegraph_mocap import Head
 from nodegraph_mocap.specimens import animations, specimens

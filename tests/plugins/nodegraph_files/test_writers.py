@@ -12,9 +12,7 @@ import pytest
 from nodegraph import Files
 from nodegraph.cli.main import main
 from nodegraph_files import writers
-from nodegraph_files.marker_set import read_marker_set_node
-from nodegraph_files.model import read_model
-from nodegraph_files.recording import read_recording
+from nodegraph_files.readers import read_marker_set, read_model, read_recording
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.specimens import marker_sets, recordings
 
@@ -73,8 +71,8 @@ def test_a_marker_set_reads_back(tmp_path: Path) -> None:
     marker_set = marker_sets()["complete"]
     path = written(writers.write_marker_set(marker_set), tmp_path)
     assert path.name == "markers.yaml"
-    assert read_marker_set_node(path=path) == marker_set
-    assert read_marker_set_node(path=tmp_path) == marker_set
+    assert read_marker_set(path=path) == marker_set
+    assert read_marker_set(path=tmp_path) == marker_set
 
 
 def test_a_model_reads_back(tmp_path: Path) -> None:

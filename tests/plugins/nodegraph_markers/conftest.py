@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from nodegraph_files import read_c3d, read_marker_set
+from nodegraph_files import read_c3d, read_marker_set_yaml
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
 
@@ -48,7 +48,7 @@ def _take(name: str) -> tuple[Trajectories, MarkerSet]:
         pytest.skip("the recordings are not part of the package")
     recording, marker_set = TAKES[name]
     with _quiet():
-        return read_c3d(FOLDER / recording), read_marker_set(FOLDER / marker_set)
+        return read_c3d(FOLDER / recording), read_marker_set_yaml(FOLDER / marker_set)
 
 
 def _unnamed(recording: Trajectories, seed: int = 0) -> Trajectories:

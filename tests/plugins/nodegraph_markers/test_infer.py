@@ -12,7 +12,7 @@ import pytest
 
 from nodegraph import Refusal
 from nodegraph_files import marker_set_text, sample_folder
-from nodegraph_files.recording import read_recording
+from nodegraph_files.readers import read_recording
 from nodegraph_markers.infer import infer
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_synthesize.face import SyntheticFace

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph_files import read_c3d, read_live_link, read_marker_set, read_model_npz
+from nodegraph_files import read_c3d, read_live_link, read_marker_set_yaml, read_model_npz
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.greedy import greedy
 from nodegraph_select.pfa import pfa
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the recordings are 
 def take(name: str) -> Trajectories:
     """Optical takes as they are, the others as their weights pose the head that holds still."""
     if name in ("jaw", "cheeks"):
-        marker_set = read_marker_set(FOLDER / "animface" / "markers.yaml")
+        marker_set = read_marker_set_yaml(FOLDER / "animface" / "markers.yaml")
         recording = read_c3d(FOLDER / "animface" / f"{name}.c3d")
         return replace(recording.keep(marker_set.markers), marker_set=marker_set)
     values, names, rate = weights(name)
@@ -42,7 +42,7 @@ def take(name: str) -> Trajectories:
         positions=model.neutral + np.einsum("tk,kmc->tmc", values[:, known], offsets),
         markers=model.markers,
         rate=rate,
-        marker_set=read_marker_set(FOLDER / "facecap" / "markers.yaml"),
+        marker_set=read_marker_set_yaml(FOLDER / "facecap" / "markers.yaml"),
     )
 
 

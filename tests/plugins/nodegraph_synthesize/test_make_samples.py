@@ -8,7 +8,7 @@ import pytest
 
 from nodegraph_files import sample_folder
 from nodegraph_files.c3d import read_c3d
-from nodegraph_files.marker_set import read_marker_set
+from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_synthesize.face import SyntheticFace
 from nodegraph_synthesize.make_samples import made_samples, write_sample
 
@@ -42,7 +42,7 @@ def test_a_sample_is_what_the_generator_makes(name: str) -> None:
 @pytest.mark.parametrize("name", _NAMES)
 def test_a_samples_marker_set_and_model_are_the_generators(name: str) -> None:
     made = _made()[name]
-    assert read_marker_set(sample_folder(name) / "markers.yaml") == made.marker_set
+    assert read_marker_set_yaml(sample_folder(name) / "markers.yaml") == made.marker_set
     model = np.load(sample_folder(name) / "model.npz")
     assert tuple(model["shape_names"].tolist()) == made.model.names
     assert tuple(model["markers"].tolist()) == made.model.markers

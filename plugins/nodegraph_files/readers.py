@@ -1,0 +1,263 @@
+"""Nodes that read recordings, weights, heads, models and marker sets."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from nodegraph import InputFile, formats, node
+from nodegraph_files.formats import file_names, format_of
+from nodegraph_files.head import RawHead, read_marker_vertices, unit_of_mesh
+from nodegraph_files.marker_set import read_marker_set_yaml
+from nodegraph_files.obj import NEUTRAL
+from nodegraph_files.paths import find_file
+from nodegraph_files.units import MILLIMETRES
+from nodegraph_mocap.face_model import BlendshapeModel, Weights
+from nodegraph_mocap.head import Head
+from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.recording import Trajectories
+
+_MARKER_SETS = ("markers.yaml",)
+_MARKER_VERTICES = ("marker_vertices.csv",)
+_MODEL_RATE = 1.0
+"""A single frame has no rate, but a recording needs one."""
+
+
+@node("read.recording")
+def read_recording(
+    *, path: InputFile, marker_set: InputFile | None = None, zeros_missing: bool = True
+) -> Trajectories:
+    """Read a recording: C3D, TRC, CSV, TSV, NPZ or a plugin's format, by content, then by suffix.
+
+    Parameters
+    ----------
+    path
+        A file, a folder that holds ``recording.c3d``, or ``sample:NAME``.
+    marker_set
+        A marker-set file (YAML). By default the recording's own, or ``markers.yaml`` of the
+        folder, or none.
+    zeros_missing
+        Whether a sample at exactly (0, 0, 0) counts as missing, as many systems mean it.
+
+    Returns
+    -------
+    Trajectories
+        In millimetres.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, holds no samples, or lacks a marker that the set names.
+    """
+    known = formats(Trajectories)
+    file = find_file(path, file_names("recording", known))
+    recording: Trajectories = format_of(file, known).read(file, zeros_missing=zeros_missing)
+    if not recording.frames or not recording.markers:
+        raise ValueError(f"{path}: the recording holds no samples")
+    if not recording.present.any():
+        warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=2)
+    return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
+
+
+@node("read.weights")
+def read_weights(*, path: InputFile) -> Weights:
+    """Read weights of blendshapes over time: CSV of Live Link Face, or a plugin's format.
+
+    Frames that the timecode skips are rows of NaN. The columns of head and eye rotations are no
+    weights and are left out.
+
+    Parameters
+    ----------
+    path
+        A file, or a folder that holds ``weights.csv``.
+
+    Returns
+    -------
+    Weights
+        With names as written, such as ``EyeBlinkLeft``.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or holds no frames.
+    """
+    known = formats(Weights)
+    file = find_file(path, file_names("weights", known))
+    weights: Weights = format_of(file, known).read(file)
+    if np.isnan(weights.values).all():
+        warnings.warn(f"{path}: every weight is missing", stacklevel=2)
+    return weights
+
+
+@node("read.head")
+def read_head(
+    *,
+    path: InputFile,
+    marker_vertices: InputFile | None = None,
+    unit: Literal["auto", "m", "cm", "mm", "in"] = "auto",
+) -> Head:
+    """Read a head with its morph targets: a GLB file, OBJ files, or a plugin's format.
+
+    Parameters
+    ----------
+    path
+        A GLB file; an OBJ file, a head without morph targets; or a folder that holds ``head.glb``,
+        or ``neutral.obj`` and an OBJ file per morph target, named as it is and with the same
+        vertices and faces.
+    marker_vertices
+        A table ``marker,vertex`` (CSV), vertices counted from 0. By default
+        ``marker_vertices.csv`` of the folder, or what a GLB file says itself, or no markers.
+    unit
+        Of length in the file. By default metres for GLB, as glTF has it, and millimetres for OBJ;
+        but if the head would then be no 100 to 500 mm long, and is so in metres, centimetres or
+        millimetres, then these, with a warning. A GLB file by this package is sure to be in metres.
+
+    Returns
+    -------
+    Head
+        In millimetres, in the axes of the file.
+
+    Raises
+    ------
+    ValueError
+        If a file cannot be read, or names a vertex that is not there.
+    """
+    known = formats(RawHead)
+    file = find_file(path, _head_names(file_names("head", known)))
+    is_folder = Path(path) != file
+    raw: RawHead = format_of(file, known).read(file, is_folder=is_folder)
+    table = _marker_vertices(file, marker_vertices, is_folder=is_folder)
+    if table is not None:
+        raw = replace(raw, marker_vertices=read_marker_vertices(table, len(raw.vertices)))
+    try:
+        return raw.head(MILLIMETRES[_unit(file, raw, unit)])
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
+
+
+class Model(NamedTuple):
+    """What `read.model` returns."""
+
+    model: BlendshapeModel
+    neutral: Trajectories
+
+
+@node("read.model")
+def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model:
+    """Read a blendshape model: NPZ with ``neutral``, ``shapes``, ``shape_names``, ``markers``.
+
+    Parameters
+    ----------
+    path
+        A file, a folder that holds ``model.npz``, or ``sample:NAME``.
+    marker_set
+        A marker-set file (YAML) for `neutral`. By default ``markers.yaml`` of the folder, or none.
+
+    Returns
+    -------
+    model : BlendshapeModel
+        In millimetres.
+    neutral : Trajectories
+        The model's face at rest: a recording of one frame, its rate set to 1 Hz, with the marker
+        set.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, or lacks a marker that the set names.
+    """
+    known = formats(BlendshapeModel)
+    file = find_file(path, file_names("model", known))
+    model: BlendshapeModel = format_of(file, known).read(file)
+    neutral = Trajectories(positions=model.neutral[None], markers=model.markers, rate=_MODEL_RATE)
+    its_set = marker_set_for(Path(path), file, marker_set)
+    return Model(model, with_marker_set(neutral, its_set, file))
+
+
+@node("read.marker_set")
+def read_marker_set(*, path: InputFile) -> MarkerSet:
+    """Read a marker set: which markers are pairs, on the midline, stable, joined when drawn.
+
+    Parameters
+    ----------
+    path
+        A YAML file, a folder that holds ``markers.yaml``, or ``sample:NAME``.
+
+    Returns
+    -------
+    MarkerSet
+        As written; every name in it is one of its markers.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of that form, with the place where it is not.
+    """
+    return read_marker_set_yaml(find_file(path, _MARKER_SETS))
+
+
+def marker_set_for(path: Path, file: Path, named: Path | None) -> MarkerSet | None:
+    """Return the marker set of a file, or None.
+
+    Parameters
+    ----------
+    path
+        What the user named.
+    file
+        The file that this led to. ``markers.yaml`` beside it counts only if the user named the
+        folder: results are stored by the content of what is named, and by nothing else.
+    named
+        The marker set's own file, if the user named one.
+    """
+    if named is not None:
+        return read_marker_set_yaml(find_file(named, _MARKER_SETS))
+    beside = file.parent / _MARKER_SETS[0]
+    return read_marker_set_yaml(beside) if path != file and beside.is_file() else None
+
+
+def with_marker_set(
+    recording: Trajectories, marker_set: MarkerSet | None, file: Path
+) -> Trajectories:
+    """Return the recording with that marker set, or as it is if there is none.
+
+    Raises
+    ------
+    ValueError
+        If the set names a marker that the recording lacks.
+    """
+    if marker_set is None:
+        return recording
+    absent = [name for name in marker_set.markers if name not in recording.markers]
+    if absent:
+        raise ValueError(
+            f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "
+            f"{', '.join(recording.markers)}"
+        )
+    return replace(recording, marker_set=marker_set)
+
+
+def _head_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names with that of the head at rest before ``head.obj``, perhaps a target's."""
+    at = names.index("head.obj") if "head.obj" in names else len(names)
+    return (*names[:at], NEUTRAL, *names[at:])
+
+
+def _marker_vertices(file: Path, named: Path | None, *, is_folder: bool) -> Path | None:
+    """Return the table of marker vertices; that beside a file only if its folder was named."""
+    if named is not None:
+        return find_file(named, _MARKER_VERTICES)
+    beside = file.parent / _MARKER_VERTICES[0]
+    return beside if is_folder and beside.is_file() else None
+
+
+def _unit(file: Path, raw: RawHead, setting: str) -> str:
+    if setting != "auto":
+        return unit_of_mesh(file, raw.extent, assumed=setting, stated=True)
+    unit = unit_of_mesh(file, raw.extent, assumed=raw.unit, stated=raw.unit_stated)
+    if file.suffix.lower() == ".obj":
+        warnings.warn(f"{file}: OBJ states no unit of length; {unit} is taken", stacklevel=3)
+    return unit
