@@ -117,10 +117,10 @@ def test_a_subclass_fits_and_nothing_is_converted(
 def test_a_label_that_was_removed_leaves_the_node_and_its_readers_out(
     graph_of: Callable[..., Graph],
 ) -> None:
-    one = "{use: strict.positive, in: {from: fill, at: {fill: hold, trial: 0, length: 45}}}"
+    fixed = "{use: strict.positive, in: {from: fill, at: {fill: hold, trial: 0, length: 45}}}"
     stages = "{recordings: {x: capture, y: {from: fill, at: {length: 5}}}}"
     more = f"""\
-  one: {one}
+  one: {fixed}
   two: {{use: fill.hold, in: one}}
   shown: {{use: plot.stages, in: {stages}}}
 report: [table]
