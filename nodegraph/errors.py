@@ -93,6 +93,14 @@ class Problems:
             raise GraphError(self._problems)
 
 
+def message_of(error: BaseException) -> str:
+    """Return the message of an error, whose class may be a plugin's and raise another."""
+    try:
+        return str(error)
+    except Exception:
+        return "its message cannot be shown"
+
+
 def nearest(name: object, known: Iterable[object], *, what: str = "there is") -> str:
     """Return a hint: the nearest known name, then all known names."""
     names = [str(each) for each in known]

@@ -11,9 +11,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
-from nodegraph.errors import NodegraphError, Refusal
+from nodegraph.errors import NodegraphError, Refusal, message_of
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
 from nodegraph.plan import Gathered, Plan, Step
@@ -122,22 +123,37 @@ def perform(call: Call) -> Outcome:
             values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
-        outcome = Outcome(State.REFUSED, reason=_printable(str(refusal) or "no reason given"))
+        reason = _printable(message_of(refusal)) or "no reason given"
+        outcome = Outcome(State.REFUSED, reason=reason)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        outcome = Outcome(
-            State.FAILED,
-            reason=_printable(_reason(error)),
-            trace=_printable("".join(traceback.format_exception(error))),
-            place=_printable(_place(call.node, error)),
-        )
+        outcome = failure(call.node, error)
     finally:
         _warnings.reset(token)
     outcome.seconds = time.perf_counter() - start
     if messages:
         outcome.warnings = tuple(dict.fromkeys(map(_printable, messages)))
     return outcome
+
+
+def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
+    """Return the outcome of a step that failed.
+
+    Parameters
+    ----------
+    node
+    error
+    what
+        What failed, if it was not the call of the node.
+    """
+    reason, place = _reason(error), _place(node, error)
+    if what:
+        reason, place = f"{what}: {reason}", place or _definition(node)
+    trace = "".join(traceback.format_exception(error))
+    return Outcome(
+        State.FAILED, reason=_printable(reason), trace=_printable(trace), place=_printable(place)
+    )
 
 
 @contextmanager
@@ -191,11 +207,11 @@ def writes_to_locked_value(error: BaseException) -> bool:
     """Whether an error says that a value was written to that other nodes read as well."""
     if isinstance(error, (OSError, NodegraphError)):  # a disk may be read-only, too
         return False
-    return any(sign in _message(error) for sign in _READ_ONLY)
+    return any(sign in message_of(error) for sign in _READ_ONLY)
 
 
 def _reason(error: BaseException) -> str:
-    reason = _message(error) or "no message"
+    reason = message_of(error) or "no message"
     if not isinstance(error, (ValueError, OSError)):
         reason = f"{type(error).__name__}: {reason}"
     if writes_to_locked_value(error):
@@ -203,19 +219,21 @@ def _reason(error: BaseException) -> str:
     return reason
 
 
-def _message(error: BaseException) -> str:
-    try:
-        return str(error)
-    except Exception:
-        return "its message cannot be shown"
-
-
 def _place(node: Node, error: BaseException) -> str:
     """Return the line of the node's own file from which an error came; no path of this machine."""
-    code = getattr(inspect.unwrap(node.function), "__code__", None)
+    code = _code(node)
     frames = traceback.walk_tb(error.__traceback__)
     own = [line for frame, line in frames if code and frame.f_code.co_filename == code.co_filename]
     return f"{Path(code.co_filename).name}:{own[-1]}" if code and own else ""
+
+
+def _definition(node: Node) -> str:
+    code = _code(node)
+    return f"{Path(code.co_filename).name}:{code.co_firstlineno}" if code else ""
+
+
+def _code(node: Node) -> CodeType | None:
+    return getattr(inspect.unwrap(node.function), "__code__", None)
 
 
 def _printable(text: str) -> str:

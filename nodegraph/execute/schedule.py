@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, Protocol
 
-from nodegraph.execute.call import Call, Outcome, perform, skipped
+from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.node.ports import Absent, Across
 from nodegraph.plan import Gathered, Output, Plan, Step, StepInput
@@ -118,10 +119,21 @@ class Schedule:
         return self.keep(call, perform(call))
 
     def keep(self, call: Call, outcome: Outcome) -> Outcome:
-        """Store an outcome that was computed, in any thread, and return it."""
-        if self._cache is None:
-            return outcome
-        return self._cache.save(self.plan.steps[call.step], call.key, outcome)
+        """Store an outcome that was computed, in any thread, and return it.
+
+        A step fails if one of its values cannot be copied for readers, or cannot be stored.
+        """
+        what = "what it returned cannot be copied for those that read it"
+        try:
+            for value in outcome.values:
+                self.packer.lend(value)
+            what = "what it returned cannot be stored"
+            if self._cache is not None:
+                outcome = self._cache.save(self.plan.steps[call.step], call.key, outcome)
+        except Exception as error:
+            failed = failure(call.node, error, what)
+            return replace(failed, warnings=outcome.warnings, seconds=outcome.seconds, key=call.key)
+        return outcome
 
     def finish(self, index: int, outcome: Outcome) -> None:
         """Take an outcome, and settle the steps that it makes impossible."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from traceback import walk_tb
 from typing import Any
 
-from nodegraph.errors import NodegraphError
+from nodegraph.errors import NodegraphError, message_of
 from nodegraph.import_time import LOADED
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import hooks
@@ -149,7 +149,8 @@ def error_text(error: BaseException, package: str = "") -> str:
 
     With the package of a plugin, also the last line of that package's code that was reached.
     """
-    text = str(error) if isinstance(error, NodegraphError) else f"{type(error).__name__}: {error}"
+    message = message_of(error)
+    text = message if isinstance(error, NodegraphError) else f"{type(error).__name__}: {message}"
     file, line = _last_line(error, package) if package else ("", 0)
     return f"{text} ({file}:{line})" if file else text
 

@@ -12,13 +12,14 @@ import json
 import math
 import struct
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property, lru_cache, partial
 from importlib import import_module
 from inspect import signature
 from math import inf, prod
+from operator import is_
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -891,7 +892,13 @@ class Packer:
         return kind in BASIC or kind is Across or issubclass(kind, Value) or is_numpys(kind)
 
     def lend(self, value: Any) -> Any:
-        """Return what one reader gets of a value."""
+        """Return what one reader gets of a value.
+
+        Raises
+        ------
+        Exception
+            If it, or something inside it, cannot be copied.
+        """
         lender = self._lenders[type(value)]
         return value if lender is None else lender(value)
 
@@ -900,9 +907,22 @@ class Packer:
 
     def _lender_of(self, kind: type) -> Callable[[Any], Any] | None:
         storage = self._storage[kind]
-        if storage is None and kind in (list, dict):
+        if storage is not None:
+            return storage.lend
+        if kind in (list, dict):
             return deepcopy
-        return storage.lend if storage is not None else None
+        if kind is tuple:
+            return self._lend_each
+        return _refuse_iterator if issubclass(kind, Iterator) else None
+
+    def _lend_each(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
+        lent = tuple(map(self.lend, values))
+        return values if all(map(is_, lent, values)) else lent
+
+
+def _refuse_iterator(value: Iterator[Any]) -> Any:
+    kind = type(value).__name__
+    raise TypeError(f"a {kind} can be read only once; return a list or a tuple")
 
 
 class _ByType(dict[type, T]):
