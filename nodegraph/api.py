@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import execute
+from nodegraph.errors import NodegraphError
 from nodegraph.execute import Event, HowToRun, Listener, open_store
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
@@ -20,7 +21,7 @@ from nodegraph.runs.settings import RunSettings, settings_of
 from nodegraph.store import Store
 
 if TYPE_CHECKING:
-    from nodegraph.report import Study
+    from nodegraph.report.write import Written
     from nodegraph.runs.folder import RunFolder
 
 
@@ -54,7 +55,8 @@ class Run(execute.Run):
         Raises
         ------
         NodegraphError
-            If the folder is not a run folder, or cannot be written.
+            If the folder is not a run folder, or if a file cannot be written; all others are then
+            written, and ``run.json`` lists those that are not.
 
         Examples
         --------
@@ -68,16 +70,23 @@ class Run(execute.Run):
         run_folder = RunFolder(Path(folder), spec.text, spec.included)
         for event in self.events:
             run_folder.hear(event)
-        self.write_to(run_folder)
+        lost = self.write_to(run_folder).lost
+        if lost:
+            raise NodegraphError(
+                "\n".join(
+                    f"{run_folder.path / name}: cannot be written: {reason}"
+                    for name, reason in lost.items()
+                )
+            )
 
-    def write_to(self, folder: RunFolder) -> Study:
-        """Write report and record into a folder that has the graph and the events already."""
-        from nodegraph.report.compose import report_files
-        from nodegraph.runs.record import record
+    def write_to(self, folder: RunFolder) -> Written:
+        """Write record and report into a folder that has the graph and the events already."""
+        from nodegraph.report.write import write_run
 
-        files, study = report_files(self, self.settings)
-        folder.finish(files, record(self, self.settings).as_json())
-        return study
+        try:
+            return write_run(self, self.settings, folder)
+        finally:
+            folder.close()
 
 
 def load(

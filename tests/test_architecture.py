@@ -33,6 +33,7 @@ FLOORS = (  # from the top
     {
         "equality",
         "errors",
+        "filenames",
         "formatting",
         "gc_pause",
         "import_time",

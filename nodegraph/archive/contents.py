@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import posixpath
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
 
-from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read
+from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read, free_name
 from nodegraph.archive.relocate import (
     Elsewhere,
     folders_here,
@@ -18,11 +18,12 @@ from nodegraph.archive.relocate import (
     settings_elsewhere,
 )
 from nodegraph.errors import NodegraphError, listed
+from nodegraph.filenames import fold
 from nodegraph.lock.lockfile import read_lock
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.citing import cited
 from nodegraph.report.study import Study, read_study
-from nodegraph.runs.folder import GRAPH
+from nodegraph.runs.folder import graph_name
 from nodegraph.runs.record import Record
 from nodegraph.runs.saved_run import SavedRun
 
@@ -233,7 +234,7 @@ class _Packing:
         self._origin = Origin(record)
         self._graph, self._home = self._origin.graph, self._origin.home
         self._plugins = list(self._origin.plugins())
-        self._graphs = {name: _inside(name) for name in record.included}
+        self._graphs = _used_graphs(record.included)
         taken = {_RUN, _CITATION, PLUGINS, _GRAPHS, README, METADATA, self._graph.name}
         self._inputs = files_read(
             record.steps, self._origin.folders(), taken, lambda one: bool(registry.hooks.place(one))
@@ -256,8 +257,12 @@ class _Packing:
         self._add_lock(lock)
         for path in sorted(self._folder.rglob("*")):
             name = path.relative_to(self._folder).as_posix()
-            if path.is_file() and name not in (GRAPH, *self._graphs):
+            if path.is_file() and name not in (graph_name(self._graphs), *self._graphs):
                 made.files[f"{_RUN}/{name}"] = self._checked(elsewhere, name, path.read_bytes())
+        made.lacking += [
+            f"{_RUN}/{lost.file}: it could not be written when the run ended: {lost.reason}"
+            for lost in self._record.not_written
+        ]
         for name, text in cited(self._study).items():
             made.files[f"{_CITATION}/{name}"] = elsewhere.text(text).encode(
                 errors="backslashreplace"
@@ -351,7 +356,12 @@ class _Packing:
         return made
 
 
-def _inside(name: str) -> str:
-    """Return where a graph that the graph uses lies in the archive."""
-    path = posixpath.normpath(name)
-    return f"{_GRAPHS}/{posixpath.basename(path)}" if path.startswith(("..", "/")) else path
+def _used_graphs(names: Iterable[str]) -> dict[str, str]:
+    """Return where the graphs that the graph uses lie in the archive."""
+    paths = {name: posixpath.normpath(name) for name in names}
+    outside = {name: path for name, path in paths.items() if path.startswith(("..", "/"))}
+    used = {fold(path) for name, path in paths.items() if name not in outside}
+    return paths | {
+        name: free_name(f"{_GRAPHS}/{posixpath.basename(path)}", used)
+        for name, path in outside.items()
+    }

@@ -5,8 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path, PurePosixPath
 
+from nodegraph.filenames import fold, portable_name
 from nodegraph.fingerprint.keys import Files
 from nodegraph.runs.record import Record, RecordedStep
 
@@ -81,7 +83,8 @@ def files_read(
     )
     digests = Files()
     found: list[ReadFile] = []
-    used = {FOLDER}
+    taken = {fold(name) for name in (*taken, FOLDER)}
+    used: set[str] = set()
     # those that keep their names come first, so that the others give way
     for written, digest in sorted(named, key=lambda one: not _stays(one[0], taken)):
         if is_shipped(written):
@@ -90,8 +93,7 @@ def files_read(
         path = _located(written, digest, folders, digests)
         stays = _stays(written, taken) and (path is None or path == folders[0] / written)
         same = next((one for one in found if path is not None and _same(one.path, path)), None)
-        name = same.name if same else _free(written, used, stays=stays)
-        used.add(name)
+        name = same.name if same is not None else _name(written, used, stays=stays)
         found.append(ReadFile(written, digest, name, path))
     return tuple(found)
 
@@ -105,8 +107,19 @@ def _stays(written: str, taken: Collection[str]) -> bool:
         and ":" not in written
         and "\\" not in written
         and bool(path.parts)
-        and path.parts[0] not in {*taken, FOLDER}
+        and fold(path.parts[0]) not in taken
     )
+
+
+def _name(written: str, used: set[str], *, stays: bool) -> str:
+    if not stays:
+        last = PurePosixPath(written.replace("\\", "/")).name
+        return free_name(f"{FOLDER}/{last or 'file'}", used)
+    name = str(PurePosixPath(written))
+    if fold(name) in used:
+        return free_name(name, used)
+    used.add(fold(name))
+    return name
 
 
 def _located(written: str, digest: str, folders: Sequence[Path], digests: Files) -> Path | None:
@@ -124,13 +137,21 @@ def _same(one: Path | None, other: Path) -> bool:
     return one is not None and one.resolve() == other.resolve()
 
 
-def _free(written: str, used: Collection[str], *, stays: bool) -> str:
-    path = PurePosixPath(written.replace("\\", "/"))
-    first = path if stays else PurePosixPath(FOLDER) / (path.name or "file")
-    numbered = (
-        first.with_name(f"{first.stem}-{number}{first.suffix}") for number in range(2, 9999)
-    )
-    return next(str(one) for one in (first, *numbered) if str(one) not in used)
+def free_name(name: str, used: set[str]) -> str:
+    """Return a portable path in an archive, with a number if it is taken, and note its use.
+
+    Parameters
+    ----------
+    name
+        The path as it should be, with slashes.
+    used
+        Those in use, folded as by disks that ignore the case of letters.
+    """
+    path = PurePosixPath(*map(portable_name, PurePosixPath(name).parts))
+    numbered = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(2))
+    free = next(str(each) for each in chain([path], numbered) if fold(str(each)) not in used)
+    used.add(fold(free))
+    return free
 
 
 PLUGINS = "plugins"
@@ -191,6 +212,7 @@ class Origin:
 
     def plugins(self) -> Iterator[PluginFile]:
         """Yield each plugin file that the run used."""
+        used: set[str] = set()
         for written, plugin in zip(
             self._record.settings.plugins, self._record.plugins, strict=False
         ):
@@ -198,7 +220,8 @@ class Origin:
             content = self._found(
                 [path, *(start / written for start in self._starts)], plugin.sha256
             )
-            yield PluginFile(written, f"{PLUGINS}/{path.name}", path, content)
+            name = free_name(f"{PLUGINS}/{path.name}", used)
+            yield PluginFile(written, name, path, content)
 
     def lacks(self, path: str) -> str:
         """Return that a file is not found as it was, and where it would be."""

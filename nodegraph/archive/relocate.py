@@ -115,6 +115,10 @@ def _named(record: Record) -> Iterator[str]:
     pending += [left_out.reason for left_out in record.left_out]
     for step in record.steps:
         pending += [step.settings, step.reason, step.trace, step.warnings, step.labels]
+    for result in record.not_shown:
+        pending += [result.labels, result.reason, result.trace]
+    for file in record.not_written:
+        pending += [file.reason, file.trace]
     while pending:
         one = pending.pop()
         if isinstance(one, Mapping):

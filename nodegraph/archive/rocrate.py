@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from nodegraph.errors import NodegraphError
-from nodegraph.report.study import STUDY
-from nodegraph.runs.folder import EVENTS
+from nodegraph.runs.folder import EVENTS, STUDY
 from nodegraph.state import State
 
 if TYPE_CHECKING:

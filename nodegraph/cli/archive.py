@@ -11,6 +11,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.state import State
 
 HELP = "Pack a run, and all that it takes to run it again, into one file."
+_SUFFIX = ".zip"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -38,12 +39,14 @@ def archive(arguments: Namespace) -> int:
     """Pack a run into one file."""
     from nodegraph.archive.contents import contents_of, packed
     from nodegraph.archive.rocrate import crate_metadata
+    from nodegraph.filenames import MAX_BYTES, shorten
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.saved_run import SavedRun
 
     SavedRun(arguments.run)  # raises if it is not a run
     folder = arguments.run.resolve()
-    path = arguments.out or arguments.run.parent / f"{folder.name}.zip"
+    stem = shorten(folder.name, MAX_BYTES - len(_SUFFIX))
+    path = arguments.out or arguments.run.parent / f"{stem}{_SUFFIX}"
     if path.resolve().is_relative_to(folder):
         raise NodegraphError(f"{path} is in the folder of the run; name another place with --out")
     refuse_unwritable(path)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.cli.arguments import add_pairs, add_plugin, add_run, add_store, labels_at
 from nodegraph.cli.output import refuse_existing, say, write_and_print
-from nodegraph.errors import NodegraphError, Refusal
+from nodegraph.errors import NodegraphError, Refusal, message_of
 
 if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
@@ -46,14 +46,17 @@ def export(arguments: Namespace) -> int:
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
     value = run.value(arguments.node, labels_at(arguments), store)
-    for path, content in _files(value, arguments.out, registry).items():
+    files = _files(value, arguments.out, registry)
+    for path in files:
         refuse_existing(path)
+    for path, content in files.items():
         write_and_print(path, content)
     return 0
 
 
 def _files(value: Any, out: Path, registry: Registry) -> Mapping[Path, bytes]:
     """Return the content of each file: of `out` first, then of those beside it."""
+    from nodegraph.filenames import fold, portable_name, portable_paths
     from nodegraph.runs.export import exporters_of
 
     exporters = exporters_of(value, registry)
@@ -66,7 +69,11 @@ def _files(value: Any, out: Path, registry: Registry) -> Mapping[Path, bytes]:
     except Exception as error:  # a plugin's writer may raise anything
         is_message = isinstance(error, (ValueError, Refusal))
         raise NodegraphError(
-            f"{out}: {'' if is_message else f'{type(error).__name__}: '}{error}"
+            f"{out}: {'' if is_message else f'{type(error).__name__}: '}{message_of(error)}"
         ) from error
-    paths = [out, *(out.parent / name for name in list(files)[1:])]
-    return dict(zip(paths, files.values(), strict=True))
+    first, *rest = files
+    names = portable_paths(rest)
+    for name, path in names.items():
+        if fold(path) == fold(out.name):
+            names[name] = portable_name(name, exact=False)
+    return {out: files[first], **{out.parent / names[name]: files[name] for name in rest}}

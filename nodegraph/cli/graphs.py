@@ -12,6 +12,7 @@ from nodegraph.cli.output import say
 from nodegraph.cli.progress import progress
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import HowToRun, Listener, open_store
+from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
@@ -50,7 +51,7 @@ def _refuse_lock(path: Path) -> None:
 
 def run_folder(arguments: Namespace) -> Path:
     """Return the default folder for runs of the graph."""
-    return Path("runs") / str(arguments.graph.stem)
+    return Path("runs") / portable_name(arguments.graph.stem)
 
 
 def store_of(arguments: Namespace, graph: Graph, say: Callable[[str], None] = say) -> Store:

@@ -6,7 +6,6 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from pathlib import Path
 
 from nodegraph.errors import NodegraphError
@@ -56,16 +55,12 @@ def write_file(path: Path, content: bytes) -> None:
     NodegraphError
         If it cannot be written there.
     """
-    unfinished = path.with_name(f"{path.name}.part")
+    from nodegraph.store import files
+
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished.write_bytes(content)
-        unfinished.replace(path)
+        files.write(str(path.parent), path.name, content)
     except OSError as error:
         raise _unwritable(path, error) from error
-    finally:
-        with suppress(OSError):
-            unfinished.unlink(missing_ok=True)
 
 
 def write_and_print(path: Path, content: bytes) -> None:
@@ -107,9 +102,9 @@ def refuse_unwritable(path: Path) -> None:
 
 def _unwritable(path: Path, error: OSError) -> NodegraphError:
     # os.path, unlike pathlib, answers for paths that are too long as well
-    files = [parent for parent in path.parents if os.path.isfile(parent)]
-    if files:
-        reason = f"{files[0]} is a file, not a folder"
+    above = [parent for parent in path.parents if os.path.isfile(parent)]
+    if above:
+        reason = f"{above[0]} is a file, not a folder"
     elif os.path.isdir(path):
         reason = "it is a folder; name a file"
     else:

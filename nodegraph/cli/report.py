@@ -36,10 +36,11 @@ def report(arguments: Namespace) -> int:
     from nodegraph.report import page
     from nodegraph.report.merge import merged
     from nodegraph.report.study import read_study
+    from nodegraph.runs.folder import REPORT
 
     runs = list(dict.fromkeys(arguments.runs))
     studies = {run: read_study(run) for run in runs}
-    out = arguments.out or (runs[0] / "report.html" if len(runs) == 1 else None)
+    out = arguments.out or (runs[0] / REPORT if len(runs) == 1 else None)
     if out is None:
         raise NodegraphError("name the file for the report of several runs with --out FILE")
     if arguments.out:

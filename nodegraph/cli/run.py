@@ -39,7 +39,7 @@ def run(arguments: Namespace) -> int:
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
     from nodegraph.execute import executor_of
     from nodegraph.report.compose import summary
-    from nodegraph.runs.folder import RunFolder
+    from nodegraph.runs.folder import REPORT, RunFolder
 
     graph = graph_of(arguments)
     # these raise errors, before an earlier run is moved aside
@@ -63,6 +63,9 @@ def run(arguments: Namespace) -> int:
         raise
     if folder.moved:
         say(f"the earlier run is now in {folder.moved}")
-    study = finished.write_to(folder)
-    print(f"{summary(study, finished)}\n\n{folder.path / 'report.html'}")
-    return 0 if study.ok else 1
+    written = finished.write_to(folder)
+    report = folder.path if REPORT in written.lost else folder.path / REPORT
+    print(f"{summary(written.study, finished)}\n\n{report}")
+    for name, reason in written.lost.items():
+        say(f"{folder.path / name}: cannot be written: {reason}")
+    return 0 if written.study.ok and not written.lost else 1

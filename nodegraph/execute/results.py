@@ -236,8 +236,16 @@ class Values:
 
     def shown(self) -> Iterator[tuple[dict[str, Label], Any]]:
         """Yield labels and values, or stand-ins that are stored of values to be shown."""
-        for labels, index in self._steps():
-            yield labels, self.run.shown_of(index)[self._position(index)]
+        return ((labels, self.shown_at(labels)) for labels in self.labels())
+
+    def labels(self) -> Iterator[dict[str, Label]]:
+        """Yield the labels of each combination that has a value."""
+        return (labels for labels, _ in self._steps())
+
+    def shown_at(self, labels: Mapping[str, Label]) -> Any:
+        """Return the value at the labels of all axes, or the stand-in that is stored of it."""
+        index = self.run.plan.cells[self.node][tuple(labels[axis] for axis in self.axes)]
+        return self.run.shown_of(index)[self._position(index)]
 
     def _steps(self) -> Iterator[tuple[dict[str, Label], int]]:
         for combination, index in self.run.plan.cells[self.node].items():

@@ -31,7 +31,8 @@ class Files(Value):
     Attributes
     ----------
     content : mapping of str to bytes
-        By name: ``recording.c3d``, or ``takes/one.csv`` in a subfolder.
+        By name: ``recording.c3d``, or ``takes/one.csv`` in a subfolder. A name that some system
+        does not accept, or that differs from another in case only, is written with a digest in it.
 
     Raises
     ------

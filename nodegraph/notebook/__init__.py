@@ -42,7 +42,7 @@ def graph_html(graph: Graph) -> str:
 def run_html(run: Run) -> str:
     """Return a run for a notebook: how its steps ended and why, and what its report shows."""
     graph = run.plan.graph
-    study, _ = compose(run, RunSettings(graph.spec.file))
+    study = compose(run, RunSettings(graph.spec.file)).study
     return (
         templates_of("nodegraph.notebook")
         .get_template("run.html")

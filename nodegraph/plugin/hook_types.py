@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints
+
+_SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,15}){1,2}")
 
 
 def expect(value: Any, hint: Any) -> Any:
@@ -55,7 +58,7 @@ class Rendered:
     text : str
         A few plain lines; empty when the value is a picture.
     files : mapping of suffix to bytes
-        For instance ``{".csv": ..., ".tex": ...}``.
+        For instance ``{".csv": ..., ".tex": ...}``: points, letters and digits.
     scripts, styles : tuple of str
         JavaScript and CSS that the fragment needs. A page has each text once, however many values
         need it. Scripts run in this order once the page is complete.
@@ -68,7 +71,8 @@ class Rendered:
     TypeError
         If a field is of another type.
     ValueError
-        If a script or a style contains the tag that would end it in a page.
+        If a suffix is not like these, or differs from another in case only; or if a script or a
+        style contains the tag that would end it in a page.
     """
 
     html: str
@@ -83,6 +87,11 @@ class Rendered:
         for suffix, content in self.files.items():
             if not isinstance(suffix, str) or not isinstance(content, bytes):
                 raise TypeError(f"Rendered.files[{suffix!r}]: expected a suffix and its bytes")
+            if not _SUFFIX.fullmatch(suffix):
+                raise ValueError(f"Rendered.files[{suffix!r}]: expected a suffix such as '.csv'")
+        if len({suffix.lower() for suffix in self.files}) < len(self.files):
+            suffixes = ", ".join(self.files)
+            raise ValueError(f"Rendered.files: two suffixes differ in case only: {suffixes}")
         for tag, texts in (("script", self.scripts), ("style", self.styles)):
             if not all(isinstance(text, str) for text in texts):
                 raise TypeError(f"Rendered.{tag}s: expected a tuple of str")

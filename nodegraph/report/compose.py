@@ -1,27 +1,30 @@
-"""A run -> the study that its report shows, the files of the report, and a summary as text."""
+"""A run -> the study that its report shows, the files beside it, and a summary as text."""
 
 from __future__ import annotations
 
 import traceback
 import warnings
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Any
+from typing import Any, NamedTuple
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
+from nodegraph.execute.events import plain
+from nodegraph.execute.results import Values
+from nodegraph.filenames import clashes, file_stem, fold, portable_paths
 from nodegraph.formatting import labels_of, size_text
+from nodegraph.graph import Graph
 from nodegraph.node.description import value_text
+from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Rendered, Renderer
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.methods import Methods
 from nodegraph.report.notes import step_notes
-from nodegraph.report.page import page
 from nodegraph.report.study import (
-    STUDY,
     AxisRow,
     Link,
     Section,
@@ -29,30 +32,44 @@ from nodegraph.report.study import (
     StepNote,
     Study,
     TimingRow,
-    study_bytes,
 )
-from nodegraph.runs.record import versions
+from nodegraph.runs.folder import EVENTS, RECORD, REPORT, STUDY, graph_name
+from nodegraph.runs.record import NotShown, versions
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _MOST_FAILURES = 5
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
-_FILES = (Link("what ran", "run.json"), Link("events", "events.jsonl"))
+_FILES = (Link("what ran", RECORD), Link("events", EVENTS))
+
+Write = Callable[[str, bytes], str]
+"""Writes a file beside the report by its name; returns why that failed, empty if it did not."""
 
 
-def compose(run: Run, settings: RunSettings) -> tuple[Study, dict[str, bytes]]:
-    """Return the study of a run, and the files of its tables and figures.
+class Composed(NamedTuple):
+    """The study of a run, and the results that it should show and cannot."""
+
+    study: Study
+    not_shown: tuple[NotShown, ...]
+
+
+def compose(
+    run: Run, settings: RunSettings, *, write: Write = lambda name, content: ""
+) -> Composed:
+    """Return the study of a run; write its tables, its figures and the files of its nodes.
 
     Parameters
     ----------
     run
     settings
         What the run was started with.
+    write
+        Called with each file as soon as there is one; nothing is written by default.
     """
     graph = run.plan.graph
-    shown = _Shown()
+    shown = _Shown(graph, write)
     for result in _results(run):
-        shown.add(result, graph.registry.hooks.renderers)
+        shown.add(result)
     software, methods = versions(graph), Methods(run)
     study = Study(
         title=graph.title,
@@ -80,17 +97,38 @@ def compose(run: Run, settings: RunSettings) -> tuple[Study, dict[str, bytes]]:
         created=datetime.now().astimezone().isoformat(timespec="minutes"),
         machine=software["platform"],
     )
-    return study, shown.files
+    return Composed(study, tuple(shown.not_shown))
 
 
 @dataclass(frozen=True)
 class _Result:
-    """A value that the report shows, and the name of the files that it gives."""
+    """A value that the report shows.
 
-    title: str
-    labels: str
-    file: str
-    value: Any
+    Attributes
+    ----------
+    node : str
+    output : str
+        Empty for the output with the node's own name, and where there is no other.
+    labels : mapping of axis to label
+    values : Values
+        Of the output, at all combinations.
+    """
+
+    node: str
+    output: str
+    labels: Mapping[str, Label]
+    values: Values
+
+    @property
+    def title(self) -> str:
+        return f"{self.node} {self.output}".strip()
+
+    @property
+    def combination(self) -> str:
+        return labels_of(self.labels)
+
+    def __str__(self) -> str:
+        return f"{self.title} {self.combination}".strip()
 
 
 def _results(run: Run) -> Iterator[_Result]:
@@ -100,75 +138,132 @@ def _results(run: Run) -> Iterator[_Result]:
         rest = [name for name in run.plan.graph.nodes[node].outputs if name != first]
         for output in [port] if port else ["", *rest]:
             name = output or (first if rest else "")
-            words = [node] if name in ("", node) else [node, name]
-            for labels, value in run[f"{node}.{output}" if output else node].shown():
-                file = _file_name([*words, *(f"{axis}-{label}" for axis, label in labels.items())])
-                yield _Result(" ".join(words), labels_of(labels), file, value)
+            values = run[f"{node}.{output}" if output else node]
+            for labels in values.labels():
+                yield _Result(node, "" if name == node else name, labels, values)
 
 
-def _file_name(words: Iterable[str]) -> str:
-    return "_".join(
-        "".join(sign if sign.isalnum() or sign in ".-" else "-" for sign in word) for word in words
-    )
-
-
-@dataclass
 class _Shown:
-    """The results as the report shows them."""
+    """The results as the report shows them, and their files."""
 
-    sections: list[Section] = field(default_factory=list)
-    answer: list[str] = field(default_factory=list)
-    notes: list[StepNote] = field(default_factory=list)
-    files: dict[str, bytes] = field(default_factory=dict)
+    def __init__(self, graph: Graph, write: Write) -> None:
+        self._renderers: Iterable[Renderer] = graph.registry.hooks.renderers
+        self._names = _FileNames(graph)
+        self._write = write
+        self.sections: list[Section] = []
+        self.answer: list[str] = []
+        self.notes: list[StepNote] = []
+        self.not_shown: list[NotShown] = []
 
-    def add(self, result: _Result, renderers: Iterable[Renderer]) -> None:
+    def add(self, result: _Result) -> None:
         """Add a result; a value of a type without a renderer is not shown."""
-        if isinstance(result.value, Files):
-            self._add_files(result, result.value)
-            return
         try:
-            rendered = _render(result, renderers)
-        except Exception as error:  # a result that cannot be drawn must not cost the others
-            self.notes.append(_cannot_be_shown(result, error))
-            rendered = Rendered("", self.notes[-1].reason)
-        if rendered is not None:
-            files = {f"{result.file}{suffix}": data for suffix, data in rendered.files.items()}
-            links = tuple(Link(path.rpartition(".")[2].upper(), path) for path in files)
-            place = f"{result.labels.replace('=', ' ')}: " if result.labels else ""
-            self.answer += [f"{place}{sentence}" for sentence in rendered.answer]
-            self._add(result, replace(rendered, answer=()), files, links)
+            value = result.values.shown_at(result.labels)
+            if isinstance(value, Files):
+                self._add_files(result, value)
+            elif (rendered := self._render(result, value)) is not None:
+                self._add_rendered(result, rendered)
+        except Exception as error:  # a result that cannot be shown must not cost the others
+            self._add_error(result, error)
+
+    def _render(self, result: _Result, value: Any) -> Rendered | None:
+        for renderer in self._renderers:
+            if isinstance(value, renderer.type):
+                return renderer.render(value, str(result))
+        return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
+
+    def _add_rendered(self, result: _Result, rendered: Rendered) -> None:
+        stem = self._names.stem(result, rendered.files)
+        files = {f"{stem}{suffix}": content for suffix, content in rendered.files.items()}
+        lost = self._write_all(result, files)
+        links = (Link(path.rpartition(".")[2].upper(), path) for path in files if path not in lost)
+        place = f"{result.combination.replace('=', ' ')}: " if result.labels else ""
+        self.answer += [f"{place}{sentence}" for sentence in rendered.answer]
+        # files may be large, and are written by now
+        self._add(result, replace(rendered, answer=(), files={}), links)
 
     def _add_files(self, result: _Result, value: Files) -> None:
-        files = {f"{result.file}/{name}": data for name, data in value.content.items()}
-        lines = [f"{path} ({size_text(len(data))})" for path, data in files.items()]
-        links = tuple(Link(path.rpartition("/")[2], path) for path in files)
-        self._add(result, Rendered("", "\n".join(lines) or "no files"), files, links)
+        folder = self._names.stem(result, [""])
+        paths = {name: f"{folder}/{path}" for name, path in portable_paths(value.content).items()}
+        lost = self._write_all(
+            result, {paths[name]: content for name, content in value.content.items()}
+        )
+        lines = [
+            f"{paths[name]} ({lost.get(paths[name]) or size_text(len(content))})"
+            for name, content in value.content.items()
+        ]
+        links = (
+            Link(name.rpartition("/")[2], path) for name, path in paths.items() if path not in lost
+        )
+        self._add(result, Rendered("", "\n".join(lines) or "no files"), links)
 
-    def _add(
-        self,
-        result: _Result,
-        rendered: Rendered,
-        files: Mapping[str, bytes],
-        links: tuple[Link, ...],
-    ) -> None:
-        self.sections.append(Section(result.title, rendered, result.labels, links))
-        self.files |= files
+    def _write_all(self, result: _Result, files: Mapping[str, bytes]) -> dict[str, str]:
+        """Write files; return the reasons for those that could not be written."""
+        reasons = {path: self._write(path, content) for path, content in files.items()}
+        lost = {path: reason for path, reason in reasons.items() if reason}
+        for path, reason in lost.items():
+            message = f"{path} cannot be written: {reason}"
+            self.notes.append(StepNote(result.title, result.combination, message, "failed"))
+        return lost
+
+    def _add_error(self, result: _Result, error: Exception) -> None:
+        # matplotlib begins some of its messages with an empty line
+        reason = " ".join(error_text(error).split())
+        message = f"cannot be shown: {reason}"
+        warnings.warn(f"{result}: {message}", stacklevel=4)
+        trace = "".join(traceback.format_exception(error))
+        self._add(result, Rendered("", message), ())
+        self.notes.append(
+            StepNote(result.title, result.combination, message, "failed", trace=trace)
+        )
+        self.not_shown.append(
+            NotShown(result.node, plain(result.labels), reason, result.output, trace)
+        )
+
+    def _add(self, result: _Result, rendered: Rendered, links: Iterable[Link]) -> None:
+        self.sections.append(Section(result.title, rendered, result.combination, tuple(links)))
 
 
-def _render(result: _Result, renderers: Iterable[Renderer]) -> Rendered | None:
-    value = result.value
-    for renderer in renderers:
-        if isinstance(value, renderer.type):
-            return renderer.render(value, f"{result.title} {result.labels}".strip())
-    return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
+_Words = list[list[object]]
 
 
-def _cannot_be_shown(result: _Result, error: Exception) -> StepNote:
-    # matplotlib begins some of its messages with an empty line
-    message = f"cannot be shown: {' '.join(error_text(error).split())}"
-    warnings.warn(f"{result.title} {result.labels}".strip() + f": {message}", stacklevel=4)
-    trace = "".join(traceback.format_exception(error))
-    return StepNote(result.title, result.labels, message, "failed", trace=trace)
+class _FileNames:
+    """The names of the files beside the report.
+
+    The name of a combination does not depend on which others there are; only where a disk could
+    take two labels of an axis, or two nodes, for one, some of them get a digest.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        used = graph.spec.included
+        own = (RECORD, EVENTS, STUDY, REPORT, graph_name(used), *used)
+        self._owners: dict[str, _Words] = {fold(path.partition("/")[0]): [] for path in own}
+        self._nodes = clashes(graph.nodes)
+        self._labels = {
+            name: clashes([*axis.labels, *axis.removed]) for name, axis in graph.axes.items()
+        }
+
+    def stem(self, result: _Result, suffixes: Collection[str]) -> str:
+        """Return the name that the files of a result have before their suffixes."""
+        words: _Words = [[name] for name in (result.node, result.output) if name]
+        words += [[axis, label] for axis, label in result.labels.items()]
+        for exact in (self._is_exact(result), False):
+            stem = file_stem(words, exact=exact)
+            names = {fold(f"{stem}{suffix}") for suffix in suffixes}
+            # a result that is listed twice has its files once
+            if all(self._owners.get(name, words) == words for name in names):
+                break
+        self._owners |= dict.fromkeys(names, words)
+        return stem
+
+    def _is_exact(self, result: _Result) -> bool:
+        outputs = clashes(self._graph.nodes[result.node].outputs)
+        return (
+            result.node not in self._nodes
+            and result.output not in outputs
+            and all(label not in self._labels[axis] for axis, label in result.labels.items())
+        )
 
 
 def _timings(run: Run) -> tuple[TimingRow, ...]:
@@ -181,14 +276,6 @@ def _timings(run: Run) -> tuple[TimingRow, ...]:
         TimingRow(node, len(times), sum(times), max(times), stored[node])
         for node, times in seconds.items()
     )
-
-
-def report_files(run: Run, settings: RunSettings) -> tuple[dict[str, bytes], Study]:
-    """Return the report, the tables and the figures of a run by file name, and its study."""
-    study, files = compose(run, settings)
-    # an error may name a file whose name is not valid text
-    text = page(study).encode(errors="backslashreplace")
-    return {**files, STUDY: study_bytes(study), "report.html": text}, study
 
 
 def summary(study: Study, run: Run) -> str:

@@ -5,20 +5,18 @@ from __future__ import annotations
 import gzip
 import json
 import zlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.hook_types import Rendered
+from nodegraph.runs.folder import RECORD, STUDY
 from nodegraph.validation import first_error
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
-
-STUDY = "study.json.gz"
-"""The file of a study, in the folder of its run."""
 
 Kind = Literal["failed", "refused", "left out", "warning"]
 
@@ -247,12 +245,9 @@ class Study:
 
 
 def study_bytes(study: Study) -> bytes:
-    """Return a study as compressed JSON, without the files that lie beside the report anyway."""
-    sections = tuple(
-        replace(section, rendered=replace(section.rendered, files={})) for section in study.sections
-    )
+    """Return a study as compressed JSON."""
     # an error may name a file whose name is not valid text: only JSON's escapes can carry that
-    content = json.dumps(_adapter().dump_python(replace(study, sections=sections)))
+    content = json.dumps(_adapter().dump_python(study))
     return gzip.compress(content.encode(), compresslevel=6, mtime=0)
 
 
@@ -271,6 +266,10 @@ def read_study(folder: Path) -> Study:
         data = json.loads(gzip.decompress(path.read_bytes()))
         return _adapter().validate_python(data)
     except (FileNotFoundError, NotADirectoryError):
+        if (folder / RECORD).is_file():
+            raise NodegraphError(
+                f"{path}: it was not written when the run ended; run the graph again"
+            ) from None
         raise NodegraphError(
             f"{path}: there is no finished run; run the graph, or name the folder of a run"
         ) from None

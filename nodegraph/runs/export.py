@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from pathlib import PurePosixPath
 from typing import Any
 
 from nodegraph.node.decorator import Node
@@ -24,7 +25,10 @@ _FAMILY = "write"
 def exporters_of(value: Any, registry: Registry) -> dict[str, Exporter]:
     """Return an exporter of a value for each suffix, such as ``.c3d``."""
     if isinstance(value, Files):
-        return {_suffix(name): partial(_part, value.content, name) for name in value.content}
+        return {
+            suffix: partial(_with_suffix, value.content, suffix)
+            for suffix in map(_suffix, value.content)
+        }
     return {**_from_renderer(value, registry), **dict(_from_writers(value, registry))}
 
 
@@ -56,10 +60,14 @@ def _part(files: Mapping[str, bytes], name: str) -> Mapping[str, bytes]:
     return {name: files[name]}
 
 
+def _with_suffix(files: Mapping[str, bytes], suffix: str) -> Mapping[str, bytes]:
+    return {name: content for name, content in files.items() if _suffix(name) == suffix}
+
+
 def _write(node: Node, port: str, value: Any, suffix: str) -> Mapping[str, bytes]:
     content: Mapping[str, bytes] = node.function(**{port: value}).content
     return dict(sorted(content.items(), key=lambda file: _suffix(file[0]) != suffix))
 
 
 def _suffix(name: str) -> str:
-    return f".{name.rpartition('.')[2]}" if "." in name else ""
+    return PurePosixPath(name).suffix.lower()

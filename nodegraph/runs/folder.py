@@ -5,19 +5,35 @@ from __future__ import annotations
 import json
 import shutil
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from datetime import datetime
-from io import TextIOWrapper
+from io import FileIO
 from pathlib import Path
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Event
+from nodegraph.filenames import MAX_BYTES, fold, portable_name, shorten
 from nodegraph.state import State
+from nodegraph.store import files
 
 RECORD = "run.json"
 EVENTS = "events.jsonl"
-GRAPH = "graph.yaml"
+STUDY = "study.json.gz"
+REPORT = "report.html"
+_GRAPH = "graph.yaml"
+_LONGEST_NUMBER = len(".9999")
+
+
+def graph_name(used: Iterable[str]) -> str:
+    """Return the name of the graph file in the folder of its run.
+
+    Parameters
+    ----------
+    used
+        The paths of the graph files that it uses, which keep their names.
+    """
+    return portable_name(_GRAPH, exact=_GRAPH not in map(fold, used))
 
 
 class RunFolder:
@@ -51,56 +67,84 @@ class RunFolder:
         self._begun = False
         try:
             self.moved = _make_room(path)
+        except OSError as error:
+            raise _unwritable(path, error) from error
+        try:
             path.mkdir(parents=True, exist_ok=True)
-            self._events: TextIOWrapper = (path / EVENTS).open("a", encoding="utf-8", buffering=1)
+            self._events: FileIO = (path / EVENTS).open("ab", buffering=0)
+            self._size = 0
             if not _locked(self._events):
                 self._events.close()
                 raise _busy(path)
-            _write_graph(path, {GRAPH: graph, **(used or {})})
+            self._write_graphs({**(used or {}), graph_name(used or ()): graph})
         except OSError as error:
-            raise NodegraphError(f"{path}: the run cannot be written there: {error}") from error
+            self._undo()
+            raise _unwritable(path, error) from error
 
     def hear(self, event: Event) -> None:
         """Write an event as a line of JSON; where that fails, the run goes on without."""
         self._begun |= event.kind in (State.DONE, State.FAILED)
         if self._events.closed:
             return
+        line = left = memoryview(f"{json.dumps(event.as_dict())}\n".encode())
         try:
-            self._events.write(json.dumps(event.as_dict()) + "\n")
+            while left:
+                left = left[self._events.write(left) :]
         except OSError as error:
-            warnings.warn(f"{self.path / EVENTS} ends here: {error}", stacklevel=2)
+            reason = error.strerror or error
+            warnings.warn(f"{self.path / EVENTS} ends here: {reason}", stacklevel=2)
             with suppress(OSError):
-                self._events.close()
+                self._events.truncate(self._size)  # lines are whole
+            self._events.close()
+        self._size += len(line)
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write a file whole or not at all, over an existing one.
+
+        Parameters
+        ----------
+        name
+            The path from the folder, with slashes.
+        content
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        target = self._place / name
+        files.write(str(target.parent), target.name, content)
+
+    def close(self) -> None:
+        """End the events, after which others may write to the folder."""
+        self._events.close()
 
     def abandon(self) -> None:
         """Remove the folder of a run that could not begin, and move the earlier run back."""
-        self._events.close()
+        self.close()
         if not self._begun:
-            shutil.rmtree(self._place)
-            if self.moved is not None:
-                self._place.with_name(self.moved.name).rename(self._place)
+            self._undo()
 
-    def finish(self, files: Mapping[str, bytes], record: str) -> None:
-        """Write the files of a finished run, and last its record."""
-        try:
-            for name, content in files.items():
-                target = self._place / name
-                target.parent.mkdir(parents=True, exist_ok=True)
-                target.write_bytes(content)
-            unfinished = self._place / f"{RECORD}.part"
-            unfinished.write_text(record, encoding="utf-8")
-            unfinished.replace(self._place / RECORD)
-        finally:
-            self._events.close()
+    def _write_graphs(self, texts: Mapping[str, str]) -> None:
+        """Write a graph, and those that it uses where it looks for them, if that is in the folder.
 
+        Raises
+        ------
+        OSError
+            If one cannot be written, with its path.
+        """
+        for name, text in texts.items():
+            target = (self._place / name).resolve()
+            if target.is_relative_to(self._place.resolve()):
+                try:
+                    files.write(str(target.parent), target.name, text.encode())
+                except OSError as error:
+                    raise OSError(error.errno, error.strerror, str(self.path / name)) from error
 
-def _write_graph(path: Path, texts: Mapping[str, str]) -> None:
-    """Write a graph, and those that it uses where it looks for them, if that is in the folder."""
-    for name, text in reversed(list(texts.items())):
-        target = path / name
-        if target.resolve().is_relative_to(path.resolve()):
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
+    def _undo(self) -> None:
+        shutil.rmtree(self._place, ignore_errors=True)
+        if self.moved is not None:
+            self._place.with_name(self.moved.name).rename(self._place)
 
 
 def _make_room(path: Path) -> Path | None:
@@ -109,12 +153,13 @@ def _make_room(path: Path) -> Path | None:
     if _is_written(path / EVENTS):
         raise _busy(path)
     marks = [file for file in (path / RECORD, path / EVENTS) if file.is_file()]
-    if marks and {file.name for file in path.iterdir()} <= {EVENTS, GRAPH}:
+    if marks and {file.name for file in path.iterdir()} <= {EVENTS, _GRAPH}:
         shutil.rmtree(path)  # an interrupted run without results
         return None
     if marks:
-        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("%Y-%m-%dT%H-%M-%S")
-        return path.rename(_free(path.with_name(f"{path.name}-{ended}")))
+        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("-%Y-%m-%dT%H-%M-%S")
+        name = shorten(path.name, MAX_BYTES - len(ended) - _LONGEST_NUMBER)
+        return path.rename(_free(path.with_name(f"{name}{ended}")))
     raise NodegraphError(f"{path} exists and is not a run folder; name another folder with --out")
 
 
@@ -122,11 +167,11 @@ def _is_written(events: Path) -> bool:
     """Return whether a run that has not ended writes these events."""
     if not events.is_file():
         return False
-    with events.open(encoding="utf-8") as file:
+    with events.open("rb", buffering=0) as file:
         return not _locked(file)
 
 
-def _locked(file: TextIOWrapper) -> bool:
+def _locked(file: FileIO) -> bool:
     """Lock a file for as long as it is open; return False if another run holds it."""
     try:
         import fcntl
@@ -137,6 +182,10 @@ def _locked(file: TextIOWrapper) -> bool:
     except (ImportError, OSError):
         pass  # this system or this disk has no locks
     return True
+
+
+def _unwritable(path: Path, error: OSError) -> NodegraphError:
+    return NodegraphError(f"{path}: the run cannot be written there: {error}")
 
 
 def _busy(path: Path) -> NodegraphError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -98,6 +98,26 @@ class Skipped:
     node: str
     labels: Labels
     reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class NotShown:
+    """A result that the report should show, and why it does not."""
+
+    node: str
+    labels: Labels
+    reason: str
+    output: str = ""
+    trace: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NotWritten:
+    """A file that the folder lacks, and why."""
+
+    file: str
+    reason: str
+    trace: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +225,8 @@ class Record:
     steps: list[RecordedStep]
     skipped: list[Skipped]
     versions: dict[str, str]
+    not_shown: list[NotShown] = field(default_factory=list)
+    not_written: list[NotWritten] = field(default_factory=list)
 
     def method(self, step: RecordedStep) -> RecordedMethod:
         """Return the method of a step."""
@@ -410,11 +432,16 @@ def _faults(record: Record) -> Iterator[str]:
             for source in sources:
                 if source.step not in steps:
                     yield f"{here}: inputs.{port}: no step {source.step}"
-    for index, skipped in enumerate(record.skipped):
-        yield from (f"skipped.{index}: {fault}" for fault in _faults_of_cell(skipped, record))
+    lists: dict[str, Sequence[Skipped | NotShown]] = {
+        "skipped": record.skipped,
+        "not_shown": record.not_shown,
+    }
+    for key, entries in lists.items():
+        for index, entry in enumerate(entries):
+            yield from (f"{key}.{index}: {fault}" for fault in _faults_of_cell(entry, record))
 
 
-def _faults_of_cell(cell: Cell | Skipped, record: Record) -> Iterator[str]:
+def _faults_of_cell(cell: Cell | Skipped | NotShown, record: Record) -> Iterator[str]:
     node = record.nodes.get(cell.node)
     if node is None:
         yield f"no node {cell.node!r}"

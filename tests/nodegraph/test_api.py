@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -160,6 +161,28 @@ def test_a_run_is_saved_over_another_run_only(file: Path, tmp_path: Path) -> Non
     assert len(list((tmp_path / "runs").iterdir())) == 2
     with pytest.raises(ng.NodegraphError, match=r"graph\.yaml"):
         run.save(file)
+
+
+def test_a_saved_run_has_all_files_but_those_that_cannot_be_written(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file.write_text(f"{TEXT}  text: {{use: write.txt, in: a}}\n")
+    Path("writer.py").write_text(WRITER.replace("str(value).encode()", "b'x' * 500_000"))
+    run = ng.run(file.name, plugins=["writer.py"], cache=False)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, hard))
+    try:
+        with pytest.raises(ng.NodegraphError, match=r"value\.txt: cannot be written: File too"):
+            run.save("saved")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    record = json.loads(Path("saved/run.json").read_text())
+    [lost] = record["not_written"]
+    assert lost == {"file": "text/value.txt", "reason": "File too large"}
+    assert not list(Path("saved/text").iterdir())
+    assert "File too large" in Path("saved/report.html").read_text()
+    assert main(["report", "saved"]) == 0
 
 
 def test_listeners_hear_the_run(file: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from collections import Counter
 from pathlib import Path
 
@@ -73,20 +74,16 @@ def test_an_unwritable_place_is_refused_before_and_when_it_is_written(
     assert sorted(Path().rglob("*")) == before
 
 
-def test_nothing_is_left_of_a_file_that_was_not_written_whole(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_nothing_is_left_of_a_file_that_was_not_written_whole() -> None:
     Path("a.txt").write_text("before")
     before = sorted(Path().iterdir())
-    write_bytes = Path.write_bytes
-
-    def full(path: Path, content: bytes) -> int:
-        write_bytes(path, content[:1])
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(NodegraphError, match=r"a\.txt: cannot be written: No space left"):
-        write_file(Path("a.txt"), b"after")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        with pytest.raises(NodegraphError, match=r"a\.txt: cannot be written: File too large"):
+            write_file(Path("a.txt"), b"a" * 2000)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert sorted(Path().iterdir()) == before
     assert Path("a.txt").read_text() == "before"
 

@@ -17,7 +17,7 @@ from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
-from nodegraph.report.compose import compose, report_files, summary
+from nodegraph.report.compose import compose, summary
 from nodegraph.report.study import StepNote, Study
 from nodegraph.runs.settings import RunSettings
 
@@ -124,21 +124,14 @@ def test_a_word_of_a_command_is_quoted(run_of: Callable[..., Run]) -> None:
 
 def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
-    files, study = report_files(run, SETTINGS)
-    assert list(files) == ["study.json.gz", "report.html"]
-    assert b"A toy" in files["report.html"]
+    study = _study(run)
+    assert "A toy" in page(study)
     text = summary(study, run)
     assert "text length=15\n15" in text
     assert "17 steps: 9 computed, 4 refused, 4 failed" in text
     assert "failed: fill (strict.fails) at length=5, trial=0, fill=fails: -2.0 is negative" in text
     command = f"{COMMAND} --only length=5 --only trial=0 --only fill=fails --until fill"
     assert f"repeat it alone: {command}" in text
-
-
-def test_a_reason_that_is_no_text_costs_no_report(run_of: Callable[..., Run]) -> None:
-    run = run_of("nodes: {a: {use: read.number, with: {start: -1}}, b: {use: strict.fails, in: a}}")
-    files, _ = report_files(run, RunSettings("\udc80.yaml"))
-    assert b"\\udc80.yaml" in files["report.html"]
 
 
 def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> None:
@@ -246,11 +239,17 @@ report: [one]
 """
     spec = read_graph_text(text, "toy.yaml", Path())
     graph = build(spec, Registry.of([number_of, written]))
-    files, study = report_files(execute(plan(graph)), SETTINGS)
+    files: dict[str, bytes] = {}
+
+    def write(name: str, content: bytes) -> str:
+        files[name] = content
+        return ""
+
+    study = compose(execute(plan(graph)), SETTINGS, write=write).study
     assert files["out_start-1.5/one.txt"] == b"1.5"
     assert files["out_start-2.5/more/about.md"] == b"a number"
     last = study.sections[-1]
     assert (last.title, last.labels) == ("out", "start=2.5")
     assert last.rendered.text == ("out_start-2.5/one.txt (3 B)\nout_start-2.5/more/about.md (8 B)")
     assert [link.text for link in last.files] == ["one.txt", "about.md"]
-    assert 'out_start-1.5/one.txt">one.txt</a>' in files["report.html"].decode()
+    assert 'out_start-1.5/one.txt">one.txt</a>' in page(study)

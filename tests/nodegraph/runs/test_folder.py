@@ -13,7 +13,9 @@ from nodegraph.runs.folder import RunFolder
 def finished(path: Path, content: bytes = b"x") -> RunFolder:
     folder = RunFolder(path, "nodegraph: 1\n")
     folder.hear(Event("planned", 0.0, detail={"steps": 1}))
-    folder.finish({"report.html": content, "tables/t.csv": b"a,b"}, '{"format": 1}')
+    for name, data in {"run.json": b"{}", "report.html": content, "t/t.csv": b"a,b"}.items():
+        folder.write(name, data)
+    folder.close()
     return folder
 
 
@@ -24,9 +26,9 @@ def names(path: Path) -> list[str]:
 def test_a_run_writes_graph_events_files_and_record(tmp_path: Path) -> None:
     path = tmp_path / "runs" / "fill"
     assert finished(path).moved is None
-    assert names(path) == ["events.jsonl", "graph.yaml", "report.html", "run.json", "tables/t.csv"]
+    assert names(path) == ["events.jsonl", "graph.yaml", "report.html", "run.json", "t/t.csv"]
     assert (path / "graph.yaml").read_text() == "nodegraph: 1\n"
-    assert json.loads((path / "run.json").read_text()) == {"format": 1}
+    assert (path / "run.json").read_text() == "{}"
     (line,) = (path / "events.jsonl").read_text().splitlines()
     assert json.loads(line) == {"event": "planned", "seconds": 0.0, "steps": 1}
 
@@ -35,7 +37,7 @@ def test_an_event_is_written_as_it_happens(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path / "run", "")
     folder.hear(Event("started", 1.0, 3, "a", {"k": 1}))
     assert '"started"' in (tmp_path / "run" / "events.jsonl").read_text()
-    folder.finish({}, "")
+    folder.close()
 
 
 def test_a_finished_run_is_moved_aside_and_never_lost(tmp_path: Path) -> None:
@@ -50,7 +52,7 @@ def test_a_finished_run_is_moved_aside_and_never_lost(tmp_path: Path) -> None:
 
 def test_a_run_that_was_interrupted_makes_room(tmp_path: Path) -> None:
     path = tmp_path / "run"
-    RunFolder(path, "old")._events.close()
+    RunFolder(path, "old").close()
     assert finished(path).moved is None
     assert (path / "graph.yaml").read_text() == "nodegraph: 1\n"
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
@@ -58,7 +60,7 @@ def test_a_run_that_was_interrupted_makes_room(tmp_path: Path) -> None:
 
 def test_a_file_of_the_user_in_an_interrupted_run_is_never_lost(tmp_path: Path) -> None:
     path = tmp_path / "run"
-    RunFolder(path, "old")._events.close()
+    RunFolder(path, "old").close()
     (path / "thesis.txt").write_text("years of work")
     finished(path)
     assert [path.read_text() for path in tmp_path.rglob("thesis.txt")] == ["years of work"]
@@ -104,7 +106,7 @@ def test_a_run_that_has_begun_is_not_undone(tmp_path: Path) -> None:
 
 def test_graphs_that_are_used_lie_where_they_are_looked_for(tmp_path: Path) -> None:
     used = {"parts/inner.yaml": "inner", "../outside.yaml": "not here"}
-    RunFolder(tmp_path / "run", "outer", used)._events.close()
+    RunFolder(tmp_path / "run", "outer", used).close()
     assert (tmp_path / "run" / "parts" / "inner.yaml").read_text() == "inner"
     assert not (tmp_path / "outside.yaml").exists()
 
@@ -116,7 +118,8 @@ def test_a_run_that_is_going_on_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(NodegraphError, match="another run is writing there; name another folder"):
         RunFolder(path, "second")
     assert (path / "graph.yaml").read_text() == "first"
-    going.finish({"report.html": b"x"}, "")
+    going.write("report.html", b"x")
+    going.close()
     assert len((path / "events.jsonl").read_text().splitlines()) == 1
     assert finished(path).moved is not None
 
@@ -128,6 +131,7 @@ def test_the_folder_does_not_depend_on_the_working_directory_of_nodes(
     folder = RunFolder(Path("runs/fill"), "")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    folder.finish({"report.html": b"x"}, '{"format": 1}')
-    assert {"report.html", "run.json"} <= set(names(tmp_path / "runs" / "fill"))
+    folder.write("report.html", b"x")
+    folder.close()
+    assert "report.html" in names(tmp_path / "runs" / "fill")
     assert not names(tmp_path / "elsewhere")

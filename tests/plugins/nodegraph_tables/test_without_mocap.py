@@ -17,7 +17,8 @@ from nodegraph.node.decorator import node
 from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
-from nodegraph.report.compose import report_files
+from nodegraph.report import page
+from nodegraph.report.compose import compose
 from nodegraph.runs.settings import RunSettings
 
 @node("toy.table")
@@ -44,13 +45,15 @@ report: [rows, plot]
 registry = Registry.of([table, figure])
 registry.loaded.append(Plugin("tables", nodegraph_tables))
 run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), registry)))
-files, study = report_files(run, RunSettings(graph="toy.yaml"))
+files = {}
+write = lambda name, content: files.update({name: content}) or ""
+study = compose(run, RunSettings(graph="toy.yaml"), write=write).study
 assert study.answer == ("a is smaller.",), study.answer
 assert [section.title for section in study.sections] == ["rows", "plot"]
 assert files["rows.csv"] == b"name,size\\na,1.5\\nb,2.0\\n"
 assert {"rows.tex", "plot.svg", "plot.pdf"} <= set(files)
-page = files["report.html"].decode()
-assert 'size<span class="unit"> [m]</span>' in page and "<svg" in page
+html = page(study)
+assert 'size<span class="unit"> [m]</span>' in html and "<svg" in html
 assert not [name for name in sys.modules if name.startswith("nodegraph_") and "tables" not in name]
 """
 

@@ -1,0 +1,292 @@
+"""The record of a run is written whatever becomes of its report."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.nodegraph.cli.portable import paths_in
+
+Command = Callable[..., tuple[int, str, str]]
+ROOT = Path(__file__).parents[3]
+NODES = """
+import os
+from collections.abc import Iterator
+from threading import Lock
+from nodegraph import Files, Rendered, Renderer, hookimpl
+from nodegraph.node.decorator import node_of
+
+@node("once.list")
+def once_list() -> list:
+    return [1, (number for number in range(3))]
+
+@node("once.mapping")
+def once_mapping() -> dict:
+    return {"lock": Lock()}
+
+@node("once.tuple")
+def once_tuple() -> tuple:
+    return (1, iter([2]))
+
+@node("once.alone")
+def once_alone() -> Iterator:
+    return (number for number in range(3))
+
+@node("toy.read")
+def read(x: object) -> float:
+    return 1.0
+
+class Word(str):
+    '''A text that the report shows, with a file beside it.'''
+
+@node("toy.word")
+def word(*, text: str = "a word", times: int = 1) -> Word:
+    return Word(text * times)
+
+class Mute(float):
+    def __str__(self):
+        raise Silent
+
+class Silent(Exception):
+    def __str__(self):
+        raise RuntimeError("not even that")
+
+@node("toy.mute")
+def mute() -> Mute:
+    return Mute(1.0)
+
+@node("write.txt")
+def text(x: float) -> Files:
+    return Files({"x.txt": b"x" * 10_000})
+
+@node("write.much")
+def much(*, size: int) -> Files:
+    return Files({"little.txt": b"little", "much.txt": b"m" * size})
+
+@hookimpl
+def nodegraph_nodes():
+    return [value for value in globals().values() if node_of(value) is not None]
+
+@hookimpl
+def nodegraph_renderers():
+    def render(value, title):
+        if value == "die":
+            os._exit(7)
+        if value.startswith("fail"):
+            raise Silent if value == "fail silently" else ValueError("no ink " * value.count("i"))
+        return Rendered("", value[:20], {".csv": value.encode(), ".tex": b"tex"})
+    return [Renderer(Word, render)]
+"""
+
+
+@pytest.fixture(autouse=True)
+def _nodes() -> None:
+    path = Path("toys.py")
+    path.write_text(path.read_text() + NODES)
+
+
+def graph(nodes: str) -> None:
+    Path("toy.yaml").write_text(f"nodegraph: 1\nnodes:\n{nodes}\n")
+
+
+def record(folder: str = "runs/toy") -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(Path(folder, "run.json").read_text())
+    return data
+
+
+def steps(data: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    return {step["node"]: step for step in data["steps"]}
+
+
+def limited(most: int, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run a command in a process of its own, in which a file can have so many bytes and no more.
+
+    That is what a disk with so much space left amounts to.
+    """
+    ended = subprocess.run(
+        [sys.executable, "-m", "nodegraph.cli.main", *words, "--plugin", "toys.py"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in ended.stderr
+    assert "internal error" not in ended.stderr
+    return ended
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+@pytest.mark.parametrize("cache", [[], ["--no-cache"]], ids=["stored", "not stored"])
+@pytest.mark.parametrize("kind", ["list", "mapping", "tuple", "alone"])
+def test_a_value_that_cannot_be_copied_fails_its_step_alone(
+    command: Command, kind: str, cache: list[str], executor: str
+) -> None:
+    graph(
+        f"  once: {{use: once.{kind}}}\n"
+        "  reader: {use: toy.read, in: once}\n"
+        "  other: {use: toy.read, in: once}\n"
+        "  word: {use: toy.word}\n"
+        "report: [once, reader, word]"
+    )
+    status, out, err = command("run", "toy.yaml", "--executor", executor, *cache)
+    assert status == 1
+    data = record()
+    states = {name: step["state"] for name, step in steps(data).items()}
+    assert states == {"once": "failed", "reader": "skipped", "word": "done"}
+    failed = steps(data)["once"]
+    line = Path("toys.py").read_text().splitlines().index(f'@node("once.{kind}")') + 1
+    assert failed["place"] == f"toys.py:{line}"
+    kinds = {"mapping": "lock", "tuple": "list_iterator"}
+    assert kinds.get(kind, "generator") in failed["reason"]
+    assert failed["reason"] in err
+    assert "repeat it alone" in out
+    assert Path("runs/toy/word.csv").read_text() == "a word"
+    assert "a word" in Path("runs/toy/report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        ("{use: toy.word, with: {text: fail}}", "no ink"),
+        ("{use: toy.word, with: {text: fail silently}}", "Silent"),
+        ("{use: toy.mute}", "Silent"),
+    ],
+    ids=["drawing", "message", "text"],
+)
+def test_what_cannot_be_shown_is_in_the_record(command: Command, bad: str, reason: str) -> None:
+    graph(f"  bad: {bad}\n  good: {{use: toy.word}}")
+    status, out, _ = command("run", "toy.yaml")
+    assert status == 1
+    data = record()
+    assert {step["state"] for step in data["steps"]} == {"done"}
+    [lost] = data["not_shown"]
+    assert (lost["node"], lost["labels"]) == ("bad", {})
+    assert reason in lost["reason"]
+    assert lost["reason"] in out
+    assert "toys.py" in lost["trace"]
+    assert Path("runs/toy/good.csv").read_text() == "a word"
+    assert command("diff", "runs/toy", "runs/toy", nodes=False)[0] == 0
+    assert command("archive", "runs/toy", "--out", "toy.zip", nodes=False)[0] == 0
+    with zipfile.ZipFile("toy.zip") as file:
+        assert str(Path.cwd()) not in file.read("run/run.json").decode()
+
+
+def test_a_run_without_losses_records_none(command: Command) -> None:
+    graph("  good: {use: toy.word}")
+    assert command("run", "toy.yaml")[0] == 0
+    assert not {"not_shown", "not_written"} & record().keys()
+
+
+def test_the_record_is_there_though_the_program_ends_while_it_renders(command: Command) -> None:
+    graph("  good: {use: toy.word}\n  bad: {use: toy.word, with: {text: die}}")
+    ended = limited(resource.RLIM_INFINITY, "run", "toy.yaml")
+    assert ended.returncode == 7
+    assert {name: step["state"] for name, step in steps(record()).items()} == {
+        "good": "done",
+        "bad": "done",
+    }
+    status, _, err = command("report", "runs/toy", nodes=False)
+    assert status == 2
+    assert "study.json.gz" in err
+    assert "was not written" in err
+
+
+def test_a_full_disk_costs_the_report_and_not_the_record() -> None:
+    graph("  good: {use: toy.word}")
+    ended = limited(15_000, "run", "toy.yaml", "--no-cache")
+    assert ended.returncode == 1
+    assert "runs/toy/report.html: cannot be written: File too large" in ended.stderr
+    assert "a word" in ended.stdout
+    assert "report.html" not in ended.stdout
+    data = record()
+    assert data["counts"]["done"] == 1
+    assert data["not_written"] == [{"file": "report.html", "reason": "File too large"}]
+    names = ["events.jsonl", "good.csv", "good.tex", "graph.yaml", "run.json", "study.json.gz"]
+    assert paths_in(Path("runs/toy")) == names
+
+
+def test_what_did_not_fit_is_named_and_the_rest_is_whole(command: Command) -> None:
+    size = 300_000
+    graph(
+        f"  good: {{use: toy.word}}\n  long: {{use: toy.word, with: {{times: {size}}}}}\n"
+        f"  much: {{use: write.much, with: {{size: {size}}}}}"
+    )
+    ended = limited(200_000, "run", "toy.yaml", "--no-cache")
+    assert ended.returncode == 1
+    lost = ["long.csv", "much/much.txt"]
+    assert [file["file"] for file in record()["not_written"]] == lost
+    for name in lost:
+        assert f"runs/toy/{name}: cannot be written: File too large" in ended.stderr
+    page = Path("runs/toy/report.html").read_text()
+    assert page.rstrip().endswith("</html>")
+    for name in (*lost, "good.csv", "long.tex", "much/little.txt"):
+        assert (f'href="./{name}"' in page) == (name not in lost)
+        assert Path("runs/toy", name).exists() == (name not in lost)
+    assert not list(Path("runs/toy").rglob("*.part"))
+    assert command("archive", "runs/toy", nodes=False)[2].count("File too large") == 2
+    assert command("report", "runs/toy", nodes=False)[0] == 0
+
+
+def test_a_record_that_does_not_fit_is_reported_and_the_rest_is_written(command: Command) -> None:
+    graph("  good: {use: toy.word}")
+    ended = limited(600, "run", "toy.yaml", "--no-cache")
+    assert ended.returncode == 1
+    assert "runs/toy/run.json: cannot be written: File too large" in ended.stderr
+    assert "runs/toy/report.html: cannot be written: File too large" in ended.stderr
+    assert Path("runs/toy/good.csv").read_text() == "a word"
+    assert not Path("runs/toy/run.json").exists()
+    assert command("run", "toy.yaml")[0] == 0
+
+
+def test_a_record_that_cannot_be_written_again_stays_as_it_was() -> None:
+    graph(f"  bad: {{use: toy.word, with: {{text: fail {'i' * 20_000}}}}}")
+    ended = limited(100_000, "run", "toy.yaml", "--no-cache")
+    assert ended.returncode == 1
+    assert "runs/toy/run.json: cannot be written: File too large" in ended.stderr
+    assert record()["counts"]["done"] == 1
+
+
+def test_a_full_disk_leaves_whole_lines_of_events() -> None:
+    nodes = (f"  n{at}: {{use: toy.word, with: {{times: {at}}}}}" for at in range(50))
+    graph("\n".join(nodes))
+    ended = limited(5_000, "run", "toy.yaml", "--no-cache")
+    assert "runs/toy/events.jsonl ends here: File too large" in ended.stderr
+    text = Path("runs/toy/events.jsonl").read_text()
+    assert text.endswith("\n")
+    kinds = [json.loads(line)["event"] for line in text.splitlines()]
+    assert kinds[0] == "planned"
+    assert "finished" not in kinds
+
+
+def test_a_run_that_does_not_fit_at_all_leaves_the_earlier_one_where_it_was(
+    command: Command,
+) -> None:
+    graph("  good: {use: toy.word}")
+    assert command("run", "toy.yaml")[0] == 0
+    before = {name: Path("runs/toy", name).read_bytes() for name in paths_in(Path("runs/toy"))}
+    with Path("toy.yaml").open("a") as file:
+        file.write(f"notes: {'long ' * 1000}\n")
+    ended = limited(3000, "run", "toy.yaml", "--no-cache")
+    assert ended.returncode == 2
+    assert "runs/toy/graph.yaml" in ended.stderr
+    assert [path.name for path in Path("runs").iterdir()] == ["toy"]
+    assert {name: Path("runs/toy", name).read_bytes() for name in before} == before
+
+
+def test_a_full_disk_leaves_no_part_of_an_export(command: Command) -> None:
+    graph("  a: {use: toy.number}")
+    assert command("run", "toy.yaml", "--store", "kept")[0] == 0
+    ended = limited(9000, "export", "runs/toy", "a", "--store", "kept", "--out", "there/a.txt")
+    assert ended.returncode == 2
+    assert "there/a.txt: cannot be written: File too large" in ended.stderr
+    assert not list(Path("there").iterdir())
