@@ -9,10 +9,9 @@ from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
-from nodegraph_mocap.known_markers import check_markers
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.playback import Panel, Playback
-from nodegraph_mocap.recording import Mask, Origin, Trajectories
+from nodegraph_mocap.recording import Mask, Origin, Trajectories, check_markers
 from nodegraph_mocap.selection import Selection
 from nodegraph_tables import Figure, StoredFigure, Table, figure_text
 

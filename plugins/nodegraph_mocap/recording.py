@@ -1,20 +1,25 @@
-"""Recordings: marker trajectories, where each sample came from, and masks over samples."""
+"""Recordings: marker trajectories, where each sample came from, and masks over samples.
+
+A notebook shows a recording by its size, the origins of its samples, and a strip per marker.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph import Value
+from nodegraph import Value, closest, listed
 from nodegraph_mocap.checks import distinct, positive_rate, set_fields
-from nodegraph_mocap.known_markers import check_markers
 from nodegraph_mocap.pieces import pieces
+from nodegraph_mocap.runs import runs_of
+from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -102,9 +107,7 @@ class Trajectories(Value):
 
     def _repr_html_(self) -> str:
         """Return the recording for a notebook."""
-        from nodegraph_mocap.summary_html import recording_html
-
-        return recording_html(self)
+        return _recording_html(self)
 
     def with_samples(
         self,
@@ -138,16 +141,16 @@ class Trajectories(Value):
         Raises
         ------
         ValueError
-            If the recording lacks one of them, or one is asked for twice.
+            If the recording lacks one of them, or one is a duplicate.
         """
-        chosen = tuple(names)
-        check_markers(self, chosen)
-        columns = [self.markers.index(name) for name in chosen]
+        markers = tuple(names)
+        check_markers(self, markers)
+        columns = [self.markers.index(name) for name in markers]
         return replace(
             self,
             positions=self.positions[:, columns],
-            markers=chosen,
-            marker_set=self.marker_set.keep(chosen) if self.marker_set else None,
+            markers=markers,
+            marker_set=self.marker_set.keep(markers) if self.marker_set else None,
             origin=self.origin[:, columns],
             sigma=None if self.sigma is None else self.sigma[:, columns],
         )
@@ -171,6 +174,42 @@ class Mask(Value):
         if hidden.ndim != 2 or hidden.shape[1] != len(self.markers):
             raise ValueError(f"a mask is (frames, {len(self.markers)} markers), got {hidden.shape}")
         set_fields(self, hidden=hidden, markers=tuple(self.markers))
+
+
+def check_markers(
+    recording: Trajectories, names: Iterable[str], *, what: str = "the recording"
+) -> None:
+    """Raise an error for names that are no markers of a recording, or are duplicates.
+
+    Parameters
+    ----------
+    recording
+        Has the markers.
+    names
+        Markers that it must have.
+    what
+        What the message calls the recording.
+
+    Raises
+    ------
+    ValueError
+        With the names, for each the nearest marker if one is near, and all that there are.
+    """
+    wanted = list(names)
+    repeated = sorted({name for name in wanted if wanted.count(name) > 1})
+    if repeated:
+        raise ValueError(f"{what}: duplicate markers {listed(repeated)}")
+    known = set(recording.markers)
+    unknown = [_with_nearest(name, recording.markers) for name in wanted if name not in known]
+    if unknown:
+        raise ValueError(
+            f"{what} has no marker {'; '.join(unknown)}; it has {listed(recording.markers)}"
+        )
+
+
+def _with_nearest(name: str, markers: Sequence[str]) -> str:
+    near = closest(name, markers)
+    return f"{name!r} (did you mean {near!r}?)" if near else repr(name)
 
 
 def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> None:
@@ -217,3 +256,65 @@ def _checked_sigma(sigma: NDArray[np.float64], shape: tuple[int, ...]) -> NDArra
     if sigma.shape != shape:
         raise ValueError(f"sigma must be {shape}, got {sigma.shape}")
     return sigma
+
+
+_COLOURS = (
+    (Origin.MEASURED, "measured", BLUE),
+    (Origin.FILLED, "filled", VERMILLION),
+    (Origin.REPAIRED, "repaired", ORANGE),
+    (Origin.MISSING, "missing", GREY),
+)
+_WIDTH = 800
+_HIGHEST = 480
+
+
+def _recording_html(recording: Trajectories) -> str:
+    """Return a fragment of HTML that needs nothing else; names are escaped."""
+    facts = (
+        f"{recording.frames} frames, {len(recording.markers)} markers, {recording.rate:g} Hz, "
+        f"{recording.frames / recording.rate:.3g} s"
+    )
+    counts = "; ".join(
+        f'<span style="color:{colour}">\N{BLACK SQUARE}</span> {_share(recording, origin)} {name}'
+        for origin, name, colour in _COLOURS
+    )
+    return f"<div><p><b>Trajectories</b>: {facts}</p><p>{counts}</p>{_strips(recording)}</div>"
+
+
+def _share(recording: Trajectories, origin: Origin) -> str:
+    count = int(np.count_nonzero(recording.origin == origin))
+    share = count / max(recording.origin.size, 1)
+    samples = "sample" if count == 1 else "samples"
+    return f"{count} {samples} ({share:.1%})" if count else "no samples"
+
+
+def _strips(recording: Trajectories) -> str:
+    """Return a picture: a row per marker, time to the right, missing samples left white."""
+    if not recording.origin.size:
+        return ""
+    markers = len(recording.markers)
+    height = min(8 * markers, _HIGHEST)
+    rows = "".join(
+        f'<g><title>{escape(name)}</title><rect x="0" y="{row}" width="{recording.frames}" '
+        f'height="1" fill="transparent"/></g>'
+        for row, name in enumerate(recording.markers)
+    )
+    paths = "".join(
+        f'<path fill="{colour}" d="{_path(recording, origin)}"/>'
+        for origin, _, colour in _COLOURS
+        if origin is not Origin.MISSING
+    )
+    return (
+        f'<svg role="img" aria-label="Where samples come from, a row per marker" '
+        f'width="{_WIDTH}" height="{height}" style="max-width:100%" preserveAspectRatio="none" '
+        f'viewBox="0 0 {recording.frames} {markers}" shape-rendering="crispEdges">'
+        f"{paths}{rows}</svg>"
+    )
+
+
+def _path(recording: Trajectories, origin: Origin) -> str:
+    runs = runs_of(np.asarray(recording.origin == origin))
+    return "".join(
+        f"M{start} {marker}.1h{stop - start}v.8h{start - stop}z"
+        for marker, start, stop in zip(*(column.tolist() for column in runs), strict=True)
+    )

@@ -19,8 +19,6 @@ from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.selection import Selection
-from nodegraph_tables.info import TableInfo, with_info
-from nodegraph_tables.types import Figure, Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -51,8 +49,6 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
         Weights: weights,
         Animation: animations,
         HeadMotion: lambda: {name: _still(one.frames) for name, one in recordings().items()},
-        Table: tables,
-        Figure: lambda: {"complete": _figure()},
     }
 
 
@@ -163,34 +159,6 @@ def animations() -> dict[str, Animation]:
     }
 
 
-def tables() -> dict[str, Table]:
-    """Return tables of scores, a row per gap."""
-    from pandas import DataFrame
-
-    errors = {
-        "complete": [0.5, 1.25, 0.75, 2.0],
-        "gaps": [0.5, np.nan, 0.75, 2.0],
-        "all missing": [np.nan, np.nan],
-        "one frame": [0.25],
-        "nothing hidden": [],
-    }
-    made = {}
-    for name, rmse in errors.items():
-        gap = np.arange(len(rmse))
-        table = DataFrame(
-            {
-                "gap": gap,
-                "marker": np.array(MARKERS, dtype=object)[gap],
-                "start": 10 * gap,
-                "frames": 5 + gap,
-                "rmse": np.array(rmse, dtype=np.float64),
-                "filled": np.isfinite(np.array(rmse, dtype=np.float64)).astype(np.float64),
-            }
-        )
-        made[name] = with_info(table, TableInfo(title="Errors in gaps", units={"rmse": "mm"}))
-    return made
-
-
 def _face() -> Trajectories:
     """Return a recording in which every marker moves smoothly and in its own way."""
     rng = np.random.default_rng(20)
@@ -274,11 +242,3 @@ def _still(frames: int) -> HeadMotion:
         translations=np.zeros((frames, 3)),
         scales=np.ones(frames),
     )
-
-
-def _figure() -> Figure:
-    from matplotlib.figure import Figure as Drawn
-
-    figure = Drawn(figsize=(2, 1))
-    figure.add_subplot().plot([0, 1, 2], [0, 1, 0])
-    return figure

@@ -1,6 +1,7 @@
 """Tables and figures: their types, storage, appearance, and the conclusions that they hold."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 from nodegraph import Comparison, Conclusion, Renderer, Storage, hookimpl
 from nodegraph_tables.comparisons import comparisons, differences, name_differences
@@ -55,3 +56,11 @@ def nodegraph_storages() -> Iterable[Storage]:
     from nodegraph_tables.storage import storages
 
     return storages()
+
+
+@hookimpl
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
+    """Return small tables and figures, on which nodes are tested."""
+    from nodegraph_tables.specimens import figure_specimens, table_specimens
+
+    return {Table: table_specimens, Figure: figure_specimens}

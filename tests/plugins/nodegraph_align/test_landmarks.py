@@ -65,7 +65,7 @@ def test_too_few_stable_ones(face: Trajectories) -> None:
         (["m0", "m1"], "landmarks: must be 3 or more, or [*] alone, got m0, m1"),
         ([], "landmarks: must be 3 or more, or [*] alone, got none"),
         (["*", "m1"], "landmarks: must be 3 or more, or [*] alone, got [*], m1"),
-        (["m0", "m1", "m0", "m2"], "landmarks: the recording: asked twice for m0"),
+        (["m0", "m1", "m0", "m2"], "landmarks: the recording: duplicate markers m0"),
         (
             ["m0", "M1", "nose"],
             "the recording has no marker 'M1' [(]did you mean 'm1'[?][)]; 'nose'; it has m0, m1",

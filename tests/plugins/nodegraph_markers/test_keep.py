@@ -39,7 +39,7 @@ def test_a_selection_keeps_what_it_has_chosen_in_its_order() -> None:
         (Selection(chosen=("nose",)), ["nose"], "got both"),
         (None, [], "no marker is chosen"),
         (Selection(chosen=()), None, "no marker is chosen"),
-        (None, ["nose", "nose"], "asked twice for nose"),
+        (None, ["nose", "nose"], "duplicate markers nose"),
         (None, ["Nose_"], r"'Nose_' \(did you mean 'nose'\?\); it has brow_left"),
         (None, ["nose", "xyz"], "no marker 'xyz'; it has brow_left, brow_right"),
     ],

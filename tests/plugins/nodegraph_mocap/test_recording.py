@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from nodegraph_mocap import MarkerSet, Mask, Origin, Trajectories
+from nodegraph_mocap import MarkerSet, Mask, Origin, Trajectories, check_markers
+from nodegraph_mocap.specimens import recordings
 
 NAN = float("nan")
 
@@ -140,3 +141,24 @@ def test_a_mask_is_locked_and_has_a_column_per_marker() -> None:
         mask.hidden[0, 0] = True
     with pytest.raises(ValueError, match=r"\(frames, 1 markers\), got \(2, 2\)"):
         Mask(hidden=np.ones((2, 2), dtype=np.bool_), markers=("a",))
+
+
+FACE = recordings()["complete"]
+
+
+def test_known_names_pass_in_any_order() -> None:
+    check_markers(FACE, reversed(FACE.markers))
+    check_markers(FACE, [])
+
+
+def test_each_unknown_name_is_listed_with_the_nearest_whatever_its_case() -> None:
+    near = FACE.markers[0]
+    message = rf"the neutral .*'{near.upper()}' \(did you mean '{near}'\?\); 'q'; it has "
+    with pytest.raises(ValueError, match=message):
+        check_markers(FACE, [near.upper(), "q"], what="the neutral")
+
+
+def test_each_duplicate_is_listed_once() -> None:
+    brow, cheek, lip, *_ = FACE.markers
+    with pytest.raises(ValueError, match=f"the recording: duplicate markers {brow}, {lip}$"):
+        check_markers(FACE, [brow, cheek, lip, lip, brow, brow])

@@ -13,7 +13,6 @@ from nodegraph_mocap.specimens import (
     masks,
     recordings,
     specimens,
-    tables,
     weights,
 )
 
@@ -83,14 +82,6 @@ def test_heads_and_weights_are_what_their_names_say() -> None:
         "mouthSmileRight",
         "jawOpen",
     }
-
-
-def test_tables_hold_scores_that_are_there_and_scores_that_are_not() -> None:
-    made = tables()
-    assert made["complete"]["rmse"].notna().all()
-    assert made["gaps"]["rmse"].isna().any()
-    assert made["all missing"]["rmse"].isna().all()
-    assert len(made["nothing hidden"]) == 0
 
 
 def test_every_type_has_specimens_of_that_type() -> None:

@@ -138,7 +138,7 @@ def test_a_figure_comes_back_as_a_stand_in(packer: Packer, figure: Figure) -> No
 
 
 def test_every_type_that_travels_comes_back(packer: Packer) -> None:
-    for kind, make in specimens().items():
+    for kind, make in {**specimens(), **nodegraph_tables.nodegraph_specimens()}.items():
         if not packer.travels(kind):
             continue
         for name, value in make().items():

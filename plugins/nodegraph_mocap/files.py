@@ -1,1 +1,0 @@
-"""Recordings, models, marker sets and meshes in files, but for those that are text or GLB."""

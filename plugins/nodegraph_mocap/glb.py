@@ -1,1 +1,0 @@
-"""Heads in GLB files: the binary form of glTF 2.0."""

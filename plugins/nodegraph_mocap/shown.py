@@ -1,1 +1,0 @@
-"""How tables and figures appear, and how they are kept."""
