@@ -19,7 +19,9 @@ from nodegraph.plugin.registry import Registry
 from tests import readmes
 from tests.readmes import ROOT, blocks
 
+README = (ROOT / "README.md").read_text()
 GRAPHS = (ROOT / "graphs" / "README.md").read_text()
+NODES = (ROOT / "plugins" / "nodes.md").read_text()
 PLUGINS = (ROOT / "plugins" / "README.md").read_text()
 OTHER_COMMANDS = {
     "cd lips": "so does the test",
@@ -32,12 +34,31 @@ OTHER_COMMANDS = {
 
 
 def test_the_graph_that_is_shown_runs(tmp_path: Path) -> None:
-    (text,) = blocks(GRAPHS, "yaml")
+    text, _ = blocks(GRAPHS, "yaml")
     path = tmp_path / "graph.yaml"
     path.write_text(text)
     run = ng.run(path, axis={"trial": [0]}, store=tmp_path / "store")
     assert run.ok
     assert set(run["table"].value["smooth"]) == {"without", "order_3", "order_7"}
+
+
+def test_the_graph_used_as_a_node_loads(tmp_path: Path) -> None:
+    (graph,), (_, clean) = blocks(README, "yaml"), blocks(GRAPHS, "yaml")
+    (tmp_path / "clean.yaml").write_text(clean)
+    (use,) = re.findall(r"`clean: ({use: .*?}+)`", GRAPHS)
+    (fixed,) = re.findall(r"`({from: clean, .*?}+)`", GRAPHS)
+    path = tmp_path / "graph.yaml"
+    more = f"  clean: {use}\n  line: {{use: fill.linear, in: {fixed}}}\n"
+    path.write_text(graph.replace("report: [table]", f"{more}report: [table, line, clean]"))
+    loaded = ng.load(path, only={"clean.fill": "lin"})
+    assert loaded.nodes["clean"].axes == ("trial", "length", "clean.fill")
+    assert {"clean.fill", "line"} <= loaded.nodes.keys()
+
+
+def test_every_installed_node_is_listed() -> None:
+    nodes = [entry.node for entry in Registry.installed()]
+    rows = [f"| `{node.name}` | {node.summary} |" for node in nodes]
+    assert NODES.endswith("\n".join(["| node | what it does |", "|---|---|", *rows, ""]))
 
 
 def test_every_key_of_a_graph_is_documented() -> None:
@@ -84,7 +105,7 @@ def test_the_commands_for_graphs_work(tmp_path: Path, monkeypatch: pytest.Monkey
     commands = list(readmes.commands(GRAPHS))
     for words in commands:
         readmes.run_command(words)
-    assert [words[1] for words in commands] == ["check", "run", "draw", "new", "lock"]
+    assert [words[1] for words in commands] == ["check", "run", "draw", "new", "schema", "lock"]
 
 
 def test_the_commands_for_plugins_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

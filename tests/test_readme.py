@@ -28,15 +28,8 @@ def blocks(language: str) -> list[str]:
     return readmes.blocks(README, language)
 
 
-def table_of_nodes() -> str:
-    """Return the table of the installed nodes."""
-    nodes = (entry.node for entry in Registry.installed())
-    rows = [f"| `{node.name}` | {node.summary} |" for node in nodes]
-    return "\n".join(["| node | what it does |", "|---|---|", *rows])
-
-
 def test_the_graph_runs(tmp_path: Path) -> None:
-    graph, _ = blocks("yaml")
+    (graph,) = blocks("yaml")
     path = tmp_path / "graph.yaml"
     path.write_text(graph)
     run = ng.run(path, axis={"trial": [0]}, only={"length": [15]})
@@ -48,20 +41,8 @@ def test_the_graph_runs(tmp_path: Path) -> None:
 def test_the_picture_shows_the_graph(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "graph.yaml").write_text(blocks("yaml")[0])
     assert main(["draw", str(tmp_path / "graph.yaml")]) == 0
-    (picture,) = re.findall(r'<img src="(.*?)"', README)
+    (picture,) = re.findall(r'<img src="(.*?\.svg)"', README)
     assert capsys.readouterr().out.strip() == (ROOT / picture).read_text().strip()
-
-
-def test_the_graph_used_as_a_node_loads(tmp_path: Path) -> None:
-    graph, clean = blocks("yaml")
-    (tmp_path / "clean.yaml").write_text(clean)
-    use, fixed = re.findall(r"`(?:clean: )?({(?:use|from): .*?}+)`", README)[-2:]
-    path = tmp_path / "graph.yaml"
-    more = f"  clean: {use}\n  one: {{use: fill.linear, in: {fixed}}}\nreport: [table, one, clean]"
-    path.write_text(graph.replace("report: [table]", more))
-    loaded = ng.load(path, only={"clean.fill": "lin"})
-    assert loaded.nodes["clean"].axes == ("trial", "length", "clean.fill")
-    assert {"clean.fill", "one"} <= loaded.nodes.keys()
 
 
 def test_the_added_method_joins_the_comparison(tmp_path: Path) -> None:
@@ -95,11 +76,6 @@ def test_the_python_code_runs(tmp_path: Path) -> None:
     )
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "runs" / "fill" / "report.html").is_file()
-
-
-def test_the_table_lists_the_installed_nodes() -> None:
-    table = README.partition("<!-- nodes -->\n")[2].partition("\n<!-- end of nodes -->")[0]
-    assert table == table_of_nodes()
 
 
 def test_the_hook_is_that_of_a_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
