@@ -63,7 +63,7 @@ def test_every_shipped_graph_has_a_lock() -> None:
 
 @pytest.mark.parametrize("lock", LOCKS, ids=lambda path: path.stem)
 def test_a_shipped_lock_is_of_the_graph_beside_it_and_holds(lock: Path, store: Path) -> None:
-    assert read_lock(lock).data["text"][f"{lock.stem}.yaml"] == (
+    assert read_lock(lock).study.text[f"{lock.stem}.yaml"] == (
         lock.with_suffix(".yaml").read_text()
     )
     status, said = told("verify", str(lock), "--store", str(store))

@@ -97,35 +97,31 @@ def why_not(path: Path, graph: str, text: str, record: Record) -> str:
     record
     """
     try:
-        data = read_lock(path).data
+        study = read_lock(path).study
     except NodegraphError as error:
         return str(error)
-    if data["text"] != {graph: text, **record.included}:
-        return f"{path}: it froze another graph than this run's, or another text of it"
-    if data["graph"] != graph:
-        return f"{path}: it was written to lie elsewhere than beside {graph}"
+    if study.text != {graph: text, **record.included}:
+        return f"{path}: the lock is of another graph, or of another version of it"
+    if study.graph != graph:
+        return f"{path}: the lock was not written beside {graph}"
+    axes = {name: list(labels) for name, labels in study.axes.items()}
     for part, was, now in (
-        ("inputs", data["inputs"], record.inputs),
-        ("axes", _labels(data), record.axes),
+        ("inputs", study.inputs, record.inputs),
+        ("axes", axes, record.axes),
     ):
-        other = [
-            name for name in {**was, **now} if _by_name(was.get(name)) != _by_name(now.get(name))
-        ]
-        if other:
-            return f"{path}: it froze other {part} than this run's: {listed(other)}"
+        names = {**was, **now}
+        changed = [name for name in names if _base(was.get(name)) != _base(now.get(name))]
+        if changed:
+            return f"{path}: the lock has other {part}: {listed(changed)}"
     return ""
 
 
-def _labels(data: Mapping[str, Any]) -> dict[str, list[Any]]:
-    return {name: list(labels) for name, labels in data["axes"].items()}
-
-
-def _by_name(value: Any) -> Any:
-    """Return a value in which a file is its name alone, as a lock has other folders."""
+def _base(value: Any) -> Any:
+    """Return a value with paths reduced to names of files, since a lock has other folders."""
     if isinstance(value, list):
-        return [_by_name(one) for one in value]
+        return [_base(item) for item in value]
     if isinstance(value, Mapping):
-        return {str(name): _by_name(one) for name, one in value.items()}
+        return {str(name): _base(item) for name, item in value.items()}
     return PurePath(value).name if isinstance(value, str) else str(value)
 
 

@@ -15,8 +15,9 @@ from nodegraph.state import State
 if TYPE_CHECKING:
     from nodegraph.execute import Run
     from nodegraph.lock.compare import Compared, Moved
+    from nodegraph.lock.conclusions import Reported
     from nodegraph.lock.lockfile import Lock
-    from nodegraph.lock.results import Kept, Results, Said
+    from nodegraph.lock.results import Results, StoredValues
     from nodegraph.store import Store
 
 HELP = "Run a frozen study and compare its results with those in the lock."
@@ -41,13 +42,13 @@ def verify(arguments: Namespace) -> int:
     from nodegraph.cli.graphs import run_of
     from nodegraph.execute import open_store
     from nodegraph.lock.lockfile import read_lock
-    from nodegraph.lock.restore import other_texts, unlocked
+    from nodegraph.lock.restore import edited_files, unlocked
     from nodegraph.plugin.registry import Registry
 
     lock = read_lock(arguments.lock)
     registry = Registry.installed(arguments.plugin)
     graph = unlocked(lock, registry, input_values(arguments))
-    for text in other_texts(lock):
+    for text in edited_files(lock):
         say(text)
     store = open_store(registry, arguments.store, say)
     with _store_for_run(store, rerun=arguments.rerun) as run_store:
@@ -58,47 +59,49 @@ def verify(arguments: Namespace) -> int:
 def _store_for_run(store: Store, *, rerun: bool) -> Iterator[Store]:
     from tempfile import TemporaryDirectory
 
-    from nodegraph.lock.restore import Afresh
+    from nodegraph.lock.restore import StoreWithoutResults
 
     if not rerun:
         yield store
         return
     with TemporaryDirectory(prefix="nodegraph-") as folder:
-        yield Afresh(Path(folder), store, say)
+        yield StoreWithoutResults(Path(folder), store, say)
 
 
 def _compare(lock: Lock, run: Run, store: Store) -> int:
     """Print the verdict and the reasons for it; return the exit status."""
-    from nodegraph.lock.compare import Explained, compare, conclusions_changed, verdict
-    from nodegraph.lock.results import Kept, Results, said_by
+    from nodegraph.lock.changes import Changes
+    from nodegraph.lock.compare import compare, verdict
+    from nodegraph.lock.conclusions import conclusion_changes, reported_by
+    from nodegraph.lock.results import Results, StoredValues
 
     not_stored = run.not_stored()  # before results that are not stored are computed again
-    results, said, stored = Results(run), list(said_by(run)), Kept(store)
+    results, reported, stored = Results(run), list(reported_by(run)), StoredValues(store)
     compared = compare(lock, run, results)
-    conclusions = lock.data["conclusions"]
-    changed = list(conclusions_changed(conclusions, said))
-    grade = verdict(compared, bool(conclusions), changed)
-    print(f"{grade.text}: {lock.path}: {_counts(compared, lock)}")
-    for line in (*Explained(lock, run).everywhere(), *_notes(compared), *not_stored):
+    conclusions = lock.study.conclusions
+    changed = list(conclusion_changes(conclusions, reported))
+    outcome = verdict(compared, bool(conclusions), changed)
+    print(f"{outcome.text}: {lock.path}: {_counts(compared, lock)}")
+    for line in (*Changes(lock.study, run).everywhere(), *_notes(compared), *not_stored):
         print(f"    {line}")
     _print_origins(lock, run, compared, results, stored)
     if compared.followers:
         print(f"\nwhat follows from that: {counted(compared.followers)}")
-    for line in (*few(changed), *_table_changes(lock, compared, said)):
+    for line in (*few(changed), *_table_changes(lock, compared, reported)):
         print(line)
     count = sum(map(len, conclusions.values()))
     if compared.beyond and not changed and count:
         print(f"all conclusions are the same ({count})")
-    return 0 if grade.holds else 1
+    return 0 if outcome.holds else 1
 
 
 def _print_origins(
-    lock: Lock, run: Run, compared: Compared, results: Results, stored: Kept
+    lock: Lock, run: Run, compared: Compared, results: Results, stored: StoredValues
 ) -> None:
     """Print the combinations with which differences begin, and what explains them."""
-    from nodegraph.lock.compare import first_of_each
+    from nodegraph.lock.compare import group_by_change
 
-    for index, moved in enumerate(first_of_each(compared.origins)[:MOST]):
+    for index, moved in enumerate(group_by_change(compared.origins)[:MOST]):
         cell = moved[0].cell
         name = first_and_more(cell.name, len(moved), cell.group)
         print(f"\n{'also' if index else 'first'}: {name}")
@@ -111,7 +114,7 @@ def _counts(compared: Compared, lock: Lock) -> str:
     if compared.near and compared.farthest:
         cell, distance = compared.farthest
         size = f"up to {distance:.1g}, {cell.name}" if distance else "but for their form"
-        parts.append(f"{compared.near} within {lock.data['tolerance']:g} of their size ({size})")
+        parts.append(f"{compared.near} within {lock.study.tolerance:g} of their size ({size})")
     return ", ".join([*parts, f"{compared.beyond} beyond"] if compared.beyond else parts)
 
 
@@ -119,7 +122,7 @@ def _ended(compared: Compared) -> str:
     """Return how many of the identical results are failures or refusals."""
     counts = [
         f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
-        for state, count in compared.ended.items()
+        for state, count in compared.without_value.items()
     ]
     return f" (of these {' and '.join(counts)}, as before)" if counts else ""
 
@@ -146,22 +149,24 @@ def _explanation(moved: Moved, run: Run) -> Iterator[str]:
     yield from around
 
 
-def _values(moved: list[Moved], lock: Lock, results: Results, stored: Kept) -> Iterator[str]:
+def _values(
+    moved: list[Moved], lock: Lock, results: Results, stored: StoredValues
+) -> Iterator[str]:
     """Yield how much results differ and where: exactly, where the locked values are stored."""
     from nodegraph.lock.compare import where
     from nodegraph.runs.diff import value_differences
 
     first = moved[0]
-    if first.grade.said:
-        yield first.grade.said
-    largest = max(moved, key=lambda other: other.grade.apart)
-    if largest.grade.apart:
+    if first.match.text:
+        yield first.match.text
+    largest = max(moved, key=lambda other: other.match.distance)
+    if largest.match.distance:
         most = "" if len(moved) == 1 else f", {largest.cell.name} most"
-        yield f"by {largest.grade.apart:.2g} times their usual size (root mean square{most})"
-    if results.ended(first.cell.index):
+        yield f"by {largest.match.distance:.2g} times their usual size (root mean square{most})"
+    if results.ending(first.cell.index):
         return
-    digest = lock.results[first.cell.group][first.cell.at].digest
-    values = results.beside(first.cell.index, digest, stored)
+    digest = lock.study.results[first.cell.group].steps[first.cell.at].digest
+    values = results.value_pairs(first.cell.index, digest, stored)
     if not values:
         yield from where(lock, first.cell, results)
     for name, (was, now) in values.items():
@@ -169,10 +174,10 @@ def _values(moved: list[Moved], lock: Lock, results: Results, stored: Kept) -> I
         yield from (f"{name}: {text}" for text in texts[:MOST])
 
 
-def _table_changes(lock: Lock, compared: Compared, said: list[Said]) -> Iterator[str]:
+def _table_changes(lock: Lock, compared: Compared, reported: list[Reported]) -> Iterator[str]:
     """Yield how the numbers of tables changed, if by more than rounding."""
-    from nodegraph.lock.compare import numbers_changed
+    from nodegraph.lock.conclusions import table_changes
 
     if compared.beyond:
-        changed = numbers_changed(lock.data["tables"], said, lock.data["tolerance"])
+        changed = table_changes(lock.study.tables, reported, lock.study.tolerance)
         yield from few(list(changed))

@@ -1,4 +1,4 @@
-"""What decides the results of a run, as plain data that means the same on another machine."""
+"""What decides the results of a run, under names that are valid on other machines."""
 
 from __future__ import annotations
 
@@ -15,23 +15,28 @@ from nodegraph.fingerprint import Reached
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graphfile.spec import Reference
+from nodegraph.lock.document import LockedMethod, Provenance
 from nodegraph.plan import Step
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.record import versions
 
 _SHOWN = 200
-"""Letters of a line in a message."""
+"""Characters of a line in a message."""
+
+_DIGITS = 10
+_SHORT = 4
+"""Digits per function, enough to see which functions of an edited method changed."""
 
 
 def relative(path: Path, folder: Path) -> str:
-    """Return a path as seen from a folder, or its last name where the two have little in common.
+    """Return a path relative to a folder, or only its name where they share no folder of the user.
 
-    What two users' folders, or two disks, have in common says where somebody works, and no more.
+    A path through the folders above would depend on the machine.
     """
     path, folder = path.resolve(), folder.resolve()
     try:
         common = Path(os.path.commonpath([path, folder]))
-    except ValueError:  # on two drives
+    except ValueError:  # on different drives
         return path.name
     above_users = Path.home().resolve().parent
     if common == Path(common.anchor) or above_users.is_relative_to(common):
@@ -40,7 +45,7 @@ def relative(path: Path, folder: Path) -> str:
 
 
 def refuse_paths(text: str, folders: Iterable[Path]) -> None:
-    """Refuse a text that says where something lies in one of the folders.
+    """Raise an error if a text contains a path below one of the folders.
 
     Raises
     ------
@@ -57,27 +62,23 @@ def refuse_paths(text: str, folders: Iterable[Path]) -> None:
 
 
 class FileNames:
-    """What the files that a graph's settings name are called in a lock.
-
-    Parameters
-    ----------
-    graph
+    """The names in a lock of the files that the settings of a graph name.
 
     Raises
     ------
     NodegraphError
-        If the graph itself names one by where it lies on this machine, or a label is a path.
+        If the graph itself contains an absolute path.
     """
 
     def __init__(self, graph: Graph) -> None:
         self._registry: Registry = graph.registry
         self._folder = graph.spec.folder
-        self._given: dict[str, str] = {}
-        chosen = set(_texts([graph.choices.inputs, graph.choices.axes]))
+        self._names: dict[str, str] = {}
+        from_command = set(_texts([graph.choices.inputs, graph.choices.axes]))
         for node in graph.nodes.values():
             for method in node.methods.values():
-                for where, written, path in _files_of(node.name, method):
-                    self._note(where, written, path, chosen)
+                for setting, written, path in _files_of(node.name, method):
+                    self._add(setting, written, path, from_command)
         for axis in graph.axes.values():
             for label in axis.labels:
                 if _is_absolute(str(label)):
@@ -87,29 +88,29 @@ class FileNames:
                     )
 
     def of(self, written: str, path: Path) -> str:
-        """Return the name of a file that lies at `path`, and was written so."""
+        """Return the name of a file with this path, which is written like this in the graph."""
         return written if self._registry.hooks.place(written) else relative(path, self._folder)
 
     def portable(self, value: Any) -> Any:
-        """Return plain data in which the files that settings name have those names."""
+        """Return plain data with the paths of files replaced by their names."""
         if isinstance(value, Mapping):
-            return {key: self.portable(one) for key, one in value.items()}
+            return {key: self.portable(item) for key, item in value.items()}
         if isinstance(value, (list, tuple)):
-            return [self.portable(one) for one in value]
-        return self._given.get(value, value) if isinstance(value, str) else value
+            return [self.portable(item) for item in value]
+        return self._names.get(value, value) if isinstance(value, str) else value
 
-    def _note(self, where: str, written: str, path: Path, chosen: set[str]) -> None:
-        if _is_absolute(written) and written not in chosen:
+    def _add(self, setting: str, written: str, path: Path, from_command: set[str]) -> None:
+        if _is_absolute(written) and written not in from_command:
             raise NodegraphError(
-                f"{where}: {written} is a path of this machine, which a lock must not hold; write "
-                "it as seen from the graph file, or give it with --set"
+                f"{setting}: {written} is a path of this machine, which a lock must not hold; "
+                "write it relative to the graph file, or pass it with --set"
             )
-        self._given[written] = self.of(written, path)
+        self._names[written] = self.of(written, path)
 
 
 def _files_of(node: str, method: Method) -> Iterator[tuple[str, str, Path]]:
-    """Yield where a file is named, how it is written, and where it lies."""
-    files = [name for name, one in method.node.settings.items() if one.is_file]
+    """Yield the setting that names a file, the name as written, and its path."""
+    files = [name for name, setting in method.node.settings.items() if setting.is_file]
     for name in files:
         for labels, shown in method.settings.shown.items():
             path = method.settings.values[labels].get(name)
@@ -120,13 +121,13 @@ def _files_of(node: str, method: Method) -> Iterator[tuple[str, str, Path]]:
 def _texts(value: Any) -> Iterator[str]:
     pending = [value]
     while pending:
-        one = pending.pop()
-        if isinstance(one, Mapping):
-            pending.extend(one.values())
-        elif isinstance(one, (list, tuple)):
-            pending.extend(one)
-        elif isinstance(one, str):
-            yield one
+        item = pending.pop()
+        if isinstance(item, Mapping):
+            pending.extend(item.values())
+        elif isinstance(item, (list, tuple)):
+            pending.extend(item)
+        elif isinstance(item, str):
+            yield item
 
 
 def _is_absolute(text: str) -> bool:
@@ -135,28 +136,14 @@ def _is_absolute(text: str) -> bool:
     return PurePosixPath(text).is_absolute() and len(PurePosixPath(text).parts) > 1
 
 
-_DIGITS = 10
-_OF_A_UNIT = 4
-"""Letters that tell one function of a module from its edited self, where all else says "edited"."""
-
-
-def account(run: Run, names: FileNames) -> dict[str, Any]:
-    """Return what a run was made of.
-
-    Returns
-    -------
-    dict
-        ``versions`` of libraries; ``inputs`` and ``axes`` of the graph, with the labels that the
-        command has ``removed``; ``methods``, by node and
-        alternative, each with what feeds it, its settings and the digest of its code; ``code``, a
-        line per module; ``files`` with the digests of their content.
-    """
+def provenance(run: Run, names: FileNames) -> Provenance:
+    """Return what decided the results of a run."""
     graph = run.plan.graph
     reached = dict(_reached(run))
-    return {
-        "versions": _versions(run, reached),
-        "inputs": names.portable(plain(graph.inputs)),
-        "axes": {
+    return Provenance(
+        versions=_versions(run, reached),
+        inputs=names.portable(plain(graph.inputs)),
+        axes={
             name: names.portable(
                 {str(label): plain(axis.values.get(label, label)) for label in axis.labels}
                 if any(value != label for label, value in axis.values.items())
@@ -164,17 +151,17 @@ def account(run: Run, names: FileNames) -> dict[str, Any]:
             )
             for name, axis in graph.axes.items()
         },
-        "removed": {
+        removed={
             name: sorted(axis.removed, key=str) for name, axis in graph.axes.items() if axis.removed
         },
-        "files": dict(sorted(_files(run, names))),
-        "methods": {
+        files=dict(sorted(_files(run, names))),
+        methods={
             group_name(node, method): _method(node, method, reached, names)
             for node in graph.nodes.values()
             for method in node.methods.values()
         },
-        "code": _modules(reached),
-    }
+        code=_modules(reached),
+    )
 
 
 def group_name(node: GraphNode, method: Method) -> str:
@@ -183,7 +170,7 @@ def group_name(node: GraphNode, method: Method) -> str:
 
 
 def full_name(method: Method) -> str:
-    """Return the name of a method that says who brought it."""
+    """Return the name of a method with its plugin."""
     return f"{method.plugin}:{method.node.name}"
 
 
@@ -191,24 +178,24 @@ def file_names(step: Step, names: FileNames) -> dict[str, str]:
     """Return the names of the files that a step reads, by setting."""
     return {
         name: names.of(str(step.shown[name]), step.settings[name])
-        for name, one in step.method.node.settings.items()
-        if one.is_file and step.settings.get(name) is not None
+        for name, setting in step.method.node.settings.items()
+        if setting.is_file and step.settings.get(name) is not None
     }
 
 
 def code_digest(reached: Reached) -> str:
-    """Return one digest of all code that a method reaches."""
+    """Return a digest of all code that a method reaches."""
     return hashlib.sha256(repr(sorted(reached.units.items())).encode()).hexdigest()[:_DIGITS]
 
 
-def units_of(line: str) -> dict[str, str]:
-    """Return the digests of a module's functions from its line."""
-    return dict(one.rsplit(" ", 1) for one in line.split(", ") if " " in one)
+def unit_digests(line: str) -> dict[str, str]:
+    """Return the short digests of a module's functions from its line."""
+    return dict(unit.rsplit(" ", 1) for unit in line.split(", ") if " " in unit)
 
 
-def short_unit(digest: str) -> str:
-    """Return what the line of a module has of the digest of one function."""
-    return digest[:_OF_A_UNIT]
+def short_digest(digest: str) -> str:
+    """Return the digest of a function as it is in the line of its module."""
+    return digest[:_SHORT]
 
 
 def _reached(run: Run) -> Iterator[tuple[str, Reached]]:
@@ -218,9 +205,11 @@ def _reached(run: Run) -> Iterator[tuple[str, Reached]]:
 
 
 def _versions(run: Run, reached: Mapping[str, Reached]) -> dict[str, str]:
-    used = {name: one for code in reached.values() for name, one in code.versions.items()}
-    found = {**used, **versions(run.plan.graph)}
-    return dict(sorted(found.items(), key=lambda one: one[0].lower()))
+    by_name: dict[str, str] = {}
+    for code in reached.values():
+        by_name |= code.versions
+    by_name |= versions(run.plan.graph)
+    return {name: by_name[name] for name in sorted(by_name, key=str.lower)}
 
 
 def _files(run: Run, names: FileNames) -> Iterator[tuple[str, str]]:
@@ -233,33 +222,31 @@ def _files(run: Run, names: FileNames) -> Iterator[tuple[str, str]]:
 
 def _method(
     node: GraphNode, method: Method, reached: Mapping[str, Reached], names: FileNames
-) -> dict[str, Any]:
-    fed = {port: _source(one) for port, one in method.inputs.items()}
+) -> LockedMethod:
     code = reached.get(full_name(method))
-    said = {
-        "use": method.node.name,
-        "plugin": method.plugin,
-        "from": method.distribution,
-        "code": code_digest(code) if code is not None else "",
-        "axes": list(node.axes),
-        "gathers": list(node.gathered),
-        "in": fed,
-        "settings": {name: _setting(method, name, names) for name in method.node.settings},
-    }
-    return {name: one for name, one in said.items() if one}
+    return LockedMethod(
+        use=method.node.name,
+        plugin=method.plugin,
+        distribution=method.distribution,
+        code=code_digest(code) if code is not None else "",
+        axes=list(node.axes),
+        gathers=list(node.gathered),
+        inputs={port: _source_text(source) for port, source in method.inputs.items()},
+        settings={name: _setting(method, name, names) for name in method.node.settings},
+    )
 
 
 def _setting(method: Method, name: str, names: FileNames) -> Any:
     """Return a setting's value, or its values by the labels that it depends on."""
-    found = {
+    by_labels = {
         ", ".join(map(str, labels)): names.portable(plain(shown.get(name)))
         for labels, shown in method.settings.shown.items()
     }
-    values = list(found.values())
-    if all(one == values[0] for one in values):
+    values = list(by_labels.values())
+    if all(value == values[0] for value in values):
         return values[0] if values else None
     axis = next((axis for axis in method.settings.axes if _is_label(method, name, axis)), None)
-    return f"${axis}" if axis is not None else found
+    return f"${axis}" if axis is not None else by_labels
 
 
 def _is_label(method: Method, name: str, axis: str) -> bool:
@@ -267,23 +254,20 @@ def _is_label(method: Method, name: str, axis: str) -> bool:
     return all(shown.get(name) == labels[place] for labels, shown in method.settings.shown.items())
 
 
-def _source(fed: Reference | Gather) -> Any:
-    if isinstance(fed, Reference):
-        return _reference(fed)
-    if not fed.axis:
-        return _reference(fed.sources[""])
-    return {label: _reference(one) for label, one in fed.sources.items()}
-
-
-def _reference(one: Reference) -> str:
-    return f"{one} at {labels_of(one.at)}" if one.at else str(one)
+def _source_text(feed: Reference | Gather) -> str | dict[str, str]:
+    if isinstance(feed, Reference):
+        return f"{feed} at {labels_of(feed.at)}" if feed.at else str(feed)
+    texts = {label: str(_source_text(source)) for label, source in feed.sources.items()}
+    return texts if feed.axis else texts[""]
 
 
 def _modules(reached: Mapping[str, Reached]) -> dict[str, str]:
     """Return the functions, classes and constants of each module with their digests, in a line."""
-    units = {name: one for code in reached.values() for name, one in code.units.items()}
+    units: dict[str, str] = {}
+    for code in reached.values():
+        units |= code.units
     modules: dict[str, list[str]] = {}
     for name, digest in sorted(units.items()):
         module, _, unit = name.partition(":")
-        modules.setdefault(module, []).append(f"{unit or module} {short_unit(digest)}")
+        modules.setdefault(module, []).append(f"{unit or module} {short_digest(digest)}")
     return {module: ", ".join(lines) for module, lines in modules.items()}

@@ -1,4 +1,4 @@
-"""A lock -> the graph that it froze, as far as what is installed here can run it."""
+"""Build the graph of a lock from what is installed."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from nodegraph.execute.step_cache import AUDITED
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.graphfile.spec import is_graph_file
+from nodegraph.lock.document import LockedMethod
 from nodegraph.lock.lockfile import Lock
 from nodegraph.plugin.registry import Registered, Registry
 from nodegraph.store import Store
@@ -21,147 +22,147 @@ _FAMILY = re.compile(r"(?<![\w.])([A-Za-z_]\w*)\.\*")
 
 
 def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, Any]) -> Graph:
-    """Return the graph of a lock: its text, choices and families, whatever there is by now.
+    """Return the graph of a lock: its text and choices, without nodes that were added later.
 
     Parameters
     ----------
     lock
     registry
     inputs
-        Values for inputs, in place of those in the lock; relative paths among them start in the
-        working directory.
+        Values that replace inputs of the lock; relative paths start in the working directory.
 
     Raises
     ------
     NodegraphError
-        If plugins are absent, or others than they were, such that the graph cannot be built; or
-        a file is gone that it reads.
+        If plugins are missing or of other versions, such that the graph cannot be built, or if
+        a file that it reads is missing.
     """
-    _refuse_absent(lock, registry)
-    (_, text), *included = lock.data["text"].items()
+    _refuse_missing(lock, registry)
+    (_, text), *included = lock.study.text.items()
     try:
         spec = read_graph_text(text, str(lock.graph), lock.graph.parent, dict(included))
-        return build(spec, registry.without(_Met(lock, registry).is_later), _choices(lock, inputs))
+        then = registry.without(_LockedNames(lock, registry).is_later)
+        return build(spec, then, _choices(lock, inputs))
     except GraphError as error:
-        told = [f"the graph in {lock.path} cannot be run here:", str(error)]
-        told += _moved(lock, error, inputs)
-        told += [f"{one}, which may explain it" for one in _other_plugins(lock, registry)]
-        raise NodegraphError("\n".join(told)) from error
+        lines = [f"the graph in {lock.path} cannot be run:", str(error)]
+        lines += _missing_files(lock, error, inputs)
+        lines += [f"{text}, which may explain it" for text in _other_versions(lock, registry)]
+        raise NodegraphError("\n".join(lines)) from error
 
 
-def other_texts(lock: Lock) -> Iterator[str]:
-    """Yield which graph files say something else than the lock, or are gone."""
-    for name, text in lock.data["text"].items():
+def edited_files(lock: Lock) -> Iterator[str]:
+    """Yield a text per graph file that is missing or not as in the lock."""
+    for name, text in lock.study.text.items():
         path = lock.graph.parent / name
         try:
             if path.read_text(encoding="utf-8") != text:
-                yield f"{path} has another text than the lock, whose text is verified"
+                yield f"{path} was edited; the text in the lock is verified"
         except (OSError, ValueError):
-            yield f"{path} is gone; the text in the lock is verified"
+            yield f"{path} is missing; the text in the lock is verified"
 
 
-def _moved(lock: Lock, error: GraphError, inputs: Mapping[str, Any]) -> Iterator[str]:
-    """Yield where files were looked for that are gone, and how to name those of an input."""
-    for name, value in {**lock.data["inputs"], **inputs}.items():
-        gone = f"no such file: {value}"
-        if isinstance(value, str) and any(one.message.endswith(gone) for one in error.problems):
+def _missing_files(lock: Lock, error: GraphError, inputs: Mapping[str, Any]) -> Iterator[str]:
+    """Yield where missing files of inputs were looked for, and how to pass their new paths."""
+    for name, value in {**lock.study.inputs, **inputs}.items():
+        ending = f"no such file: {value}"
+        if isinstance(value, str) and any(p.message.endswith(ending) for p in error.problems):
             folder = Path.cwd() if name in inputs else lock.graph.parent.resolve()
-            yield f"{value} was looked for in {folder}; where it lies by now: --set {name}=FILE"
+            yield f"{value} was looked for in {folder}; pass its path with --set {name}=FILE"
 
 
-class _Met:
-    """Knows which nodes the graph of a lock met when it was locked."""
+class _LockedNames:
+    """The names that the graph of a lock could use when it was locked."""
 
     def __init__(self, lock: Lock, registry: Registry) -> None:
-        brought = [one for one in lock.data["methods"].values() if one.get("plugin")]
-        labels = [*lock.data["axes"].values(), *lock.data["removed"].values()]
-        self._text = "\n".join(lock.data["text"].values())
+        methods = [method for method in lock.study.methods.values() if method.plugin]
+        labels = [*lock.study.axes.values(), *lock.study.removed.values()]
+        self._text = "\n".join(lock.study.text.values())
         self._families = set(_FAMILY.findall(self._text))
-        self._names = {one["use"] for one in brought}
-        self._full_names = {f"{one['plugin']}:{one['use']}" for one in brought}
-        self._labels = {str(one) for several in labels for one in several}
-        self._plugins = {one["plugin"] for one in brought}
-        self._of_plugins = {one.node.name for one in registry if one.plugin in self._plugins}
+        self._names = {method.use for method in methods}
+        self._full_names = {method.full_name for method in methods}
+        self._labels = {str(label) for axis in labels for label in axis}
+        self._plugins = {method.plugin for method in methods}
+        self._of_plugins = {node.node.name for node in registry if node.plugin in self._plugins}
 
-    def is_later(self, one: Registered) -> bool:
-        """Whether a node is a namesake of one of then, or has joined a family since."""
-        name, label = one.node.name, f"{one.plugin}:{one.node.method}"
-        if one.full_name in self._full_names or one.full_name in self._text:
+    def is_later(self, node: Registered) -> bool:
+        """Return whether a node has the name of a locked one, or joined a family later."""
+        name, label = node.node.name, f"{node.plugin}:{node.node.method}"
+        if node.full_name in self._full_names or node.full_name in self._text:
             return False
         if label in self._labels:
             return False
-        # a name that only its plugin had needs none before it in the text, nor as a label
-        if name in self._names or (one.plugin not in self._plugins and name in self._of_plugins):
+        # a name that only one plugin defined is written without the plugin in text and labels
+        if name in self._names or (node.plugin not in self._plugins and name in self._of_plugins):
             return True
-        joined = one.node.family in self._families and one.node.method not in self._labels
-        return joined and name not in self._text
+        in_family = node.node.family in self._families and node.node.method not in self._labels
+        return in_family and name not in self._text
 
 
 def _choices(lock: Lock, inputs: Mapping[str, Any]) -> Choices:
-    chosen = lock.data["choices"]
+    choices = lock.study.choices
     return Choices(
-        {**chosen.get("set", {}), **inputs},
-        chosen.get("axis", {}),
-        {name: tuple(labels) for name, labels in chosen.get("only", {}).items()},
+        {**choices.inputs, **inputs},
+        choices.axis,
+        {name: tuple(labels) for name, labels in choices.only.items()},
         lock.graph.parent,
         dict.fromkeys(inputs, Path.cwd()),
     )
 
 
-def _refuse_absent(lock: Lock, registry: Registry) -> None:
-    lacking: dict[str, list[str]] = {}
-    for one in lock.data["methods"].values():
-        name = f"{one['plugin']}:{one['use']}" if one.get("plugin") else one["use"]
+def _refuse_missing(lock: Lock, registry: Registry) -> None:
+    """Raise an error with the nodes of the lock that are not installed, by plugin."""
+    by_reason: dict[str, list[str]] = {}
+    for method in lock.study.methods.values():
         try:
-            if one["use"] != _BUILT_IN and not is_graph_file(one["use"]):
-                registry.find(name)
+            if method.use != _BUILT_IN and not is_graph_file(method.use):
+                registry.find(method.full_name)
         except UnknownNodeError:
-            nodes = lacking.setdefault(_brought(lock, registry, one), [])
-            nodes += [one["use"]] if one["use"] not in nodes else []
-    if lacking:
-        lines = [f"{who}: {', '.join(nodes)}" for who, nodes in lacking.items()]
+            nodes = by_reason.setdefault(_reason(registry, method), [])
+            nodes += [method.use] if method.use not in nodes else []
+    if by_reason:
+        lines = [f"{reason}: {', '.join(nodes)}" for reason, nodes in by_reason.items()]
         raise NodegraphError("\n".join([f"{lock.path} needs what is not installed:", *lines]))
 
 
-def _brought(lock: Lock, registry: Registry, method: Mapping[str, Any]) -> str:
-    """Return who brought a method that is not there, and why it is not."""
-    name, was = method.get("plugin", ""), method.get("from", "")
-    there = next((one for one in registry.loaded if one.name == name), None)
-    if there is not None:
-        versions = f"{there.distribution} here and was {was}" if was else "there"
-        return f"plugin {name} is {versions}, and has no such node"
-    broken = next((one.reason for one in registry.broken if one.name == name), "")
-    why = f"is left out ({broken})" if broken else "is absent"
+def _reason(registry: Registry, method: LockedMethod) -> str:
+    """Return why a node is missing, and what to install."""
+    name, was = method.plugin, method.distribution
+    plugin = next((plugin for plugin in registry.loaded if plugin.name == name), None)
+    if plugin is not None:
+        versions = f" is {plugin.distribution} here and was {was}, and" if was else ""
+        return f"plugin {name}{versions} has no such node"
+    broken = next((plugin.reason for plugin in registry.broken if plugin.name == name), "")
+    why = f"is left out ({broken})" if broken else "is missing"
     how = f"install {was}" if was else f"name the file that has it: --plugin {name}.py"
     return f"plugin {name} {why}; {how}"
 
 
-def _other_plugins(lock: Lock, registry: Registry) -> Iterator[str]:
-    """Yield each plugin that is not of the version that it was."""
-    here = {one.name: one.distribution for one in registry.loaded}
-    methods = [one for one in lock.data["methods"].values() if one.get("plugin")]
-    for name, was in {one["plugin"]: one.get("from", "") for one in methods}.items():
-        if here.get(name, was) != was:
-            yield f"plugin {name} is {here[name]} here and was {was}"
+def _other_versions(lock: Lock, registry: Registry) -> Iterator[str]:
+    """Yield a text per plugin of another version."""
+    loaded = {plugin.name: plugin.distribution for plugin in registry.loaded}
+    methods = lock.study.methods.values()
+    for name, was in {method.plugin: method.distribution for method in methods}.items():
+        if loaded.get(name, was) != was:
+            yield f"plugin {name} is {loaded[name]} here and was {was}"
 
 
-class Afresh(Store):
-    """A store without results, which knows what audits found as another one does.
+class StoreWithoutResults(Store):
+    """An empty store that has the audits of another store.
 
     Parameters
     ----------
     folder
         An empty one.
-    known
-        Knows what audits found.
+    audits
+        The store with the audits.
     say
-        As that of any store.
+        As for any store.
     """
 
-    def __init__(self, folder: Path, known: Store, say: Callable[[str], None]) -> None:
-        super().__init__(folder, known.packer, say)
-        self._known = known
+    def __init__(self, folder: Path, audits: Store, say: Callable[[str], None]) -> None:
+        super().__init__(folder, audits.packer, say)
+        self._audits = audits
 
     def recall(self, name: str) -> dict[str, Any]:
-        """Return what was remembered here; of audits, there."""
-        return self._known.recall(name) if name.startswith(AUDITED) else super().recall(name)
+        """Return the record of this name; that of an audit from the other store."""
+        return self._audits.recall(name) if name.startswith(AUDITED) else super().recall(name)

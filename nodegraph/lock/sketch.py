@@ -6,7 +6,7 @@ import base64
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,16 +20,29 @@ if TYPE_CHECKING:
     from nodegraph.store import Packed
 
 
+TOLERANCE = 1e-9
+"""Relative size of differences that another processor or library causes."""
+
+FLOOR = 1e-3
+"""Fraction of the size of its inputs below which a value may be their rounding errors."""
+
+_SHRUNK = 2.0**-128
+_MOST_UNITS = 2.0**900
+"""Largest size of a value in its units, which are enlarged so that it does not overflow."""
+
+_FEW = 64
+"""Members of a list or mapping that are measured each by itself at most."""
+
 COUNT = 4
-"""Of numbers: that all of them miss nine tenths of a difference happens once in 5,000 times."""
+"""Number of projections: all miss nine tenths of a difference once in 5,000 times."""
 
 LARGE = 2.0**896
-"""The sums of numbers below it, as many as memory holds, are far from the largest of all."""
+"""Sums of numbers below it do not overflow, however many memory holds."""
 
 _BLOCK = 65_536
 _STEP = np.sqrt(3.0) / 2**15
-_KEPT = slice(2, 8)
-"""The six upper bytes of a little-endian double: eleven digits, and eight letters in base 64."""
+_UPPER = slice(2, 8)
+"""Six bytes of a little-endian double: eleven digits, and eight letters in base 64."""
 
 
 def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -38,14 +51,14 @@ def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     Parameters
     ----------
     name
-        Chooses the directions: arrays are compared under one name.
+        Determines the directions; projections of one name can be compared.
     values : (N,) array of float64
         Finite, and below `LARGE`.
 
     Returns
     -------
     (COUNT,) array of float64
-        ``sum(w * values) / sqrt(N)``; linear in the values, zeros for none.
+        ``sum(w * values) / sqrt(N)``; zeros for an empty array.
     """
     total = np.zeros(COUNT)
     if not values.size:
@@ -57,8 +70,8 @@ def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(total / np.sqrt(values.size))
 
 
-def along_one(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the values with the weights of the first direction, to be summed in parts."""
+def first_weighted(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values times the weights of the first direction."""
     key = _key(name)
     weighted = np.empty(values.size)
     for block, start in enumerate(range(0, values.size, _BLOCK)):
@@ -67,19 +80,19 @@ def along_one(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     return weighted
 
 
-def distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return about how far two arrays are apart (root mean square), from their projections."""
-    apart = np.abs(one - other)
-    largest = float(apart.max())
+def distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
+    """Estimate the root mean square difference of two arrays from their projections."""
+    differences = np.abs(first - second)
+    largest = float(differences.max())
     if not np.isfinite(largest):
         return np.inf
-    # so that no square overflows
-    return largest * float(np.sqrt(np.mean((apart / largest) ** 2))) if largest else 0.0
+    # divided by the largest, so that no square overflows
+    return largest * float(np.sqrt(np.mean((differences / largest) ** 2))) if largest else 0.0
 
 
 def as_text(projections: NDArray[np.float64]) -> str:
-    """Return projections as a word."""
-    content = projections.astype("<f8").view(np.uint8).reshape(-1, 8)[:, _KEPT]
+    """Return projections as a word of letters."""
+    content = projections.astype("<f8").view(np.uint8).reshape(-1, 8)[:, _UPPER]
     return base64.b64encode(content.tobytes()).decode("ascii")
 
 
@@ -89,16 +102,16 @@ def from_text(text: str) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        If it is no such word.
+        If the word has another form.
     """
     content = np.zeros((COUNT, 8), np.uint8)
-    content[:, _KEPT] = np.frombuffer(base64.b64decode(text, validate=True), np.uint8).reshape(
+    content[:, _UPPER] = np.frombuffer(base64.b64decode(text, validate=True), np.uint8).reshape(
         COUNT, 6
     )
-    found = content.view("<f8").ravel().astype(np.float64)
-    if not np.isfinite(found).all():
-        raise ValueError("a projection is no finite number")
-    return found
+    projections = content.view("<f8").ravel().astype(np.float64)
+    if not np.isfinite(projections).all():
+        raise ValueError("a projection is not a finite number")
+    return projections
 
 
 def _key(name: str) -> int:
@@ -106,33 +119,19 @@ def _key(name: str) -> int:
 
 
 def _weights(key: int, block: int, size: int) -> NDArray[np.float64]:
-    """Return (size, COUNT) weights; every version of NumPy gives the same ones.
+    """Return (size, COUNT) weights, which do not depend on the version of NumPy.
 
-    They are uniform and not signs alone, or two values that change places would show in none of
-    the projections once in sixteen times.
+    They are uniform: with signs alone, all projections would miss the exchange of two values once
+    in sixteen times.
     """
     words = np.random.Philox(key=key, counter=block << 64).random_raw(size)
     pieces = words.astype("<u8").view("<u2").reshape(size, COUNT)
     return np.asarray((pieces.astype(np.float64) - (2**15 - 0.5)) * _STEP)
 
 
-TOLERANCE = 1e-9
-"""Relative size of differences that come from another processor or library, and from no change."""
-
-FLOOR = 1e-3
-"""Of the size of what a value is made of: what is smaller may be its rounding and nothing else."""
-
-_SHRUNK = 2.0**-128
-_MOST_UNITS = 2.0**900
-"""A value is measured in larger units if it has more of them: that many more overflow."""
-
-_FEW = 64
-"""Up to so many members of a list or mapping are measured one by one, more of them together."""
-
-
 @dataclass(frozen=True)
 class Leaf:
-    """All floats that lie at one place of a value.
+    """All floats at one place of a value.
 
     Attributes
     ----------
@@ -141,9 +140,9 @@ class Leaf:
     projections : (COUNT,) array of float64
         Of the numbers times `shrunk`.
     coarse : float
-        By how much the type's own rounding exceeds `TOLERANCE`; 1 for float64.
+        Rounding error of the type in units of `TOLERANCE`; 1 for float64.
     shrunk : float
-        A power of two, by which the numbers are small enough for their sums; 1 for most.
+        A power of two that makes the numbers small enough for sums; 1 for most.
     """
 
     size: float
@@ -154,13 +153,13 @@ class Leaf:
 
 @dataclass(frozen=True)
 class Sketch:
-    """What is known of a value without having it.
+    """A summary of a value, from which another value of it can be compared.
 
     Attributes
     ----------
     exact : str
-        Digest of types, shapes, texts, whole numbers, truths, and of which floats are missing or
-        infinite. The order of a mapping and of axes in memory does not count.
+        Digest of types, shapes, texts, integers, booleans, and of which floats are NaN or
+        infinite. The order of a mapping and the layout in memory do not count.
     leaves : mapping of place to Leaf
     """
 
@@ -168,7 +167,7 @@ class Sketch:
     leaves: Mapping[str, Leaf]
 
     def against(self, scales: Mapping[str, float]) -> Measured:
-        """Return the value in units of the given sizes, one for each place."""
+        """Return the value in units of these sizes, one for each place."""
         projections, size = np.zeros(COUNT), 0.0
         for place in sorted(self.leaves):
             leaf = self.leaves[place]
@@ -195,49 +194,49 @@ class Measured:
     size: float
 
     def apart(self, other: NDArray[np.float64]) -> float:
-        """Return how far other projections are away, relative to the value or its usual size."""
+        """Return the distance of other projections, relative to the value or its usual size."""
         return distance(self.projections, other) / max(1.0, self.size)
 
 
 def sketch(outputs: Mapping[str, Packed]) -> Sketch:
-    """Return the sketch of values by their names."""
+    """Return the sketch of the values of named outputs."""
     exact: list[Any] = []
-    found: dict[str, list[NDArray[Any]]] = {}
+    floats: dict[str, list[NDArray[Any]]] = {}
     for name, packed in outputs.items():
-        taken = _Taken(packed.buffers, found)
-        exact.append([name, taken.rest(json.loads(packed.head), name)])
+        extraction = _FloatExtraction(packed.buffers, floats)
+        exact.append([name, extraction.rest(json.loads(packed.head), name)])
     text = json.dumps(exact, separators=(",", ":"), sort_keys=True)
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return Sketch(digest, {place: _leaf(place, arrays) for place, arrays in found.items()})
+    return Sketch(digest, {place: _leaf(place, arrays) for place, arrays in floats.items()})
 
 
 def _below(size: float) -> float:
-    """Return a power of two below a size, the same one for all sizes near it; 0 for 0."""
+    """Return a power of two below a size, the same for sizes near it; 0 for 0."""
     return math.ldexp(1.0, (math.frexp(size)[1] - 1) // 64 * 64) if size else 0.0
 
 
 def _leaf(place: str, arrays: list[NDArray[Any]]) -> Leaf:
-    coarse = max(float(np.finfo(one.dtype).eps) / TOLERANCE for one in arrays)
-    values = np.concatenate([one.astype(np.float64) for one in arrays])
+    coarse = max(float(np.finfo(array.dtype).eps) / TOLERANCE for array in arrays)
+    values = np.concatenate([array.astype(np.float64) for array in arrays])
     values[~np.isfinite(values)] = 0.0
-    # the largest number comes out first, so that no square overflows
+    # divided by the largest, so that no square overflows
     largest = float(np.abs(values).max(initial=0.0))
     size = largest * float(np.sqrt(np.mean((values / largest) ** 2))) if largest else 0.0
     shrunk = 1.0 if largest < LARGE else _SHRUNK
     return Leaf(size, project(place, values * shrunk), max(1.0, coarse), shrunk)
 
 
-class _Taken:
-    """Takes the floats out of a value that was taken apart for storing."""
+class _FloatExtraction:
+    """Separates the floats of a packed value from the rest."""
 
-    def __init__(self, buffers: Iterable[Any], found: dict[str, list[NDArray[Any]]]) -> None:
+    def __init__(self, buffers: Iterable[Any], floats: dict[str, list[NDArray[Any]]]) -> None:
         self._buffers = tuple(buffers)
-        self._found = found
+        self._floats = floats
 
     def rest(self, plain: Any, at: str) -> Any:
-        """Return what is left of a part without its floats, as data for JSON."""
+        """Return a part of the value without its floats, as data for JSON."""
         if isinstance(plain, float):
-            return self._floats(np.array([plain]), at)
+            return self._without_numbers(np.array([plain]), at)
         if not isinstance(plain, list):
             return plain
         word = plain[0]
@@ -249,8 +248,8 @@ class _Taken:
             return ["bytes", hashlib.sha256(self._buffers[plain[1]]).hexdigest()]
         if word == "value":
             names, parts = plain[2], plain[3:]
-            held = [self.rest(one, f"{at}.{n}") for n, one in zip(names, parts, strict=True)]
-            return [word, plain[1], names, held]
+            fields = [self.rest(x, f"{at}.{name}") for name, x in zip(names, parts, strict=True)]
+            return [word, plain[1], names, fields]
         if word == "stored":
             return [word, plain[1], self.rest(plain[2], at)]
         if word == "dict":
@@ -258,178 +257,43 @@ class _Taken:
         return [word, *self._members(plain[1:], at)]
 
     def _members(self, parts: list[Any], at: str) -> list[Any]:
-        one_by_one = len(parts) <= _FEW
+        few = len(parts) <= _FEW
         return [
-            self.rest(one, f"{at}[{number}]" if one_by_one else f"{at}[]")
-            for number, one in enumerate(parts)
+            self.rest(part, f"{at}[{number}]" if few else f"{at}[]")
+            for number, part in enumerate(parts)
         ]
 
     def _mapping(self, plain: list[Any], at: str) -> Any:
-        pairs = sorted((json.dumps(key), one) for key, one in zip(*_pairs(plain), strict=True))
-        one_by_one = len(pairs) <= _FEW
-        held = [
-            [key, self.rest(one, f"{at}[{key}]" if one_by_one else f"{at}[]")] for key, one in pairs
-        ]
-        return ["dict", *held]
+        items = zip(plain[1::2], plain[2::2], strict=True)
+        pairs = sorted((json.dumps(key), item) for key, item in items)
+        few = len(pairs) <= _FEW
+        rest = [[key, self.rest(item, f"{at}[{key}]" if few else f"{at}[]")] for key, item in pairs]
+        return ["dict", *rest]
 
     def _number(self, plain: list[Any], at: str) -> Any:
         kind, content = ("<f8", plain[1]) if plain[0] == "float" else plain[1:]
         array = np.frombuffer(bytes.fromhex(content), kind)
-        return self._floats(array, at) if array.dtype.kind in "fc" else plain
+        return self._without_numbers(array, at) if array.dtype.kind in "fc" else plain
 
     def _array(self, plain: list[Any], at: str) -> Any:
         array = array_together(self._buffers[plain[1]], *plain[2:])
         if array.dtype.kind in "fc":
-            return self._floats(array, at)
+            return self._without_numbers(array, at)
         content = hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
         return ["array", array.dtype.str, list(array.shape), content]
 
-    def _floats(self, array: NDArray[Any], at: str) -> Any:
-        """Keep floats, and return their type, their shape and which of them are no numbers."""
+    def _without_numbers(self, array: NDArray[Any], at: str) -> Any:
+        """Collect floats; return their type, shape, and which are not finite."""
         flat = array.ravel()
         if flat.dtype.kind == "c":
             flat = flat.view(flat.real.dtype)
         if flat.size:
-            self._found.setdefault(at, []).append(flat)
-        return [array.dtype.str, list(array.shape), _lacking(flat)]
+            self._floats.setdefault(at, []).append(flat)
+        return [array.dtype.str, list(array.shape), _not_finite(flat)]
 
 
-def _lacking(flat: NDArray[Any]) -> str:
+def _not_finite(flat: NDArray[Any]) -> str:
     if np.isfinite(flat).all():
         return ""
     kinds = np.isnan(flat) + 2 * np.isposinf(flat) + 3 * np.isneginf(flat)
     return hashlib.sha256(kinds.astype(np.uint8).tobytes()).hexdigest()
-
-
-def _pairs(plain: list[Any]) -> tuple[list[Any], list[Any]]:
-    return plain[1::2], plain[2::2]
-
-
-MOST = 64
-"""Parts of an axis at most."""
-
-FEWEST = 2
-
-_ROUNDING = 2.0**-22
-"""Of a number of this module: it is kept in four bytes."""
-
-_LARGEST = 1e30
-"""A part is the root of its size times as large, and that size may have sixteen digits."""
-
-_CLEARLY = 0.25
-"""Of the part that differs most: parts that differ by less are not among those named as such."""
-
-
-@dataclass(frozen=True)
-class Parts:
-    """An array, part by part along its first axes.
-
-    Attributes
-    ----------
-    shape : tuple of int
-    sums : tuple of array of float64
-        For each of the first axes, a number per part of it: the product of that part with
-        pseudo-random weights of variance 1, over the root of its size.
-    """
-
-    shape: tuple[int, ...]
-    sums: tuple[NDArray[np.float64], ...]
-
-    @property
-    def text(self) -> str:
-        """It in two words, the first one being the shape."""
-        sizes = "x".join(map(str, self.shape))
-        counts = ",".join(str(one.size) for one in self.sums)
-        content = np.concatenate(self.sums).astype("<f4").tobytes()
-        return f"{sizes} {counts} {base64.b64encode(content).decode('ascii')}"
-
-    @classmethod
-    def read(cls, text: str) -> Parts:
-        """Return what its text says.
-
-        Raises
-        ------
-        ValueError
-            If it says nothing.
-        """
-        sizes, counts, content = text.split(" ")
-        numbers = np.frombuffer(base64.b64decode(content, validate=True), "<f4").astype(np.float64)
-        ends = np.cumsum([int(one) for one in counts.split(",")])
-        if ends[-1] != numbers.size:
-            raise ValueError("not as many numbers as there should be")
-        shape = tuple(int(one) for one in sizes.split("x"))
-        return cls(shape, tuple(np.split(numbers, ends[:-1])))
-
-    def apart(self, other: Parts, least: float) -> tuple[list[Span], ...]:
-        """Return, for each of the first axes, which of its members differ.
-
-        Parameters
-        ----------
-        other
-            Of the same shape and with as many parts.
-        least
-            Size of a difference that counts.
-        """
-        return tuple(
-            list(_spans(np.abs(one - here), np.maximum(least, _ROUNDING * np.abs(one)), members))
-            for one, here, members in zip(self.sums, other.sums, self.shape, strict=False)
-            if one.size == here.size
-        )
-
-
-@dataclass(frozen=True)
-class Span:
-    """Members of an axis that stand together: first, last, and whether they differ most."""
-
-    first: int
-    last: int
-    most: bool
-
-
-def parts_of(name: str, array: NDArray[Any], axes: int, most: int) -> Parts | None:
-    """Return an array part by part; None if it has numbers that are too large for four bytes.
-
-    Parameters
-    ----------
-    name
-        Chooses the weights, as for `nodegraph.lock.sketch.project`.
-    array
-        Of floats; what is missing or infinite counts as 0.
-    axes
-        How many of the first axes are taken.
-    most
-        Parts of each at most.
-    """
-    values = np.nan_to_num(array.astype(np.float64), posinf=0.0, neginf=0.0)
-    if np.abs(values).max(initial=0.0) > _LARGEST:
-        return None
-    weighted = along_one(name, values.ravel()).reshape(values.shape)
-    return Parts(values.shape, tuple(_sums(weighted, axis, most) for axis in range(axes)))
-
-
-def _sums(weighted: NDArray[np.float64], axis: int, most: int) -> NDArray[np.float64]:
-    members = weighted.shape[axis]
-    if not weighted.size:
-        return np.zeros(0)
-    starts = _starts(members, min(members, most))
-    others = tuple(one for one in range(weighted.ndim) if one != axis)
-    sizes = np.diff([*starts, members]) * (weighted.size // members)
-    return np.asarray(np.add.reduceat(weighted.sum(axis=others), starts) / np.sqrt(sizes))
-
-
-def _starts(members: int, parts: int) -> list[int]:
-    return [part * members // parts for part in range(parts)]
-
-
-def _spans(apart: NDArray[np.float64], least: NDArray[np.float64], members: int) -> Iterator[Span]:
-    """Yield the members that differ; neighbours that are alike in that as one."""
-    differ = np.flatnonzero(apart > least)
-    if not differ.size:
-        return
-    clear = apart > _CLEARLY * apart.max()
-    ends = [*_starts(members, apart.size), members]
-    first = int(differ[0])
-    for part, following in zip(differ, [*differ[1:], -1], strict=True):
-        if following != part + 1 or clear[following] != clear[part]:
-            yield Span(ends[first], ends[part + 1] - 1, bool(clear[part]))
-            first = int(following)

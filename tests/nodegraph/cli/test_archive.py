@@ -291,10 +291,10 @@ def no_lock(_: Command) -> None:
     ("damage", "reason"),
     [
         (other_graph, "another graph"),
-        (other_axes, "axes than this run's: length"),
-        (other_inputs, "inputs than this run's: factor"),
+        (other_axes, "other axes: length"),
+        (other_inputs, "other inputs: factor"),
         (lock_elsewhere, "beside toy.yaml"),
-        (cut_off, "the lock is cut off"),
+        (cut_off, "truncated"),
         (no_lock, "nodegraph lock GRAPH"),
     ],
 )

@@ -37,24 +37,25 @@ def test_a_lock_lies_beside_the_graph_and_says_everything(locked: Locked) -> Non
     assert status == 0
     assert out.splitlines()[0] == "10 steps: 10 done"
     assert re.fullmatch(r"study\.lock \([\d.]+ KB\)", out.splitlines()[1])
-    data = read_lock(Path("study.lock")).data
-    assert data["graph"] == "study.yaml"
-    assert data["axes"] == {"length": [2, 5], "fill": ["mean", "shift"]}
-    assert data["methods"]["cut"]["settings"] == {"length": "$length"}
-    assert data["methods"]["fill=mean"]["use"] == "fill.mean"
-    assert data["files"].keys() == {"numbers.txt"}
-    assert "numpy" in data["versions"]
-    assert "SHIFT" in data["code"]["study"]
-    assert data["conclusions"] == {"order": ["mean < shift"]}
-    assert data["tables"]["order"].splitlines()[0] == "fill,mean"
-    assert data["text"] == {"study.yaml": frozen.GRAPH}
-    assert data["tolerance"] == 1e-9
+    study = read_lock(Path("study.lock")).study
+    assert study.graph == "study.yaml"
+    assert study.axes == {"length": [2, 5], "fill": ["mean", "shift"]}
+    assert study.methods["cut"].settings == {"length": "$length"}
+    assert study.methods["fill=mean"].use == "fill.mean"
+    assert study.files.keys() == {"numbers.txt"}
+    assert "numpy" in study.versions
+    assert "SHIFT" in study.code["study"]
+    assert study.conclusions == {"order": ["mean < shift"]}
+    assert study.tables["order"].splitlines()[0] == "fill,mean"
+    assert study.text == {"study.yaml": frozen.GRAPH}
+    assert study.tolerance == 1e-9
 
 
 def test_every_combination_has_a_result_with_its_digest(locked: Locked) -> None:
     locked()
-    lock = read_lock(Path("study.lock"))
-    assert {group: list(steps) for group, steps in lock.results.items()} == {
+    study = read_lock(Path("study.lock")).study
+    results = {group: locked.steps for group, locked in study.results.items()}
+    assert {group: list(steps) for group, steps in results.items()} == {
         "sheet": ["only"],
         "cut": ["2", "5"],
         "fill=mean": ["2", "5"],
@@ -63,11 +64,11 @@ def test_every_combination_has_a_result_with_its_digest(locked: Locked) -> None:
         "picture": ["only"],
         "written": ["only"],
     }
-    assert lock.results["sheet"]["only"].digest
-    assert lock.results["sheet"]["only"].projections is not None
-    assert not lock.results["picture"]["only"].digest
-    assert lock.results["picture"]["only"].opaque
-    assert lock.parts["fill=mean"]["output.cells"]["5"].shape == (frozen.ROWS, 3)
+    assert results["sheet"]["only"].digest
+    assert results["sheet"]["only"].projections is not None
+    assert not results["picture"]["only"].digest
+    assert results["picture"]["only"].opaque
+    assert study.parts["fill=mean"]["output.cells"]["5"].shape == (frozen.ROWS, 3)
 
 
 def test_the_same_study_gives_the_same_lock_wherever_it_lies(
@@ -95,16 +96,17 @@ def test_an_edit_of_the_graph_shows_in_few_lines(locked: Locked) -> None:
 
 def test_choices_are_part_of_a_lock(locked: Locked) -> None:
     locked("--axis", "length=3", "--only", "fill=mean", "--out", "less.lock")
-    data = read_lock(Path("less.lock")).data
-    assert data["choices"] == {"axis": {"length": [3]}, "only": {"fill": ["mean"]}}
-    assert data["axes"] == {"length": [3], "fill": ["mean"]}
+    study = read_lock(Path("less.lock")).study
+    assert study.choices.axis == {"length": [3]}
+    assert study.choices.only == {"fill": ["mean"]}
+    assert study.axes == {"length": [3], "fill": ["mean"]}
 
 
 def test_the_texts_of_graphs_that_it_uses_are_part_of_a_lock(locked: Locked) -> None:
     Path("inner.yaml").write_text(frozen.INNER)
     Path("study.yaml").write_text(frozen.OUTER)
     assert locked()[0] == 0
-    assert read_lock(Path("study.lock")).data["text"]["inner.yaml"] == frozen.INNER
+    assert read_lock(Path("study.lock")).study.text["inner.yaml"] == frozen.INNER
 
 
 def test_what_fails_or_is_refused_is_part_of_a_lock(locked: Locked) -> None:
@@ -117,9 +119,9 @@ def test_what_fails_or_is_refused_is_part_of_a_lock(locked: Locked) -> None:
     assert status == 1
     assert "1 refused, 1 failed" in out
     assert "some steps failed" in err
-    steps = read_lock(Path("study.lock")).results["fill=shift"]
-    assert steps["12"].ended == "refused: a gap of 12.0 cells"
-    assert steps["99"].ended == "failed"
+    steps = read_lock(Path("study.lock")).study.results["fill=shift"].steps
+    assert steps["12"].ending == "refused: a gap of 12.0 cells"
+    assert steps["99"].ending == "failed"
 
 
 def test_a_file_that_is_no_lock_is_left_alone(locked: Locked) -> None:
@@ -201,7 +203,7 @@ def test_a_file_that_the_command_names_is_called_by_how_it_lies_to_the_graph(
     Path("data").mkdir()
     frozen.write_numbers("data/mine.txt")
     assert locked("--set", f"file={tmp_path / 'data' / 'mine.txt'}")[0] == 0
-    data = read_lock(Path("study.lock")).data
-    assert data["choices"] == {"set": {"file": "data/mine.txt"}}
-    assert data["inputs"] == {"file": "data/mine.txt"}
-    assert data["files"].keys() == {"data/mine.txt"}
+    study = read_lock(Path("study.lock")).study
+    assert study.choices.inputs == {"file": "data/mine.txt"}
+    assert study.inputs == {"file": "data/mine.txt"}
+    assert study.files.keys() == {"data/mine.txt"}

@@ -22,7 +22,7 @@ nodes:
 
 @pytest.fixture
 def frozen(run_of: Callable[..., Run], tmp_path: Path) -> tuple[Run, Lock]:
-    """A run and the lock that was made of it."""
+    """A run and its lock."""
     run = run_of(TEXT, store=tmp_path / "store")
     path = tmp_path / "toy.lock"
     path.write_text(lock_text(run, path))

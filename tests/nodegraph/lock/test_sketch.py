@@ -1,4 +1,4 @@
-"""A sketch tells what must be equal from what may drift, and how far it has."""
+"""Sketches of values, and the distances between them."""
 
 from __future__ import annotations
 
@@ -7,9 +7,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from nodegraph import Value
-from nodegraph.lock.sketch import Sketch, sketch
+from nodegraph.lock.sketch import (
+    COUNT,
+    LARGE,
+    Sketch,
+    as_text,
+    distance,
+    first_weighted,
+    from_text,
+    project,
+    sketch,
+)
 from nodegraph.store import Packer
 
 
@@ -24,14 +36,16 @@ class Sheet(Value):
 CELLS = np.arange(1.0, 13.0).reshape(6, 2)
 CELLS[2, 1] = np.nan
 SHEET = Sheet(CELLS)
+LONG = 70_000  # more than one block of weights
+VALUES = np.random.default_rng(0).normal(size=LONG)
 
 
-def taken(value: object) -> Sketch:
+def sketch_of(value: object) -> Sketch:
     return sketch({"output": Packer().pack(value)})
 
 
-def apart(one: object, other: object) -> float:
-    first, second = taken(one), taken(other)
+def apart(value: object, other: object) -> float:
+    first, second = sketch_of(value), sketch_of(other)
     scales = {place: leaf.size for place, leaf in first.leaves.items()}
     return first.against(scales).apart(second.against(scales).projections)
 
@@ -55,8 +69,8 @@ def other_cells(place: tuple[int, int], value: float) -> Sheet:
         replace(SHEET, cells=CELLS.astype(np.float32)),
     ],
 )
-def test_what_must_be_equal_is_exact(other: Sheet) -> None:
-    assert taken(other).exact != taken(SHEET).exact
+def test_everything_but_finite_floats_must_be_equal(other: Sheet) -> None:
+    assert sketch_of(other).exact != sketch_of(SHEET).exact
 
 
 @pytest.mark.parametrize(
@@ -67,35 +81,35 @@ def test_what_must_be_equal_is_exact(other: Sheet) -> None:
         replace(SHEET, rate=61.0),
     ],
 )
-def test_floats_and_their_order_in_memory_are_not(other: Sheet) -> None:
-    assert taken(other).exact == taken(SHEET).exact
+def test_finite_floats_and_the_layout_in_memory_may_differ(other: Sheet) -> None:
+    assert sketch_of(other).exact == sketch_of(SHEET).exact
 
 
 def test_the_order_of_a_mapping_does_not_count() -> None:
-    one, other = {"x": 1.0, "y": [2.0, "z"]}, {"y": [2.0, "z"], "x": 1.0}
-    assert taken(one).exact == taken(other).exact
-    assert apart(one, other) == 0.0
-    assert taken({"x": 2.0, "y": [1.0, "z"]}).exact == taken(one).exact
-    assert apart(one, {"x": 2.0, "y": [1.0, "z"]}) > 0.1
+    value, other = {"x": 1.0, "y": [2.0, "z"]}, {"y": [2.0, "z"], "x": 1.0}
+    assert sketch_of(value).exact == sketch_of(other).exact
+    assert apart(value, other) == 0.0
+    assert sketch_of({"x": 2.0, "y": [1.0, "z"]}).exact == sketch_of(value).exact
+    assert apart(value, {"x": 2.0, "y": [1.0, "z"]}) > 0.1
 
 
 @pytest.mark.parametrize("size", [1e-12, 1e-6, 0.1])
 def test_the_distance_is_relative_to_the_size(size: float) -> None:
     off = np.where(np.isnan(CELLS), np.nan, CELLS * (1.0 + size))
     for factor in (1.0, 1e-200, 1e200):
-        one, other = (Sheet(cells * factor) for cells in (CELLS, off))
-        assert 0.1 * size < apart(one, other) < 3.0 * size
+        value, other = (Sheet(cells * factor) for cells in (CELLS, off))
+        assert 0.1 * size < apart(value, other) < 3.0 * size
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("largest", [1.0, 1e155, 5.2e269, 5.3e269, 1.797e308])
 @pytest.mark.parametrize("usual", [1.0, 0.0])
-def test_the_largest_numbers_are_measured_as_others_are(largest: float, usual: float) -> None:
+def test_the_largest_numbers_are_measured_like_small_ones(largest: float, usual: float) -> None:
     numbers = np.linspace(0.5, 1.0, 2000) * largest
     scales = {"output": usual or largest}
-    was = taken(numbers).against(scales)
+    was = sketch_of(numbers).against(scales)
     for size in (1e-15, 1e-6, 0.5):
-        now = taken(numbers * (1.0 - size)).against(scales)
+        now = sketch_of(numbers * (1.0 - size)).against(scales)
         assert 0.1 * size < was.apart(now.projections) < 10.0 * size
 
 
@@ -110,16 +124,87 @@ def test_single_precision_may_drift_by_its_own_rounding() -> None:
 
 
 def test_complex_numbers_are_two() -> None:
-    assert taken(np.array([1 + 2j])).leaves["output"].size == pytest.approx(np.sqrt(2.5))
+    assert sketch_of(np.array([1 + 2j])).leaves["output"].size == pytest.approx(np.sqrt(2.5))
 
 
 def test_long_lists_are_measured_together() -> None:
-    numbers = [float(one) for one in range(100)]
-    assert list(taken(numbers).leaves) == ["output[]"]
+    numbers = [float(number) for number in range(100)]
+    assert list(sketch_of(numbers).leaves) == ["output[]"]
     assert apart(numbers, [*numbers[:50], 50.5, *numbers[51:]]) > 1e-4
-    assert taken([*numbers[:99], "x"]).exact != taken(numbers).exact
+    assert sketch_of([*numbers[:99], "x"]).exact != sketch_of(numbers).exact
 
 
 def test_bytes_and_texts_count() -> None:
-    assert taken(b"one").exact != taken(b"two").exact
-    assert taken("one").exact != taken("two").exact
+    assert sketch_of(b"one").exact != sketch_of(b"two").exact
+    assert sketch_of("one").exact != sketch_of("two").exact
+
+
+def test_the_weights_are_the_same_with_every_version_of_numpy() -> None:
+    projections = project("a", np.arange(5.0))
+    expected = [-1.6126162774348376, -3.7942897331732093, 0.8727923041300673, 1.2437798568362393]
+    assert np.allclose(projections, expected, rtol=1e-14)
+
+
+def test_the_weights_are_independent_with_mean_0_and_variance_1() -> None:
+    weights = np.array([first_weighted(name, np.ones(LONG)) for name in ("a", "b")])
+    assert np.allclose(weights.mean(axis=1), 0.0, atol=0.02)
+    assert np.allclose(np.cov(weights), np.eye(2), atol=0.02)
+
+
+def test_blocks_have_weights_of_their_own() -> None:
+    weights = first_weighted("a", np.ones(LONG))
+    assert not np.array_equal(weights[: LONG - 65_536], weights[65_536:])
+
+
+def test_projections_are_linear() -> None:
+    other = VALUES[::-1]
+    both = project("a", 2.0 * VALUES + other)
+    assert np.allclose(both, 2.0 * project("a", VALUES) + project("a", other), atol=1e-12)
+
+
+def test_their_distance_is_about_the_root_mean_square_difference() -> None:
+    ratios = []
+    for seed in range(200):
+        off = np.random.default_rng(seed).normal(size=VALUES[:500].size)
+        here = project(f"name {seed}", VALUES[:500])
+        there = project(f"name {seed}", VALUES[:500] + 1e-6 * off)
+        ratios.append(distance(here, there) / (1e-6 * np.sqrt(np.mean(off**2))))
+    assert np.sqrt(np.mean(np.square(ratios))) == pytest.approx(1.0, abs=0.1)
+    assert min(ratios) > 0.1
+
+
+def test_an_exchange_of_two_values_has_a_distance() -> None:
+    swapped = VALUES.copy()
+    swapped[[3, 4]] = swapped[[4, 3]]
+    assert distance(project("a", VALUES), project("a", swapped)) > 1e-5
+
+
+def test_an_empty_array_projects_to_zeros() -> None:
+    assert np.array_equal(project("a", np.zeros(0)), np.zeros(COUNT))
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=4, max_size=4))
+def test_a_word_holds_eleven_digits(numbers: list[float]) -> None:
+    read = from_text(as_text(np.array(numbers)))
+    assert np.allclose(read, numbers, rtol=2e-11, atol=1e-300)
+
+
+@pytest.mark.filterwarnings("error")
+def test_no_square_and_no_sum_overflows() -> None:
+    here, there = project("a", np.full(LONG, 0.9 * LARGE)), project("a", np.full(LONG, 0.8 * LARGE))
+    assert np.isfinite([here, there]).all()
+    assert distance(here, there) / LARGE == pytest.approx(
+        distance(here / LARGE, there / LARGE), rel=1e-12
+    )
+    assert distance(here, here) == 0.0
+
+
+def test_projections_must_be_finite() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        from_text(as_text(np.array([1.0, np.inf, 0.0, 0.0])))
+
+
+@pytest.mark.parametrize("text", ["", "abc", "?" * 32, "A" * 28])
+def test_a_word_of_another_form_raises_an_error(text: str) -> None:
+    with pytest.raises(ValueError, match=r"\w"):
+        from_text(text)

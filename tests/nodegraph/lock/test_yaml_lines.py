@@ -1,4 +1,4 @@
-"""Data written as YAML reads back as it was, one thing per line."""
+"""Data written as YAML reads back."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.graphfile.yaml_text import read_yaml
-from nodegraph.lock.lockfile import yaml_lines
+from nodegraph.lock.yaml_lines import yaml_lines
 
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=30) | st.sampled_from(
     ["no", "1e-3", "null", "~", "- a", "a: b", "a #b", "a\nb\n", "\n", " a\n", "{", "0x1", "1_000",
@@ -30,16 +30,16 @@ def back(data: dict[str, Any]) -> Any:
 
 def with_text_keys(data: Any) -> Any:
     if isinstance(data, dict):
-        return {str(key): with_text_keys(one) for key, one in data.items()}
-    return [with_text_keys(one) for one in data] if isinstance(data, list) else data
+        return {str(key): with_text_keys(item) for key, item in data.items()}
+    return [with_text_keys(item) for item in data] if isinstance(data, list) else data
 
 
 @given(st.dictionaries(TEXTS, DATA, min_size=1, max_size=5))
-def test_what_is_written_reads_back(data: dict[str, Any]) -> None:
+def test_data_reads_back(data: dict[str, Any]) -> None:
     assert with_text_keys(back(data)) == data
 
 
-def test_no_number_reads_back_as_none() -> None:
+def test_nan_and_infinity_read_back() -> None:
     assert math.isnan(back({"a": math.nan})["a"])
     assert back({"a": [math.inf, -math.inf]}) == {"a": [math.inf, -math.inf]}
 
@@ -56,5 +56,5 @@ def test_no_number_reads_back_as_none() -> None:
         ({"12": 1e-9}, ["12: 1e-09"]),
     ],
 )
-def test_it_reads_well(data: dict[str, Any], lines: list[str]) -> None:
+def test_a_key_has_a_line(data: dict[str, Any], lines: list[str]) -> None:
     assert list(yaml_lines(data)) == lines
