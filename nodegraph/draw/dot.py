@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from nodegraph.draw.layout import called, frames_of, last_part, outline
+from nodegraph.draw.frames import frames_of, last_part, outline, short_name
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
 from nodegraph.draw.shape import clean, escaped
 
@@ -41,7 +41,7 @@ def _nested(boxes: Mapping[str, Box], numbers: Mapping[str, int]) -> Iterator[st
         elif kind == "close":
             yield f"{indent}}}"
         else:
-            table = _table(boxes[name], called(name, paths[name]))
+            table = _table(boxes[name], short_name(name, paths[name]))
             yield f"{indent}n{numbers[name]} [label=<{table}>];"
 
 
@@ -71,8 +71,8 @@ def _table(box: Box, called: str) -> str:
 
 def _ports(sockets: Sequence[Socket], side: str, span: int) -> str:
     cells = [
-        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{_markup(_socket(one))}</TD>'
-        for index, one in enumerate(sockets)
+        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{_markup(_socket(socket))}</TD>'
+        for index, socket in enumerate(sockets)
     ]
     return f"<TR>{''.join(cells)}</TR>" if cells else ""
 

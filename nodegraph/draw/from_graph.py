@@ -90,7 +90,7 @@ def _own_axes(graph: Graph, node: GraphNode) -> tuple[str, ...]:
 
 
 def _kind(graph: Graph, node: GraphNode) -> Kind:
-    if any(one.node == node.name for one in graph.spec.report):
+    if any(entry.node == node.name for entry in graph.spec.report):
         return "report"
     return "node" if any(method.inputs for method in node.methods.values()) else "input"
 

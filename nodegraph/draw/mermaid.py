@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 
-from nodegraph.draw.layout import called, frames_of, last_part, outline
+from nodegraph.draw.frames import frames_of, last_part, outline, short_name
 from nodegraph.draw.picture import Arrow, Box, Picture
 from nodegraph.draw.shape import clean
 
@@ -43,12 +43,13 @@ def _nested(picture: Picture, ids: Mapping[str, str]) -> Iterator[str]:
         elif kind == "close":
             yield f"{indent}end"
         else:
-            yield f"{indent}{ids[name]}{_box(boxes[name], called(name, paths[name]))}"
+            yield f"{indent}{ids[name]}{_box(boxes[name], short_name(name, paths[name]))}"
 
 
 def _text(text: str) -> str:
     return "".join(
-        one if one.isalnum() or one in _PLAIN else f"#{ord(one)};" for one in clean(text)
+        character if character.isalnum() or character in _PLAIN else f"#{ord(character)};"
+        for character in clean(text)
     )
 
 

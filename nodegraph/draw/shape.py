@@ -49,12 +49,12 @@ def rows(widths: Sequence[float], limit: float, gap: float) -> list[list[int]]:
     """Return which pieces stand in which row, when no row is wider than the limit."""
     filled: list[list[int]] = []
     used = limit + 1.0
-    for index, one in enumerate(widths):
-        if used + gap + one > limit:
+    for index, width in enumerate(widths):
+        if used + gap + width > limit:
             filled.append([])
             used = -gap
         filled[-1].append(index)
-        used += gap + one
+        used += gap + width
     return filled
 
 
@@ -188,7 +188,11 @@ def _slots(
     sockets: Sequence[Socket], wired: frozenset[str], fixed: Mapping[str, Sequence[str]]
 ) -> list[_Slot]:
     few = len(sockets) <= _ALL_SOCKETS
-    slots = [_slot(one, fixed.get(one.name, ())) for one in sockets if few or one.name in wired]
+    slots = [
+        _slot(socket, fixed.get(socket.name, ()))
+        for socket in sockets
+        if few or socket.name in wired
+    ]
     rest = [socket for socket in sockets if not few and socket.name not in wired]
     if rest:
         names = tuple(socket.name for socket in rest)

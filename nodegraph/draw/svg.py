@@ -50,7 +50,7 @@ def fan(points: Sequence[Point]) -> str:
 def _beside(points: Sequence[Point], right: float) -> list[Point]:
     """Return the points moved to one side: to the right of who looks along the way from above."""
     moved = []
-    ways = [_way(one, other) for one, other in pairwise(points)]
+    ways = [_way(begin, other) for begin, other in pairwise(points)]
     for (x, y), before, after in zip(points, [ways[0], *ways], [*ways, ways[-1]], strict=True):
         down = before[1] or after[1]
         aside = before[0] or after[0]
@@ -58,11 +58,11 @@ def _beside(points: Sequence[Point], right: float) -> list[Point]:
     return moved
 
 
-def _way(one: Point, other: Point) -> tuple[float, float]:
+def _way(begin: Point, other: Point) -> tuple[float, float]:
     """Return the direction in which a line leaves and reaches its ends."""
-    if one[1] == other[1]:
-        return copysign(1.0, other[0] - one[0]), 0.0
-    return 0.0, copysign(1.0, other[1] - one[1])
+    if begin[1] == other[1]:
+        return copysign(1.0, other[0] - begin[0]), 0.0
+    return 0.0, copysign(1.0, other[1] - begin[1])
 
 
 def _path(points: Sequence[Point]) -> str:
@@ -72,7 +72,7 @@ def _path(points: Sequence[Point]) -> str:
         if before[0] != point[0] and before[1] != point[1]:
             half = (point[1] - before[1]) / 2
             bends = ((before[0], before[1] + half), (point[0], point[1] - half), point)
-            path.append("C" + " ".join(_pair(one) for one in bends))
+            path.append("C" + " ".join(_pair(bend) for bend in bends))
         elif after is None or not _is_corner(before, point, after):
             path.append(f"L{_pair(point)}")
         else:
@@ -83,15 +83,15 @@ def _path(points: Sequence[Point]) -> str:
 
 def _without_stops(points: Sequence[Point]) -> list[Point]:
     """Return the points without those that a straight line passes anyway."""
-    kept = [points[0]]
+    corners = [points[0]]
     for point, after in zip(points[1:], [*points[2:], None], strict=True):
-        before = kept[-1]
+        before = corners[-1]
         passes = after is not None and (
             before[0] == point[0] == after[0] or before[1] == point[1] == after[1]
         )
         if point != before and not passes:
-            kept.append(point)
-    return kept
+            corners.append(point)
+    return corners
 
 
 def _is_corner(before: Point, point: Point, after: Point) -> bool:
@@ -170,16 +170,16 @@ def svg(picture: Picture) -> str:
     ValueError
         If arrows run in a circle.
     """
-    found = layout(picture)
+    drawing = layout(picture)
     meeting = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     arrows = [
         _arrow(arrow, points, alone=meeting[arrow.target, arrow.target_port] == 1)
-        for arrow, points in zip(picture.arrows, found.routes, strict=True)
+        for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
     ]
-    frames = [_frame(one) for one in found.frames]
-    boxes = [_box(one, x, y) for one, (x, y) in found.boxes]
-    explained, wide, high = legend(picture, 0.0, found.height + 18.0)
-    return _document(picture, [*frames, *arrows, *boxes, explained], max(found.width, wide), high)
+    frames = [_frame(frame) for frame in drawing.frames]
+    boxes = [_box(shape, x, y) for shape, (x, y) in drawing.boxes]
+    explained, wide, high = legend(picture, 0.0, drawing.height + 18.0)
+    return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 
 
 def _document(picture: Picture, parts: Sequence[str], width: float, height: float) -> str:
@@ -205,13 +205,13 @@ def _description(picture: Picture) -> str:
     return f"Nodes: {boxes}. Arrows: {arrows or 'none'}."
 
 
-def _frame(one: Framed) -> str:
-    size = f'width="{number(one.width)}" height="{number(one.height)}" rx="12"'
+def _frame(frame: Framed) -> str:
+    size = f'width="{number(frame.width)}" height="{number(frame.height)}" rx="12"'
     return (
-        f'<g class="around" data-frame="{escaped(one.name)}"'
-        f' transform="translate({number(one.x)} {number(one.y)})">{tag("title", one.name)}'
+        f'<g class="around" data-frame="{escaped(frame.name)}"'
+        f' transform="translate({number(frame.x)} {number(frame.y)})">{tag("title", frame.name)}'
         f'<rect {size}/><text class="label" x="{number(PADDING)}" y="{number(LABEL_HEIGHT - 7)}">'
-        f"{escaped(shortened(one.label))}</text></g>"
+        f"{escaped(shortened(frame.label))}</text></g>"
     )
 
 
@@ -228,21 +228,21 @@ def _ends(arrow: Arrow) -> str:
     return f"{arrow.source}.{arrow.source_port} {arrow.target}.{arrow.target_port}"
 
 
-def _box(one: Shape, x: float, y: float) -> str:
-    radius = 18 if one.box.kind == "input" else 9
-    size = f'width="{number(one.width)}" height="{number(one.height)}" rx="{radius}"'
+def _box(shape: Shape, x: float, y: float) -> str:
+    radius = 18 if shape.box.kind == "input" else 9
+    size = f'width="{number(shape.width)}" height="{number(shape.height)}" rx="{radius}"'
     parts = [
-        f'<g class="box box-{one.box.kind}" data-box="{escaped(one.box.name)}"'
+        f'<g class="box box-{shape.box.kind}" data-box="{escaped(shape.box.name)}"'
         f' transform="translate({number(x)} {number(y)})">',
-        tag("title", " ".join((one.box.name, *one.box.lines))),
+        tag("title", " ".join((shape.box.name, *shape.box.lines))),
         f'<rect class="shade" y="2" {size}/><rect class="frame" {size}/>',
     ]
-    for rule in one.rules:
+    for rule in shape.rules:
         parts.append(
-            f'<line class="rule" x1="1" x2="{number(one.width - 1)}"'
+            f'<line class="rule" x1="1" x2="{number(shape.width - 1)}"'
             f' y1="{number(rule)}" y2="{number(rule)}"/>'
         )
-    parts += [_text(text) for text in one.texts] + [_chip(chip) for chip in one.chips]
+    parts += [_text(text) for text in shape.texts] + [_chip(chip) for chip in shape.chips]
     return "".join([*parts, "</g>"])
 
 

@@ -68,16 +68,16 @@ def rectangles(
     root: ElementTree.Element, name: str = "data-box"
 ) -> dict[str, tuple[float, float, float, float]]:
     """Return left, top, right, bottom of each box, or frame."""
-    found = {}
+    corners = {}
     for group in root.iter(f"{SVG}g"):
         if name in group.attrib:
             place = re.fullmatch(r"translate\(([\d.]+) ([\d.]+)\)", group.attrib["transform"])
             assert place
             x, y = float(place[1]), float(place[2])
-            frame = next(one for one in group.iter(f"{SVG}rect") if one.get("class") != "shade")
+            frame = next(rect for rect in group.iter(f"{SVG}rect") if rect.get("class") != "shade")
             wide, high = float(frame.attrib["width"]), float(frame.attrib["height"])
-            found[group.attrib[name]] = (x, y, x + wide, y + high)
-    return found
+            corners[group.attrib[name]] = (x, y, x + wide, y + high)
+    return corners
 
 
 def arrows_of(root: ElementTree.Element) -> list[ElementTree.Element]:
@@ -86,10 +86,10 @@ def arrows_of(root: ElementTree.Element) -> list[ElementTree.Element]:
 
 def lines(group: ElementTree.Element) -> list[list[tuple[float, float]]]:
     """Return each line of an arrow as points along it."""
-    path = next(one for one in group.iter(f"{SVG}path") if one.get("class") == "wire")
+    path = next(element for element in group.iter(f"{SVG}path") if element.get("class") == "wire")
     drawn: list[list[tuple[float, float]]] = []
     for command, text in re.findall(r"([A-Z])([^A-Z]*)", path.attrib["d"]):
-        values = [float(one) for one in text.split()]
+        values = [float(value) for value in text.split()]
         through = list(zip(values[0::2], values[1::2], strict=True))
         if command == "M":
             drawn.append(through)
@@ -101,7 +101,7 @@ def lines(group: ElementTree.Element) -> list[list[tuple[float, float]]]:
 
 def along(through: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return points along a Bézier curve, by de Casteljau's construction."""
-    found = []
+    curve = []
     for step in range(1, 21):
         points = through
         while len(points) > 1:
@@ -109,8 +109,8 @@ def along(through: list[tuple[float, float]]) -> list[tuple[float, float]]:
                 (a + (c - a) * step / 20, b + (d - b) * step / 20)
                 for (a, b), (c, d) in pairwise(points)
             ]
-        found.append((points[0][0], round(points[0][1], 6)))
-    return found
+        curve.append((points[0][0], round(points[0][1], 6)))
+    return curve
 
 
 def check(picture: Picture, *, is_folded: bool = False) -> ElementTree.Element:
@@ -137,7 +137,7 @@ def check_texts(root: ElementTree.Element) -> None:
     """Check that every text stays within its box, as wide as it is in a wide font."""
     for group in root.iter(f"{SVG}g"):
         if "data-box" in group.attrib:
-            frame = next(one for one in group.iter(f"{SVG}rect") if one.get("class") == "frame")
+            frame = next(rect for rect in group.iter(f"{SVG}rect") if rect.get("class") == "frame")
             for text in group.iter(f"{SVG}text"):
                 left, right = reach(text)
                 assert -0.1 <= left < right <= float(frame.attrib["width"]) + 0.1, text.text
@@ -189,7 +189,9 @@ def test_two_hundred_boxes() -> None:
 def plain(names: list[str], arrows: list[tuple[str, str]]) -> Picture:
     port = (Socket("x", "Trajectories"),)
     boxes = tuple(Box(name, ("smooth.bspline",), port, port) for name in names)
-    return Picture("plain", boxes, tuple(Arrow(one, "x", other, "x") for one, other in arrows))
+    return Picture(
+        "plain", boxes, tuple(Arrow(source, "x", target, "x") for source, target in arrows)
+    )
 
 
 def chain(count: int) -> Picture:
@@ -235,10 +237,10 @@ def test_large_pictures_are_neither_far_too_wide_nor_far_too_high(picture: Pictu
 def test_a_chain_that_is_folded_begins_anew_at_the_head_of_the_next_column() -> None:
     boxes = rectangles(check(chain(40), is_folded=True))
     order = [boxes[f"step{number}"] for number in range(40)]
-    breaks = [(one, other) for one, other in pairwise(order) if other[1] < one[3]]
+    breaks = [(before, other) for before, other in pairwise(order) if other[1] < before[3]]
     assert breaks
-    for one, other in breaks:
-        assert other[0] > one[2]
+    for before, other in breaks:
+        assert other[0] > before[2]
         assert other[1] == order[0][1]
 
 
@@ -284,9 +286,11 @@ def test_names_with_dots_stand_in_frames() -> None:
                 assert top < b < d < bottom, name
             else:
                 assert right < a or c < left or bottom < b or d < top, name
-    labels = [one.text for one in root.iter(f"{SVG}text") if one.get("class") == "label"]
+    labels = [
+        element.text for element in root.iter(f"{SVG}text") if element.get("class") == "label"
+    ]
     assert labels == ["clean", "fine"]
-    names = {one.text for one in root.iter(f"{SVG}text") if one.get("class") == "name"}
+    names = {element.text for element in root.iter(f"{SVG}text") if element.get("class") == "name"}
     assert names == {"capture", "despike", "fill", "fine", "smooth", "clean", "raw"}
 
 
@@ -319,21 +323,22 @@ def test_a_frame_that_is_left_and_entered_again_is_not_drawn() -> None:
     ways = [("a.one", "b"), ("b", "a.two"), ("a.two", "c.one"), ("c.one", "c.two")]
     root = check(plain(names, ways))
     assert set(rectangles(root, "data-frame")) == {"c"}
-    texts = {one.text for one in root.iter(f"{SVG}text") if one.get("class") == "name"}
+    texts = {element.text for element in root.iter(f"{SVG}text") if element.get("class") == "name"}
     assert texts == {"a.one", "b", "a.two", "one", "two"}
 
 
 def test_several_arrows_into_one_port_meet_as_single_lines() -> None:
     port = (Socket("x"),)
     boxes = (Box("a", (), (), port), Box("b", (), (), port), Box("c", (), port))
-    arrows = tuple(Arrow(one, "x", "c", "x", gathers=True) for one in "ab")
+    arrows = tuple(Arrow(name, "x", "c", "x", gathers=True) for name in "ab")
     root = ElementTree.fromstring(svg(Picture("meet", boxes, arrows)))
-    assert [len(lines(one)) for one in arrows_of(root)] == [1, 1]
+    assert [len(lines(arrow)) for arrow in arrows_of(root)] == [1, 1]
 
 
 def test_arrows_say_what_they_are() -> None:
     drawn = {
-        one.attrib["data-arrow"]: one for one in arrows_of(ElementTree.fromstring(svg(fill())))
+        element.attrib["data-arrow"]: element
+        for element in arrows_of(ElementTree.fromstring(svg(fill())))
     }
     assert drawn["gaps.truth error.truth"].attrib["class"] == "arrow truth"
     assert drawn["error.table table.tables"].attrib["class"] == "arrow gathers"
@@ -346,7 +351,7 @@ def test_arrows_say_what_they_are() -> None:
 
 def test_alternatives_axes_ports_and_fixed_labels_are_written() -> None:
     root = ElementTree.fromstring(svg(fill()))
-    texts = [one.text for one in root.iter(f"{SVG}text")]
+    texts = [element.text for element in root.iter(f"{SVG}text")]
     for text in (
         "guenter",
         "lin",
@@ -366,7 +371,7 @@ def test_of_many_ports_those_without_arrow_are_counted_and_named_on_hover() -> N
     outputs = tuple(Socket(f"out{number}") for number in range(8))
     boxes = (Box("a", (), (), outputs), Box("b", (), (Socket("x"),)))
     drawn = svg(Picture("many", boxes, (Arrow("a", "out5", "b", "x"),)))
-    texts = {one.text for one in ElementTree.fromstring(drawn).iter(f"{SVG}text")}
+    texts = {element.text for element in ElementTree.fromstring(drawn).iter(f"{SVG}text")}
     assert {"out5", "+7 more"} <= texts
     assert "out4" not in texts
     assert "<title>out0, out1, out2, out3, out4, out6, out7</title>" in drawn
@@ -378,7 +383,7 @@ def test_names_stay_text() -> None:
     last = Box("last", (), ports)
     arrow = Arrow(HOSTILE, HOSTILE, "last", HOSTILE, fixed=HOSTILE)
     drawn = svg(Picture(HOSTILE, (box, last), (arrow,)))
-    tags = {one.tag.removeprefix(SVG) for one in ElementTree.fromstring(drawn).iter()}
+    tags = {element.tag.removeprefix(SVG) for element in ElementTree.fromstring(drawn).iter()}
     assert tags <= {"svg", "title", "desc", "style", "g", "rect", "line", "path", "text"}
     assert "<script" not in drawn
 
@@ -398,9 +403,9 @@ def test_an_empty_picture() -> None:
     assert root.findtext(f"{SVG}title") == "graph"
 
 
-def test_a_circle_is_named() -> None:
+def test_a_cycle_is_named() -> None:
     port = (Socket("x"),)
     boxes = (Box("a", (), port, port), Box("b", (), port, port))
-    picture = Picture("circle", boxes, (Arrow("a", "x", "b", "x"), Arrow("b", "x", "a", "x")))
-    with pytest.raises(ValueError, match="in a circle among or into: a, b"):
+    picture = Picture("cycle", boxes, (Arrow("a", "x", "b", "x"), Arrow("b", "x", "a", "x")))
+    with pytest.raises(ValueError, match="cycle: a -> b -> a"):
         svg(picture)

@@ -1,0 +1,153 @@
+"""Lanes: the heights at which segments run sideways where curves would be too many."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from heapq import heappop, heappush
+
+from nodegraph.draw.net import Segment, ends_of
+
+LANE = 10.0
+"""The distance between lanes."""
+
+# From which width a segment runs sideways, and how far apart two of one lane are.
+_SIDEWAYS = 16.0
+_APART = 8.0
+# What may run sideways between two layers in curves.
+_FEW_LANES = 4
+_FEW_SEGMENTS = 10
+
+_End = tuple[int, float, bool]
+
+
+@dataclass(frozen=True)
+class _Bundle:
+    """Segments that begin, or end, in one place and so may run in one lane."""
+
+    segments: tuple[Segment, ...]
+    begins: frozenset[float]
+    ends: frozenset[float]
+
+    @cached_property
+    def left(self) -> float:
+        """The leftmost place."""
+        return min(self.begins | self.ends)
+
+    @cached_property
+    def right(self) -> float:
+        """The rightmost place."""
+        return max(self.begins | self.ends)
+
+
+def is_crowded(gaps: Sequence[Sequence[Segment]], middles: Sequence[float]) -> bool:
+    """Return whether curves between layers would be too many to be told apart."""
+    for gap in gaps:
+        sideways = [segment for segment in gap if _is_sideways(segment, middles)]
+        if len(sideways) > _FEW_SEGMENTS or lane_count(lanes(sideways, middles)) > _FEW_LANES:
+            return True
+    return False
+
+
+def lanes(gap: Sequence[Segment], middles: Sequence[float]) -> dict[Segment, int]:
+    """Return the lane, from the top, of each segment that runs far enough sideways.
+
+    Of segments to the right those that begin rightmost run on top, of those to the left the
+    leftmost: so a wire that turns aside crosses none that turned before it. One that comes down
+    where another goes down turns first, or they would look like one.
+    """
+    bundles = sorted(_bundles(gap, middles), key=_turn)
+    above = _above(bundles)
+    lane_of: dict[int, int] = {}
+    reach: list[list[_Bundle]] = []
+    for number in _ordered(above):
+        least = max((lane_of[other] + 1 for other in above[number] if other in lane_of), default=0)
+        free = (n for n in range(least, len(reach)) if _is_free(bundles[number], reach[n]))
+        lane_of[number] = next(free, max(least, len(reach)))
+        reach += [[] for _ in range(lane_of[number] + 1 - len(reach))]
+        reach[lane_of[number]].append(bundles[number])
+    return {
+        segment: lane for number, lane in lane_of.items() for segment in bundles[number].segments
+    }
+
+
+def lane_count(taken: Mapping[Segment, int]) -> int:
+    """Return how many lanes are taken."""
+    return max(taken.values(), default=-1) + 1
+
+
+def _above(bundles: Sequence[_Bundle]) -> list[set[int]]:
+    """Return for each bundle those that come down where it goes down."""
+    begins = sorted((x, number) for number, bundle in enumerate(bundles) for x in bundle.begins)
+    above: list[set[int]] = [set() for _ in bundles]
+    for number, bundle in enumerate(bundles):
+        for x in bundle.ends:
+            first = bisect_left(begins, (x - _APART, 0))
+            last = bisect_left(begins, (x + _APART, 0))
+            above[number] |= {other for _, other in begins[first:last]} - {number}
+    return above
+
+
+def _ordered(above: Sequence[set[int]]) -> Iterator[int]:
+    """Yield the bundles in order, but each after those above it; in circles as they come."""
+    below: list[list[int]] = [[] for _ in above]
+    for number, blockers in enumerate(above):
+        for other in blockers:
+            below[other].append(number)
+    waiting = [len(above_it) for above_it in above]
+    ready = [number for number, count in enumerate(waiting) if not count]
+    seen = set()
+    for first in range(len(above)):
+        if not ready and first not in seen:
+            ready = [first]
+        while ready:
+            number = heappop(ready)
+            if number not in seen:
+                seen.add(number)
+                yield number
+                for other in below[number]:
+                    waiting[other] -= 1
+                    if not waiting[other]:
+                        heappush(ready, other)
+
+
+def bundled(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
+    """Return the segments by where they begin, or by where they end if there more of them meet."""
+    leaving: dict[_End, list[Segment]] = {}
+    meeting: dict[_End, list[Segment]] = {}
+    for segment in gap:
+        leaving.setdefault((segment.upper, segment.upper_offset, segment.truth), []).append(segment)
+        meeting.setdefault((segment.lower, segment.lower_offset, segment.truth), []).append(segment)
+    bundles: dict[tuple[bool, _End], list[Segment]] = {}
+    for segment in gap:
+        begin = (segment.upper, segment.upper_offset, segment.truth)
+        end = (segment.lower, segment.lower_offset, segment.truth)
+        joins = len(meeting[end]) > len(leaving[begin])
+        bundles.setdefault((joins, end if joins else begin), []).append(segment)
+    return [tuple(dict.fromkeys(members)) for members in bundles.values()]
+
+
+def _bundles(gap: Sequence[Segment], middles: Sequence[float]) -> list[_Bundle]:
+    bundles = []
+    for segments in bundled([segment for segment in gap if _is_sideways(segment, middles)]):
+        begins, ends = zip(*(ends_of(segment, middles) for segment in segments), strict=True)
+        bundles.append(_Bundle(segments, frozenset(begins), frozenset(ends)))
+    return bundles
+
+
+def _turn(bundle: _Bundle) -> tuple[bool, float]:
+    rightwards = sum(bundle.ends) / len(bundle.ends) > sum(bundle.begins) / len(bundle.begins)
+    return rightwards, -max(bundle.begins) if rightwards else min(bundle.begins)
+
+
+def _is_free(bundle: _Bundle, taken: Sequence[_Bundle]) -> bool:
+    return all(
+        bundle.right + _APART < other.left or other.right + _APART < bundle.left for other in taken
+    )
+
+
+def _is_sideways(segment: Segment, middles: Sequence[float]) -> bool:
+    begin, end = ends_of(segment, middles)
+    return abs(begin - end) > _SIDEWAYS

@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+import pytest
+
+from nodegraph.draw.shape import clean, rows, shortened, width
+
+
+def test_texts_that_xml_cannot_hold_are_marked() -> None:
+    assert clean("a\x00b\n c\ud800") == "a\ufffdb c\ufffd"
+
+
+def test_long_texts_are_shortened() -> None:
+    assert shortened("x" * 50, 10) == "x" * 9 + "…"
+    assert shortened("x" * 10, 10) == "x" * 10
+
+
+def test_widths_grow_with_text_and_type() -> None:
+    assert width("iii", 10) < width("mmm", 10) == pytest.approx(27.6)
+    assert width("abc", 10, bold=True) > width("abc", 10)
+    assert width("日本", 10) == pytest.approx(21)
+    assert width("il", 10, monospace=True) == pytest.approx(12.2)
+
+
+def test_pieces_flow_into_rows() -> None:
+    assert rows([40, 40, 40, 200, 10], limit=100, gap=5) == [[0, 1], [2], [3], [4]]
+    assert rows([], limit=100, gap=5) == []
