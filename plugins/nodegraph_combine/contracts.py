@@ -16,25 +16,28 @@ _TOLERANCE = 1e-6
 
 def takes_recordings_and_gives_one(tried: Tried) -> Iterator[str]:
     """Take one gathering port, `recordings`, and give a recording of the same markers first."""
-    given, made = tried.inputs.get("recordings"), next(iter(tried.outputs.values()))
-    if not isinstance(given, Across):
+    recordings, combined = tried.inputs.get("recordings"), next(iter(tried.outputs.values()))
+    if not isinstance(recordings, Across):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the port `recordings`"
-    elif not isinstance(made, Trajectories):
+    elif not isinstance(combined, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
-        first = given.values()[0]
+        first = recordings.values()[0]
         for what in ("markers", "rate", "frames", "marker_set"):
-            if getattr(first, what) != getattr(made, what):
-                yield f"{what} went in as {getattr(first, what)}, came out as {getattr(made, what)}"
+            if getattr(first, what) != getattr(combined, what):
+                before, after = getattr(first, what), getattr(combined, what)
+                yield f"{what} went in as {before}, came out as {after}"
 
 
 def keeps_what_all_have_alike(tried: Tried) -> Iterator[str]:
     """Leave samples that all recordings have alike bit for bit as they are."""
     if any(takes_recordings_and_gives_one(tried)):
         return
-    given, made = tried.inputs["recordings"].values(), next(iter(tried.outputs.values()))
-    alike = np.all([one.positions == given[0].positions for one in given], axis=(0, 3))
-    changed = alike & np.any(made.positions != given[0].positions, axis=2)
+    recordings, combined = tried.inputs["recordings"].values(), next(iter(tried.outputs.values()))
+    alike = np.all(
+        [recording.positions == recordings[0].positions for recording in recordings], axis=(0, 3)
+    )
+    changed = alike & np.any(combined.positions != recordings[0].positions, axis=2)
     if changed.any():
         yield f"{np.count_nonzero(changed)} samples that all have alike are changed"
 
@@ -44,7 +47,7 @@ def does_not_depend_on_the_order(tried: Tried) -> Iterator[str]:
     if any(takes_recordings_and_gives_one(tried)):
         return
     pair = _unlike(tried)
-    straight, back = (_combined(tried, one) for one in (pair, pair[::-1]))
+    straight, back = (_combined(tried, ordered) for ordered in (pair, pair[::-1]))
     if straight is None or back is None:
         yield "declines recordings of two methods"
     elif not _near(straight, back):
@@ -56,8 +59,8 @@ def moves_with_the_face(tried: Tried) -> Iterator[str]:
     if any(takes_recordings_and_gives_one(tried)):
         return
     pair = _unlike(tried)
-    shifted = [replace(one, positions=one.positions + _SHIFT) for one in pair]
-    straight, moved = (_combined(tried, one) for one in (pair, shifted))
+    shifted = [replace(recording, positions=recording.positions + _SHIFT) for recording in pair]
+    straight, moved = (_combined(tried, inputs) for inputs in (pair, shifted))
     if straight is None or moved is None:
         yield "declines recordings that are shifted, or of two methods"
     elif not _near(straight, replace(moved, positions=moved.positions - _SHIFT)):
@@ -74,16 +77,18 @@ CONTRACTS = (
 
 def _unlike(tried: Tried) -> tuple[Trajectories, Trajectories]:
     """Return a recording, and one in which every seventh present sample is elsewhere."""
-    one: Trajectories = tried.inputs["recordings"].values()[0]
-    which = np.arange(one.origin.size).reshape(one.origin.shape) % 7 == 3
-    return one, replace(one, positions=one.positions + np.where(which, 2.5, 0.0)[..., None])
+    recording: Trajectories = tried.inputs["recordings"].values()[0]
+    which = np.arange(recording.origin.size).reshape(recording.origin.shape) % 7 == 3
+    return recording, replace(
+        recording, positions=recording.positions + np.where(which, 2.5, 0.0)[..., None]
+    )
 
 
 def _combined(tried: Tried, recordings: Sequence[Trajectories]) -> Trajectories | None:
-    made = tried.again(recordings=Across.of(dict(zip("ab", recordings, strict=True)), axis="x"))
-    return None if made is None else next(iter(made.values()))
+    outputs = tried.again(recordings=Across.of(dict(zip("ab", recordings, strict=True)), axis="x"))
+    return None if outputs is None else next(iter(outputs.values()))
 
 
-def _near(one: Trajectories, two: Trajectories) -> bool:
-    close = np.allclose(one.positions, two.positions, rtol=0, atol=_TOLERANCE, equal_nan=True)
-    return close and bool(np.all(one.origin == two.origin))
+def _near(first: Trajectories, second: Trajectories) -> bool:
+    close = np.allclose(first.positions, second.positions, rtol=0, atol=_TOLERANCE, equal_nan=True)
+    return close and bool(np.all(first.origin == second.origin))

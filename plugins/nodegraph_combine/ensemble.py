@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Across, node
-from nodegraph_combine.gathered import Gathered, gathered
+from nodegraph_combine.recording_stack import RecordingStack, stack_recordings
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.runs import runs_of
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LEAST_SPREAD = 1e-3
-"""How little, relative to itself, a distance may be said to vary."""
+"""How little, relative to itself, a distance is taken to vary."""
 
 
 @node("combine.ensemble", cite="tits2018")
@@ -36,7 +36,7 @@ def ensemble(
 
     Without any such neighbour the weights are equal. What all recordings have alike comes out
     bit for bit, and what none has stays missing. Markers are matched by name. Recordings that
-    were refused or failed are told.
+    were refused or failed are named in a warning.
 
     Looks at the whole take.
 
@@ -58,16 +58,16 @@ def ensemble(
     ValueError
         If they differ in frames, markers or rate.
     """
-    all_of_them = gathered(recordings)
+    all_of_them = stack_recordings(recordings)
     known = all_of_them.shared & ~np.isnan(all_of_them.positions[0, ..., 0])
-    made = np.full_like(all_of_them.first.positions, np.nan)
+    positions = np.full_like(all_of_them.first.positions, np.nan)
     for marker in np.flatnonzero(~all_of_them.shared.all(axis=0)):
         usual = _usual(all_of_them.positions[0], known, int(marker), neighbours)
         _, starts, stops = runs_of(~all_of_them.shared[:, marker])
         for frames in map(slice, starts.tolist(), stops.tolist()):
             weight = _weights(all_of_them, known, int(marker), frames, usual)
-            made[frames, marker] = _weighted(all_of_them.positions[:, frames, marker], weight)
-    return all_of_them.with_samples(made)
+            positions[frames, marker] = _weighted(all_of_them.positions[:, frames, marker], weight)
+    return all_of_them.with_samples(positions)
 
 
 def _usual(
@@ -87,7 +87,7 @@ def _usual(
 
 
 def _weights(
-    all_of_them: Gathered,
+    all_of_them: RecordingStack,
     known: NDArray[np.bool_],
     marker: int,
     frames: slice,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nodegraph import Across, node
-from nodegraph_combine.gathered import gathered
+from nodegraph_combine.recording_stack import stack_recordings
 from nodegraph_mocap import Trajectories
 
 
@@ -15,7 +15,7 @@ def mean(recordings: Across[Trajectories]) -> Trajectories:
 
     ``P[t, m] = sum(P_c[t, m]) / n`` over the n recordings that have the sample. What all of them
     have alike comes out bit for bit, and what none has stays missing. Markers are matched by
-    name. Recordings that were refused or failed are told.
+    name. Recordings that were refused or failed are named in a warning.
 
     Looks ahead 0 frames.
 
@@ -35,7 +35,7 @@ def mean(recordings: Across[Trajectories]) -> Trajectories:
     ValueError
         If they differ in frames, markers or rate.
     """
-    all_of_them = gathered(recordings)
+    all_of_them = stack_recordings(recordings)
     there = ~np.isnan(all_of_them.positions)
     count = there.sum(axis=0)
     total = np.where(there, all_of_them.positions, 0.0).sum(axis=0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nodegraph import Across, node
-from nodegraph_combine.gathered import gathered
+from nodegraph_combine.recording_stack import stack_recordings
 from nodegraph_mocap import Trajectories
 
 
@@ -17,7 +17,8 @@ def median(recordings: Across[Trajectories]) -> Trajectories:
     the two middle ones where their number is even: one method that errs far does not count.
     Each coordinate by itself, the median depends on the axes: turned recordings give another.
     What all of them have alike comes out bit for bit, and what none has stays missing. Markers
-    are matched by name. Recordings that were refused or failed are told.
+    are matched by name. A warning names recordings that were
+    refused or failed.
 
     Looks ahead 0 frames.
 
@@ -37,10 +38,10 @@ def median(recordings: Across[Trajectories]) -> Trajectories:
     ValueError
         If they differ in frames, markers or rate.
     """
-    all_of_them = gathered(recordings)
+    all_of_them = stack_recordings(recordings)
     # NaN sorts last, so that the middle of what is there can be picked by its count
     ordered = np.sort(all_of_them.positions, axis=0)
     count = (~np.isnan(ordered)).sum(axis=0)
     low, high = np.maximum(count - 1, 0) // 2, np.maximum(count, 1) // 2
-    pair = [np.take_along_axis(ordered, one[None], axis=0)[0] for one in (low, high)]
+    pair = [np.take_along_axis(ordered, rank[None], axis=0)[0] for rank in (low, high)]
     return all_of_them.with_samples((pair[0] + pair[1]) / 2.0)

@@ -1,4 +1,4 @@
-"""Several recordings of one take as one array, and one recording made of them."""
+"""Several recordings of one take stacked in one array, and one recording combined from them."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Gathered:
+class RecordingStack:
     """Recordings of the same frames and markers.
 
     Attributes
     ----------
     first : Trajectories
-        Which the others are laid beside: its markers, its rate, its marker set.
+        Its markers, rate and marker set are those of the result.
     positions : (C, T, M, 3) array of float64
     origin : (C, T, M) array of uint8
     """
@@ -46,14 +46,14 @@ class Gathered:
         is filled in one, repaired where it is repaired in one. What none has is missing.
         """
         shared = self.shared
-        made = np.where(shared[..., None], self.positions[0], positions)
+        combined = np.where(shared[..., None], self.positions[0], positions)
         origin = self.origin.max(axis=0)
-        origin[np.isnan(made[..., 0])] = Origin.MISSING
-        return replace(self.first, positions=made, origin=origin, sigma=None)
+        origin[np.isnan(combined[..., 0])] = Origin.MISSING
+        return replace(self.first, positions=combined, origin=origin, sigma=None)
 
 
-def gathered(recordings: Across[Trajectories]) -> Gathered:
-    """Return the recordings as one array; tell of those that are absent.
+def stack_recordings(recordings: Across[Trajectories]) -> RecordingStack:
+    """Return the recordings as one array; warn of those that are absent.
 
     Raises
     ------
@@ -63,14 +63,18 @@ def gathered(recordings: Across[Trajectories]) -> Gathered:
     (labels, first), *others = recordings.entries
     same = [first]
     for other_labels, other in others:
-        _check_alike(_said(labels), first, _said(other_labels), other)
+        _check_alike(_label_text(labels), first, _label_text(other_labels), other)
         same.append(other if other.markers == first.markers else other.keep(first.markers))
     if recordings.absent:
-        absent = "; ".join(f"{_said(one.labels)} was {one.kind}" for one in recordings.absent)
+        absent = "; ".join(
+            f"{_label_text(absence.labels)} was {absence.kind}" for absence in recordings.absent
+        )
         total = len(same) + len(recordings.absent)
         warnings.warn(f"{len(same)} of {total} recordings are combined: {absent}", stacklevel=3)
-    return Gathered(
-        first, np.stack([one.positions for one in same]), np.stack([one.origin for one in same])
+    return RecordingStack(
+        first,
+        np.stack([recording.positions for recording in same]),
+        np.stack([recording.origin for recording in same]),
     )
 
 
@@ -81,10 +85,12 @@ def _check_alike(label: str, first: Trajectories, other_label: str, other: Traje
             f"{label} and {other_label} have not the same markers: only one has {', '.join(apart)}"
         )
     for what in ("frames", "rate"):
-        one, two = getattr(first, what), getattr(other, what)
-        if one != two:
-            raise ValueError(f"{what}: {label} has {one}, {other_label} has {two}; need the same")
+        value, other_value = getattr(first, what), getattr(other, what)
+        if value != other_value:
+            raise ValueError(
+                f"{what}: {label} has {value}, {other_label} has {other_value}; need the same"
+            )
 
 
-def _said(labels: Mapping[str, Label]) -> str:
+def _label_text(labels: Mapping[str, Label]) -> str:
     return ", ".join(f"{axis}={label}" for axis, label in labels.items())
