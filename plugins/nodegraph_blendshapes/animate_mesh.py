@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from nodegraph import node
-from nodegraph_blendshapes.matching import shapes_of
+from nodegraph_blendshapes.shape_matches import shapes_of
 from nodegraph_mocap import Animation, Head, HeadMotion, Weights
 
 
@@ -48,7 +48,7 @@ def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) ->
     ----------
     .. [1] C. Curio et al., Semantic 3D motion retargeting for facial animation, APGV '06, 77-84.
     """
-    found = tuple(shapes_of(weights, head.names, "head"))
-    columns = [weights.names.index(name) for name in found]
-    driving = replace(weights, values=weights.values[:, columns], names=found)
+    matches = tuple(shapes_of(weights, head.names, "head"))
+    columns = [weights.names.index(name) for name in matches]
+    driving = replace(weights, values=weights.values[:, columns], names=matches)
     return Animation(head=head, weights=driving, head_motion=head_motion)

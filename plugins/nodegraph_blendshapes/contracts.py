@@ -21,42 +21,42 @@ _WITH_MARKERS = (Trajectories, BlendshapeModel, Head)
 
 def gives_a_model_or_a_recording(tried: Tried) -> Iterator[str]:
     """Give a blendshape model first, or the recording of a posed one."""
-    made = _made(tried)
-    if not isinstance(made, BlendshapeModel | Trajectories):
-        yield f"its first output is {type(made).__name__}; it gives {', '.join(tried.outputs)}"
+    result = _result(tried)
+    if not isinstance(result, BlendshapeModel | Trajectories):
+        yield f"its first output is {type(result).__name__}; it gives {', '.join(tried.outputs)}"
 
 
 def keeps_the_markers(tried: Tried) -> Iterator[str]:
     """Give the markers of the recording, head or model that goes in, in their order."""
-    made, given = _made(tried), _markers_given(tried)
-    if isinstance(made, BlendshapeModel | Trajectories) and made.markers != given:
-        yield f"markers went in as {given}, came out as {made.markers}"
+    result, markers = _result(tried), _markers_given(tried)
+    if isinstance(result, BlendshapeModel | Trajectories) and result.markers != markers:
+        yield f"markers went in as {markers}, came out as {result.markers}"
 
 
 def neutral_is_that_of_the_model(tried: Tried) -> Iterator[str]:
     """Give as `neutral`, if at all, the model's neutral as a recording of one frame."""
-    made, neutral = _made(tried), tried.outputs.get("neutral")
-    if not isinstance(made, BlendshapeModel) or neutral is None:
+    result, neutral = _result(tried), tried.outputs.get("neutral")
+    if not isinstance(result, BlendshapeModel) or neutral is None:
         return
     if not isinstance(neutral, Trajectories):
         yield f"its output `neutral` is {type(neutral).__name__}, not a recording"
-    elif neutral.markers != made.markers or neutral.frames != 1:
+    elif neutral.markers != result.markers or neutral.frames != 1:
         yield "`neutral` is not one frame of the model's markers"
-    elif not np.array_equal(neutral.positions[0], made.neutral):
+    elif not np.array_equal(neutral.positions[0], result.neutral):
         yield "`neutral` differs from the model's"
 
 
 def moves_with_the_face(tried: Tried) -> Iterator[str]:
     """Do the same with a face that stands elsewhere, turned another way."""
-    moved = {name: _moved(one) for name, one in tried.inputs.items()}
+    moved = {name: _moved(value) for name, value in tried.inputs.items()}
     yield from _differences(tried, tried.again(**moved), "the face elsewhere", _back, _unturned)
 
 
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Do the same with markers in another order."""
-    turned = {name: _reordered(one) for name, one in tried.inputs.items()}
+    turned = {name: _reordered(value) for name, value in tried.inputs.items()}
     again = tried.again(**turned)
-    ordered = None if again is None else {name: _reordered(one) for name, one in again.items()}
+    ordered = None if again is None else {name: _reordered(value) for name, value in again.items()}
     yield from _differences(tried, ordered, "markers in another order")
 
 
@@ -70,16 +70,23 @@ def does_not_depend_on_the_order_of_shapes(tried: Tried) -> Iterator[str]:
 
 def gives_an_animation_of_its_weights(tried: Tried) -> Iterator[str]:
     """Take `weights` and `head`, and give an animation of that head by those weights."""
-    weights, head, made = tried.inputs.get("weights"), tried.inputs.get("head"), _made(tried)
+    weights, head, animation = tried.inputs.get("weights"), tried.inputs.get("head"), _result(tried)
     if not isinstance(weights, Weights) or not isinstance(head, Head):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name them `weights` and `head`"
-    elif not isinstance(made, Animation):
-        yield f"its first output is {type(made).__name__}, not an animation"
-    elif (made.frames, made.rate) != (weights.frames, weights.rate):
-        yield f"{weights.frames} frames at {weights.rate} Hz became {made.frames} at {made.rate}"
-    elif made.head.names != head.names or not np.array_equal(made.head.vertices, head.vertices):
+    elif not isinstance(animation, Animation):
+        yield f"its first output is {type(animation).__name__}, not an animation"
+    elif (animation.frames, animation.rate) != (weights.frames, weights.rate):
+        yield (
+            f"{weights.frames} frames at {weights.rate} Hz became {animation.frames} at "
+            f"{animation.rate}"
+        )
+    elif animation.head.names != head.names or not np.array_equal(
+        animation.head.vertices, head.vertices
+    ):
         yield "the head that it animates is not the one that was given"
-    elif unlike := [name for name in made.weights.names if not _same_weight(made, weights, name)]:
+    elif unlike := [
+        name for name in animation.weights.names if not _same_weight(animation, weights, name)
+    ]:
         yield f"weights went in otherwise than they came out: {', '.join(unlike)}"
 
 
@@ -94,20 +101,22 @@ BLENDSHAPES = (
 ANIMATE = (gives_an_animation_of_its_weights,)
 
 
-def _made(tried: Tried) -> Any:
+def _result(tried: Tried) -> Any:
     return next(iter(tried.outputs.values()))
 
 
 def _markers_given(tried: Tried) -> tuple[str, ...]:
-    given = (one.markers for one in tried.inputs.values() if isinstance(one, _WITH_MARKERS))
-    return next(given, ())
+    markers = (value.markers for value in tried.inputs.values() if isinstance(value, _WITH_MARKERS))
+    return next(markers, ())
 
 
-def _same_weight(made: Animation, weights: Weights, name: str) -> bool:
+def _same_weight(animation: Animation, weights: Weights, name: str) -> bool:
     if name not in weights.names:
         return False
-    came, went = made.weights.names.index(name), weights.names.index(name)
-    return np.array_equal(made.weights.values[:, came], weights.values[:, went], equal_nan=True)
+    came, went = animation.weights.names.index(name), weights.names.index(name)
+    return np.array_equal(
+        animation.weights.values[:, came], weights.values[:, went], equal_nan=True
+    )
 
 
 def _moved(value: Any) -> Any:
@@ -168,11 +177,11 @@ def _differences(
     if again is None:
         yield f"declines {what}"
         return
-    made, other = _made(tried), next(iter(again.values()))
-    if isinstance(made, Trajectories) and isinstance(other, Trajectories):
-        apart = _apart(made.positions, points(other.positions))
-    elif isinstance(made, BlendshapeModel) and isinstance(other, BlendshapeModel):
-        apart = _models_apart(made, other, points, offsets)
+    result, other = _result(tried), next(iter(again.values()))
+    if isinstance(result, Trajectories) and isinstance(other, Trajectories):
+        apart = _apart(result.positions, points(other.positions))
+    elif isinstance(result, BlendshapeModel) and isinstance(other, BlendshapeModel):
+        apart = _models_apart(result, other, points, offsets)
     else:
         return
     if apart > TOLERANCE:
@@ -180,19 +189,19 @@ def _differences(
 
 
 def _models_apart(
-    made: BlendshapeModel, other: BlendshapeModel, points: _Points, offsets: _Points
+    model: BlendshapeModel, other: BlendshapeModel, points: _Points, offsets: _Points
 ) -> float:
-    if made.names != other.names:
+    if model.names != other.names:
         return np.inf
     shapes = [
         # which way a principal component points is anybody's choice
-        min(_apart(one, offsets(two)), _apart(one, -offsets(two)))
-        for one, two in zip(made.shapes, other.shapes, strict=True)
+        min(_apart(shape, offsets(other_shape)), _apart(shape, -offsets(other_shape)))
+        for shape, other_shape in zip(model.shapes, other.shapes, strict=True)
     ]
-    return max([_apart(made.neutral, points(other.neutral)), *shapes])
+    return max([_apart(model.neutral, points(other.neutral)), *shapes])
 
 
-def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    if one.shape != other.shape or np.any(np.isnan(one) != np.isnan(other)):
+def _apart(points: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    if points.shape != other.shape or np.any(np.isnan(points) != np.isnan(other)):
         return np.inf
-    return float(np.nan_to_num(np.abs(one - other)).max(initial=0.0))
+    return float(np.nan_to_num(np.abs(points - other)).max(initial=0.0))

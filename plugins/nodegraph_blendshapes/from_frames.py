@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_blendshapes.built import Built, built
-from nodegraph_blendshapes.complete import pose_at_rest, whole_frame
+from nodegraph_blendshapes.model import ModelAndNeutral, with_neutral
+from nodegraph_blendshapes.rest_pose import pose_at_rest, whole_frame
 from nodegraph_mocap import BlendshapeModel, Trajectories
 from nodegraph_mocap.shape_names import matched
 
@@ -23,7 +23,7 @@ def from_frames(
     *,
     frames: Annotated[dict[str, Frame], Field(min_length=1), Unit("frame")],
     neutral_frame: Annotated[int, Field(ge=0), Unit("frame")] = 0,
-) -> Built:
+) -> ModelAndNeutral:
     """Build a model from chosen frames: each becomes a shape, its offset from the neutral.
 
     ``shape = P[frame] - neutral``, so that weight 1 is the expression as it was performed [1]_
@@ -75,7 +75,7 @@ def from_frames(
         names=tuple(frames),
         markers=recording.markers,
     )
-    return built(model, recording.marker_set)
+    return with_neutral(model, recording.marker_set)
 
 
 def _check_distinct(names: tuple[str, ...]) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from nodegraph import Refusal, node
-from nodegraph_blendshapes.built import Built, built, with_markers
+from nodegraph_blendshapes.model import ModelAndNeutral, with_markers, with_neutral
 from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
 
 
 @node("blendshapes.from_head", cite=("curio2006", "lewis2014"))
-def from_head(head: Head, marker_set: MarkerSet | None = None) -> Built:
+def from_head(head: Head, marker_set: MarkerSet | None = None) -> ModelAndNeutral:
     """Build a model from a head: its morph targets where its markers sit.
 
     The model's shapes have the names of the morph targets, so weights that are solved with it
@@ -56,5 +56,5 @@ def from_head(head: Head, marker_set: MarkerSet | None = None) -> Built:
         names=head.names,
         markers=head.markers,
     )
-    made = built(model, None)
-    return made._replace(neutral=with_markers(made.neutral, marker_set))
+    result = with_neutral(model, None)
+    return result._replace(neutral=with_markers(result.neutral, marker_set))

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Refusal, node
-from nodegraph_blendshapes.built import APART, built
-from nodegraph_blendshapes.complete import pose_at_rest
+from nodegraph_blendshapes.model import APART, with_neutral
+from nodegraph_blendshapes.rest_pose import pose_at_rest
 from nodegraph_mocap import BlendshapeModel, Table, Trajectories
 from nodegraph_tables import TableInfo, with_info
 
@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 """Share by which two weights may differ and still count as equal."""
 
 
-class BuiltByPca(NamedTuple):
+class PcaModel(NamedTuple):
     """What `blendshapes.from_pca` gives."""
 
     model: BlendshapeModel
@@ -42,7 +42,7 @@ def from_pca(
     *,
     components: Annotated[int, Field(ge=1)] | None = None,
     variance: Annotated[float, Field(gt=0, le=1)] = 0.98,
-) -> BuiltByPca:
+) -> PcaModel:
     """Build a model from the principal components of aligned frames or scans.
 
     With ``X`` (T, 3M) the frames' offsets from the neutral and ``X = U S V^T``, shape k is
@@ -89,15 +89,15 @@ def from_pca(
     """
     _check_complete(recording)
     at_rest = _at_rest(recording, neutral)
-    found = _principal(recording.positions, at_rest)
-    kept = _count(found.variances, components, variance)
+    principal = _principal(recording.positions, at_rest)
+    count = _count(principal.variances, components, variance)
     model = BlendshapeModel(
         neutral=at_rest,
-        shapes=found.shapes[:kept],
-        names=tuple(f"pc_{number}" for number in range(1, kept + 1)),
+        shapes=principal.shapes[:count],
+        names=tuple(f"pc_{number}" for number in range(1, count + 1)),
         markers=recording.markers,
     )
-    return BuiltByPca(*built(model, recording.marker_set), _table(found, kept))
+    return PcaModel(*with_neutral(model, recording.marker_set), _table(principal, count))
 
 
 def _check_complete(recording: Trajectories) -> None:
@@ -166,21 +166,21 @@ def _count(variances: NDArray[np.float64], components: int | None, variance: flo
     return components
 
 
-def _table(found: _Principal, kept: int) -> Table:
+def _table(principal: _Principal, count: int) -> Table:
     from pandas import DataFrame
 
-    shares = found.variances / found.variances.sum()
+    shares = principal.variances / principal.variances.sum()
     numbers = np.arange(1, len(shares) + 1)
     table = DataFrame(
         {
             "shape": [f"pc_{number}" for number in numbers],
             "share": shares,
             "cumulative": np.cumsum(shares),
-            "movement": np.sqrt((found.shapes**2).sum(axis=2).mean(axis=1)),
-            "kept": numbers <= kept,
+            "movement": np.sqrt((principal.shapes**2).sum(axis=2).mean(axis=1)),
+            "kept": numbers <= count,
         }
     )
-    note = f"The model's {kept} shapes explain {shares[:kept].sum():.2%} of the variance."
+    note = f"The model's {count} shapes explain {shares[:count].sum():.2%} of the variance."
     return with_info(
         table, TableInfo(title="Principal components", notes=(note,), units={"movement": "mm"})
     )

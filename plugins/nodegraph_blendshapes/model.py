@@ -1,4 +1,4 @@
-"""What building a model gives: the model, and the face at rest as a recording."""
+"""The outputs of nodes that build a model: the model, and the face at rest as a recording."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ APART = 1e-6
 """Millimetres: far above rounding, far below what any camera sees."""
 
 
-class Built(NamedTuple):
-    """What the nodes give that build a model."""
+class ModelAndNeutral(NamedTuple):
+    """Outputs of a node that builds a model."""
 
     model: BlendshapeModel
     neutral: Trajectories
 
 
-def built(model: BlendshapeModel, marker_set: MarkerSet | None) -> Built:
-    """Return a model and its neutral; warn of shapes whose weights nobody could tell."""
-    _tell_unseen(model)
-    _tell_alike(model)
+def with_neutral(model: BlendshapeModel, marker_set: MarkerSet | None) -> ModelAndNeutral:
+    """Return a model and its neutral; warn of shapes whose weights cannot be determined."""
+    _warn_unseen(model)
+    _warn_alike(model)
     neutral = Trajectories(
         positions=model.neutral[None], markers=model.markers, rate=_RATE, marker_set=marker_set
     )
-    return Built(model, neutral)
+    return ModelAndNeutral(model, neutral)
 
 
 def with_markers(recording: Trajectories, marker_set: MarkerSet | None) -> Trajectories:
@@ -58,7 +58,7 @@ def with_markers(recording: Trajectories, marker_set: MarkerSet | None) -> Traje
     return replace(recording, marker_set=marker_set)
 
 
-def _tell_unseen(model: BlendshapeModel) -> None:
+def _warn_unseen(model: BlendshapeModel) -> None:
     still = [
         name for name, shape in zip(model.names, model.shapes, strict=True) if not _moves(shape)
     ]
@@ -69,13 +69,13 @@ def _tell_unseen(model: BlendshapeModel) -> None:
         )
 
 
-def _tell_alike(model: BlendshapeModel) -> None:
+def _warn_alike(model: BlendshapeModel) -> None:
     shapes = dict(zip(model.names, model.shapes, strict=True))
     moving = {name: shape for name, shape in shapes.items() if _moves(shape)}
     alike = [
-        f"{one} and {other}"
-        for one, other in combinations(moving, 2)
-        if not _moves(moving[one] - moving[other])
+        f"{name} and {other}"
+        for name, other in combinations(moving, 2)
+        if not _moves(moving[name] - moving[other])
     ]
     if alike:
         warnings.warn(

@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 
 from nodegraph import node
-from nodegraph_blendshapes.built import with_markers
-from nodegraph_blendshapes.matching import shapes_of
+from nodegraph_blendshapes.model import with_markers
+from nodegraph_blendshapes.shape_matches import shapes_of
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories, Weights
 
 
@@ -48,9 +48,9 @@ def pose(
     .. [1] J. P. Lewis et al., Practice and theory of blendshape facial models, Eurographics 2014,
        State of the Art Reports, 199-218.
     """
-    found = shapes_of(weights, model.names, "model")
-    values = weights.values[:, [weights.names.index(name) for name in found]]
-    shapes = model.shapes[[model.names.index(shape) for shape in found.values()]]
+    matches = shapes_of(weights, model.names, "model")
+    values = weights.values[:, [weights.names.index(name) for name in matches]]
+    shapes = model.shapes[[model.names.index(shape) for shape in matches.values()]]
     lacking = np.asarray(np.isnan(values).any(axis=1))
     if lacking.any():
         warnings.warn(

@@ -1,4 +1,4 @@
-"""Frames in which every marker is present: only they can become a shape."""
+"""The pose at rest, and other frames that become shapes: every marker must be present."""
 
 from __future__ import annotations
 

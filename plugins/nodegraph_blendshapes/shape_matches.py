@@ -1,4 +1,4 @@
-"""Weights of one face, for the shapes of another."""
+"""Matching the weights of one face to the shapes of another."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def shapes_of(weights: Weights, names: tuple[str, ...], face: str) -> Mapping[st
     ValueError
         If no weight has a shape, or one could have two.
     """
-    found = matched(weights.names, names)
-    if not found:
+    matches = matched(weights.names, names)
+    if not matches:
         raise ValueError(
             f"weights and {face} have no shape in common: the weights have "
             f"{listed(weights.names)}, the {face} {listed(names)}"
         )
-    spare = [name for name in weights.names if name not in found]
-    driven = set(found.values())
+    spare = [name for name in weights.names if name not in matches]
+    driven = set(matches.values())
     still = [name for name in names if name not in driven]
     if spare:
         warnings.warn(
@@ -47,4 +47,4 @@ def shapes_of(weights: Weights, names: tuple[str, ...], face: str) -> Mapping[st
             f"{listed(still)}",
             stacklevel=3,
         )
-    return found
+    return matches

@@ -43,7 +43,7 @@ class Answer(NamedTuple):
     weights : (N, K) array of float64
         NaN where unsolved.
     unshared : (N,) array of bool
-        Targets with several answers of which the least could not be told.
+        Targets with several answers of which the least could not be determined.
     unsolved : (N,) array of bool
         Targets whose answer could not be found.
     """
@@ -70,7 +70,7 @@ def least_squares(columns: Matrix, targets: Matrix, low: float, high: float) -> 
     if not len(columns):
         return Answer(np.zeros((len(targets), 0)), none, none)
     if np.isinf(low):
-        projector, sizes, coordinates = _told_apart(columns)
+        projector, sizes, coordinates = _singular_vectors(columns)
         return Answer((targets @ coordinates.T / sizes) @ projector.T, none, none)
     if not _is_plain(columns):
         return _searched(columns, targets, low, high)
@@ -103,8 +103,8 @@ def are_least(columns: Matrix, targets: Matrix, weights: Matrix, low: float, hig
     return np.asarray(small.all(axis=1))
 
 
-def _told_apart(columns: Matrix) -> tuple[Matrix, Matrix, Matrix]:
-    """Return the singular vectors and values of what the columns can tell."""
+def _singular_vectors(columns: Matrix) -> tuple[Matrix, Matrix, Matrix]:
+    """Return the singular vectors and values that are not rounding."""
     projector, sizes, coordinates = np.linalg.svd(columns, full_matrices=False)
     rank = int(np.count_nonzero(sizes > RANK * sizes[0]))
     return np.ascontiguousarray(projector[:, :rank]), sizes[:rank], coordinates[:rank]
@@ -134,34 +134,34 @@ def _by_normal_equations(
     gram, linears = columns @ columns.T, targets @ columns.T
     lengths = np.linalg.norm(columns, axis=1)
     squares = kernel.Squares(columns, gram, lengths, low, high)
-    made = np.empty((len(targets), len(columns)))
-    kernel.bounded(squares, targets, linears, _ROUNDS, made)
-    return made, are_least(columns, targets, made, low, high)
+    weights = np.empty((len(targets), len(columns)))
+    kernel.bounded(squares, targets, linears, _ROUNDS, weights)
+    return weights, are_least(columns, targets, weights, low, high)
 
 
 def _searched(columns: Matrix, targets: Matrix, low: float, high: float) -> Answer:
     from nodegraph_blendshapes.solve import search_kernel
 
-    projector, sizes, coordinates = _told_apart(columns)
-    given = search_kernel.Given(
-        *(np.ascontiguousarray(one) for one in (columns, targets, coordinates))
+    projector, sizes, coordinates = _singular_vectors(columns)
+    system = search_kernel.System(
+        *(np.ascontiguousarray(array) for array in (columns, targets, coordinates))
     )
     columns = np.ascontiguousarray(projector * sizes)
     targets = np.ascontiguousarray(targets @ coordinates.T)
     lengths = np.linalg.norm(columns, axis=1)
     squares = search_kernel.Squares(columns, lengths, low, high)
-    made = np.empty((len(targets), len(columns)))
-    free = np.empty(made.shape, dtype=np.bool_)
-    search_kernel.search(squares, targets, given, _FREED * len(columns), made, free)
-    unsolved = ~are_least(columns, targets, made, low, high)
-    lows, highs = _between(columns, targets, made, low, high)
+    weights = np.empty((len(targets), len(columns)))
+    free = np.empty(weights.shape, dtype=np.bool_)
+    search_kernel.search(squares, targets, system, _FREED * len(columns), weights, free)
+    unsolved = ~are_least(columns, targets, weights, low, high)
+    lows, highs = _between(columns, targets, weights, low, high)
     several = np.any((lows < highs) & ~free, axis=1) & ~unsolved
-    least, told = _least(projector, made[several], lows[several], highs[several])
-    told &= are_least(columns, targets[several], least, low, high)
-    made[np.flatnonzero(several)[told]] = least[told]
-    made[unsolved] = np.nan
-    several[np.flatnonzero(several)[told]] = False
-    return Answer(made, unshared=several, unsolved=unsolved)
+    least, exact = _least(projector, weights[several], lows[several], highs[several])
+    exact &= are_least(columns, targets[several], least, low, high)
+    weights[np.flatnonzero(several)[exact]] = least[exact]
+    weights[unsolved] = np.nan
+    several[np.flatnonzero(several)[exact]] = False
+    return Answer(weights, unshared=several, unsolved=unsolved)
 
 
 def _between(
@@ -175,23 +175,23 @@ def _between(
 
 
 def _least(projector: Matrix, weights: Matrix, lows: Matrix, highs: Matrix) -> tuple[Matrix, Flags]:
-    """Return the weights of least norm of the same ``projector' w``, and which could be told."""
-    made, done = _same(projector, weights @ projector, lows, highs)
-    for frame in np.flatnonzero(~done):
-        # what can move may hardly do what is wanted in some direction: told apart anew it can
+    """Return the weights of least norm of the same ``projector' w``, and which are exact."""
+    solution, solved = _same(projector, weights @ projector, lows, highs)
+    for frame in np.flatnonzero(~solved):
+        # what can move may hardly do what is wanted in some direction: its own decomposition can
         low, high, moving = lows[frame], highs[frame], lows[frame] < highs[frame]
-        own, *_ = _told_apart(projector[moving])
+        own, *_ = _singular_vectors(projector[moving])
         wanted = weights[None, frame, moving] @ own
-        made[frame] = weights[frame]
-        shared, told = _same(own, wanted, low[None, moving], high[None, moving])
-        made[frame, moving], done[frame] = shared[0], told[0]
-    return made, done
+        solution[frame] = weights[frame]
+        shared, exact = _same(own, wanted, low[None, moving], high[None, moving])
+        solution[frame, moving], solved[frame] = shared[0], exact[0]
+    return solution, solved
 
 
 def _same(projector: Matrix, wanted: Matrix, lows: Matrix, highs: Matrix) -> tuple[Matrix, Flags]:
     from nodegraph_blendshapes.solve import share_kernel
 
-    made = np.empty_like(lows)
-    done = np.empty(len(lows), dtype=np.bool_)
-    share_kernel.share(projector, wanted, lows, highs, made, done)
-    return made, done
+    shared = np.empty_like(lows)
+    solved = np.empty(len(lows), dtype=np.bool_)
+    share_kernel.share(projector, wanted, lows, highs, shared, solved)
+    return shared, solved

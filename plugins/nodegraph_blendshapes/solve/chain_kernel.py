@@ -29,19 +29,19 @@ def times(grams: Any, which: Any, coupled: Any, smoothness: float, weights: Any)
     smoothness
     weights : (T, K) array of float64
     """
-    made = np.empty_like(weights)
+    product = np.empty_like(weights)
     for frame in range(len(weights)):
-        made[frame] = grams[which[frame]] @ weights[frame]
+        product[frame] = grams[which[frame]] @ weights[frame]
         if coupled[frame]:
             step = smoothness * (weights[frame] - weights[frame - 1])
-            made[frame] += step
-            made[frame - 1] -= step
-    return made
+            product[frame] += step
+            product[frame - 1] -= step
+    return product
 
 
 @compiled
 def eliminate(
-    grams: Any, which: Any, coupled: Any, smoothness: float, diagonal: Any, made: Any
+    grams: Any, which: Any, coupled: Any, smoothness: float, diagonal: Any, inverses: Any
 ) -> None:
     """Write the inverse of each frame's block, what hangs before it being eliminated.
 
@@ -63,19 +63,19 @@ def eliminate(
         for i in range(count):
             block[i, i] += diagonal[frame, i] + both
         if coupled[frame]:
-            block -= smoothness**2 * made[frame - 1]
-        made[frame] = np.linalg.inv(block)
+            block -= smoothness**2 * inverses[frame - 1]
+        inverses[frame] = np.linalg.inv(block)
 
 
 @compiled
 def substitute(inverses: Any, coupled: Any, smoothness: float, right: Any) -> Any:
     """Return the solution for a right-hand side."""
-    made = right.copy()
-    for frame in range(1, len(made)):
+    solution = right.copy()
+    for frame in range(1, len(solution)):
         if coupled[frame]:
-            made[frame] += smoothness * (inverses[frame - 1] @ made[frame - 1])
-    for frame in range(len(made) - 1, -1, -1):
-        if frame + 1 < len(made) and coupled[frame + 1]:
-            made[frame] += smoothness * made[frame + 1]
-        made[frame] = inverses[frame] @ made[frame]
-    return made
+            solution[frame] += smoothness * (inverses[frame - 1] @ solution[frame - 1])
+    for frame in range(len(solution) - 1, -1, -1):
+        if frame + 1 < len(solution) and coupled[frame + 1]:
+            solution[frame] += smoothness * solution[frame + 1]
+        solution[frame] = inverses[frame] @ solution[frame]
+    return solution

@@ -16,20 +16,20 @@ _SCALE = 2.0
 
 def gives_weights_of_the_models_shapes(tried: Tried) -> Iterator[str]:
     """Take `recording` and `model`, and give first the weights of the model's shapes, per frame."""
-    made = next(iter(tried.outputs.values()))
-    found = list(_given(tried))
-    if not found:
+    weights = next(iter(tried.outputs.values()))
+    pairs = list(_given(tried))
+    if not pairs:
         yield f"its ports are {', '.join(tried.inputs)}; name them `recording` and `model`"
-    elif not isinstance(made, Weights):
-        yield f"its first output is a {type(made).__name__}, not weights"
+    elif not isinstance(weights, Weights):
+        yield f"its first output is a {type(weights).__name__}, not weights"
     else:
-        recording, model = found[0]
-        if made.names != model.names:
-            yield f"the model's shapes are {model.names}, the weights' {made.names}"
-        if (made.frames, made.rate) != (recording.frames, recording.rate):
+        recording, model = pairs[0]
+        if weights.names != model.names:
+            yield f"the model's shapes are {model.names}, the weights' {weights.names}"
+        if (weights.frames, weights.rate) != (recording.frames, recording.rate):
             yield (
-                f"{recording.frames} frames at {recording.rate} Hz went in, {made.frames} at "
-                f"{made.rate} Hz came out"
+                f"{recording.frames} frames at {recording.rate} Hz went in, {weights.frames} at "
+                f"{weights.rate} Hz came out"
             )
 
 
@@ -39,12 +39,12 @@ def keeps_to_its_bounds(tried: Tried) -> Iterator[str]:
     low, high = (0.0, np.inf) if bounds == "nonnegative" else (-np.inf, np.inf)
     if not isinstance(bounds, str):
         low, high = bounds
-    for made in _made(tried):
-        outside = (made.values < low) | (made.values > high)
+    for weights in _output_weights(tried):
+        outside = (weights.values < low) | (weights.values > high)
         if outside.any():
             frame, shape = np.argwhere(outside)[0]
             yield (
-                f"frame {frame}, {made.names[shape]}: {made.values[frame, shape]} is outside "
+                f"frame {frame}, {weights.names[shape]}: {weights.values[frame, shape]} is outside "
                 f"{bounds}"
             )
 
@@ -54,8 +54,8 @@ def knows_nothing_of_empty_frames(tried: Tried) -> Iterator[str]:
     for recording, model in _given(tried):
         shared = [name for name in recording.markers if name in model.markers]
         empty = np.asarray(~recording.keep(shared).present.any(axis=1))
-        for made in _made(tried):
-            wrong = np.not_equal(np.isnan(made.values).any(axis=1), empty)
+        for weights in _output_weights(tried):
+            wrong = np.not_equal(np.isnan(weights.values).any(axis=1), empty)
             if wrong.any():
                 frame = int(wrong.argmax())
                 yield f"frame {frame} has {'no' if empty[frame] else 'a'} marker"
@@ -89,9 +89,9 @@ def identical_shapes_share(tried: Tried) -> Iterator[str]:
             shapes=np.concatenate([model.shapes, model.shapes[:1]]),
             names=(*model.names, "twin"),
         )
-        for made in _made_again(tried, recording, twin, {}):
-            apart = np.nan_to_num(np.abs(made.values[:, 0] - made.values[:, -1]))
-            if made.names == twin.names and np.any(apart > _TOLERANCE):
+        for weights in _weights_again(tried, recording, twin, {}):
+            apart = np.nan_to_num(np.abs(weights.values[:, 0] - weights.values[:, -1]))
+            if weights.names == twin.names and np.any(apart > _TOLERANCE):
                 yield f"frame {apart.argmax()}: they differ by {apart.max():.3g}"
 
 
@@ -111,18 +111,18 @@ def _given(tried: Tried) -> Iterator[tuple[Trajectories, BlendshapeModel]]:
         yield recording, model
 
 
-def _made(tried: Tried) -> Iterator[Weights]:
-    made = next(iter(tried.outputs.values()))
-    if isinstance(made, Weights):
-        yield made
+def _output_weights(tried: Tried) -> Iterator[Weights]:
+    weights = next(iter(tried.outputs.values()))
+    if isinstance(weights, Weights):
+        yield weights
 
 
-def _made_again(
+def _weights_again(
     tried: Tried, recording: Trajectories, model: BlendshapeModel, settings: dict[str, float]
 ) -> Iterator[Weights]:
     outputs = tried.again(settings, recording=recording, model=model)
-    if outputs is not None and isinstance(made := next(iter(outputs.values())), Weights):
-        yield made
+    if outputs is not None and isinstance(weights := next(iter(outputs.values())), Weights):
+        yield weights
 
 
 def _differences(
@@ -133,14 +133,14 @@ def _differences(
     settings: dict[str, float] | None = None,
 ) -> Iterator[str]:
     """Yield where other inputs, which should not matter, give other weights."""
-    again = list(_made_again(tried, recording, model, settings or {}))
+    again = list(_weights_again(tried, recording, model, settings or {}))
     if not again:
         yield f"declines the recording that is {how}"
-    for made, other in zip(_made(tried), again, strict=False):
-        if made.values.shape != other.values.shape:
-            yield f"{how}: {made.values.shape} becomes {other.values.shape}"
+    for weights, other in zip(_output_weights(tried), again, strict=False):
+        if weights.values.shape != other.values.shape:
+            yield f"{how}: {weights.values.shape} becomes {other.values.shape}"
             continue
-        apart = np.nan_to_num(np.abs(made.values - other.values))
+        apart = np.nan_to_num(np.abs(weights.values - other.values))
         if np.any(apart > _TOLERANCE):
             frame, shape = np.unravel_index(apart.argmax(), apart.shape)
-            yield f"{how}: frame {frame}, {made.names[shape]} differs by {apart.max():.3g}"
+            yield f"{how}: frame {frame}, {weights.names[shape]} differs by {apart.max():.3g}"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Solved(NamedTuple):
-    """Weights of the shapes, and what is to be told of them.
+    """Weights of the shapes, and what to warn of.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Solved(NamedTuple):
     unseen : (T, K) array of bool
         Shapes that the recording sees, but none of the markers present in that frame.
     unshared : (T,) array of bool
-        Frames with several answers of which the least could not be told.
+        Frames with several answers of which the least could not be determined.
     unsolved : (T,) array of bool
         Frames whose answer could not be found; their weights are NaN too.
     """
@@ -105,11 +105,11 @@ def solve_frames(problem: Problem, low: float, high: float, ridge: float) -> Sol
     """
     solved = Solved.empty(problem)
     for pattern in patterns(problem, ridge):
-        made = least_squares(pattern.columns, pattern.targets, low, high)
-        solved.values[np.ix_(pattern.frames, pattern.shapes)] = made.weights
-        solved.values[pattern.frames[made.unsolved]] = np.nan
-        solved.unshared[pattern.frames] = made.unshared
-        solved.unsolved[pattern.frames] = made.unsolved
+        solution = least_squares(pattern.columns, pattern.targets, low, high)
+        solved.values[np.ix_(pattern.frames, pattern.shapes)] = solution.weights
+        solved.values[pattern.frames[solution.unsolved]] = np.nan
+        solved.unshared[pattern.frames] = solution.unshared
+        solved.unsolved[pattern.frames] = solution.unsolved
         solved.unseen[np.ix_(pattern.frames, problem.seen)] = True
         solved.unseen[np.ix_(pattern.frames, pattern.shapes)] = False
     return solved

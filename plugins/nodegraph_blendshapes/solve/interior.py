@@ -82,11 +82,11 @@ def _step(
 
     def way(products: list[Matrix | float]) -> tuple[Matrix, list[Matrix]]:
         right = -rest
-        for side, one in zip(sides, products, strict=True):
-            right = right + side.inwards * (one / side.apart - side.push)
+        for side, product in zip(sides, products, strict=True):
+            right = right + side.inwards * (product / side.apart - side.push)
         step = divided(right)
         changed = zip(sides, products, strict=True)
-        return step, [side.pushed(step, one) for side, one in changed]
+        return step, [side.pushed(step, product) for side, product in changed]
 
     def part(step: Matrix, pushes: list[Matrix]) -> float:
         changed = zip(sides, pushes, strict=True)

@@ -76,7 +76,7 @@ class Work(NamedTuple):
 
 
 @compiled
-def bounded(squares: Any, targets: Any, linears: Any, most: int, made: Any) -> None:
+def bounded(squares: Any, targets: Any, linears: Any, most: int, solution: Any) -> None:
     """Write the weights of least squares of each target.
 
     Parameters
@@ -98,7 +98,7 @@ def bounded(squares: Any, targets: Any, linears: Any, most: int, made: Any) -> N
         length = math.sqrt(_dot(target, target, len(target)))
         _exchange(squares, linears[frame], work, length, most)
         _refine(squares, target, work)
-        made[frame] = work.weights
+        solution[frame] = work.weights
 
 
 @compiled
@@ -120,17 +120,17 @@ def _new_work(squares: Any) -> Any:
 
 
 @compiled
-def _dot(one: Any, other: Any, count: int) -> float:
+def _dot(left: Any, right: Any, count: int) -> float:
     total = 0.0
     for k in range(count):
-        total += one[k] * other[k]
+        total += left[k] * right[k]
     return total
 
 
 @compiled
-def _add(one: Any, other: Any, factor: float, count: int) -> None:
+def _add(target: Any, other: Any, factor: float, count: int) -> None:
     for k in range(count):
-        one[k] += other[k] * factor
+        target[k] += other[k] * factor
 
 
 @compiled

@@ -92,18 +92,18 @@ def _shared(recording: Trajectories, model: BlendshapeModel) -> tuple[str, ...]:
 
 def _left_out(recording: Trajectories, model: BlendshapeModel) -> list[str]:
     """Say which markers only one of the two has."""
-    told = []
+    notes = []
     for what, ours, other in (
         ("recording", recording.markers, set(model.markers)),
         ("model", model.markers, set(recording.markers)),
     ):
         alone = [name for name in ours if name not in other]
         if alone:
-            told.append(
+            notes.append(
                 f"{len(alone)} of {len(ours)} markers of the {what} are left out, as only the "
                 f"{what} has them: {listed(alone)}"
             )
-    return told
+    return notes
 
 
 def _unseen(model: BlendshapeModel, seen: NDArray[np.bool_]) -> list[str]:

@@ -53,7 +53,7 @@ class Squares(NamedTuple):
     high: float
 
 
-class Given(NamedTuple):
+class System(NamedTuple):
     """The columns and targets before they were turned by ``coordinates``.
 
     Attributes
@@ -104,14 +104,14 @@ class Work(NamedTuple):
 
 
 @compiled
-def search(squares: Any, targets: Any, given: Any, most: int, made: Any, free: Any) -> None:
+def search(squares: Any, targets: Any, system: Any, most: int, solution: Any, free: Any) -> None:
     """Write weights of least squares of each target, of which there may be several.
 
     Parameters
     ----------
     squares : Squares
     targets : (N, R) array of float64
-    given : Given
+    system : System
     most
         How many weights may be freed for a target. Where that is not enough, the weights are
         within the bounds, and their squares not the least.
@@ -125,8 +125,8 @@ def search(squares: Any, targets: Any, given: Any, most: int, made: Any, free: A
         _begin(squares, work)
         _search(squares, targets[frame], work, most)
         if _cancel(squares, targets[frame], work):
-            _refine(squares, given, given.targets[frame], work)
-        made[frame] = work.weights
+            _refine(squares, system, system.targets[frame], work)
+        solution[frame] = work.weights
         free[frame] = work.place == FREE
 
 
@@ -190,17 +190,17 @@ def _search(squares: Any, target: Any, work: Any, most: int) -> None:
 
 
 @compiled
-def _dot(one: Any, other: Any, count: int) -> float:
+def _dot(left: Any, right: Any, count: int) -> float:
     total = 0.0
     for k in range(count):
-        total += one[k] * other[k]
+        total += left[k] * right[k]
     return total
 
 
 @compiled
-def _add(one: Any, other: Any, factor: float, count: int) -> None:
+def _add(target: Any, other: Any, factor: float, count: int) -> None:
     for k in range(count):
-        one[k] += other[k] * factor
+        target[k] += other[k] * factor
 
 
 @compiled
@@ -218,7 +218,7 @@ def _squares_and_slope(squares: Any, target: Any, work: Any) -> Any:
 @compiled
 def _most_pulled(squares: Any, work: Any, enough: float) -> int:
     """Return which weight that is not free the gradient pulls inwards the most, or -1."""
-    most, found = enough, -1
+    most, best = enough, -1
     for j in range(len(work.weights)):
         if work.place[j] == FREE or work.refused[j]:
             continue
@@ -226,8 +226,8 @@ def _most_pulled(squares: Any, work: Any, enough: float) -> int:
         if work.place[j] == AT_HIGH or (work.place[j] == AT_REST and pull < 0.0):
             pull = -pull
         if pull > most * squares.lengths[j]:
-            most, found = pull / squares.lengths[j], j
-    return found
+            most, best = pull / squares.lengths[j], j
+    return best
 
 
 @compiled
@@ -309,15 +309,15 @@ def _cancel(squares: Any, target: Any, work: Any) -> bool:
 
 
 @compiled
-def _refine(squares: Any, given: Any, target: Any, work: Any) -> None:
+def _refine(squares: Any, system: Any, target: Any, work: Any) -> None:
     """Take from the free weights what turning the columns has cost in accuracy."""
     left = target.copy()
     for j in range(len(work.weights)):
         if work.weights[j] != 0.0:
-            _add(left, given.columns[j], -work.weights[j], len(left))
+            _add(left, system.columns[j], -work.weights[j], len(left))
     rest = work.table[work.size[0]]
     for k in range(len(rest)):
-        rest[k] = _dot(given.coordinates[k], left, len(left))
+        rest[k] = _dot(system.coordinates[k], left, len(left))
     _solve(work, rest)
     for k in range(work.size[0]):
         i = work.order[k]

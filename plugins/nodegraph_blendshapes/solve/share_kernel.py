@@ -45,7 +45,7 @@ class Ties(NamedTuple):
 
 
 @compiled
-def share(projector: Any, wanted: Any, lows: Any, highs: Any, made: Any, done: Any) -> None:
+def share(projector: Any, wanted: Any, lows: Any, highs: Any, shared: Any, solved: Any) -> None:
     """Write the weights of least norm with each ``projector' w``.
 
     Parameters
@@ -56,20 +56,20 @@ def share(projector: Any, wanted: Any, lows: Any, highs: Any, made: Any, done: A
     made : (N, K) array of float64
         Written.
     done : (N,) array of bool
-        Written: whether they could be told. Where not, the weights are none.
+        Written: whether they could be determined. Where not, the weights are not valid.
     """
     for frame in range(len(wanted)):
         ties = Ties(projector, wanted[frame], lows[frame], highs[frame])
         size = math.sqrt((ties.wanted * ties.wanted).sum())
-        _share(ties, size, made[frame])
-        done[frame] = _sharpen(ties, made[frame]) <= ENOUGH * size
+        _share(ties, size, shared[frame])
+        solved[frame] = _sharpen(ties, shared[frame]) <= ENOUGH * size
 
 
 @compiled
-def _share(ties: Any, size: float, made: Any) -> None:
+def _share(ties: Any, size: float, shared: Any) -> None:
     """Write the weights that come nearest to what is wanted."""
     count = len(ties.wanted)
-    point, slope, weights = ties.wanted.copy(), np.empty(count), np.empty(len(made))
+    point, slope, weights = ties.wanted.copy(), np.empty(count), np.empty(len(shared))
     best = np.inf
     for smaller in SHARES:
         least, stays = np.inf, 0
@@ -78,7 +78,7 @@ def _share(ties: Any, size: float, made: Any) -> None:
             apart = _largest(slope)
             if apart < best:
                 best = apart
-                made[:] = weights
+                shared[:] = weights
             stays = 0 if apart < 0.9 * least else stays + 1
             least = min(least, apart)
             if best <= _EXACT * size or stays == _STAYS:
@@ -172,27 +172,27 @@ def _solve(matrix: Any, right: Any) -> None:
 
 
 @compiled
-def _sharpen(ties: Any, made: Any) -> float:
+def _sharpen(ties: Any, shared: Any) -> float:
     """Move the weights that are between their bounds by what a far y has cost in accuracy.
 
     Returns the largest difference that is left.
     """
     apart, rest = np.inf, np.empty(len(ties.wanted))
-    sharper = made.copy()
+    sharper = shared.copy()
     for _ in range(_SHARPER):
         rest[:] = ties.wanted
-        for j in range(len(made)):
+        for j in range(len(shared)):
             rest -= ties.projector[j] * sharper[j]
         nearer = _largest(rest)
         if nearer >= apart:
             break
         apart = nearer
-        made[:] = sharper
-        _solve(_curvature(ties, made, _NOTHING), rest)
-        for j in range(len(made)):
-            if ties.low[j] < made[j] < ties.high[j]:
+        shared[:] = sharper
+        _solve(_curvature(ties, shared, _NOTHING), rest)
+        for j in range(len(shared)):
+            if ties.low[j] < shared[j] < ties.high[j]:
                 step = (ties.projector[j] * rest).sum()
-                sharper[j] = min(max(made[j] + step, ties.low[j]), ties.high[j])
+                sharper[j] = min(max(shared[j] + step, ties.low[j]), ties.high[j])
     return float(apart)
 
 

@@ -110,8 +110,8 @@ def least(chain: Chain) -> Matrix:
 
 def _nearest(chain: Chain, weights: Matrix) -> Matrix:
     """Return the weights of the least, from others that may be near it or, failing that, inside."""
-    made = chain.exchanged(weights)
-    if made is None:
+    exchanged = chain.exchanged(weights)
+    if exchanged is None:
         inside = interior(chain)
-        made = chain.exchanged(inside)
-    return inside if made is None else made
+        exchanged = chain.exchanged(inside)
+    return inside if exchanged is None else exchanged

@@ -41,10 +41,10 @@ def limits(bounds: Bounds) -> tuple[float, float]:
     ValueError
         If they are none of the words and no two numbers with 0 between them.
     """
-    found = _limits(bounds)
-    if found is None:
+    limit = _limits(bounds)
+    if limit is None:
         raise ValueError(f"bounds must be {_RULE}; got {bounds}")
-    return found
+    return limit
 
 
 def _limits(bounds: _Written) -> tuple[float, float] | None:

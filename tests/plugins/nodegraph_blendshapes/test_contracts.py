@@ -15,9 +15,9 @@ from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_blendshapes.animate_mesh import mesh
-from nodegraph_blendshapes.built import Built
 from nodegraph_blendshapes.from_head import from_head
 from nodegraph_blendshapes.from_pca import from_pca
+from nodegraph_blendshapes.model import ModelAndNeutral
 from nodegraph_blendshapes.pose import pose
 from nodegraph_mocap import Animation, BlendshapeModel, Head, Trajectories, Weights
 
@@ -73,7 +73,7 @@ def test_a_model_that_breaks_a_promise(
 
 def test_a_neutral_that_is_not_the_model_s() -> None:
     @node("blendshapes.broken")
-    def broken(head: Head) -> Built:
+    def broken(head: Head) -> ModelAndNeutral:
         """Build a model, and give another neutral."""
         made = from_head(head)
         return made._replace(neutral=replace(made.neutral, positions=made.neutral.positions + 1.0))

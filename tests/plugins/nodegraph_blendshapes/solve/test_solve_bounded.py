@@ -40,9 +40,9 @@ def near(columns: Matrix, apart: float, seed: int = 0) -> Matrix:
     return np.vstack([columns, columns[:2] + apart * random.normal(size=columns[:2].shape)])
 
 
-def as_given(columns: Matrix, targets: Matrix) -> search_kernel.Given:
+def as_system(columns: Matrix, targets: Matrix) -> search_kernel.System:
     """What was not turned."""
-    return search_kernel.Given(columns, targets, np.eye(columns.shape[1]))
+    return search_kernel.System(columns, targets, np.eye(columns.shape[1]))
 
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
@@ -226,7 +226,7 @@ def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
     np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
     free = np.empty(made.shape, dtype=bool)
     searched = search_kernel.Squares(columns, lengths, 0.0, high)
-    search_kernel.search(searched, targets, as_given(columns, targets), 100, made, free)
+    search_kernel.search(searched, targets, as_system(columns, targets), 100, made, free)
     np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
     np.testing.assert_array_equal(free, (made > 0.0) & (made < high))
 
@@ -251,7 +251,7 @@ def test_searches_that_are_cut_short_stay_within_the_bounds() -> None:
     made, free = np.empty((4, 8)), np.empty((4, 8), dtype=bool)
     for most in range(4):
         few = search_kernel.Squares(columns, lengths, 0.0, 1.0)
-        search_kernel.search(few, targets, as_given(columns, targets), most, made, free)
+        search_kernel.search(few, targets, as_system(columns, targets), most, made, free)
         assert made.min() >= 0.0
         assert made.max() <= 1.0
         assert np.count_nonzero(made, axis=1).max() <= most
