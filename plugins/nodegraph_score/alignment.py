@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import Across, Refusal, Truth, node
 from nodegraph_mocap import Figure, HeadMotion, Table, Trajectories
-from nodegraph_score.alignment_told import FACE, HEAD, answer, left_out
+from nodegraph_score.alignment_text import FACE, HEAD, answer, left_out
 from nodegraph_score.components import (
     Components,
     Movement,
@@ -85,7 +85,7 @@ def alignment(
     has an R near 1 however well the head is held still. In a short take six slow curves also
     explain much of any other slow curve: compare R with `by chance`. Where the head does not
     move, or there are so few frames that six numbers explain anything, R and the three columns
-    behind it say nothing, and a warning tells.
+    behind it say nothing, and there is a warning.
 
     Frames that lack a sample are left out; they, and recordings that cannot be judged, are
     counted in a warning and in the table's notes.
@@ -121,21 +121,21 @@ def alignment(
     _check(recordings, head_motion)
     numbers = pose(head_motion)
     parts: list[Table] = []
-    told: list[str] = []
+    notes: list[str] = []
     for (labels, recording), name in zip(recordings, recordings.names(), strict=True):
         there = left_over(head_motion, _removed(name, labels, recording, removed))
         complete = np.asarray(recording.present.all(axis=1))
-        found = principal(recording.positions[complete])
+        pca = principal(recording.positions[complete])
         moved = movement(numbers[complete])
-        told += [f"{name}: {one}" if name else one for one in left_out(recording, found, moved)]
-        if len(found.sd):
+        notes += [f"{name}: {note}" if name else note for note in left_out(recording, pca, moved)]
+        if len(pca.sd):
             head = carried(recording.positions[complete], frames_of(there, complete))
-            parts.append(_table(labels, found, moved, found.part_of(head), components))
+            parts.append(_table(labels, pca, moved, pca.part_of(head), components))
     if not parts:
-        raise Refusal("; ".join(told) or "there is no recording")
-    for note in told:
+        raise Refusal("; ".join(notes) or "there is no recording")
+    for note in notes:
         warnings.warn(note, stacklevel=2)
-    table = _joined(parts, told, recordings.axes)
+    table = _joined(parts, notes, recordings.axes)
     return Found(table, _draw(table, recordings.axes))
 
 
@@ -145,30 +145,32 @@ def _removed(
     recording: Trajectories,
     removed: Across[HeadMotion] | None,
 ) -> HeadMotion:
-    """Return what was taken out of a recording, nothing where none is told."""
+    """Return what was taken out of a recording, none where there is none."""
     if removed is None:
         still = np.tile(np.eye(3), (recording.frames, 1, 1))
         frames = recording.frames
         return HeadMotion(
             rotations=still, translations=np.zeros((frames, 3)), scales=np.ones(frames)
         )
-    found = [
-        one for at, one in removed if all(labels.get(axis, at[axis]) == at[axis] for axis in at)
+    matches = [
+        motion
+        for at, motion in removed
+        if all(labels.get(axis, at[axis]) == at[axis] for axis in at)
     ]
     of = f"recording {name}" if name else "the recording"
-    if len(found) != 1:
-        raise ValueError(f"{of} has {len(found)} head motions that were removed, not one")
-    if found[0].frames != recording.frames:
+    if len(matches) != 1:
+        raise ValueError(f"{of} has {len(matches)} head motions that were removed, not one")
+    if matches[0].frames != recording.frames:
         raise ValueError(
-            f"{of} has {recording.frames} frames, the head motion removed {found[0].frames}"
+            f"{of} has {recording.frames} frames, the head motion removed {matches[0].frames}"
         )
-    check_proper(f"removed of {of}", found[0])
-    return found[0]
+    check_proper(f"removed of {of}", matches[0])
+    return matches[0]
 
 
 def _table(
     labels: Mapping[str, Label],
-    found: Components,
+    pca: Components,
     moved: Movement,
     head: NDArray[np.float64],
     components: int,
@@ -176,16 +178,16 @@ def _table(
     """Return the rows of one recording."""
     from pandas import DataFrame
 
-    kept = slice(min(components, len(found.sd)))
-    shares = found.shares
+    kept = slice(min(components, len(pca.sd)))
+    shares = pca.shares
     columns = {
         "component": np.arange(1, 1 + len(shares[kept])),
         "share": shares[kept],
-        "sd": found.sd[kept],
+        "sd": pca.sd[kept],
         "head motion": _rounded(head[kept]),
         "finds": np.where(head[kept] > HALF, HEAD, FACE).astype(object),
         "in all": float(_rounded(shares @ head)),
-        **_related(found.scores[:, kept], moved),
+        **_related(pca.scores[:, kept], moved),
     }
     rows = len(shares[kept])
     return DataFrame({axis: [label] * rows for axis, label in labels.items()} | columns)
@@ -198,7 +200,7 @@ def _rounded(shares: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _related(scores: NDArray[np.float64], moved: Movement) -> dict[str, Any]:
     """Return how (n, K) scores go with the head."""
-    if not moved.tells:
+    if not moved.conclusive:
         return dict.fromkeys(("R", "by chance", "correlation"), np.nan) | {"with": ""}
     single = np.abs(moved.curves.T @ scores)
     chance = np.percentile(by_chance(scores, moved), CHANCE, axis=0)
@@ -210,14 +212,14 @@ def _related(scores: NDArray[np.float64], moved: Movement) -> dict[str, Any]:
     }
 
 
-def _joined(parts: list[Table], told: list[str], axes: tuple[str, ...]) -> Table:
+def _joined(parts: list[Table], notes: list[str], axes: tuple[str, ...]) -> Table:
     from pandas import concat
 
     table = concat(parts, ignore_index=True)
     info = TableInfo(
         title="What PCA finds",
         answer=tuple(answer(parts, axes)),
-        notes=tuple(f"{note}." for note in told),
+        notes=tuple(f"{note}." for note in notes),
         units=UNITS,
     )
     return with_info(table, info)

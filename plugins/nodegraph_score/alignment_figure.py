@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
-from nodegraph_score.alignment_told import named
+from nodegraph_score.alignment_text import named
 from nodegraph_tables.style import BLUE, PALE, VERMILLION
 
 if TYPE_CHECKING:

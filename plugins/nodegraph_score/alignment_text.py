@@ -1,4 +1,4 @@
-"""What is said of what PCA finds: an answer, and what was left out."""
+"""The text of an alignment's score: its answer, and what was left out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def answer(parts: Sequence[Table], axes: tuple[str, ...]) -> list[str]:
     alike: dict[str, list[Table]] = {}
     for part in parts:
         alike.setdefault(", ".join(part["finds"]), []).append(part)
-    return [_sentence(finds, found, axes) for finds, found in alike.items()]
+    return [_sentence(finds, group, axes) for finds, group in alike.items()]
 
 
 def _sentence(finds: str, parts: Sequence[Table], axes: tuple[str, ...]) -> str:
@@ -42,23 +42,23 @@ def named(part: Table, axes: tuple[str, ...]) -> str:
 
 def _percents(shares: Sequence[float]) -> str:
     # Adding 0 takes the sign from a zero.
-    least, most = (round(100 * one) + 0 for one in (min(shares), max(shares)))
+    least, most = (round(100 * share) + 0 for share in (min(shares), max(shares)))
     return f"{least}%" if least == most else f"{least} to {most}%"
 
 
-def left_out(recording: Trajectories, found: Components, moved: Movement) -> Iterator[str]:
-    """Say what was left out, and what cannot be said."""
+def left_out(recording: Trajectories, pca: Components, moved: Movement) -> Iterator[str]:
+    """Yield what was left out, and what cannot be determined."""
     frames = len(moved.curves)
     if frames < _FEWEST:
         yield f"needs {_FEWEST} complete frames; {_lacking(recording)}"
         return
     if frames < recording.frames:
         yield f"{recording.frames - frames} of {recording.frames} frames lack samples: left out"
-    if not len(found.sd):
+    if not len(pca.sd):
         yield "nothing moves: there are no components"
     elif not moved.columns.size:
         yield "the head does not move: nothing can go with it"
-    elif not moved.tells:
+    elif not moved.conclusive:
         numbers = moved.basis.shape[1]
         yield f"{frames} frames are too few to say what goes with {numbers} numbers of the head"
 
@@ -69,7 +69,7 @@ def _lacking(recording: Trajectories) -> str:
         return f"there are {recording.frames} frames of {len(recording.markers)} markers"
     missing = np.count_nonzero(~recording.present, axis=0)
     worst = int(missing.argmax())
-    told = f"{complete} of {recording.frames} are"
+    summary = f"{complete} of {recording.frames} are"
     if not missing[worst]:
-        return told
-    return f"{told} ({recording.markers[worst]} alone lacks {missing[worst]}): fill it first"
+        return summary
+    return f"{summary} ({recording.markers[worst]} alone lacks {missing[worst]}): fill it first"

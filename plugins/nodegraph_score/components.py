@@ -73,7 +73,7 @@ class Movement:
     basis: NDArray[np.float64]
 
     @property
-    def tells(self) -> bool:
+    def conclusive(self) -> bool:
         """Whether a correlation with it could be less than 1, and more than 0."""
         frames, rank = self.basis.shape
         return bool(0 < rank < frames - 1)
@@ -102,12 +102,12 @@ def movement(numbers: NDArray[np.float64]) -> Movement:
     return Movement(curves, columns, basis[:, weights > _ROUNDING])
 
 
-def explained(scores: NDArray[np.float64], found: Movement) -> NDArray[np.float64]:
+def explained(scores: NDArray[np.float64], movement: Movement) -> NDArray[np.float64]:
     """Return R^2 of each of (n, K) scores with the movement."""
-    return np.asarray(np.minimum(np.sum((found.basis.T @ scores) ** 2, axis=0), 1.0))
+    return np.asarray(np.minimum(np.sum((movement.basis.T @ scores) ** 2, axis=0), 1.0))
 
 
-def by_chance(scores: NDArray[np.float64], found: Movement) -> NDArray[np.float64]:
+def by_chance(scores: NDArray[np.float64], movement: Movement) -> NDArray[np.float64]:
     """Return the R^2 of (n, K) scores with movement that does not belong to them, (shifts, K).
 
     It is the movement shifted in time, around the end, by a tenth of the take and more: what is
@@ -118,7 +118,7 @@ def by_chance(scores: NDArray[np.float64], found: Movement) -> NDArray[np.float6
     frames = len(scores)
     squared = np.zeros(scores.shape)
     transformed = rfft(scores, axis=0)
-    for column in found.basis.T:
+    for column in movement.basis.T:
         product = rfft(column)[:, None].conj() * transformed
         squared += irfft(product, frames, axis=0) ** 2
     nearest = max(round(_NEAREST * frames), 1)

@@ -124,15 +124,15 @@ def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:
 
 def _left_out(estimate: Trajectories, reference: Trajectories) -> list[str]:
     """Say which markers only one of the two has."""
-    told = []
-    for what, one, other in (
+    notes = []
+    for what, recording, other in (
         ("estimate", estimate, reference),
         ("reference", reference, estimate),
     ):
-        alone = [name for name in one.markers if name not in set(other.markers)]
+        alone = [name for name in recording.markers if name not in set(other.markers)]
         if alone:
-            told.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
-    return told
+            notes.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
+    return notes
 
 
 def _lacking(table: Table) -> list[str]:

@@ -86,10 +86,10 @@ def gaps(
     """
     _check(estimate, truth, hidden)
     mask = hidden.hidden[:, _columns(hidden.markers, truth.markers)].T
-    made = estimate.positions[:, _columns(estimate.markers, truth.markers)].transpose(1, 0, 2)
-    error = made - truth.positions.transpose(1, 0, 2)
+    estimated = estimate.positions[:, _columns(estimate.markers, truth.markers)].transpose(1, 0, 2)
+    error = estimated - truth.positions.transpose(1, 0, 2)
     _check_truth(truth, mask)
-    return _table(_find(mask), error, np.isfinite(made[..., 0]), truth.markers)
+    return _table(_find(mask), error, np.isfinite(estimated[..., 0]), truth.markers)
 
 
 @dataclass(frozen=True)
@@ -117,22 +117,24 @@ def _find(mask: NDArray[np.bool_]) -> _Gaps:
 
 
 def _table(
-    found: _Gaps,
+    gaps: _Gaps,
     error: NDArray[np.float64],
     has: NDArray[np.bool_],
     markers: tuple[str, ...],
 ) -> Table:
     from pandas import DataFrame
 
-    frames = found.last - found.first + 1
-    present = np.rint(_means(has.astype(np.float64), found, 0, 0) * frames)
+    frames = gaps.last - gaps.first + 1
+    present = np.rint(_means(has.astype(np.float64), gaps, 0, 0) * frames)
     whole = present == frames
-    errors = {name: np.where(whole, one, np.nan) for name, one in _errors(found, error).items()}
+    errors = {
+        name: np.where(whole, values, np.nan) for name, values in _errors(gaps, error).items()
+    }
     table = DataFrame(
         {
             "gap": np.arange(len(frames)),
-            "marker": np.array(markers, dtype=object)[found.marker],
-            "start": found.first,
+            "marker": np.array(markers, dtype=object)[gaps.marker],
+            "start": gaps.first,
             "frames": frames,
             **errors,
             "filled": present / frames,
@@ -144,20 +146,20 @@ def _table(
     )
 
 
-def _errors(found: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
     """Return each error of each gap; `error` is (M, T, 3)."""
     distance = np.linalg.norm(error, axis=2)
     step = _lengths(np.diff(error, axis=1), before=1, after=0)
     bend = _lengths(np.diff(error, n=2, axis=1), before=1, after=1)
     return {
-        "rmse": np.sqrt(_means(distance**2, found, 0, 0)),
-        "mae": _means(distance, found, 0, 0),
-        "max": _maxima(distance, found),
+        "rmse": np.sqrt(_means(distance**2, gaps, 0, 0)),
+        "mae": _means(distance, gaps, 0, 0),
+        "max": _maxima(distance, gaps),
         "jump": np.append(step, np.full((len(step), 1), np.nan), axis=1)[
-            found.marker, found.last + 1
+            gaps.marker, gaps.last + 1
         ],
-        "velocity": np.sqrt(_means(step**2, found, 0, 1)),
-        "acceleration": np.sqrt(_means(bend**2, found, 1, 1)),
+        "velocity": np.sqrt(_means(step**2, gaps, 0, 1)),
+        "acceleration": np.sqrt(_means(bend**2, gaps, 1, 1)),
     }
 
 
@@ -168,10 +170,10 @@ def _lengths(difference: NDArray[np.float64], *, before: int, after: int) -> NDA
 
 
 def _means(
-    values: NDArray[np.float64], found: _Gaps, before: int, after: int
+    values: NDArray[np.float64], gaps: _Gaps, before: int, after: int
 ) -> NDArray[np.float64]:
     """Return the mean of the numbers from `before` a gap to `after` it; NaN where none is."""
-    samples, starts = _samples(values, found, before, after)
+    samples, starts = _samples(values, gaps, before, after)
     if not len(starts):
         return np.empty(0)
     known = ~np.isnan(samples)
@@ -180,21 +182,21 @@ def _means(
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _maxima(values: NDArray[np.float64], found: _Gaps) -> NDArray[np.float64]:
-    samples, starts = _samples(values, found, 0, 0)
+def _maxima(values: NDArray[np.float64], gaps: _Gaps) -> NDArray[np.float64]:
+    samples, starts = _samples(values, gaps, 0, 0)
     return np.maximum.reduceat(samples, starts) if len(starts) else np.empty(0)
 
 
 def _samples(
-    values: NDArray[np.float64], found: _Gaps, before: int, after: int
+    values: NDArray[np.float64], gaps: _Gaps, before: int, after: int
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """Return the samples of a (M, T) array, gap after gap, and where each gap starts."""
-    first = np.maximum(found.first - before, 0)
-    last = np.minimum(found.last + after, values.shape[1] - 1)
+    first = np.maximum(gaps.first - before, 0)
+    last = np.minimum(gaps.last + after, values.shape[1] - 1)
     lengths = last - first + 1
     starts = np.cumsum(lengths) - lengths
     frame = np.arange(lengths.sum()) + np.repeat(first - starts, lengths)
-    return values[np.repeat(found.marker, lengths), frame], starts
+    return values[np.repeat(gaps.marker, lengths), frame], starts
 
 
 def _notes(whole: NDArray[np.bool_], missing: int, samples: int) -> list[str]:
@@ -203,12 +205,12 @@ def _notes(whole: NDArray[np.bool_], missing: int, samples: int) -> list[str]:
         return ["Nothing is hidden: there is no gap to score."]
     if whole.all():
         return []
-    told = (
+    note = (
         f"{np.count_nonzero(~whole)} of {len(whole)} gaps are not wholly filled ({missing} of "
         f"{samples} samples missing); their errors are NaN"
     )
-    warnings.warn(told, stacklevel=4)
-    return [f"{told}."]
+    warnings.warn(note, stacklevel=4)
+    return [f"{note}."]
 
 
 def _columns(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
@@ -227,8 +229,8 @@ def _check(estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
         adds = [name for name in markers if name not in set(truth.markers)]
         if lacks or adds:
             lists = (("lacks", lacks), ("has besides", adds))
-            told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-            raise ValueError(f"{what} and truth differ in their markers: {what} {told}")
+            differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
+            raise ValueError(f"{what} and truth differ in their markers: {what} {differences}")
 
 
 def _check_truth(truth: Trajectories, mask: NDArray[np.bool_]) -> None:

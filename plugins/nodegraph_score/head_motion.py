@@ -30,7 +30,7 @@ def head_motion(
     =========== ==================================================================
 
     Both must lead to the same aligned face: if the reference of an alignment lies elsewhere than
-    the face of which the truth was told, that shows in every frame. What a turn about another
+    the face of which the truth is known, that shows in every frame. What a turn about another
     point does to t counts as translation; t is where the origin of the aligned recording goes.
 
     Parameters

@@ -125,13 +125,13 @@ def _columns(
 ) -> dict[str, NDArray[np.generic]]:
     """Return the numbers of each row, over all axes but the first."""
     hits, clean = judged & hit, judged & ~hit
-    found, wrong = hits & repaired, clean & repaired
+    detected, wrong = hits & repaired, clean & repaired
     error = np.where(judged, distance, 0.0)
     missed = _share(_count(hits & ~repaired), _count(hits))
     return {
         "samples": _count(judged),
         "hits": _count(hits),
-        "found": _count(found),
+        "found": _count(detected),
         "false positives": _count(wrong),
         "rmse": np.sqrt(_share(_total(error**2), _count(judged))),
         "error": _share(_total(error * hits), _count(hits)),
@@ -139,7 +139,7 @@ def _columns(
         "false positive rate": _share(_count(wrong), _count(clean)),
         "change": _share(_total(error * wrong), _count(wrong)),
         "recall": 1.0 - missed,
-        "precision": _share(_count(found), _count(found) + _count(wrong)),
+        "precision": _share(_count(detected), _count(detected) + _count(wrong)),
     }
 
 
@@ -179,7 +179,7 @@ def _left_out(
     judged: NDArray[np.bool_],
 ) -> list[str]:
     """Say which samples are not judged."""
-    told = []
+    notes = []
     for what, where in (
         ("that only the truth has", truth.present & ~estimate.present),
         ("that only the estimate has", estimate.present & ~truth.present),
@@ -187,8 +187,8 @@ def _left_out(
     ):
         if where.any():
             hits = np.count_nonzero(where & hit)
-            told.append(f"{np.count_nonzero(where)} samples {what} are not judged ({hits} hit)")
-    return told
+            notes.append(f"{np.count_nonzero(where)} samples {what} are not judged ({hits} hit)")
+    return notes
 
 
 def _check(estimate: Trajectories, truth: Trajectories, impulses: Mask) -> None:
@@ -202,5 +202,5 @@ def _check(estimate: Trajectories, truth: Trajectories, impulses: Mask) -> None:
         adds = [name for name in markers if name not in set(truth.markers)]
         if lacks or adds:
             lists = (("lacks", lacks), ("has besides", adds))
-            told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-            raise ValueError(f"{what} and truth differ in their markers: {what} {told}")
+            differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
+            raise ValueError(f"{what} and truth differ in their markers: {what} {differences}")

@@ -36,9 +36,9 @@ def pose(motion: HeadMotion) -> NDArray[np.float64]:
     return np.concatenate([turned, motion.translations], axis=1)
 
 
-def degrees_apart(one: HeadMotion, two: HeadMotion) -> NDArray[np.float64]:
+def degrees_apart(first: HeadMotion, second: HeadMotion) -> NDArray[np.float64]:
     """Return (T,) degrees of the turn that leads from one rotation to the other."""
-    product = one.rotations @ two.rotations.transpose(0, 2, 1)
+    product = first.rotations @ second.rotations.transpose(0, 2, 1)
     # The arc cosine of the trace alone loses what is below a ten-thousandth of a degree.
     axis = np.stack([product[:, i, j] - product[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))])
     cosine = np.trace(product, axis1=1, axis2=2) - 1.0

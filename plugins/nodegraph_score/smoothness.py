@@ -77,15 +77,15 @@ def smoothness(
     from pandas import DataFrame
 
     _check(estimate, truth)
-    made, true = estimate.keep(truth.markers).positions, truth.positions
-    both = np.isfinite(made[..., 0]) & np.isfinite(true[..., 0])
+    estimated, true = estimate.keep(truth.markers).positions, truth.positions
+    both = np.isfinite(estimated[..., 0]) & np.isfinite(true[..., 0])
     samples = np.count_nonzero(both, axis=0)
     values = {
         "samples": samples,
         "missing": np.count_nonzero(truth.present, axis=0) - samples,
-        "rmse": _errors(made, true, both),
-        "lag": _lags(made, true, both, truth.rate),
-        "kept": _kept(made, true, both, truth.rate),
+        "rmse": _errors(estimated, true, both),
+        "lag": _lags(estimated, true, both, truth.rate),
+        "kept": _kept(estimated, true, both, truth.rate),
     }
     table = DataFrame({"marker": np.array(truth.markers, dtype=object), **values})
     notes = list(_notes(table))
@@ -98,33 +98,38 @@ def smoothness(
 
 
 def _errors(
-    made: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_]
+    estimated: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    squared = np.where(both[..., None], made - true, 0.0) ** 2
+    squared = np.where(both[..., None], estimated - true, 0.0) ** 2
     return np.sqrt(_divided(squared.sum(axis=(0, 2)), np.count_nonzero(both, axis=0)))
 
 
 def _lags(
-    made: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_], rate: float
+    estimated: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_], rate: float
 ) -> NDArray[np.float64]:
-    farthest = min(max(round(FARTHEST * rate), 1), (len(made) - 1) // 3)
+    farthest = min(max(round(FARTHEST * rate), 1), (len(estimated) - 1) // 3)
     if farthest < 1:
-        return np.full(made.shape[1], np.nan)
-    apart = _distances(made, true, both, farthest)
+        return np.full(estimated.shape[1], np.nan)
+    apart = _distances(estimated, true, both, farthest)
     moves = [
-        np.any(np.diff(one, axis=0) != 0.0, axis=2, where=(both[1:] & both[:-1])[..., None])
-        for one in (made, true)
+        np.any(np.diff(positions, axis=0) != 0.0, axis=2, where=(both[1:] & both[:-1])[..., None])
+        for positions in (estimated, true)
     ]
     return np.where(moves[0].any(axis=0) & moves[1].any(axis=0), _bottoms(apart, farthest), np.nan)
 
 
 def _distances(
-    made: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_], farthest: int
+    estimated: NDArray[np.float64],
+    true: NDArray[np.float64],
+    both: NDArray[np.bool_],
+    farthest: int,
 ) -> NDArray[np.float64]:
     """Return the mean squared distance for each shift, (2 farthest + 1, M); NaN over few frames."""
     there = both.astype(np.float64)
     middle = _divided(np.where(both[..., None], true, 0.0).sum(axis=0), there.sum(axis=0)[:, None])
-    late, early = (np.where(both[..., None], one - middle, 0.0) for one in (made, true))
+    late, early = (
+        np.where(both[..., None], positions - middle, 0.0) for positions in (estimated, true)
+    )
     squares = _correlations(np.sum(late**2, axis=2), there, farthest)
     squares += _correlations(there, np.sum(early**2, axis=2), farthest)
     frames = np.rint(_correlations(there, there, farthest))
@@ -159,12 +164,14 @@ def _bottoms(apart: NDArray[np.float64], farthest: int) -> NDArray[np.float64]:
 
 
 def _kept(
-    made: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_], rate: float
+    estimated: NDArray[np.float64], true: NDArray[np.float64], both: NDArray[np.bool_], rate: float
 ) -> NDArray[np.float64]:
-    power = np.zeros((2, made.shape[1]))
-    for column, start, stop in zip(*(one.tolist() for one in runs_of(both)), strict=True):
-        for row, one in enumerate((made, true)):
-            power[row, column] += _power(one[start:stop, column], rate)
+    power = np.zeros((2, estimated.shape[1]))
+    for column, start, stop in zip(
+        *(column_runs.tolist() for column_runs in runs_of(both)), strict=True
+    ):
+        for row, positions in enumerate((estimated, true)):
+            power[row, column] += _power(positions[start:stop, column], rate)
     return _divided(power[0], power[1])
 
 
@@ -200,5 +207,5 @@ def _check(estimate: Trajectories, truth: Trajectories) -> None:
     adds = [name for name in estimate.markers if name not in set(truth.markers)]
     if lacks or adds:
         lists = (("lacks", lacks), ("has besides", adds))
-        told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-        raise ValueError(f"estimate and truth differ in their markers: estimate {told}")
+        differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
+        raise ValueError(f"estimate and truth differ in their markers: estimate {differences}")

@@ -11,8 +11,8 @@ import numpy as np
 
 from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_score.misplaced import misplaced
-from nodegraph_score.steps_told import BETTER, WORSE, absences, left_out, sentence, worse
+from nodegraph_mocap.pieces import pieces
+from nodegraph_score.steps_text import BETTER, WORSE, absences, left_out, sentence, worse
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def steps(
                wrong names, points that are no marker's, or errors as large
     ========== ===========================================================================
 
-    A step that makes it worse is told in a warning as well. A step that adds samples raises
+    A warning names each step that makes it worse. A step that adds samples raises
     `rmse` whenever they are worse than those that were there: that alone is no fault.
 
     Parameters
@@ -107,9 +107,9 @@ def steps(
     from pandas import DataFrame
 
     _check(stages, truth)
-    found = [_stage(name, one, truth) for name, one in _named(stages)]
-    rows = [_first_row(found[0], truth)]
-    rows += [_row(one, two, truth) for one, two in itertools.pairwise(found)]
+    stages_scored = [_stage(name, stage, truth) for name, stage in _named(stages)]
+    rows = [_first_row(stages_scored[0], truth)]
+    rows += [_row(before, after, truth) for before, after in itertools.pairwise(stages_scored)]
     table = DataFrame(rows, columns=list(COLUMNS))
     notes = [*worse(rows), *left_out(stages, truth)]
     for note in notes:
@@ -131,14 +131,14 @@ def _check(stages: Across[Trajectories], truth: Trajectories) -> None:
     if len(stages) < _FEWEST:
         there = ", ".join(stages.names()) or "none"
         raise ValueError(f"a step needs {_FEWEST} stages; there is {there}{absences(stages)}")
-    for name, one in _named(stages):
-        if one.frames != truth.frames:
-            raise ValueError(f"{name} has {one.frames} frames, the truth has {truth.frames}")
-        if one.rate != truth.rate:
-            raise ValueError(f"{name} has {one.rate:g} Hz, the truth has {truth.rate:g} Hz")
-        if not set(one.markers) & set(truth.markers):
+    for name, stage in _named(stages):
+        if stage.frames != truth.frames:
+            raise ValueError(f"{name} has {stage.frames} frames, the truth has {truth.frames}")
+        if stage.rate != truth.rate:
+            raise ValueError(f"{name} has {stage.rate:g} Hz, the truth has {truth.rate:g} Hz")
+        if not set(stage.markers) & set(truth.markers):
             raise ValueError(
-                f"{name} has no marker of the truth: it has {listed(one.markers)}, the truth "
+                f"{name} has no marker of the truth: it has {listed(stage.markers)}, the truth "
                 f"{listed(truth.markers)}"
             )
 
@@ -199,3 +199,30 @@ def _rms(errors: NDArray[np.float64]) -> float:
 
 def _largest(errors: NDArray[np.float64]) -> float:
     return float(errors.max()) if len(errors) else np.nan
+
+
+def misplaced(positions: NDArray[np.float64], truth: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return (T, M), True where a sample is nearer to another marker's truth than to its own.
+
+    Parameters
+    ----------
+    positions, truth
+        (T, M, 3) of the same markers; NaN where missing. A sample without a truth is not.
+    """
+    flags = np.zeros(positions.shape[:2], dtype=np.bool_)
+    markers = positions.shape[1]
+    for piece in pieces(len(positions), 8 * markers * markers):
+        flags[piece] = _misplaced(positions[piece], truth[piece])
+    return flags
+
+
+def _misplaced(positions: NDArray[np.float64], truth: NDArray[np.float64]) -> NDArray[np.bool_]:
+    # |p - x|^2 without the |p|^2 that all x have in common, and about the middle of the markers,
+    # so that nothing is lost to their distance from the origin
+    middle = np.nan_to_num(truth).mean(axis=1, keepdims=True)
+    here, there = positions - middle, truth - middle
+    lengths = np.sum(there**2, axis=2)
+    apart = lengths[:, None, :] - 2.0 * (np.nan_to_num(here) @ np.nan_to_num(there).swapaxes(1, 2))
+    own = np.diagonal(apart, axis1=1, axis2=2)
+    nearest = np.where(np.isnan(apart), np.inf, apart).min(axis=2, initial=np.inf)
+    return np.asarray(np.isfinite(here[..., 0]) & (nearest < own))

@@ -1,4 +1,4 @@
-"""What is said of the steps of a chain: a sentence per step, and what does not count."""
+"""The text of the score of steps: a sentence per step, warnings, and what does not count."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def sentence(row: Mapping[str, Any]) -> str:
             f"square), {row['misplaced']} of them nearer to another marker's place, and lacks "
             f"{row['missing']}"
         )
-    said = {
+    changes = {
         BETTER: f"makes it better: {_moved(row)}",
         WORSE: f"makes it WORSE: {_moved(row)}",
         "same": f"changes {row['changed']} samples and the error of none",
         "nothing": "does nothing",
     }
-    parts = [said[verdict]] if verdict in said else []
+    parts = [changes[verdict]] if verdict in changes else []
     if row["added"]:
         parts.append(f"adds {row['added']} samples with an error of {row['added rmse']:.3g} mm")
     if row["removed"]:
@@ -50,13 +50,13 @@ def worse(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def left_out(stages: Across[Trajectories], truth: Trajectories) -> Iterator[str]:
-    """Say which stages there are not, and which markers and samples do not count."""
+    """Yield which stages are absent, and which markers and samples do not count."""
     if stages.absent:
         yield f"stages are passed over{absences(stages)}"
     known = set(truth.markers)
     extra: dict[tuple[str, ...], list[str]] = {}
-    for name, one in zip(stages.names(), stages.values(), strict=True):
-        beyond = tuple(marker for marker in one.markers if marker not in known)
+    for name, stage in zip(stages.names(), stages.values(), strict=True):
+        beyond = tuple(marker for marker in stage.markers if marker not in known)
         extra.setdefault(beyond, []).append(name)
     for markers, names in extra.items():
         if markers:
@@ -70,12 +70,12 @@ def left_out(stages: Across[Trajectories], truth: Trajectories) -> Iterator[str]
 
 
 def absences(stages: Across[Trajectories]) -> str:
-    """Return which stages there are not, and why."""
-    told = [
-        f"{', '.join(map(str, one.labels.values()))} was {one.kind} ({one.reason})"
-        for one in stages.absent
+    """Return which stages are absent, and why."""
+    reasons = [
+        f"{', '.join(map(str, absence.labels.values()))} was {absence.kind} ({absence.reason})"
+        for absence in stages.absent
     ]
-    return f"; {'; '.join(told)}" if told else ""
+    return f"; {'; '.join(reasons)}" if reasons else ""
 
 
 def _moved(row: Mapping[str, Any]) -> str:

@@ -94,8 +94,8 @@ def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:
     """Return which track has each sample of the truth, (T, M); -1 where none has."""
     mine, theirs = np.nonzero(truth.present), np.nonzero(estimate.present)
     samples = [
-        np.column_stack([where[0], one.positions[where]])
-        for where, one in ((mine, truth), (theirs, estimate))
+        np.column_stack([where[0], recording.positions[where]])
+        for where, recording in ((mine, truth), (theirs, estimate))
     ]
     _, index = np.unique(np.concatenate(samples), axis=0, return_inverse=True)
     place = index.ravel()
@@ -130,9 +130,9 @@ def _notes(estimate: Trajectories, track: NDArray[np.intp]) -> list[str]:
     extra = np.count_nonzero(estimate.present) - np.count_nonzero(track >= 0)
     if extra <= 0:
         return []
-    told = (
+    note = (
         f"{extra} of {np.count_nonzero(estimate.present)} samples in tracks are no sample of the "
         "truth: ghosts, or moved points"
     )
-    warnings.warn(told, stacklevel=3)
-    return [f"{told}."]
+    warnings.warn(note, stacklevel=3)
+    return [f"{note}."]

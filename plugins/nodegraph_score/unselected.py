@@ -134,18 +134,18 @@ def _table(apart: NDArray[np.float64], markers: list[str], selected: int) -> Tab
 
 def _left_out(estimate: Trajectories, reference: Trajectories, selection: Selection) -> list[str]:
     """Say which unselected markers only one of the two has, or that there are none at all."""
-    told = []
-    for what, one, other in (
+    notes = []
+    for what, recording, other in (
         ("estimate", estimate, reference),
         ("reference", reference, estimate),
     ):
         absent = {*other.markers, *selection.chosen}
-        alone = [name for name in one.markers if name not in absent]
+        alone = [name for name in recording.markers if name not in absent]
         if alone:
-            told.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
+            notes.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
     if not set(reference.markers) - set(selection.chosen):
-        told.append(f"all {len(reference.markers)} markers are selected, none is left to score")
-    return told
+        notes.append(f"all {len(reference.markers)} markers are selected, none is left to score")
+    return notes
 
 
 def _lacking(table: Table) -> list[str]:

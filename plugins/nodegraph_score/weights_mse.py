@@ -91,20 +91,20 @@ def weights_mse(
 def _errors(
     estimate: Weights, reference: Weights
 ) -> tuple[NDArray[np.float64], tuple[str, ...], list[str]]:
-    """Return (T, K) differences, the shapes' names and what is to be told of them."""
-    found = matched(estimate.names, reference.names)
-    if not found:
+    """Return (T, K) differences, the shapes' names and what was left out."""
+    matches = matched(estimate.names, reference.names)
+    if not matches:
         raise ValueError(
             f"no shape is in both: estimate has {listed(estimate.names)}, reference "
             f"{listed(reference.names)}"
         )
-    spare = tuple(name for name in estimate.names if name not in found)
+    spare = tuple(name for name in estimate.names if name not in matches)
     names = (*reference.names, *spare)
     places = {name: number for number, name in enumerate(names)}
     errors = np.zeros((estimate.frames, len(names)))
-    errors[:, [places[found.get(name, name)] for name in estimate.names]] = estimate.values
+    errors[:, [places[matches.get(name, name)] for name in estimate.names]] = estimate.values
     errors[:, : len(reference.names)] -= reference.values
-    driven = set(found.values())
+    driven = set(matches.values())
     lacking = tuple(name for name in reference.names if name not in driven)
     notes = [
         f"{len(absent)} of {len(names)} shapes only the {what} has; they are 0 in the other: "

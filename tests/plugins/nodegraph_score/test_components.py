@@ -78,12 +78,12 @@ def test_what_does_not_move_is_left_out() -> None:
     found = movement(numbers)
     assert found.columns.tolist() == [1, 2, 3, 5]
     assert found.basis.shape == (30, 3)
-    assert found.tells
-    assert not movement(np.full((30, 6), 1e4 / 3.0)).tells
+    assert found.conclusive
+    assert not movement(np.full((30, 6), 1e4 / 3.0)).conclusive
 
 
 def test_as_many_numbers_as_frames_say_nothing() -> None:
     numbers = np.random.default_rng(6).normal(size=(8, 6))
-    assert movement(numbers).tells
-    assert not movement(numbers[:7]).tells
-    assert not movement(numbers[:0]).tells
+    assert movement(numbers).conclusive
+    assert not movement(numbers[:7]).conclusive
+    assert not movement(numbers[:0]).conclusive

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodegraph_score.misplaced import misplaced
+from nodegraph_score.steps import misplaced
 
 
 @settings(max_examples=40, deadline=None)
