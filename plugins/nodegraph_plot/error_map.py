@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.gathered import check_truth, made, named, true_positions
+from nodegraph_plot.recordings import check_truth, estimated, named, true_positions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -56,10 +56,10 @@ def error_map(
 
     by_name = named(recordings)
     check_truth(by_name, truth)
-    errors = {name: _errors(one, truth, samples) for name, one in by_name.items()}
-    if not any(np.isfinite(one).any() for one in errors.values()):
+    errors = {name: _errors(values, truth, samples) for name, values in by_name.items()}
+    if not any(np.isfinite(values).any() for values in errors.values()):
         raise ValueError(f"no recording has a sample ({samples}) whose truth is known")
-    _tell(errors, samples)
+    _warn(errors, samples)
     return draw(by_name, errors, truth, view)
 
 
@@ -68,18 +68,19 @@ def _errors(
 ) -> NDArray[np.float64]:
     """Return the (M,) root mean square distances, NaN where there is no sample."""
     squared = ((recording.positions - true_positions(truth, recording)) ** 2).sum(axis=2)
-    chosen = made(recording) if samples == "made" else recording.present
+    chosen = estimated(recording) if samples == "made" else recording.present
     chosen = chosen & np.isfinite(squared)
     count = chosen.sum(axis=0)
     total = np.where(chosen, squared, 0.0).sum(axis=0)
     return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
-def _tell(errors: dict[str, NDArray[np.float64]], samples: str) -> None:
-    without = {name: int(np.isnan(one).sum()) for name, one in errors.items()}
-    told = [f"{name or 'recording'} {count}" for name, count in without.items() if count]
-    if told:
+def _warn(errors: dict[str, NDArray[np.float64]], samples: str) -> None:
+    without = {name: int(np.isnan(values).sum()) for name, values in errors.items()}
+    counts = [f"{name or 'recording'} {count}" for name, count in without.items() if count]
+    if counts:
         warnings.warn(
-            f"markers without a sample ({samples}) of known truth, drawn hollow: {', '.join(told)}",
+            f"markers without a sample ({samples}) of known truth, drawn hollow: "
+            f"{', '.join(counts)}",
             stacklevel=3,
         )

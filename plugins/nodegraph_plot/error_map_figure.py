@@ -39,15 +39,17 @@ def draw(
     rows = math.ceil(len(recordings) / columns)
     figure = Figure(figsize=(2.6 * columns + 1.0, 2.9 * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
-    largest = max(float(np.nanmax(one)) for one in errors.values() if np.isfinite(one).any())
+    largest = max(
+        float(np.nanmax(values)) for values in errors.values() if np.isfinite(values).any()
+    )
     seen = frontal(truth, view)
     places = dict(zip(truth.markers, seen.project(_mean(truth)), strict=True))
     drawn: ScalarMappable | None = None
     for axis, (name, recording) in zip(axes.flat, recordings.items(), strict=False):
-        known = np.array([places.get(one, (np.nan, np.nan)) for one in recording.markers])
+        known = np.array([places.get(marker, (np.nan, np.nan)) for marker in recording.markers])
         drawn = _picture(axis, known, errors[name], largest) or drawn
-        told = f"{figure_text(name, across=_LETTERS, lines=2)}\n{_overall(errors[name])}"
-        axis.set_title(told.lstrip("\n"), fontsize="medium")
+        title = f"{figure_text(name, across=_LETTERS, lines=2)}\n{_overall(errors[name])}"
+        axis.set_title(title.lstrip("\n"), fontsize="medium")
     for axis in axes.flat[len(recordings) :]:
         axis.set_visible(False)
     if drawn is not None:

@@ -12,7 +12,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import Origin, figure_text
-from nodegraph_plot.gathered import true_positions
+from nodegraph_plot.recordings import true_positions
 from nodegraph_plot.view import frontal
 from nodegraph_tables.style import BLACK, BLUE, GREY, ORANGE
 
@@ -80,7 +80,7 @@ def draw(
     view: str,
 ) -> Figure:
     """Return the figure: a row per recording, a column per frame."""
-    faces = [_faces(one, truth, frames, view) for one in recordings.values()]
+    faces = [_faces(recording, truth, frames, view) for recording in recordings.values()]
     low, high = _limits([face for row in faces for face in row])
     figure, axes = _grid(len(faces), len(frames), high - low)
     for row, name in enumerate(recordings):
@@ -108,8 +108,8 @@ def _faces(
     joined = [(names[a], names[b]) for a, b in edges if a in names and b in names]
     ends = np.array(joined, dtype=np.intp).reshape(-1, 2)
     return [
-        _Face(points[one], known[one], recording.origin[frame], _whole(points[one][ends]))
-        for one, frame in enumerate(chosen)
+        _Face(points[index], known[index], recording.origin[frame], _whole(points[index][ends]))
+        for index, frame in enumerate(chosen)
     ]
 
 

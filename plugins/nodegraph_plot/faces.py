@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.gathered import check_frames, check_truth, named, telling
+from nodegraph_plot.recordings import check_frames, check_truth, comparable, named
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -65,20 +65,20 @@ def faces(
 
     by_name = named(recordings)
     check_truth(by_name, truth)
-    chosen = frames or _telling_frames(list(by_name.values()), truth)
+    chosen = frames or _frames_to_show(list(by_name.values()), truth)
     check_frames(by_name, chosen)
     return draw(by_name, truth, chosen, view)
 
 
-def _telling_frames(recordings: list[Trajectories], truth: Trajectories | None) -> tuple[int, ...]:
+def _frames_to_show(recordings: list[Trajectories], truth: Trajectories | None) -> tuple[int, ...]:
     length = min(recording.frames for recording in recordings)
     for flags in (
-        [telling(recording, truth) for recording in recordings],
+        [comparable(recording, truth) for recording in recordings],
         [~recording.present for recording in recordings],
     ):
-        found = np.flatnonzero(np.any([one[:length].any(axis=1) for one in flags], axis=0))
-        if len(found):
-            return _spaced(found)
+        candidates = np.flatnonzero(np.any([flag[:length].any(axis=1) for flag in flags], axis=0))
+        if len(candidates):
+            return _spaced(candidates)
     return _spaced(np.arange(length))
 
 

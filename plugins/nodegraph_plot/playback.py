@@ -76,14 +76,14 @@ def playback(
     known = [("truth", truth)] if truth is not None else []
     every = frames_apart(value for _, value in [*known, *shown])
     panels = [_panel(label, value, every, view) for label, value in [*known, *shown]]
-    told = [*_thinning(every), *out_of_reach(panels)]
-    for one in told:
-        warnings.warn(one, stacklevel=2)
+    notes = [*_thinning(every), *out_of_reach(panels)]
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
     return Playback(
         panels=tuple(panels[len(known) :]),
         truth=panels[0] if known else None,
         every=every,
-        notes=(*told, *_absent("recording", recordings), *_absent("animation", animations)),
+        notes=(*notes, *_absent("recording", recordings), *_absent("animation", animations)),
     )
 
 
@@ -110,6 +110,6 @@ def _thinning(every: int) -> Iterator[str]:
 
 
 def _absent(kind: str, gathered: Across[Any] | None) -> Iterator[str]:
-    for one in gathered.absent if gathered else ():
-        name = ", ".join(str(label) for label in one.labels.values() if label != "")
-        yield f"{kind} {name} is absent: {one.kind}, {one.reason}"
+    for absence in gathered.absent if gathered else ():
+        name = ", ".join(str(label) for label in absence.labels.values() if label != "")
+        yield f"{kind} {name} is absent: {absence.kind}, {absence.reason}"

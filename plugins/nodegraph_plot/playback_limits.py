@@ -24,7 +24,7 @@ MOST_VERTICES = 1_000_000
 
 def frames_apart(shown: Iterable[Trajectories | Animation]) -> int:
     """Return of how many frames one is played: 1 where all fit."""
-    samples = sum(one.frames * _across(one) for one in shown)
+    samples = sum(motion.frames * _across(motion) for motion in shown)
     return max(1, -(-samples // MOST_SAMPLES))
 
 
@@ -51,11 +51,11 @@ def check_meshes(shown: Iterable[tuple[str, Trajectories | Animation]]) -> None:
     Refusal
     """
     heads: dict[int, Head] = {}
-    for label, one in shown:
-        if not isinstance(one, Animation):
+    for label, motion in shown:
+        if not isinstance(motion, Animation):
             continue
-        heads[id(one.head)] = one.head
-        if not len(one.head.faces):
+        heads[id(motion.head)] = motion.head
+        if not len(motion.head.faces):
             raise Refusal(f"the head of {label or 'the animation'} has no triangles to draw")
     vertices = sum(len(head.vertices) * (1 + len(head.names)) for head in heads.values())
     if vertices > MOST_VERTICES:

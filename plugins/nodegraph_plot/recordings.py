@@ -1,4 +1,4 @@
-"""What both figures ask of gathered recordings: names, looks, frames that exist, the truth."""
+"""Recordings that a figure compares: their names and looks, checks, and their truth."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def check_something(name: str, recording: Trajectories) -> None:
 def named_looks(recordings: Across[Trajectories]) -> dict[str, Look]:
     """Return a look per recording: that which it has in every figure of the graph.
 
-    Looks are dealt to all combinations of the labels that the graph has, gathered here or not.
+    Looks are assigned to all combinations of the labels that the graph has, drawn here or not.
     """
     axes = [recordings.labels(axis) for axis in recordings.axes]
     every = tuple(
@@ -60,9 +60,9 @@ def named_looks(recordings: Across[Trajectories]) -> dict[str, Look]:
 
 def check_frames(recordings: dict[str, Trajectories], frames: Iterable[int]) -> None:
     """Raise a ValueError if a recording lacks one of the frames."""
-    asked = tuple(frames)
+    wanted = tuple(frames)
     for name, recording in recordings.items():
-        beyond = [frame for frame in asked if not 0 <= frame < recording.frames]
+        beyond = [frame for frame in wanted if not 0 <= frame < recording.frames]
         if beyond:
             there = f"{recording.frames} frames, 0 to {recording.frames - 1}"
             raise ValueError(
@@ -73,9 +73,9 @@ def check_frames(recordings: dict[str, Trajectories], frames: Iterable[int]) -> 
 
 def check_all_markers(recordings: dict[str, Trajectories], markers: Iterable[str]) -> None:
     """Raise a ValueError if a recording lacks one of the markers."""
-    asked = tuple(markers)
+    wanted = tuple(markers)
     for name, recording in recordings.items():
-        check_markers(recording, asked, what=name or "the recording")
+        check_markers(recording, wanted, what=name or "the recording")
 
 
 def check_truth(recordings: dict[str, Trajectories], truth: Trajectories | None) -> None:
@@ -94,21 +94,21 @@ def true_positions(truth: Trajectories | None, recording: Trajectories) -> NDArr
         return known
     place = {marker: column for column, marker in enumerate(truth.markers)}
     shared = [column for column, marker in enumerate(recording.markers) if marker in place]
-    known[:, shared] = truth.positions[:, [place[recording.markers[one]] for one in shared]]
+    known[:, shared] = truth.positions[:, [place[recording.markers[index]] for index in shared]]
     return known
 
 
-def made(recording: Trajectories) -> NDArray[np.bool_]:
+def estimated(recording: Trajectories) -> NDArray[np.bool_]:
     """Return (T, M), True where a sample was filled or repaired."""
     return np.asarray((recording.origin == Origin.FILLED) | (recording.origin == Origin.REPAIRED))
 
 
-def telling(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.bool_]:
-    """Return (T, M), True where a sample was made and can be compared with the truth.
+def comparable(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.bool_]:
+    """Return (T, M), True where a filled or repaired sample has a known truth.
 
-    Where no made sample has a known truth, all of them.
+    If none has one, True where a sample was filled or repaired.
     """
-    flags = made(recording)
+    flags = estimated(recording)
     known = flags & np.isfinite(true_positions(truth, recording)[..., 0])
     return known if known.any() else flags
 

@@ -43,7 +43,7 @@ def scatter(
     -------
     Figure
         An axis is logarithmic where all numbers are positive and the largest is more than 100
-        times the smallest. Rows without a finite number are left out, counted and told.
+        times the smallest. Rows without a finite number are left out, with a warning.
 
     Raises
     ------
@@ -61,11 +61,11 @@ def scatter(
     if by and by not in scores.axes:
         raise ValueError(f"no axis {by!r} is gathered; there are {axis_labels(scores)}")
     points = {name: _points(scores, by, name, x, upwards) for name in _labels(scores, by)}
-    _tell(points)
+    _warn(points)
     units = {x: "", upwards: "", **info_of(across).units}
-    found = {name: one[np.isfinite(one).all(axis=1)] for name, one in points.items()}
+    finite = {name: values[np.isfinite(values).all(axis=1)] for name, values in points.items()}
     known = scores.labels(by) if by else ()
-    return draw(found, looks([*found, *known]), _named(x, units), _named(upwards, units))
+    return draw(finite, looks([*finite, *known]), _named(x, units), _named(upwards, units))
 
 
 def _labels(scores: Across[Table], by: str) -> list[str]:
@@ -74,7 +74,7 @@ def _labels(scores: Across[Table], by: str) -> list[str]:
 
 def _points(scores: Across[Table], by: str, name: str, x: str, y: str) -> NDArray[np.float64]:
     parts = [
-        np.stack([_column(scores, table, labels, one) for one in (x, y)], axis=1)
+        np.stack([_column(scores, table, labels, column) for column in (x, y)], axis=1)
         for labels, table in scores
         if str(labels.get(by, "")) == name
     ]
@@ -93,15 +93,15 @@ def _column(
     return table[name].to_numpy(dtype=np.float64)
 
 
-def _tell(points: dict[str, NDArray[np.float64]]) -> None:
-    lost = {name: int((~np.isfinite(one)).any(axis=1).sum()) for name, one in points.items()}
-    told = [
+def _warn(points: dict[str, NDArray[np.float64]]) -> None:
+    lost = {name: int((~np.isfinite(values)).any(axis=1).sum()) for name, values in points.items()}
+    lines = [
         f"{name or 'scores'} {count} of {len(points[name])}"
         for name, count in lost.items()
         if count
     ]
-    if told:
-        warnings.warn(f"rows without a number, left out: {', '.join(told)}", stacklevel=3)
+    if lines:
+        warnings.warn(f"rows without a number, left out: {', '.join(lines)}", stacklevel=3)
 
 
 def _named(name: str, units: dict[str, str]) -> str:

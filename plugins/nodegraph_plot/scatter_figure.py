@@ -28,10 +28,10 @@ def draw(
     figure = Figure(figsize=(7.0, 4.4), layout="constrained")
     axis = figure.subplots()
     many = sum(map(len, points.values())) > _MANY
-    for name, one in points.items():
+    for name, values in points.items():
         axis.scatter(
-            one[:, 0],
-            one[:, 1],
+            values[:, 0],
+            values[:, 1],
             s=12,
             alpha=0.45 if many else 0.7,
             color=look[name].colour,

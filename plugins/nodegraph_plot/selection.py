@@ -8,7 +8,7 @@ from pydantic import Field
 
 from nodegraph import Across, Label, Refusal, listed, node
 from nodegraph_mocap import Figure, Selection, Table, Trajectories
-from nodegraph_plot.gathered import check_something
+from nodegraph_plot.recordings import check_something
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,7 +64,7 @@ def selection(
     if not len(selections):
         raise ValueError("there is no selection to draw")
     chosen = list(selections) if best is None else _named(selections, best)
-    return draw([_panel(labels, one, recordings) for labels, one in chosen], view)
+    return draw([_panel(labels, item, recordings) for labels, item in chosen], view)
 
 
 def _panel(
@@ -73,25 +73,25 @@ def _panel(
     from nodegraph_plot.selection_figure import Panel
 
     name = _text(labels)
-    found = [
+    matches = [
         recording
         for at, recording in recordings
         if all(labels.get(axis, "") == label for axis, label in at.items() if label != "")
     ]
-    if len(found) != 1:
+    if len(matches) != 1:
         there = "; ".join(filter(None, recordings.names())) or "one without labels"
         raise ValueError(
-            f"{len(found) or 'no'} recordings belong to the selection {name or 'without labels'}, "
-            f"one is needed; there are {len(recordings)}: {there}"
+            f"{len(matches) or 'no'} recordings belong to the selection {name or 'without labels'}"
+            f", one is needed; there are {len(recordings)}: {there}"
         )
-    check_something(f"the recording of {name}" if name else "", found[0])
-    lacking = [marker for marker in chosen.chosen if marker not in found[0].markers]
+    check_something(f"the recording of {name}" if name else "", matches[0])
+    lacking = [marker for marker in chosen.chosen if marker not in matches[0].markers]
     if lacking:
         raise ValueError(
             f"the recording lacks what is selected{f' in {name}' if name else ''}: "
             f"{', '.join(lacking)}"
         )
-    return Panel(name, chosen, found[0])
+    return Panel(name, chosen, matches[0])
 
 
 def _named(
@@ -109,23 +109,25 @@ def _named(
             f"columns: {listed(best.columns)}"
         )
     rows = dict.fromkeys(zip(*(best[axis].tolist() for axis in axes), strict=True))
-    return [one for row in rows for one in _matching(selections, dict(zip(axes, row, strict=True)))]
+    return [
+        match for row in rows for match in _matching(selections, dict(zip(axes, row, strict=True)))
+    ]
 
 
 def _matching(
     selections: Across[Selection], row: Mapping[str, Any]
 ) -> list[tuple[Mapping[str, Label], Selection]]:
-    found = [
-        (labels, one)
-        for labels, one in selections
+    matches = [
+        (labels, selection)
+        for labels, selection in selections
         if all(labels.get(axis, "") == label for axis, label in row.items())
     ]
-    if not found:
+    if not matches:
         raise ValueError(
             f"best names {_text(row)}, but there is no such selection; there are: "
             f"{'; '.join(selections.names())}"
         )
-    return found
+    return matches
 
 
 def _text(labels: Mapping[str, Any]) -> str:

@@ -69,7 +69,7 @@ def draw(panels: Sequence[Panel], view: str) -> Figure:
     rows = math.ceil(len(panels) / columns)
     figure = Figure(figsize=(max(2.7 * columns + 0.9, 4.2), 3.2 * rows + 0.5), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    places = [_places(one.recording, view) for one in panels]
+    places = [_places(panel.recording, view) for panel in panels]
     for axis, panel, points in zip(axes, panels, places, strict=False):
         _draw_face(axis, panel, points)
     _equal_limits(axes, places)

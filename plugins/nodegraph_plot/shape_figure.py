@@ -57,18 +57,20 @@ def _panel(
     drawn = []
     scale = 1.0 if len(reference.markers) <= _FEW else 0.4
     # The wider one lies below: it can be seen where the two are the same.
-    for one, (what, colour, wide) in zip((reference, shape), _KINDS, strict=True):
+    for outline, (what, colour, wide) in zip((reference, shape), _KINDS, strict=True):
         width = wide * scale
-        points = one.positions[frame if one.frames > 1 else 0] @ flat
+        points = outline.positions[frame if outline.frames > 1 else 0] @ flat
         drawn.append(points)
-        axis.add_collection(LineCollection(_joined(one, points), colors=colour, linewidths=width))
+        axis.add_collection(
+            LineCollection(_joined(outline, points), colors=colour, linewidths=width)
+        )
         size = 3.5 * scale + width
         axis.plot(*points.T, "o", color=colour, markersize=size, markeredgewidth=0, label=what)
     apart, squared = _apart(name, shape, reference, frame)
     axis.add_collection(LineCollection(list(apart @ flat), colors=GREY, linewidths=0.6, zorder=1))
-    told = f"D = {round(squared, _DECIMALS):.4g}" if len(apart) else "no point is in both"
+    distance = f"D = {round(squared, _DECIMALS):.4g}" if len(apart) else "no point is in both"
     called = figure_text(name, across=_LETTERS, lines=2)
-    axis.set_title(f"{called}\n{told}".lstrip("\n"), fontsize="medium")
+    axis.set_title(f"{called}\n{distance}".lstrip("\n"), fontsize="medium")
     _frame(axis, np.concatenate(drawn))
 
 
@@ -99,7 +101,8 @@ def _apart(
         of = f"{name}: the" if name else "the"
         raise ValueError(f"{of} shape and its reference have no marker in common")
     ends = [
-        one.keep(shared).positions[frame if one.frames > 1 else 0] for one in (shape, reference)
+        recording.keep(shared).positions[frame if recording.frames > 1 else 0]
+        for recording in (shape, reference)
     ]
     lines = np.stack(ends, axis=1)
     known = lines[np.isfinite(lines).all(axis=(1, 2))]

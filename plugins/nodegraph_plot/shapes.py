@@ -8,7 +8,7 @@ from pydantic import Field
 
 from nodegraph import Across, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.gathered import check_frames, named
+from nodegraph_plot.recordings import check_frames, named
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -58,14 +58,17 @@ def shapes(
     from nodegraph_plot.shape_figure import draw
 
     by_name = named(shapes)
-    labels = [one for one, _ in shapes]
+    labels = [label for label, _ in shapes]
     pairs = {
         name: (shape, _reference(name, at, references))
         for at, (name, shape) in zip(labels, by_name.items(), strict=True)
     }
     check_frames(by_name, (frame,))
-    longer = {name: one for name, (_, one) in pairs.items() if one.frames != 1}
-    check_frames({f"the reference {name}".rstrip(): one for name, one in longer.items()}, (frame,))
+    longer = {name: reference for name, (_, reference) in pairs.items() if reference.frames != 1}
+    check_frames(
+        {f"the reference {name}".rstrip(): reference for name, reference in longer.items()},
+        (frame,),
+    )
     return draw(pairs, frame, view)
 
 
@@ -73,10 +76,12 @@ def _reference(
     name: str, labels: Mapping[str, Label], references: Across[Trajectories]
 ) -> Trajectories:
     """Return the reference whose labels are those of the shape."""
-    found = [
-        one for at, one in references if all(labels.get(axis, at[axis]) == at[axis] for axis in at)
+    matches = [
+        reference
+        for at, reference in references
+        if all(labels.get(axis, at[axis]) == at[axis] for axis in at)
     ]
-    if len(found) != 1:
+    if len(matches) != 1:
         of = f"the shape {name}" if name else "the shape"
-        raise ValueError(f"{of} has {len(found)} references, not one")
-    return found[0]
+        raise ValueError(f"{of} has {len(matches)} references, not one")
+    return matches[0]

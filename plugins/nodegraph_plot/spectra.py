@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import Across, Truth, Unit, node
 from nodegraph_mocap import Figure, Trajectories
 from nodegraph_mocap.runs import runs_of
-from nodegraph_plot.gathered import check_all_markers, named, named_looks
+from nodegraph_plot.recordings import check_all_markers, named, named_looks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,7 +45,7 @@ def spectra(
     segment
         Length of a segment. Default: 256, or the largest power of two for which half of the
         markers of every recording have a run without a gap. Markers without such a run are left
-        out, counted and told.
+        out, and counted in a warning.
 
     Returns
     -------
@@ -66,16 +66,21 @@ def spectra(
 
     by_name = named(recordings)
     check_all_markers(by_name, markers)
-    chosen = {name: one.keep(markers) if markers else one for name, one in by_name.items()}
+    chosen = {
+        name: recording.keep(markers) if markers else recording
+        for name, recording in by_name.items()
+    }
     frames = segment or _common_segment(chosen)
-    lines = {name: _spectrum(name, one, frames) for name, one in chosen.items()}
+    lines = {name: _spectrum(name, recording, frames) for name, recording in chosen.items()}
     known = None if truth is None else _spectrum("the truth", truth, frames)
     return draw(lines, known, named_looks(recordings))
 
 
 def _common_segment(recordings: dict[str, Trajectories]) -> int:
-    longest = {name: float(np.median(_longest_runs(one))) for name, one in recordings.items()}
-    name, shortest = min(longest.items(), key=lambda one: one[1])
+    longest = {
+        name: float(np.median(_longest_runs(recording))) for name, recording in recordings.items()
+    }
+    name, shortest = min(longest.items(), key=lambda item: item[1])
     frames, called = recordings[name].frames, name or "the recording"
     if frames < _SHORTEST:
         raise ValueError(f"{called} is too short: {frames} of at least {_SHORTEST} frames")
@@ -88,9 +93,9 @@ def _common_segment(recordings: dict[str, Trajectories]) -> int:
 
 
 def _longest_runs(recording: Trajectories) -> NDArray[np.intp]:
-    found = runs_of(recording.present)
+    runs = runs_of(recording.present)
     longest = np.zeros(len(recording.markers), dtype=np.intp)
-    np.maximum.at(longest, found.marker, found.stop - found.start)
+    np.maximum.at(longest, runs.marker, runs.stop - runs.start)
     return longest
 
 
@@ -100,24 +105,26 @@ def _spectrum(
     """Return frequencies in Hz and the mean density in mm^2/Hz."""
     from scipy.signal import welch
 
-    found = runs_of(recording.present)
-    long = found.stop - found.start >= segment
+    runs = runs_of(recording.present)
+    long = runs.stop - runs.start >= segment
     power = np.zeros((len(recording.markers), segment // 2 + 1))
     count = np.zeros(len(recording.markers))
-    for marker, start, stop in zip(*(one[long] for one in found), strict=True):
+    for marker, start, stop in zip(*(ends[long] for ends in runs), strict=True):
         pieces = 1 + (stop - start - segment) // (segment - segment // 2)
         track = recording.positions[start:stop, marker]
         _, density = welch(track, fs=recording.rate, nperseg=segment, axis=0)
         power[marker] += pieces * density.sum(axis=1)
         count[marker] += pieces
-    _tell(name, recording, count, segment)
+    _warn(name, recording, count, segment)
     mean = power[count > 0] / count[count > 0, np.newaxis]
     frequency = np.asarray(np.fft.rfftfreq(segment, 1 / recording.rate), dtype=np.float64)
     return frequency, np.asarray(mean.mean(axis=0))
 
 
-def _tell(name: str, recording: Trajectories, count: NDArray[np.float64], segment: int) -> None:
-    lacking = [one for one, pieces in zip(recording.markers, count, strict=True) if not pieces]
+def _warn(name: str, recording: Trajectories, count: NDArray[np.float64], segment: int) -> None:
+    lacking = [
+        marker for marker, pieces in zip(recording.markers, count, strict=True) if not pieces
+    ]
     if len(lacking) == len(recording.markers):
         raise ValueError(
             f"no marker{f' of {name}' if name else ''} has {segment} frames without a gap"

@@ -26,13 +26,13 @@ def draw(lines: dict[str, Line], truth: Line | None, look: dict[str, Look]) -> F
     figure = Figure(figsize=(7.0, 4.0), layout="constrained")
     axis = figure.subplots()
     for name, (frequency, density) in lines.items():
-        one = look[name]
+        style = look[name]
         axis.plot(
             frequency[1:],
             density[1:],
-            one.line,
-            color=one.colour,
-            marker=one.marker,
+            style.line,
+            color=style.colour,
+            marker=style.marker,
             markevery=0.12,
             markersize=4,
             linewidth=1.2,

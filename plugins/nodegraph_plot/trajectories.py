@@ -8,14 +8,14 @@ import numpy as np
 
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.gathered import (
+from nodegraph_plot.recordings import (
     check_all_markers,
     check_frames,
     check_truth,
+    comparable,
     named,
     named_looks,
     runs,
-    telling,
 )
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def trajectories(
     check_truth(by_name, truth)
     if frames is not None:
         check_frames(by_name, frames)
-    chosen = markers or (_most_made(by_name, truth, frames),)
+    chosen = markers or (_most_estimated(by_name, truth, frames),)
     check_all_markers(by_name, chosen)
     window = _around_gap(by_name, chosen, truth) if frames is None else frames
     if window[0] > window[1]:
@@ -83,21 +83,23 @@ def trajectories(
     return draw(by_name, truth, named_looks(recordings), chosen, window, coordinates)
 
 
-def _most_made(
+def _most_estimated(
     recordings: dict[str, Trajectories],
     truth: Trajectories | None,
     frames: tuple[int, int] | None,
 ) -> str:
-    """Return the marker with the most made samples of known truth, the first of equals."""
+    """Return the marker with the most estimated samples of known truth, the first of equals."""
     seen = slice(None) if frames is None else slice(frames[0], frames[1] + 1)
     first, *others = recordings.values()
-    names = [name for name in first.markers if all(name in one.markers for one in others)]
+    names = [
+        name for name in first.markers if all(name in recording.markers for recording in others)
+    ]
     if not names:
         raise ValueError("the recordings have no marker in common")
     filled, missing = (np.zeros(len(names), dtype=int) for _ in range(2))
     for recording in recordings.values():
         columns = [recording.markers.index(name) for name in names]
-        filled += telling(recording, truth)[seen, columns].sum(axis=0)
+        filled += comparable(recording, truth)[seen, columns].sum(axis=0)
         missing += (~recording.present)[seen, columns].sum(axis=0)
     return names[int(np.lexsort((-np.arange(len(names)), missing, filled))[-1])]
 
@@ -105,7 +107,7 @@ def _most_made(
 def _around_gap(
     recordings: dict[str, Trajectories], markers: tuple[str, ...], truth: Trajectories | None
 ) -> tuple[int, int]:
-    """Return first and last frame around the longest run of made samples, else of missing ones."""
+    """Return first and last frame around the longest run of estimated, else missing samples."""
     length = min(recording.frames for recording in recordings.values())
     gaps = [
         gap
@@ -121,5 +123,5 @@ def _around_gap(
 
 
 def _gaps(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.bool_]:
-    flags = telling(recording, truth)
+    flags = comparable(recording, truth)
     return flags if flags.any() else ~recording.present

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
-from nodegraph_plot.gathered import made, runs, true_positions
+from nodegraph_plot.recordings import estimated, runs, true_positions
 from nodegraph_tables.style import BLACK, LIGHT, PALE
 
 if TYPE_CHECKING:
@@ -41,13 +41,13 @@ class _Curves:
     frames : (F,) array of int
     positions : (R, F, 3) array of float64
     truth : (F, 3) array of float64
-    made, measured : (R, F) arrays of bool
+    estimated, measured : (R, F) arrays of bool
     """
 
     frames: NDArray[np.intp]
     positions: NDArray[np.float64]
     truth: NDArray[np.float64]
-    made: NDArray[np.bool_]
+    estimated: NDArray[np.bool_]
     measured: NDArray[np.bool_]
 
     @property
@@ -65,13 +65,13 @@ class _Curves:
     @property
     def gaps(self) -> NDArray[np.bool_]:
         """(F,), True where some recording has no measured sample, or a repaired one."""
-        return np.asarray((self.made | ~self.measured).any(axis=0))
+        return np.asarray((self.estimated | ~self.measured).any(axis=0))
 
     @property
     def shading(self) -> set[str]:
         """What the shaded frames are: ``gap`` where any has none measured, ``repaired``."""
-        found = {"gap": ~self.measured, "repaired": self.made & self.measured}
-        return {name for name, flags in found.items() if flags.any()}
+        flagged = {"gap": ~self.measured, "repaired": self.estimated & self.measured}
+        return {name for name, flags in flagged.items() if flags.any()}
 
 
 def draw(
@@ -118,14 +118,14 @@ def _curves(
     window: tuple[int, int],
 ) -> _Curves:
     part = slice(window[0], window[1] + 1)
-    places = [(one, one.markers.index(marker)) for one in recordings.values()]
+    places = [(recording, recording.markers.index(marker)) for recording in recordings.values()]
     first, column = places[0]
     return _Curves(
         frames=np.arange(window[0], window[1] + 1),
-        positions=np.stack([one.positions[part, place] for one, place in places]),
+        positions=np.stack([recording.positions[part, place] for recording, place in places]),
         truth=true_positions(truth, first)[part, column],
-        made=np.stack([made(one)[part, place] for one, place in places]),
-        measured=np.stack([one.measured[part, place] for one, place in places]),
+        estimated=np.stack([estimated(recording)[part, place] for recording, place in places]),
+        measured=np.stack([recording.measured[part, place] for recording, place in places]),
     )
 
 
@@ -160,7 +160,7 @@ def _line(
     own = np.where(curves.own, values, np.nan)
     (line,) = axis.plot(curves.frames, own, look.line, color=look.colour, linewidth=1.1, label=name)
     line.set(zorder=3, **_dots(own))
-    filled = curves.made[place]
+    filled = curves.estimated[place]
     axis.plot(
         curves.frames[filled],
         values[filled],

@@ -63,16 +63,16 @@ def frontal(recording: Trajectories, view: str) -> View:
     face, known = _mean_face(recording)
     centre = face[known].mean(axis=0) if known.any() else np.zeros(3)
     if view != AUTO:
-        return View(centre, *_asked(view))
+        return View(centre, *_signed_axes(view))
     if np.count_nonzero(known) < _FEWEST:
-        return View(centre, *_asked("+x+y"))
+        return View(centre, *_signed_axes("+x+y"))
     sideways = _left(face, known, recording.markers, recording.marker_set)
     points = face[known] - centre
-    found = _from_extents(points) if sideways is None else _from_pairs(points, sideways)
-    return View(centre, *_snapped(*found))
+    axes = _from_extents(points) if sideways is None else _from_pairs(points, sideways)
+    return View(centre, *_snapped(*axes))
 
 
-def _asked(view: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _signed_axes(view: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     parts = re.fullmatch(r"([+-])([xyz])([+-])([xyz])", view)
     if parts is None or parts[2] == parts[4]:
         raise ValueError(f"view {view!r} is neither 'auto' nor two signed axes such as '+x+y'")
@@ -99,10 +99,12 @@ def _left(
     """Return the direction to the face's left, from its pairs; None where there are none."""
     place = {name: column for column, name in enumerate(markers) if known[column]}
     pairs = marker_set.pairs if marker_set else ()
-    ends = [(place[one], place[two]) for one, two in pairs if one in place and two in place]
+    ends = [
+        (place[left], place[right]) for left, right in pairs if left in place and right in place
+    ]
     if not ends:
         return None
-    across = np.mean([face[one] - face[two] for one, two in ends], axis=0)
+    across = np.mean([face[left] - face[right] for left, right in ends], axis=0)
     length = np.linalg.norm(across)
     return across / length if length > 0 else None
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, Trajectories
-from nodegraph_plot.gathered import named_looks, telling
+from nodegraph_plot.recordings import comparable, named_looks
 from nodegraph_plot.trajectories import trajectories
 
 FRAMES = 40
@@ -30,17 +30,17 @@ def half_known() -> tuple[Trajectories, Trajectories]:
 
 def test_made_samples_with_a_known_truth_tell_the_most() -> None:
     recording, truth = half_known()
-    flags = telling(recording, truth)
+    flags = comparable(recording, truth)
     assert np.argwhere(flags).tolist() == [[frame, 1] for frame in range(10, 14)]
 
 
 def test_without_a_truth_every_made_sample_tells() -> None:
     recording, _ = half_known()
-    assert np.count_nonzero(telling(recording, None)) == 25 + 4
+    assert np.count_nonzero(comparable(recording, None)) == 25 + 4
     nowhere = Trajectories(
         positions=np.full((FRAMES, 2, 3), np.nan), markers=recording.markers, rate=60.0
     )
-    assert np.count_nonzero(telling(recording, nowhere)) == 25 + 4
+    assert np.count_nonzero(comparable(recording, nowhere)) == 25 + 4
 
 
 def test_the_marker_that_can_be_compared_is_drawn_by_default() -> None:
