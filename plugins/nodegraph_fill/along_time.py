@@ -44,16 +44,16 @@ def bridge(
     """
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
-    bridged = gaps.chosen(gaps.inner & ~long)
+    bridged = gaps.subset(gaps.inner & ~long)
     positions = recording.positions.copy()
     _, frame, marker, _ = bridged.samples
     positions[frame, marker] = between(recording, bridged)
     filled = recording.with_samples(positions, changed=bridged.mask, origin=Origin.FILLED)
     reasons = [
-        (gaps.chosen(gaps.never), NEVER),
-        (gaps.chosen(long), LONG),
-        (gaps.chosen(gaps.at_start & ~long), "at the take's start"),
-        (gaps.chosen(gaps.at_end & ~long), "at the take's end"),
+        (gaps.subset(gaps.never), NEVER),
+        (gaps.subset(long), LONG),
+        (gaps.subset(gaps.at_start & ~long), "at the take's start"),
+        (gaps.subset(gaps.at_end & ~long), "at the take's end"),
     ]
     warn_left(filled, reasons, otherwise, stacklevel=3)
     return filled
@@ -77,10 +77,10 @@ def on_curves(recording: Trajectories, gaps: Gaps, curve: Curve) -> NDArray[np.f
         Millimetres, in the order of `Gaps.samples`.
     """
     _, frame, marker, _ = gaps.samples
-    made = np.empty((len(frame), 3))
+    values = np.empty((len(frame), 3))
     ends = np.flatnonzero(np.diff(marker)) + 1
     for samples in np.split(np.arange(len(frame)), ends) if len(frame) else ():
-        one = marker[samples[0]]
-        known = np.flatnonzero(recording.present[:, one])
-        made[samples] = curve(known, recording.positions[known, one])(frame[samples])
-    return made
+        column = marker[samples[0]]
+        known = np.flatnonzero(recording.present[:, column])
+        values[samples] = curve(known, recording.positions[known, column])(frame[samples])
+    return values

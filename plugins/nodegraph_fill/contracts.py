@@ -14,28 +14,28 @@ _HOW_TO_MARK = "return recording.with_samples(positions, changed=written, origin
 
 def present_samples_stay(tried: Tried) -> Iterator[str]:
     """Leave present samples bit for bit as they are, and write only missing ones."""
-    for given, made in promises.before_and_after(tried):
-        changed = given.present & np.any(given.positions != made.positions, axis=2)
+    for before, after in promises.before_and_after(tried):
+        changed = before.present & np.any(before.positions != after.positions, axis=2)
         if changed.any():
-            spots = promises.spots(given, changed)
+            spots = promises.spots(before, changed)
             yield f"{spots} changed: write where ~recording.present only"
 
 
 def written_samples_are_marked(tried: Tried) -> Iterator[str]:
     """Mark each sample that is written as filled, and leave the others' origin as it is."""
-    for given, made in promises.before_and_after(tried):
-        written = ~given.present & made.present
-        unmarked = written & (made.origin != Origin.FILLED)
+    for before, after in promises.before_and_after(tried):
+        written = ~before.present & after.present
+        unmarked = written & (after.origin != Origin.FILLED)
         if unmarked.any():
-            yield f"{promises.spots(given, unmarked)} written but not marked: {_HOW_TO_MARK}"
-        renamed = given.present & (made.origin != given.origin)
+            yield f"{promises.spots(before, unmarked)} written but not marked: {_HOW_TO_MARK}"
+        renamed = before.present & (after.origin != before.origin)
         if renamed.any():
-            yield f"{promises.spots(given, renamed)} not written but marked anew: {_HOW_TO_MARK}"
+            yield f"{promises.spots(before, renamed)} not written but marked anew: {_HOW_TO_MARK}"
 
 
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Fill markers in another order alike, where no tie and no choice depends on it."""
-    if not any(_order_matters(given) for given, _ in promises.before_and_after(tried)):
+    if not any(_order_matters(before) for before, _ in promises.before_and_after(tried)):
         yield from promises.does_not_depend_on_the_order_of_markers(tried)
 
 
@@ -56,4 +56,4 @@ def _order_matters(recording: Trajectories) -> bool:
     if np.any(np.count_nonzero(~recording.present, axis=1) > 1):
         return True
     positions = np.nan_to_num(recording.positions, nan=np.inf)
-    return any(len(np.unique(one, axis=0)) < len(one) for one in positions)
+    return any(len(np.unique(points, axis=0)) < len(points) for points in positions)

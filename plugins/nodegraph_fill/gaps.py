@@ -76,7 +76,7 @@ class Gaps:
         """(G,), True where the gap is longer; nowhere when there is no limit."""
         return np.zeros(len(self.start), dtype=np.bool_) if frames is None else self.length > frames
 
-    def chosen(self, which: NDArray[np.bool_]) -> Gaps:
+    def subset(self, which: NDArray[np.bool_]) -> Gaps:
         """Return some of the gaps."""
         return Gaps(self.marker[which], self.start[which], self.stop[which], self.shape)
 
@@ -125,10 +125,11 @@ def warn_left(
         return
     counts = [(reason, int(gaps.length.sum())) for gaps, reason in reasons]
     counts.append((otherwise, left - sum(count for _, count in counts)))
-    told = ", ".join(f"{reason} {count}" for reason, count in counts if count)
+    details = ", ".join(f"{reason} {count}" for reason, count in counts if count)
     markers = _counted(np.count_nonzero(missing.any(axis=0)), "marker")
     warnings.warn(
-        f"{_counted(left, 'sample')} of {markers} left missing: {told}", stacklevel=stacklevel + 1
+        f"{_counted(left, 'sample')} of {markers} left missing: {details}",
+        stacklevel=stacklevel + 1,
     )
 
 

@@ -148,12 +148,12 @@ def _without(
     ends: HiddenEnds,
     hidden: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
-    """Return the states, (E, D), as they are without what the hidden samples have told."""
-    basis, told = model.subspace.basis, np.where(hidden, 1.0 / model.noise, 0.0)
+    """Return the states, (E, D), without the contribution of the hidden samples."""
+    basis, weight = model.subspace.basis, np.where(hidden, 1.0 / model.noise, 0.0)
     information = np.linalg.inv(covariances[ends.frame])
     vector = information @ states[ends.frame, :, None]
-    vector -= ((told * rows[ends.frame]) @ basis)[:, :, None]
-    information -= (basis.T * told[:, None]) @ basis
+    vector -= ((weight * rows[ends.frame]) @ basis)[:, :, None]
+    information -= (basis.T * weight[:, None]) @ basis
     return np.asarray(np.linalg.solve(information, vector)[..., 0])
 
 

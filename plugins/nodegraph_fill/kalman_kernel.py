@@ -72,7 +72,7 @@ def smooth(rows: Any, missing: Any, basis: Any, noise: Any, first: Any, drift: A
 def _divided(upper: Any, lower: Any) -> Any:
     """Return A inv(B), both symmetric and B positive definite, by Cholesky's factors."""
     size = len(lower)
-    factor, made = np.zeros_like(lower), upper.copy()
+    factor, quotient = np.zeros_like(lower), upper.copy()
     for i in range(size):
         for j in range(i + 1):
             rest = lower[i, j]
@@ -82,10 +82,10 @@ def _divided(upper: Any, lower: Any) -> Any:
     for row in range(size):
         for i in range(size):
             for k in range(i):
-                made[row, i] -= factor[i, k] * made[row, k]
-            made[row, i] /= factor[i, i]
+                quotient[row, i] -= factor[i, k] * quotient[row, k]
+            quotient[row, i] /= factor[i, i]
         for i in range(size - 1, -1, -1):
             for k in range(i + 1, size):
-                made[row, i] -= factor[k, i] * made[row, k]
-            made[row, i] /= factor[i, i]
-    return made
+                quotient[row, i] -= factor[k, i] * quotient[row, k]
+            quotient[row, i] /= factor[i, i]
+    return quotient

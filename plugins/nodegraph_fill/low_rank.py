@@ -94,9 +94,9 @@ class LowRank:
         """Return other rows completed by the same K."""
         from nodegraph_fill import low_rank_kernel
 
-        made = np.ascontiguousarray(rows).copy()
-        low_rank_kernel.complete(made, missing, self.precision)
-        return made
+        filled = np.ascontiguousarray(rows).copy()
+        low_rank_kernel.complete(filled, missing, self.precision)
+        return filled
 
     def principal(self, share: float) -> Principal:
         """Return the principal subspace of the completed rows that has a share of the variance."""
@@ -113,20 +113,20 @@ class LowRank:
         from nodegraph_fill import low_rank_kernel
 
         where = self._missing
-        made = ahead = rows[where]
+        current = ahead = rows[where]
         speed = 1.0
         for _ in range(_MOST_ROUNDS):
             rows[where] = ahead
             self.precision = self._majorant(rows)
             low_rank_kernel.complete(rows, where, self.precision)
-            before, made = made, rows[where]
-            step = made - ahead
+            before, current = current, rows[where]
+            step = current - ahead
             if np.abs(step).max(initial=0.0) <= settled:
                 return
-            if step @ (made - before) < 0.0:
+            if step @ (current - before) < 0.0:
                 speed = 1.0
             faster = (1.0 + math.sqrt(1.0 + 4.0 * speed * speed)) / 2.0
-            ahead, speed = made + (speed - 1.0) / faster * (made - before), faster
+            ahead, speed = current + (speed - 1.0) / faster * (current - before), faster
         off = float(np.abs(step).max())
         warnings.warn(
             f"completing the take has not settled after {_MOST_ROUNDS} rounds: the last one "

@@ -56,16 +56,16 @@ def _factorize(precision: Any, places: Any, factor: Any) -> None:
 @compiled
 def _solve(precision: Any, places: Any, factor: Any, row: Any) -> None:
     size = len(places)
-    made = np.zeros(size)
+    solution = np.zeros(size)
     row[places] = 0.0
     for i in range(size):
         for column in range(len(row)):
-            made[i] -= precision[places[i], column] * row[column]
+            solution[i] -= precision[places[i], column] * row[column]
         for k in range(i):
-            made[i] -= factor[i, k] * made[k]
-        made[i] /= factor[i, i]
+            solution[i] -= factor[i, k] * solution[k]
+        solution[i] /= factor[i, i]
     for i in range(size - 1, -1, -1):
         for k in range(i + 1, size):
-            made[i] -= factor[k, i] * made[k]
-        made[i] /= factor[i, i]
-    row[places] = made
+            solution[i] -= factor[k, i] * solution[k]
+        solution[i] /= factor[i, i]
+    row[places] = solution

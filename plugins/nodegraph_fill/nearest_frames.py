@@ -77,6 +77,6 @@ def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:
     imputer = KNNImputer(n_neighbors=frames, weights="distance").fit(rows[spread])
     lacking = ~recording.present[:, seen].all(axis=1)
     positions = recording.positions.copy()
-    made = imputer.transform(rows[lacking]) + middle
-    positions[np.ix_(lacking, seen)] = made.reshape(-1, np.count_nonzero(seen), 3)
+    imputed = imputer.transform(rows[lacking]) + middle
+    positions[np.ix_(lacking, seen)] = imputed.reshape(-1, np.count_nonzero(seen), 3)
     return positions

@@ -34,8 +34,8 @@ def neighbour_kalman(
     Each coordinate of a marker has a position and a velocity, constant but for an acceleration
     that is drawn anew for each frame: ``x[t+1] = [[1, T], [0, 1]] x[t] + a [T^2 / 2, T]``, T
     being the time of a frame and a normal with the standard deviation `acceleration`. Where the
-    marker is present, the filter is told its position, with `noise`. Where it is missing, it is
-    told where its neighbours would take it, with `neighbour_noise`, and the sample is what the
+    marker is present, the filter observes its position, with `noise`. Where it is missing, it
+    observes where its neighbours would take it, with `neighbour_noise`, and the sample is what the
     filter then has: a prediction from the marker's own motion at first, from its neighbours'
     the longer the gap lasts.
 
@@ -87,30 +87,33 @@ def neighbour_kalman(
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
         from nodegraph_fill.neighbour_kalman_kernel import follow
 
-        told = _told(recording, gaps, neighbours)
+        observations = _observations(recording, gaps, neighbours)
         variance = np.where(recording.present, noise, neighbour_noise) ** 2
-        positions = np.full_like(told, np.nan)
+        positions = np.full_like(observations, np.nan)
         for marker in np.unique(gaps.marker[~gaps.at_start]):
-            given, spread = told[:, marker].copy(), variance[:, marker].copy()
+            observed, spread = observations[:, marker].copy(), variance[:, marker].copy()
             # the frames before the marker is seen are not asked forward in time
-            given[: recording.present[:, marker].argmax()] = np.nan
-            positions[:, marker] = follow(given, spread, 1.0 / recording.rate, acceleration)
+            observed[: recording.present[:, marker].argmax()] = np.nan
+            positions[:, marker] = follow(observed, spread, 1.0 / recording.rate, acceleration)
         for marker, stop in zip(gaps.marker[gaps.at_start], gaps.stop[gaps.at_start], strict=True):
             rest = ~recording.present[stop:, marker]
             last = stop + int(rest.argmax()) if rest.any() else recording.frames
-            given, spread = told[:last, marker][::-1].copy(), variance[:last, marker][::-1].copy()
-            made = follow(given, spread, 1.0 / recording.rate, acceleration)[::-1]
-            positions[:stop, marker] = made[:stop]
-        return Estimate(np.where(np.isnan(told), np.nan, positions))
+            observed, spread = (
+                observations[:last, marker][::-1].copy(),
+                variance[:last, marker][::-1].copy(),
+            )
+            backward = follow(observed, spread, 1.0 / recording.rate, acceleration)[::-1]
+            positions[:stop, marker] = backward[:stop]
+        return Estimate(np.where(np.isnan(observations), np.nan, positions))
 
     otherwise = "no three neighbours that span a plane"
     return fill_from(recording, max_gap, model, bend=False, otherwise=otherwise)
 
 
-def _told(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:
+def _observations(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:
     """Return the positions with what the neighbours tell in the gaps, (T, M, 3)."""
     gap, frame, marker, _ = gaps.samples
     seen = np.where(gaps.at_start, gaps.stop, gaps.start - 1)[gap]
-    told = recording.positions.copy()
-    told[frame, marker] = carried(recording, seen, frame, marker, neighbours)
-    return told
+    observations = recording.positions.copy()
+    observations[frame, marker] = carried(recording, seen, frame, marker, neighbours)
+    return observations

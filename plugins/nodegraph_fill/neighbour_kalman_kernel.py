@@ -12,7 +12,7 @@ compiled = kernel()
 
 
 @compiled
-def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any:
+def follow(observations: Any, variance: Any, seconds: float, acceleration: float) -> Any:
     """Return a marker's position in every frame, filtered from it and the frames before.
 
     Each coordinate has a position and a velocity; its covariance, the same for all three, is
@@ -20,8 +20,8 @@ def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any
 
     Parameters
     ----------
-    told : (T, 3) array of float64
-        What is told of the position, mm; NaN where nothing is.
+    observations : (T, 3) array of float64
+        Observed or estimated positions, mm; NaN where there is none.
     variance : (T,) array of float64
         Its variance, mm^2.
     seconds
@@ -32,21 +32,21 @@ def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any
     Returns
     -------
     (T, 3) array of float64
-        Millimetres; NaN before the first frame in which something is told.
+        Millimetres; NaN before the first frame that has an observation.
     """
-    made = np.full_like(told, np.nan)
+    path = np.full_like(observations, np.nan)
     position, velocity = np.zeros(3), np.zeros(3)
     jolt = (acceleration * seconds) ** 2
     p, c, v, started = 0.0, 0.0, 0.0, False
-    for t in range(len(told)):
-        here = not np.isnan(told[t, 0])
+    for t in range(len(observations)):
+        here = not np.isnan(observations[t, 0])
         if not started:
             if here:
                 started = True
-                position[:] = told[t]
+                position[:] = observations[t]
                 # as if it had been speeding up for a second
                 p, v = variance[t], acceleration**2
-                made[t] = position
+                path[t] = position
             continue
         position += velocity * seconds
         p += seconds * (2.0 * c + seconds * (v + jolt / 4.0))
@@ -55,11 +55,11 @@ def follow(told: Any, variance: Any, seconds: float, acceleration: float) -> Any
         if here:
             total = p + variance[t]
             for i in range(3):
-                off = (told[t, i] - position[i]) / total
+                off = (observations[t, i] - position[i]) / total
                 position[i] += p * off
                 velocity[i] += c * off
             v -= c * c / total
             c -= p * c / total
             p -= p * p / total
-        made[t] = position
-    return made
+        path[t] = position
+    return path

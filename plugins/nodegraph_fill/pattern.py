@@ -64,11 +64,11 @@ def _donors(recording: Trajectories, gaps: Gaps) -> NDArray[np.intp]:
     missing = np.zeros((recording.frames + 1, len(recording.markers)), dtype=np.intp)
     np.cumsum(~recording.present, axis=0, out=missing[1:])
     donor = np.full(len(gaps.start), -1)
-    for one in range(len(donor)):
-        first = gaps.start[one] - 1
-        whole = missing[gaps.stop[one] + 1] == missing[first]
+    for index in range(len(donor)):
+        first = gaps.start[index] - 1
+        whole = missing[gaps.stop[index] + 1] == missing[first]
         if whole.any():
             here = recording.positions[first]
-            squared = ((here - here[gaps.marker[one]]) ** 2).sum(axis=1)
-            donor[one] = np.where(whole, squared, np.inf).argmin()
+            squared = ((here - here[gaps.marker[index]]) ** 2).sum(axis=1)
+            donor[index] = np.where(whole, squared, np.inf).argmin()
     return donor

@@ -106,16 +106,16 @@ def pca(
         positions = np.full_like(recording.positions, np.nan)
         centred, middle = _without_mean(recording)
         groups = _each if strategy == "each" else _together
-        done = False
-        for wanted, asked, distance in groups(recording, np.unique(gaps.marker)):
-            complete = np.asarray(recording.present[:, wanted | asked].all(axis=1))
+        estimated = False
+        for wanted, predictors, distance in groups(recording, np.unique(gaps.marker)):
+            complete = np.asarray(recording.present[:, wanted | predictors].all(axis=1))
             weight = np.exp(-(distance**2) / (2.0 * weight_scale**2))
             weight[wanted] = weight_missing
-            done |= bool(complete.any())
-            if complete.any() and asked.any():
-                made = _carried(centred, complete, wanted, asked, weight, singular_values)
-                positions[:, wanted] = made + middle
-        if not done:
+            estimated |= bool(complete.any())
+            if complete.any() and predictors.any():
+                estimate = _carried(centred, complete, wanted, predictors, weight, singular_values)
+                positions[:, wanted] = estimate + middle
+        if not estimated:
             raise _refusal(recording, gaps, strategy)
         return Estimate(positions)
 
@@ -172,12 +172,12 @@ def _carried(
     positions: NDArray[np.float64],
     complete: NDArray[np.bool_],
     wanted: NDArray[np.bool_],
-    asked: NDArray[np.bool_],
+    predictors: NDArray[np.bool_],
     weight: NDArray[np.float64],
     share: float,
 ) -> NDArray[np.float64]:
     """Return the wanted markers in every frame, (T, W, 3); NaN where one that is asked lacks."""
-    used = np.flatnonzero(wanted | asked)
+    used = np.flatnonzero(wanted | predictors)
     rows = positions[:, used].reshape(len(positions), -1)
     hidden = np.repeat(wanted[used], 3)
     middle, spread = rows[complete].mean(axis=0), rows[complete].std(axis=0)
@@ -186,10 +186,10 @@ def _carried(
     rows = (rows - middle) * scale
     shown = np.where(hidden, 0.0, rows)
     full, rest = _components(rows[complete]), _components(shown[complete])
-    kept = max(_enough(values, share) for values, _ in (full, rest))
-    back, onto = (_first(kept, *one) for one in (full, rest))
-    made = ((shown @ onto) @ (onto.T @ back)) @ back[hidden].T
-    return np.asarray((made / scale[hidden] + middle[hidden]).reshape(len(rows), -1, 3))
+    count = max(_enough(values, share) for values, _ in (full, rest))
+    back, onto = (_first(count, *spectrum) for spectrum in (full, rest))
+    estimate = ((shown @ onto) @ (onto.T @ back)) @ back[hidden].T
+    return np.asarray((estimate / scale[hidden] + middle[hidden]).reshape(len(rows), -1, 3))
 
 
 def _components(rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

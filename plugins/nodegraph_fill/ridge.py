@@ -87,8 +87,8 @@ def _estimate(
         predictors = near[marker][whole[near[marker]]][:neighbours]
         lesson = _frames_with(present, marker, predictors)
         if len(predictors) and len(lesson) > 1:
-            told = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
-            model = _learnt(told, recording.positions[lesson, marker], penalty)
+            known = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
+            model = _learnt(known, recording.positions[lesson, marker], penalty)
             now = recording.positions[window][:, predictors]
             estimate[window, marker] = model.predict(now.reshape(len(now), -1))
     return estimate
@@ -103,10 +103,10 @@ def _nearest_first(recording: Trajectories) -> NDArray[np.intp]:
     return np.asarray(order[:, 1:])
 
 
-def _learnt(told: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float) -> Any:
+def _learnt(known: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float) -> Any:
     from sklearn.linear_model import Ridge
 
-    return Ridge(alpha=penalty).fit(told, wanted)
+    return Ridge(alpha=penalty).fit(known, wanted)
 
 
 def _frames_with(

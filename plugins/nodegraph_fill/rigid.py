@@ -70,6 +70,8 @@ def _mixed(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.f
     ahead = carried(recording, gaps.start[gap] - 1, frame, marker, neighbours)
     back = carried(recording, gaps.stop[gap], frame, marker, neighbours)
     mixed = ahead + (back - ahead) * share[:, None]
-    made = np.full_like(recording.positions, np.nan)
-    made[frame, marker] = np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed))
-    return made
+    positions = np.full_like(recording.positions, np.nan)
+    positions[frame, marker] = np.where(
+        np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed)
+    )
+    return positions

@@ -44,12 +44,12 @@ def carried(
     (S, 3) array of float64
         Millimetres; NaN where there are fewer than three neighbours or they lie on a line.
     """
-    made = np.full((len(frame), 3), np.nan)
+    places = np.full((len(frame), 3), np.nan)
     there = np.flatnonzero((end >= 0) & (end < recording.frames))
     for first in range(0, len(there), _AT_ONCE):
         some = there[first : first + _AT_ONCE]
-        made[some] = _moved(recording, end[some], frame[some], marker[some], neighbours)
-    return made
+        places[some] = _moved(recording, end[some], frame[some], marker[some], neighbours)
+    return places
 
 
 def _moved(

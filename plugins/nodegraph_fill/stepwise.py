@@ -145,17 +145,17 @@ def fill_stepwise(
         raise ValueError(f"close_gap must be none, ramp or blend, got {close_gap!r}")
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.chosen(~(long | gaps.never))
+    wanted = gaps.subset(~(long | gaps.never))
     positions = _blended if close_gap == "blend" else _chained
-    made = positions(recording, wanted, rule)
+    chain = positions(recording, wanted, rule)
     if close_gap == "ramp":
-        _ramp(made, wanted.chosen(wanted.inner), rule)
-    filled = recording.with_samples(made.positions, changed=wanted.mask, origin=Origin.FILLED)
-    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
+        _ramp(chain, wanted.subset(wanted.inner), rule)
+    filled = recording.with_samples(chain.positions, changed=wanted.mask, origin=Origin.FILLED)
+    reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
     warn_left(filled, reasons, "no usable neighbour", stacklevel=3)
-    if made.still:
+    if chain.still:
         warnings.warn(
-            f"{made.still} predictions left a marker where it was: its nearest neighbour lies "
+            f"{chain.still} predictions left a marker where it was: its nearest neighbour lies "
             "beyond falloff_radius, or where the marker itself does",
             stacklevel=3,
         )
@@ -163,10 +163,10 @@ def fill_stepwise(
 
 
 def _chained(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
-    made = _Pass.over(recording)
-    made.run(gaps, rule, backward=False)
-    made.run(gaps.chosen(gaps.at_start), rule, backward=True)
-    return made
+    chain = _Pass.over(recording)
+    chain.run(gaps, rule, backward=False)
+    chain.run(gaps.subset(gaps.at_start), rule, backward=True)
+    return chain
 
 
 def _blended(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
@@ -182,14 +182,14 @@ def _blended(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
     return forward
 
 
-def _ramp(made: _Pass, gaps: Gaps, rule: Rule) -> None:
+def _ramp(chain: _Pass, gaps: Gaps, rule: Rule) -> None:
     """Spread each gap's mismatch over it, all from the positions before any is spread."""
     from nodegraph_fill import stepwise_kernel
 
     predicted = stepwise_kernel.predict_returns(
-        made.positions, made.state, gaps.stop, gaps.marker, *rule.arguments(made.state.shape[1])
+        chain.positions, chain.state, gaps.stop, gaps.marker, *rule.arguments(chain.state.shape[1])
     )
-    mismatch = made.positions[gaps.stop, gaps.marker] - predicted
+    mismatch = chain.positions[gaps.stop, gaps.marker] - predicted
     gap, frame, marker, share = gaps.samples
     correction = np.where(np.isnan(mismatch), 0.0, mismatch)[gap] * share[:, None]
-    made.positions[frame, marker] += correction
+    chain.positions[frame, marker] += correction

@@ -105,20 +105,20 @@ def run(
             marker = targets[turn]
             rank = ranks[marker]
             bound = _bound(then, marker, rank, tier, MEASURED, MEASURED)
-            found = _nearest(
+            nearest = _nearest(
                 then, marker, places, who, size, allowed, rank, weight, distances, 0, bound
             )
-            if found < neighbours:
+            if nearest < neighbours:
                 others = _gather(spare, spared, then, tier, FILLED, FILLED)
-                found = _nearest(
-                    then, marker, spare, spared, others, allowed, rank, weight, distances, found,
+                nearest = _nearest(
+                    then, marker, spare, spared, others, allowed, rank, weight, distances, nearest,
                     np.inf,
                 )  # fmt: skip
-            if found == 0:
+            if nearest == 0:
                 continue
-            _weigh(weight, found, kind, full, end)
+            _weigh(weight, nearest, kind, full, end)
             still += kind == WATERS and weight[0] < 1e-12
-            _move(here[marker], then, here, marker, rank, weight, found)
+            _move(here[marker], then, here, marker, rank, weight, nearest)
             state[now, marker] = FILLED
             if use_filled:
                 tier[marker] = FILLED
@@ -164,16 +164,16 @@ def predict_returns(
             continue
         then, here = positions[now - 1], positions[now]
         _set_tiers(tier, state[now - 1], state[now], use_filled)
-        found = 0
+        count = 0
         for level in (MEASURED, FILLED):
-            if found < neighbours:
+            if count < neighbours:
                 size = _gather(places, who, then, tier, level, level)
-                found = _nearest(
-                    then, target, places, who, size, allowed, rank, weight, distances, found, np.inf
+                count = _nearest(
+                    then, target, places, who, size, allowed, rank, weight, distances, count, np.inf
                 )
-        if found > 0:
-            _weigh(weight, found, kind, full, end)
-            _move(predicted[gap], then, here, target, rank, weight, found)
+        if count > 0:
+            _weigh(weight, count, kind, full, end)
+            _move(predicted[gap], then, here, target, rank, weight, count)
     return predicted
 
 
@@ -254,7 +254,7 @@ def _nearest(
         distances[index] = dx * dx + dy * dy + dz * dz
     last = len(rank) - 1
     squared[first:] = bound
-    found = first
+    count = first
     for index in range(size):
         distance = distances[index]
         if distance < squared[last] and allowed[marker, who[index]]:
@@ -265,10 +265,10 @@ def _nearest(
                 slot -= 1
             squared[slot] = distance
             rank[slot] = who[index]
-            found += 1
-    found = min(found, last + 1)
-    rank[found:] = -1
-    return found
+            count += 1
+    count = min(count, last + 1)
+    rank[count:] = -1
+    return count
 
 
 @inlined
@@ -293,11 +293,11 @@ def _bound(then: Any, marker: int, rank: Any, tier: Any, lowest: int, highest: i
 
 @inlined
 def _move(
-    place: Any, then: Any, here: Any, marker: int, rank: Any, weight: Any, found: int
+    place: Any, then: Any, here: Any, marker: int, rank: Any, weight: Any, count: int
 ) -> None:
     """Write the marker's last position plus its neighbours' weighted displacements."""
     x, y, z = then[marker, 0], then[marker, 1], then[marker, 2]
-    for index in range(found):
+    for index in range(count):
         other, share = rank[index], weight[index]
         x += share * (here[other, 0] - then[other, 0])
         y += share * (here[other, 1] - then[other, 1])
@@ -306,36 +306,36 @@ def _move(
 
 
 @inlined
-def _weigh(weight: Any, found: int, kind: int, full: float, end: float) -> None:
+def _weigh(weight: Any, count: int, kind: int, full: float, end: float) -> None:
     """Replace the neighbours' squared distances by their weights."""
-    for index in range(found):
+    for index in range(count):
         weight[index] = math.sqrt(weight[index])
     if kind == MEAN:
-        weight[:found] = 1.0 / found
+        weight[:count] = 1.0 / count
     elif kind == COSINE:
-        _weigh_cosine(weight, found)
+        _weigh_cosine(weight, count)
     elif kind == WATERS:
         weight[0] = _fall_off(weight[0], full, end)
-    elif found < 3:
-        _weigh_inverse(weight, found)
+    elif count < 3:
+        _weigh_inverse(weight, count)
     else:
         _weigh_muscle(weight, kind == MUSCLE_NORMALIZED)
 
 
 @inlined
-def _weigh_cosine(weight: Any, found: int) -> None:
+def _weigh_cosine(weight: Any, count: int) -> None:
     nearest, farthest = np.inf, 0.0
-    for index in range(found):
+    for index in range(count):
         nearest, farthest = min(nearest, weight[index]), max(farthest, weight[index])
     if farthest == nearest:
-        weight[:found] = 1.0 / found
+        weight[:count] = 1.0 / count
         return
     scale = math.pi / 2.5 / (farthest - nearest)
     total = 0.0
-    for index in range(found):
+    for index in range(count):
         weight[index] = math.cos((weight[index] - nearest) * scale)
         total += weight[index]
-    for index in range(found):
+    for index in range(count):
         weight[index] /= total
 
 
@@ -355,9 +355,9 @@ def _weigh_muscle(weight: Any, normalize: bool) -> None:
 
 
 @inlined
-def _weigh_inverse(weight: Any, found: int) -> None:
+def _weigh_inverse(weight: Any, count: int) -> None:
     """Weight one or two neighbours by the inverse of their distance, the sum being 1."""
-    if found == 1:
+    if count == 1:
         weight[0] = 1.0
         return
     every = weight[0] + weight[1]
@@ -395,25 +395,25 @@ def _set_rings(
     for marker in targets:
         ring = rings[marker]
         bound = _bound(then, marker, ring, before, MEASURED, FILLED)
-        found = _nearest(
+        count = _nearest(
             then, marker, places, who, size, allowed, ring, squared, distances, 0, bound
         )
-        mean[marker] = _mean_distance(squared, found)
-        usable[marker] = _count_usable(ring, found, tier)
+        mean[marker] = _mean_distance(squared, count)
+        usable[marker] = _count_usable(ring, count, tier)
 
 
 @inlined
-def _mean_distance(squared: Any, found: int) -> float:
+def _mean_distance(squared: Any, count: int) -> float:
     total = 0.0
-    for index in range(found):
+    for index in range(count):
         total += math.sqrt(squared[index])
-    return total / found if found > 0 else np.inf
+    return total / count if count > 0 else np.inf
 
 
 @inlined
-def _count_usable(ring: Any, found: int, tier: Any) -> int:
+def _count_usable(ring: Any, size: int, tier: Any) -> int:
     count = 0
-    for slot in range(found):
+    for slot in range(size):
         count += tier[ring[slot]] != MISSING
     return count
 

@@ -57,20 +57,20 @@ def fill_from(
     """
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.chosen(~(long | gaps.never))
+    wanted = gaps.subset(~(long | gaps.never))
     filled = recording
     if len(wanted.start):
         filled = _written(recording, wanted, model(recording, wanted), bend)
-    reasons = [(gaps.chosen(gaps.never), NEVER), (gaps.chosen(long), LONG)]
+    reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
     warn_left(filled, reasons, otherwise, stacklevel=3)
     return filled
 
 
 def _written(recording: Trajectories, gaps: Gaps, estimate: Estimate, bend: bool) -> Trajectories:
     _, frame, marker, _ = gaps.samples
-    made = estimate.positions[frame, marker]
+    estimated = estimate.positions[frame, marker]
     positions, sigma = recording.positions.copy(), None
-    positions[frame, marker] = meet_ends(recording, gaps, estimate.positions) if bend else made
+    positions[frame, marker] = meet_ends(recording, gaps, estimate.positions) if bend else estimated
     if estimate.sigma is not None:
         known = recording.sigma
         sigma = np.full(gaps.shape, np.nan) if known is None else known.copy()
@@ -111,9 +111,9 @@ class TakeMatrix:
 
     def positions(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return rows like these as positions, (T, M, 3); NaN for a marker without columns."""
-        made = np.full((len(rows), len(self.seen), 3), np.nan)
-        made[:, self.seen] = (rows + self.middle).reshape(len(rows), -1, 3)
-        return made
+        positions = np.full((len(rows), len(self.seen), 3), np.nan)
+        positions[:, self.seen] = (rows + self.middle).reshape(len(rows), -1, 3)
+        return positions
 
     def hidden_ends(self, gaps: Gaps) -> HiddenEnds:
         """Return the frames before and after each gap, with what is missing in the gap hidden."""
@@ -144,6 +144,6 @@ class HiddenEnds:
     marker: NDArray[np.intp]
     missing: NDArray[np.bool_]
 
-    def put(self, made: NDArray[np.float64], positions: NDArray[np.float64]) -> None:
+    def put(self, estimates: NDArray[np.float64], positions: NDArray[np.float64]) -> None:
         """Write the estimates (E, M, 3), each that of its own marker, into positions (T, M, 3)."""
-        positions[self.frame, self.marker] = made[np.arange(len(made)), self.marker]
+        positions[self.frame, self.marker] = estimates[np.arange(len(estimates)), self.marker]

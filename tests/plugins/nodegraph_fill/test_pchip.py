@@ -22,7 +22,7 @@ def test_never_leaves_the_range_of_a_gaps_ends(
     recording = gappy(seed)
     filled = quietly(pchip, recording)
     gaps = Gaps.of(recording)
-    inner = gaps.chosen(gaps.inner)
+    inner = gaps.subset(gaps.inner)
     for marker, start, stop in zip(inner.marker, inner.start, inner.stop, strict=True):
         ends = recording.positions[[start - 1, stop], marker]
         inside = filled.positions[start:stop, marker]
