@@ -67,7 +67,7 @@ def _bridged(positions: NDArray[np.float64], bad: NDArray[np.bool_]) -> NDArray[
     run = np.repeat(np.arange(len(first)), length)
     step = np.arange(len(run)) - np.repeat(np.cumsum(length) - length, length) + 1
     start, end = positions[first - 1, marker], positions[after, marker]
-    made = positions.copy()
+    bridged = positions.copy()
     share = (step / (length + 1)[run])[:, None]
-    made[first[run] + step - 1, marker[run]] = start[run] + (end - start)[run] * share
-    return made
+    bridged[first[run] + step - 1, marker[run]] = start[run] + (end - start)[run] * share
+    return bridged

@@ -12,44 +12,44 @@ from nodegraph_mocap import Origin, promises
 
 def missing_stays_missing(tried: Tried) -> Iterator[str]:
     """Leave missing samples missing and present ones present: nothing is filled, nothing cut."""
-    for given, made in promises.before_and_after(tried):
+    for before, after in promises.before_and_after(tried):
         for what, where in (
-            ("filled", ~given.present & made.present),
-            ("removed", given.present & ~made.present),
+            ("filled", ~before.present & after.present),
+            ("removed", before.present & ~after.present),
         ):
             if where.any():
-                yield f"{promises.spots(given, where)} {what}"
+                yield f"{promises.spots(before, where)} {what}"
 
 
 def repaired_samples_are_marked(tried: Tried) -> Iterator[str]:
     """Mark each sample that is changed as repaired, and leave the others as they are."""
-    for given, made in promises.before_and_after(tried):
-        both = given.present & made.present
-        changed = both & np.any(given.positions != made.positions, axis=2)
-        unmarked = changed & (made.origin != Origin.REPAIRED)
+    for before, after in promises.before_and_after(tried):
+        both = before.present & after.present
+        changed = both & np.any(before.positions != after.positions, axis=2)
+        unmarked = changed & (after.origin != Origin.REPAIRED)
         if unmarked.any():
-            yield f"{promises.spots(given, unmarked)} changed but not marked: {_HOW_TO_MARK}"
-        renamed = both & ~changed & (made.origin != given.origin)
+            yield f"{promises.spots(before, unmarked)} changed but not marked: {_HOW_TO_MARK}"
+        renamed = both & ~changed & (after.origin != before.origin)
         if renamed.any():
-            yield f"{promises.spots(given, renamed)} not changed but marked anew: {_HOW_TO_MARK}"
+            yield f"{promises.spots(before, renamed)} not changed but marked anew: {_HOW_TO_MARK}"
 
 
 def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
     """Keep the sigma of samples that stay, and not that of samples that are changed."""
-    for given, made in promises.before_and_after(tried):
-        if given.sigma is None:
+    for before, after in promises.before_and_after(tried):
+        if before.sigma is None:
             continue
-        if made.sigma is None:
+        if after.sigma is None:
             yield "sigma is gone; keep it where samples stay"
             continue
-        changed = np.any(given.positions != made.positions, axis=2) & given.present
-        other = (given.sigma != made.sigma) & ~(np.isnan(given.sigma) & np.isnan(made.sigma))
-        lost = given.present & ~changed & other
+        changed = np.any(before.positions != after.positions, axis=2) & before.present
+        other = (before.sigma != after.sigma) & ~(np.isnan(before.sigma) & np.isnan(after.sigma))
+        lost = before.present & ~changed & other
         if lost.any():
-            yield f"{promises.spots(given, lost)} not changed but with another sigma"
-        kept = changed & ~other & ~np.isnan(given.sigma)
+            yield f"{promises.spots(before, lost)} not changed but with another sigma"
+        kept = changed & ~other & ~np.isnan(before.sigma)
         if kept.any():
-            spots = promises.spots(given, kept)
+            spots = promises.spots(before, kept)
             yield f"{spots} changed but with the sigma of what it was: make it NaN"
 
 

@@ -76,10 +76,10 @@ def _gather(inside: Any, track: Any, now: int, reach: int) -> int:
 @inlined
 def _sum_distances(total: Any, track: Any, inside: Any) -> None:
     total[:] = 0.0
-    for one in range(len(inside)):
-        for other in range(one):
-            apart = _apart(track, inside[one], inside[other])
-            total[one] += apart
+    for row in range(len(inside)):
+        for other in range(row):
+            apart = _apart(track, inside[row], inside[other])
+            total[row] += apart
             total[other] += apart
 
 
@@ -109,10 +109,10 @@ def _middle(values: Any) -> float:
 
 
 @inlined
-def _apart(track: Any, one: int, other: int) -> float:
+def _apart(track: Any, frame: int, other: int) -> float:
     x, y, z = (
-        track[one, 0] - track[other, 0],
-        track[one, 1] - track[other, 1],
-        track[one, 2] - track[other, 2],
+        track[frame, 0] - track[other, 0],
+        track[frame, 1] - track[other, 1],
+        track[frame, 2] - track[other, 2],
     )
     return math.sqrt(x * x + y * y + z * z)
