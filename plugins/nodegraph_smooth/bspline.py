@@ -80,14 +80,18 @@ def bspline(
 
 
 def _curve(recording: Trajectories, order: int, ends: Ends) -> NDArray[np.float64]:
-    given = read_only(np.ascontiguousarray(recording.positions))
-    made = np.empty_like(given)
-    curve_into(made, given, long_enough(Runs.of(recording), 1), order, ends)
-    return made
+    positions = read_only(np.ascontiguousarray(recording.positions))
+    smoothed = np.empty_like(positions)
+    curve_into(smoothed, positions, long_enough(Runs.of(recording), 1), order, ends)
+    return smoothed
 
 
 def curve_into(
-    made: NDArray[np.float64], given: NDArray[np.float64], runs: Runs, order: int, ends: Ends
+    smoothed: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    runs: Runs,
+    order: int,
+    ends: Ends,
 ) -> None:
     """Write the curve, once per frame; NaN where there is no run.
 
@@ -104,7 +108,7 @@ def curve_into(
 
     rows = first_rows(order, ends)
     places = runs.marker, runs.start, runs.stop
-    if bspline_kernel.curve_into(made, given, middle(order), *places, rows):
-        for length, alike in runs.chosen(runs.length < 2 * len(rows)).by_length():
+    if bspline_kernel.curve_into(smoothed, positions, middle(order), *places, rows):
+        for length, alike in runs.subset(runs.length < 2 * len(rows)).by_length():
             every = all_rows(order, ends, length)
-            bspline_kernel.rows_into(made, given, alike.marker, alike.start, every)
+            bspline_kernel.rows_into(smoothed, positions, alike.marker, alike.start, every)

@@ -20,7 +20,7 @@ BLOCK = 2048
 
 @compiled
 def curve_into(
-    out: Any, given: Any, weights: Any, marker: Any, start: Any, stop: Any, rows: Any
+    out: Any, values: Any, weights: Any, marker: Any, start: Any, stop: Any, rows: Any
 ) -> int:
     """Write the curve of each run that is long enough to have a regular middle.
 
@@ -41,19 +41,19 @@ def curve_into(
     int
         How many runs are shorter than 2 S. What is written there is of no use.
     """
-    filter_into(out.reshape(-1), given.reshape(-1), 3 * given.shape[1], weights)
+    filter_into(out.reshape(-1), values.reshape(-1), 3 * values.shape[1], weights)
     short = 0
     for run in range(len(marker)):
         if stop[run] - start[run] < 2 * len(rows):
             short += 1
         else:
-            _end_into(out, given, marker[run], start[run], 1, rows)
-            _end_into(out, given, marker[run], stop[run] - 1, -1, rows)
+            _end_into(out, values, marker[run], start[run], 1, rows)
+            _end_into(out, values, marker[run], stop[run] - 1, -1, rows)
     return short
 
 
 @compiled
-def rows_into(out: Any, given: Any, marker: Any, start: Any, rows: Any) -> None:
+def rows_into(out: Any, values: Any, marker: Any, start: Any, rows: Any) -> None:
     """Write whole runs of one length, each sample a weighted mean of all.
 
     Parameters
@@ -63,11 +63,11 @@ def rows_into(out: Any, given: Any, marker: Any, start: Any, rows: Any) -> None:
     rows : (L, L) array of float64
     """
     for run in range(len(marker)):
-        _end_into(out, given, marker[run], start[run], 1, rows)
+        _end_into(out, values, marker[run], start[run], 1, rows)
 
 
 @compiled
-def filter_into(out: Any, given: Any, stride: int, weights: Any) -> None:
+def filter_into(out: Any, values: Any, stride: int, weights: Any) -> None:
     """Write each number plus the weighted differences of those around it.
 
     ``out[i] = x[i] + sum(w[k-1] ((x[i - k stride] + x[i + k stride]) - 2 x[i]))``, k from 1.
@@ -80,38 +80,44 @@ def filter_into(out: Any, given: Any, stride: int, weights: Any) -> None:
         Numbers per frame; N is a multiple of it.
     weights : (K,) array of float64
     """
-    size = len(given)
+    size = len(values)
     reach = min(len(weights) * stride, size)
-    out[:reach] = given[:reach]
-    out[size - reach :] = given[size - reach :]
+    out[:reach] = values[:reach]
+    out[size - reach :] = values[size - reach :]
     if len(weights) == 1:
-        _nearest_into(out, given, stride, weights[0])
+        _nearest_into(out, values, stride, weights[0])
         return
     for first in range(reach, size - reach, BLOCK):
         last = min(first + BLOCK, size - reach)
-        middle, made = given[first:last], out[first:last]
-        made[:] = middle
+        middle, target = values[first:last], out[first:last]
+        target[:] = middle
         for k in range(len(weights)):
             shift, weight = (k + 1) * stride, weights[k]
-            before, after = given[first - shift : last - shift], given[first + shift : last + shift]
-            for i in range(len(made)):
+            before, after = (
+                values[first - shift : last - shift],
+                values[first + shift : last + shift],
+            )
+            for i in range(len(target)):
                 both = before[i] + after[i]
-                made[i] += weight * (both - (middle[i] + middle[i]))
+                target[i] += weight * (both - (middle[i] + middle[i]))
 
 
 @inlined
-def _nearest_into(out: Any, given: Any, stride: int, weight: float) -> None:
+def _nearest_into(out: Any, values: Any, stride: int, weight: float) -> None:
     """Write what has a frame before and one after, three frames at a time.
 
     A number is loaded once for the three that it goes into.
     """
-    frames = len(given) // max(stride, 1)
+    frames = len(values) // max(stride, 1)
     tripled = 1 + 3 * (max(frames - 2, 0) // 3)
     for frame in range(1, tripled, 3):
         at = frame * stride
-        before, one = given[at - stride : at], given[at : at + stride]
-        two, three = given[at + stride : at + 2 * stride], given[at + 2 * stride : at + 3 * stride]
-        after = given[at + 3 * stride : at + 4 * stride]
+        before, one = values[at - stride : at], values[at : at + stride]
+        two, three = (
+            values[at + stride : at + 2 * stride],
+            values[at + 2 * stride : at + 3 * stride],
+        )
+        after = values[at + 3 * stride : at + 4 * stride]
         made_one, made_two = out[at : at + stride], out[at + stride : at + 2 * stride]
         made_three = out[at + 2 * stride : at + 3 * stride]
         for i in range(stride):
@@ -119,18 +125,18 @@ def _nearest_into(out: Any, given: Any, stride: int, weight: float) -> None:
             made_one[i] = a + weight * ((before[i] + b) - (a + a))
             made_two[i] = b + weight * ((a + c) - (b + b))
             made_three[i] = c + weight * ((b + after[i]) - (c + c))
-    for i in range(tripled * stride, len(given) - stride):
-        both = given[i - stride] + given[i + stride]
-        out[i] = given[i] + weight * (both - (given[i] + given[i]))
+    for i in range(tripled * stride, len(values) - stride):
+        both = values[i - stride] + values[i + stride]
+        out[i] = values[i] + weight * (both - (values[i] + values[i]))
 
 
 @inlined
-def _end_into(out: Any, given: Any, marker: int, frame: int, step: int, rows: Any) -> None:
+def _end_into(out: Any, values: Any, marker: int, frame: int, step: int, rows: Any) -> None:
     """Write a run's first samples, counted from a frame forward or (step -1) backward in time."""
     for row in range(len(rows)):
         here = frame + step * row
         for axis in range(3):
-            own, total = given[here, marker, axis], 0.0
+            own, total = values[here, marker, axis], 0.0
             for column in range(rows.shape[1]):
-                total += rows[row, column] * (given[frame + step * column, marker, axis] - own)
+                total += rows[row, column] * (values[frame + step * column, marker, axis] - own)
             out[here, marker, axis] = own + total

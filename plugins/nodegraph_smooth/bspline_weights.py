@@ -69,7 +69,7 @@ def all_rows(order: int, ends: Ends, length: int) -> NDArray[np.float64]:
 
 
 def _floats(rows: list[Row], width: int) -> NDArray[np.float64]:
-    return np.array([[float(one) for one in row] for row in rows]).reshape(len(rows), width)
+    return np.array([[float(weight) for weight in row] for row in rows]).reshape(len(rows), width)
 
 
 def _rows(order: int, ends: Ends, length: int) -> list[Row]:

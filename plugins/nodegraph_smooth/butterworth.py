@@ -77,8 +77,8 @@ def _filtered(block: NDArray[np.float64], width: float, order: int) -> NDArray[n
     way = np.arange(1, last)[:, None, None] / last
     line = block[0] + way * (block[-1] - block[0])
     faster = np.tan(0.5 * math.pi * np.arange(1, inner + 1) / last) / math.tan(width / 2.0)
-    kept = 1.0 / (1.0 + faster ** (2 * order))
+    gain = 1.0 / (1.0 + faster ** (2 * order))
     sines = dst(block[1:-1] - line, type=1, axis=0, norm="ortho")
-    made = block.copy()
-    made[1:-1] = line + idst(kept[:, None, None] * sines, type=1, axis=0, norm="ortho")
-    return made
+    filtered = block.copy()
+    filtered[1:-1] = line + idst(gain[:, None, None] * sines, type=1, axis=0, norm="ortho")
+    return filtered

@@ -16,28 +16,28 @@ _LAG = 0.05
 
 def adds_no_gap_and_fills_none(tried: Tried) -> Iterator[str]:
     """Leave missing samples missing, present ones present, and every sample's origin."""
-    for given, made in promises.before_and_after(tried):
-        lost, filled = given.present & ~made.present, ~given.present & made.present
-        renamed = given.present & made.present & (given.origin != made.origin)
+    for before, after in promises.before_and_after(tried):
+        lost, filled = before.present & ~after.present, ~before.present & after.present
+        renamed = before.present & after.present & (before.origin != after.origin)
         if lost.any():
-            spots = promises.spots(given, lost)
+            spots = promises.spots(before, lost)
             yield f"{spots} lost: smooth each run of present samples by itself"
         if filled.any():
-            yield f"{promises.spots(given, filled)} filled: leave that to a fill"
+            yield f"{promises.spots(before, filled)} filled: leave that to a fill"
         if renamed.any():
             yield (
-                f"{promises.spots(given, renamed)} called otherwise: return "
+                f"{promises.spots(before, renamed)} called otherwise: return "
                 "dataclasses.replace(recording, positions=smoothed)"
             )
 
 
 def shifts_nothing_in_time(tried: Tried) -> Iterator[str]:
     """Shift nothing in time, unless it looks at no frame ahead: then it cannot but lag."""
-    for given, _ in promises.before_and_after(tried):
-        nod = _nod(given)
-        made = promises.made_again(tried, nod)
-        lag = 0.0 if made is None else _lag(nod, made)
-        if made is not None and abs(lag) > _LAG and not _is_causal(tried, nod, made):
+    for before, _ in promises.before_and_after(tried):
+        nod = _nod(before)
+        after = promises.made_again(tried, nod)
+        lag = 0.0 if after is None else _lag(nod, after)
+        if after is not None and abs(lag) > _LAG and not _is_causal(tried, nod, after):
             yield (
                 f"a nod comes out {abs(lag):.2f} frames {'late' if lag > 0 else 'early'}, "
                 "although frames ahead are looked at: centre the window, or filter forward and "
@@ -47,12 +47,12 @@ def shifts_nothing_in_time(tried: Tried) -> Iterator[str]:
 
 def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
     """Keep no sigma of samples that are changed: it was that of what they were before."""
-    for given, made in promises.before_and_after(tried):
-        if given.sigma is None or made.sigma is None:
+    for before, after in promises.before_and_after(tried):
+        if before.sigma is None or after.sigma is None:
             continue
-        kept = np.any(given.positions != made.positions, axis=2) & (given.sigma == made.sigma)
+        kept = np.any(before.positions != after.positions, axis=2) & (before.sigma == after.sigma)
         if kept.any():
-            yield f"{promises.spots(given, kept)} changed but with its old sigma: make it NaN"
+            yield f"{promises.spots(before, kept)} changed but with its old sigma: make it NaN"
 
 
 CONTRACTS = (
@@ -69,30 +69,30 @@ CONTRACTS = (
 )
 
 
-def _nod(given: Trajectories) -> Trajectories:
+def _nod(before: Trajectories) -> Trajectories:
     """Return all markers at rest for two seconds, but for one movement of a second amid them."""
-    half = max(round(given.rate), 20)
+    half = max(round(before.rate), 20)
     time = np.arange(-half, half + 1) / half
     way = 20.0 * np.exp(-0.5 * (time / 0.2) ** 2)
-    rest = np.arange(3.0 * len(given.markers)).reshape(-1, 3)
+    rest = np.arange(3.0 * len(before.markers)).reshape(-1, 3)
     return replace(
-        given,
+        before,
         positions=rest + way[:, None, None] * [0.0, 0.6, 0.8],
-        origin=np.full((len(time), len(given.markers)), Origin.MEASURED, dtype=np.uint8),
+        origin=np.full((len(time), len(before.markers)), Origin.MEASURED, dtype=np.uint8),
         sigma=None,
     )
 
 
-def _lag(nod: Trajectories, made: Trajectories) -> float:
+def _lag(nod: Trajectories, after: Trajectories) -> float:
     """Return by how many frames the movement comes later, of its centre of gravity."""
-    way = (made.positions - nod.positions[0]) @ [0.0, 0.6, 0.8]
+    way = (after.positions - nod.positions[0]) @ [0.0, 0.6, 0.8]
     total = way.sum()
     if abs(total) < 1.0:  # smoothed away: it has no place
         return 0.0
     return float((way.sum(axis=1) @ np.arange(len(way))) / total - (len(way) - 1) / 2.0)
 
 
-def _is_causal(tried: Tried, nod: Trajectories, made: Trajectories) -> bool:
+def _is_causal(tried: Tried, nod: Trajectories, after: Trajectories) -> bool:
     """Return whether the first frames come out the same without those after them."""
     count = len(nod.positions) // 2
     start = replace(nod, positions=nod.positions[:count], origin=nod.origin[:count])
@@ -100,5 +100,5 @@ def _is_causal(tried: Tried, nod: Trajectories, made: Trajectories) -> bool:
     if again is None or again.frames != count:
         return False
     return bool(
-        np.allclose(again.positions, made.positions[:count], rtol=0.0, atol=promises.TOLERANCE)
+        np.allclose(again.positions, after.positions[:count], rtol=0.0, atol=promises.TOLERANCE)
     )

@@ -58,5 +58,5 @@ def gcv(recording: Trajectories) -> Trajectories:
 def _splines(block: NDArray[np.float64]) -> NDArray[np.float64]:
     from nodegraph_smooth import gcv_kernel
 
-    made, _ = gcv_kernel.smooth(np.ascontiguousarray(block))
-    return np.asarray(made)
+    smoothed, _ = gcv_kernel.smooth(np.ascontiguousarray(block))
+    return np.asarray(smoothed)

@@ -27,17 +27,17 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 @inlined
-def _split(penalty: float, diagonal: Any, one: Any, two: Any) -> None:
+def _split(penalty: float, diagonal: Any, first: Any, second: Any) -> None:
     """Write D and the two bands of L; ``one[i]`` is ``L[i+1, i]``, ``two[i]`` is ``L[i+2, i]``."""
     middle, beside, apart = 2.0 / 3.0 + 6.0 * penalty, 1.0 / 6.0 - 4.0 * penalty, penalty
     for i in range(len(diagonal)):
         value, next_to = middle, beside
         if i > 0:
-            value -= one[i - 1] * one[i - 1] * diagonal[i - 1]
-            next_to -= two[i - 1] * one[i - 1] * diagonal[i - 1]
+            value -= first[i - 1] * first[i - 1] * diagonal[i - 1]
+            next_to -= second[i - 1] * first[i - 1] * diagonal[i - 1]
         if i > 1:
-            value -= two[i - 2] * two[i - 2] * diagonal[i - 2]
-        diagonal[i], one[i], two[i] = value, next_to / value, apart / value
+            value -= second[i - 2] * second[i - 2] * diagonal[i - 2]
+        diagonal[i], first[i], second[i] = value, next_to / value, apart / value
 
 
 @compiled
@@ -47,21 +47,21 @@ def freedom(length: int, penalty: float) -> float:
     It is ``lambda trace(Q'Q B)``, B being the inverse of the matrix, of which five bands are
     enough (Hutchinson & de Hoog, 1985).
     """
-    diagonal, one, two = np.empty(length - 2), np.empty(length - 2), np.empty(length - 2)
-    _split(penalty, diagonal, one, two)
+    diagonal, first, second = np.empty(length - 2), np.empty(length - 2), np.empty(length - 2)
+    _split(penalty, diagonal, first, second)
     total = far = later = near_later = 0.0
     for i in range(length - 3, -1, -1):
         # later: B[i+1, i+1]; near_later: B[i+1, i+2]; far: B[i+2, i+2]
-        beside = -one[i] * later - two[i] * near_later
-        apart = -one[i] * near_later - two[i] * far
-        own = 1.0 / diagonal[i] - one[i] * beside - two[i] * apart
+        beside = -first[i] * later - second[i] * near_later
+        apart = -first[i] * near_later - second[i] * far
+        own = 1.0 / diagonal[i] - first[i] * beside - second[i] * apart
         total += 6.0 * own - 8.0 * beside + 2.0 * apart
         far, later, near_later = later, own, beside
     return penalty * total
 
 
 @compiled
-def spline(given: Any, penalty: float, made: Any) -> float:
+def spline(values: Any, penalty: float, curve: Any) -> float:
     """Write the spline at the samples, and return the sum of its squared residuals.
 
     Parameters
@@ -71,15 +71,15 @@ def spline(given: Any, penalty: float, made: Any) -> float:
     penalty
         lambda.
     """
-    length, axes = given.shape
+    length, axes = values.shape
     size = length - 2
-    diagonal, one, two = np.empty(size), np.empty(size), np.empty(size)
-    _split(penalty, diagonal, one, two)
+    diagonal, first, second = np.empty(size), np.empty(size), np.empty(size)
+    _split(penalty, diagonal, first, second)
     bend, residuals = np.empty(size), 0.0
     for axis in range(axes):
         for i in range(size):
-            bend[i] = given[i, axis] - 2.0 * given[i + 1, axis] + given[i + 2, axis]
-        _solve(bend, diagonal, one, two)
+            bend[i] = values[i, axis] - 2.0 * values[i + 1, axis] + values[i + 2, axis]
+        _solve(bend, diagonal, first, second)
         for i in range(length):
             change = 0.0
             if i < size:
@@ -89,36 +89,36 @@ def spline(given: Any, penalty: float, made: Any) -> float:
             if i > 1:
                 change += bend[i - 2]
             residuals += (penalty * change) ** 2
-            made[i, axis] = given[i, axis] - penalty * change
+            curve[i, axis] = values[i, axis] - penalty * change
     return residuals
 
 
 @inlined
-def _solve(right: Any, diagonal: Any, one: Any, two: Any) -> None:
+def _solve(right: Any, diagonal: Any, first: Any, second: Any) -> None:
     """Replace a right-hand side by the solution, the matrix being split."""
     size = len(right)
     for i in range(1, size):
-        right[i] -= one[i - 1] * right[i - 1]
+        right[i] -= first[i - 1] * right[i - 1]
         if i > 1:
-            right[i] -= two[i - 2] * right[i - 2]
+            right[i] -= second[i - 2] * right[i - 2]
     for i in range(size - 1, -1, -1):
         right[i] /= diagonal[i]
         if i + 1 < size:
-            right[i] -= one[i] * right[i + 1]
+            right[i] -= first[i] * right[i + 1]
         if i + 2 < size:
-            right[i] -= two[i] * right[i + 2]
+            right[i] -= second[i] * right[i + 2]
 
 
 @compiled
-def criterion(given: Any, penalty: float, made: Any) -> float:
+def criterion(values: Any, penalty: float, curve: Any) -> float:
     """Return ``T sum(residuals^2) / trace(I - A)^2``, and write the spline."""
-    left: float = freedom(len(given), penalty)
-    residuals: float = spline(given, penalty, made)
-    return len(given) * residuals / (left * left)
+    left: float = freedom(len(values), penalty)
+    residuals: float = spline(values, penalty, curve)
+    return len(values) * residuals / (left * left)
 
 
 @compiled
-def smooth(given: Any) -> Any:
+def smooth(values: Any) -> Any:
     """Return the smoothing splines of runs of one length, each with the best lambda of its own.
 
     lambda is looked for on a grid and then, around the best of it, by golden section; between
@@ -135,8 +135,8 @@ def smooth(given: Any) -> Any:
     penalty : (R,) array of float64
         Each run's lambda.
     """
-    length, runs = given.shape[:2]
-    made, chosen = np.empty_like(given), np.empty(runs)
+    length, runs = values.shape[:2]
+    curves, penalties = np.empty_like(values), np.empty(runs)
     low, high = math.log(LEAST), math.log(min(float(length) ** 4, MOST))
     count = 2 + int((high - low) / math.log(10.0) * PER_DECADE)
     step = (high - low) / (count - 1)
@@ -144,32 +144,32 @@ def smooth(given: Any) -> Any:
     for k in range(count):
         left[k] = freedom(length, math.exp(low + k * step))
     for run in range(runs):
-        one, fitted = given[:, run].copy(), np.empty((length, 3))
+        track, fitted = values[:, run].copy(), np.empty((length, 3))
         best, least = 0, np.inf
         for k in range(count):
-            value = spline(one, math.exp(low + k * step), fitted) / (left[k] * left[k])
+            value = spline(track, math.exp(low + k * step), fitted) / (left[k] * left[k])
             if value < least:
                 best, least = k, value
         begin, end = low + max(best - 1, 0) * step, low + min(best + 1, count - 1) * step
-        chosen[run] = math.exp(_narrow(one, begin, end, fitted))
-        spline(one, chosen[run], fitted)
-        made[:, run] = fitted
-    return made, chosen
+        penalties[run] = math.exp(_narrow(track, begin, end, fitted))
+        spline(track, penalties[run], fitted)
+        curves[:, run] = fitted
+    return curves, penalties
 
 
 @inlined
-def _narrow(given: Any, begin: float, end: float, fitted: Any) -> float:
+def _narrow(values: Any, begin: float, end: float, fitted: Any) -> float:
     """Return the logarithm of the best lambda between two, by golden section."""
     first, second = end - _GOLDEN * (end - begin), begin + _GOLDEN * (end - begin)
-    at_first = criterion(given, math.exp(first), fitted)
-    at_second = criterion(given, math.exp(second), fitted)
+    at_first = criterion(values, math.exp(first), fitted)
+    at_second = criterion(values, math.exp(second), fitted)
     for _ in range(NARROWINGS):
         if at_first <= at_second:
             end, second, at_second = second, first, at_first
             first = end - _GOLDEN * (end - begin)
-            at_first = criterion(given, math.exp(first), fitted)
+            at_first = criterion(values, math.exp(first), fitted)
         else:
             begin, first, at_first = first, second, at_second
             second = begin + _GOLDEN * (end - begin)
-            at_second = criterion(given, math.exp(second), fitted)
+            at_second = criterion(values, math.exp(second), fitted)
     return 0.5 * (begin + end)

@@ -80,7 +80,7 @@ def gains(frames: int, order: int, density: float) -> Any:
 
 
 @compiled
-def smooth(given: Any, carry: Any, inverse: Any, gain: Any) -> Any:
+def smooth(values: Any, carry: Any, inverse: Any, gain: Any) -> Any:
     """Return the positions that runs of one length have, all frames being known.
 
     Parameters
@@ -90,19 +90,19 @@ def smooth(given: Any, carry: Any, inverse: Any, gain: Any) -> Any:
     carry, inverse, gain
         From `gains`.
     """
-    frames, columns = given.shape
+    frames, columns = values.shape
     order = carry.shape[1]
-    made = np.empty_like(given)
+    smoothed = np.empty_like(values)
     vector, state, last = np.zeros((frames, order)), np.zeros(order), np.zeros(order)
     for column in range(columns):
         vector[0] = 0.0
-        vector[0, 0] = given[0, column]
+        vector[0, 0] = values[0, column]
         for t in range(1, frames):
             for i in range(order):
                 vector[t, i] = 0.0
                 for j in range(order):
                     vector[t, i] += carry[t - 1, i, j] * vector[t - 1, j]
-            vector[t, 0] += given[t, column]
+            vector[t, 0] += values[t, column]
         last[:] = 0.0
         for t in range(frames - 1, -1, -1):
             for i in range(order):
@@ -110,5 +110,5 @@ def smooth(given: Any, carry: Any, inverse: Any, gain: Any) -> Any:
                 for j in range(order):
                     state[i] += inverse[t, i, j] * vector[t, j] + gain[t, i, j] * last[j]
             last[:] = state
-            made[t, column] = state[0]
-    return made
+            smoothed[t, column] = state[0]
+    return smoothed

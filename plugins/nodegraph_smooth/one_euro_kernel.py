@@ -13,7 +13,7 @@ compiled = kernel()
 
 
 @compiled
-def smooth(given: Any, rate: float, least: float, slope: float, derivative: float) -> Any:
+def smooth(values: Any, rate: float, least: float, slope: float, derivative: float) -> Any:
     """Return the filtered runs, (T, R, 3); see `nodegraph_smooth.one_euro`.
 
     Parameters
@@ -24,20 +24,20 @@ def smooth(given: Any, rate: float, least: float, slope: float, derivative: floa
     least, slope, derivative
         Cut-off at rest in Hz, what it gains in Hz per mm/s, and that of the velocity in Hz.
     """
-    made = given.copy()
+    smoothed = values.copy()
     steady = 1.0 / (1.0 + rate / (2.0 * math.pi * derivative))
     velocity = np.empty(3)
-    for run in range(given.shape[1]):
+    for run in range(values.shape[1]):
         velocity[:] = 0.0
-        for t in range(1, len(given)):
+        for t in range(1, len(values)):
             speed = 0.0
             for axis in range(3):
-                step = (given[t, run, axis] - made[t - 1, run, axis]) * rate
+                step = (values[t, run, axis] - smoothed[t - 1, run, axis]) * rate
                 velocity[axis] += steady * (step - velocity[axis])
                 speed += velocity[axis] ** 2
             cutoff = least + slope * math.sqrt(speed)
             share = 1.0 / (1.0 + rate / (2.0 * math.pi * cutoff))
             for axis in range(3):
-                before = made[t - 1, run, axis]
-                made[t, run, axis] = before + share * (given[t, run, axis] - before)
-    return made
+                before = smoothed[t - 1, run, axis]
+                smoothed[t, run, axis] = before + share * (values[t, run, axis] - before)
+    return smoothed

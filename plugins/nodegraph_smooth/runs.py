@@ -57,14 +57,14 @@ class Runs:
         """(R,) frames."""
         return self.stop - self.start
 
-    def chosen(self, which: NDArray[Any]) -> Runs:
+    def subset(self, which: NDArray[Any]) -> Runs:
         """Return some of the runs."""
         return Runs(self.marker[which], self.start[which], self.stop[which])
 
     def by_length(self) -> Iterator[tuple[int, Runs]]:
         """Yield the runs of each length, the shortest first."""
         for length in np.unique(self.length):
-            yield int(length), self.chosen(self.length == length)
+            yield int(length), self.subset(self.length == length)
 
     def together(self, most: int) -> Iterator[Runs]:
         """Yield equally long runs, some at a time: up to so many samples, but one run at least."""
@@ -136,7 +136,7 @@ def long_enough(runs: Runs, shortest: int) -> Runs:
             "as they were",
             stacklevel=4,
         )
-    return runs.chosen(~short)
+    return runs.subset(~short)
 
 
 def smoothed(recording: Trajectories, positions: NDArray[np.float64]) -> Trajectories:
