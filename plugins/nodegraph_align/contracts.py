@@ -17,26 +17,26 @@ if TYPE_CHECKING:
 
 def gives_the_face_its_motion_and_the_reference(tried: Tried) -> Iterator[str]:
     """Give aligned, head_motion and reference, a recording of one frame."""
-    given, made = tried.outputs, ("aligned", "head_motion", "reference")
+    outputs, names = tried.outputs, ("aligned", "head_motion", "reference")
     types = (Trajectories, HeadMotion, Trajectories)
-    if tuple(given) != made:
-        yield f"its outputs are {', '.join(given)}; let it return {', '.join(made)}"
+    if tuple(outputs) != names:
+        yield f"its outputs are {', '.join(outputs)}; let it return {', '.join(names)}"
         return
-    for name, kind in zip(made, types, strict=True):
-        if not isinstance(given[name], kind):
-            yield f"{name} is a {type(given[name]).__name__}, not a {kind.__name__}"
-    reference = given["reference"]
+    for name, kind in zip(names, types, strict=True):
+        if not isinstance(outputs[name], kind):
+            yield f"{name} is a {type(outputs[name]).__name__}, not a {kind.__name__}"
+    reference = outputs["reference"]
     if isinstance(reference, Trajectories) and reference.frames != 1:
         yield f"reference has {reference.frames} frames: give the one that was aligned to"
 
 
 def keeps_gaps_and_origin(tried: Tried) -> Iterator[str]:
     """Leave missing samples missing, present ones present, and every sample's origin."""
-    for given, made in promises.before_and_after(tried):
-        changed = given.origin != made.origin
+    for before, after in promises.before_and_after(tried):
+        changed = before.origin != after.origin
         if changed.any():
             yield (
-                f"{promises.spots(given, changed)} with another origin: return "
+                f"{promises.spots(before, changed)} with another origin: return "
                 "dataclasses.replace(recording, positions=aligned)"
             )
 
@@ -44,41 +44,41 @@ def keeps_gaps_and_origin(tried: Tried) -> Iterator[str]:
 def head_motion_leads_back(tried: Tried) -> Iterator[str]:
     """Move each frame as a whole, such that head_motion leads back: captured = s R aligned + t."""
     motion = tried.outputs.get("head_motion")
-    for given, made in promises.before_and_after(tried):
-        if not isinstance(motion, HeadMotion) or motion.frames != given.frames:
+    for before, after in promises.before_and_after(tried):
+        if not isinstance(motion, HeadMotion) or motion.frames != before.frames:
             continue
         scales = motion.scales[:, None]
-        turned = made.positions @ motion.rotations.transpose(0, 2, 1)
+        turned = after.positions @ motion.rotations.transpose(0, 2, 1)
         back = scales[..., None] * turned + motion.translations[:, None]
-        yield from promises.differences(given, made, back)
-        sigma = np.nan if made.sigma is None else made.sigma * scales
-        if given.sigma is not None and not np.allclose(sigma, given.sigma, equal_nan=True):
+        yield from promises.differences(before, after, back)
+        sigma = np.nan if after.sigma is None else after.sigma * scales
+        if before.sigma is not None and not np.allclose(sigma, before.sigma, equal_nan=True):
             yield "sigma is not that of the samples: scale it as the positions are"
 
 
 def what_is_aligned_stays(tried: Tried) -> Iterator[str]:
     """Leave a recording as it is that is aligned already."""
-    for _, made in promises.before_and_after(tried):
-        again = promises.made_again(tried, made)
+    for _, aligned in promises.before_and_after(tried):
+        again = promises.made_again(tried, aligned)
         if again is None:
             yield "declines the recording that it has aligned"
         else:
-            yield from promises.differences(made, again, again.positions)
+            yield from promises.differences(aligned, again, again.positions)
 
 
 def where_the_head_is_does_not_matter(tried: Tried) -> Iterator[str]:
     """Give the same face wherever the head is; without a reference, turned as the take is."""
-    for given, made in promises.before_and_after(tried):
+    for before, after in promises.before_and_after(tried):
         alone = tried.inputs.get("reference") is None
         turns = np.stack([promises.TURN, promises.TURN if alone else promises.SWAP])
-        turns = turns[np.arange(given.frames) % 2]
-        moved = replace(given, positions=given.positions @ turns + promises.SHIFT)
+        turns = turns[np.arange(before.frames) % 2]
+        moved = replace(before, positions=before.positions @ turns + promises.SHIFT)
         again = promises.made_again(tried, moved)
         if again is None:
             yield "declines the recording of a head elsewhere"
         else:
-            expected = made.positions @ turns if alone else made.positions
-            yield from _apart(made, again.positions - expected, _moved(tried, made), alone=alone)
+            expected = after.positions @ turns if alone else after.positions
+            yield from _apart(after, again.positions - expected, _moved(tried, after), alone=alone)
 
 
 CONTRACTS = (
@@ -92,24 +92,28 @@ CONTRACTS = (
 )
 
 
-def _moved(tried: Tried, made: Trajectories) -> NDArray[np.bool_]:
+def _moved(tried: Tried, recording: Trajectories) -> NDArray[np.bool_]:
     """Return in which frames, (T,), a head motion was found; in none if nothing was turned."""
     motion = tried.outputs.get("head_motion")
-    if not isinstance(motion, HeadMotion) or motion.frames != made.frames:
-        return np.zeros(made.frames, dtype=np.bool_)
+    if not isinstance(motion, HeadMotion) or motion.frames != recording.frames:
+        return np.zeros(recording.frames, dtype=np.bool_)
     turned = np.any(motion.rotations != np.eye(3), axis=(1, 2))
     return np.asarray(turned.any() & (turned | np.any(motion.translations != 0.0, axis=1)))
 
 
 def _apart(
-    made: Trajectories, differences: NDArray[np.float64], which: NDArray[np.bool_], *, alone: bool
+    recording: Trajectories,
+    differences: NDArray[np.float64],
+    which: NDArray[np.bool_],
+    *,
+    alone: bool,
 ) -> Iterator[str]:
     """Yield in which frames results differ; a shift of the whole take is none without reference."""
-    known = made.present & which[:, None]
+    known = recording.present & which[:, None]
     if not known.any():
         return
     shift = differences[known].mean(axis=0) if alone else 0.0
     apart = np.where(known, np.linalg.norm(differences - shift, axis=2), 0.0)
     if np.any(apart > promises.TOLERANCE):
-        spots = promises.spots(made, apart > promises.TOLERANCE)
+        spots = promises.spots(recording, apart > promises.TOLERANCE)
         yield f"{spots} differ, by up to {apart.max():.3g} mm"

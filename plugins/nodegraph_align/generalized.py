@@ -11,7 +11,7 @@ import numpy as np
 from nodegraph import Refusal, node
 from nodegraph_align.fitting import Fitting
 from nodegraph_align.landmarks import Landmarks, landmarks_of
-from nodegraph_align.poses import Aligned, Scale, fit, tell
+from nodegraph_align.poses import Aligned, Scale, fit, warn
 from nodegraph_align.reference import Reference, check_shape
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
@@ -76,16 +76,16 @@ def generalized(
     Refusal
         If no frame has three landmarks that are not on a line.
     """
-    names, told = landmarks_of(recording, None, landmarks)
+    names, notes = landmarks_of(recording, None, landmarks)
     place = recording.keep(names)
     fullest = _fullest(place)
     seen = place.present.any(axis=0)
     if not seen.all():
-        told.append(f"{np.count_nonzero(~seen)} landmarks are missing in every frame")
+        notes.append(f"{np.count_nonzero(~seen)} landmarks are missing in every frame")
         place = place.keep(np.array(names)[seen].tolist())
     fitting, movement = _mean_shape(place, fullest, scale)
     if movement > _SETTLED:
-        told.append(
+        notes.append(
             f"after {_ROUNDS} rounds the mean shape still moves by {movement:.1e} of its size"
         )
     poses = fitting.fit()
@@ -105,7 +105,7 @@ def generalized(
         place.markers,
         fitting.shape,
     )
-    tell(poses, recording, reference, told)
+    warn(poses, recording, reference, notes)
     return Aligned(aligned, motion, reference.frame)
 
 

@@ -10,7 +10,7 @@ from pydantic import Field
 from nodegraph import Unit, node
 from nodegraph_align.fitting import Fitting
 from nodegraph_align.landmarks import Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, tell
+from nodegraph_align.poses import Aligned, Poses, Scale, warn
 from nodegraph_align.reference import reference_of
 from nodegraph_mocap import Trajectories
 
@@ -78,12 +78,12 @@ def huber(
     """
     if not width > 0:
         raise ValueError(f"width must be positive, got {width}")
-    chosen, told = reference_of(recording, reference, landmarks)
-    poses, restless = _settled(Fitting.of(recording, chosen, scale), width)
+    target, notes = reference_of(recording, reference, landmarks)
+    poses, restless = _settled(Fitting.of(recording, target, scale), width)
     if restless:
-        told.append(f"{restless} of {recording.frames} frames have not come to rest")
-    tell(poses, recording, chosen, told)
-    return Aligned(*poses.move(recording), chosen.frame)
+        notes.append(f"{restless} of {recording.frames} frames have not come to rest")
+    warn(poses, recording, target, notes)
+    return Aligned(*poses.move(recording), target.frame)
 
 
 def _settled(fitting: Fitting, width: float) -> tuple[Poses, int]:

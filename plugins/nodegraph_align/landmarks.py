@@ -65,7 +65,7 @@ def landmarks_of(
         check_markers(both[-1], names, what="landmarks: the reference")
         return tuple(names), []
     stable = _stable(both)
-    shared = [name for name in stable if all(name in one.markers for one in both)]
+    shared = [name for name in stable if all(name in recording.markers for recording in both)]
     if len(shared) < FEWEST:
         raise Refusal(
             f"needs {FEWEST} stable markers that the recording and the reference have: of "
@@ -80,9 +80,9 @@ def landmarks_of(
 
 
 def _stable(recordings: Iterable[Trajectories]) -> tuple[str, ...]:
-    for one in recordings:
-        if one.marker_set and one.marker_set.stable:
-            return one.marker_set.stable
+    for recording in recordings:
+        if recording.marker_set and recording.marker_set.stable:
+            return recording.marker_set.stable
     raise ValueError(
         "no marker set says which markers are stable: give `landmarks`, markers that speech and "
         "expression hardly move, such as the bridge of the nose, the temples, the forehead"

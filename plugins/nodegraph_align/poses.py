@@ -147,8 +147,8 @@ def fit(
 
     if scale not in _CODES:
         raise ValueError(f"no scale {scale!r}; {nearest(scale, _CODES)}")
-    given = (for_kernel(one) for one in (positions, columns, shape, weights))
-    return Poses(*rigid_kernel.fit(*given, _CODES[scale], reflection))
+    arrays = (for_kernel(array) for array in (positions, columns, shape, weights))
+    return Poses(*rigid_kernel.fit(*arrays, _CODES[scale], reflection))
 
 
 def moved(
@@ -157,10 +157,10 @@ def moved(
     """Return ``matrix x + offset``, (T, M, 3), of every point x of each frame."""
     from nodegraph_align import rigid_kernel
 
-    given = for_kernel(positions)
-    made = np.empty_like(given)
-    rigid_kernel.move_into(made, given, for_kernel(matrices), for_kernel(offsets))
-    return made
+    points = for_kernel(positions)
+    out = np.empty_like(points)
+    rigid_kernel.move_into(out, points, for_kernel(matrices), for_kernel(offsets))
+    return out
 
 
 def for_kernel(array: NDArray[Any]) -> NDArray[Any]:
@@ -170,8 +170,8 @@ def for_kernel(array: NDArray[Any]) -> NDArray[Any]:
     return view
 
 
-def tell(poses: Poses, recording: Trajectories, reference: Reference, told: list[str]) -> None:
-    """Warn of what is doubtful, with counts; `told` is known already.
+def warn(poses: Poses, recording: Trajectories, reference: Reference, notes: list[str]) -> None:
+    """Warn of the notes and of doubtful frames, with counts.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def tell(poses: Poses, recording: Trajectories, reference: Reference, told: list
             f"no frame has {FEWEST} of the landmarks {listed(reference.landmarks)} that are "
             "not on a line"
         )
-    every = [*told, *_doubts(poses, recording, reference)]
+    every = [*notes, *_doubts(poses, recording, reference)]
     if every:
         warnings.warn("; ".join(every), stacklevel=3)
 

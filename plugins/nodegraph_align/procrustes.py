@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from nodegraph import node
 from nodegraph_align.landmarks import Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, fitted, tell
+from nodegraph_align.poses import Aligned, Poses, Scale, fitted, warn
 from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import Trajectories
 
@@ -107,18 +107,18 @@ def procrustes(
         If no reference is given and no frame has all landmarks; if the reference's landmarks are
         fewer than three, on a line or in one place; if no frame has three that are not on a line.
     """
-    done = tuple(steps)
-    if done != STEPS[: len(done)]:
+    requested = tuple(steps)
+    if requested != STEPS[: len(requested)]:
         raise ValueError(
-            f"steps must be the first ones of {', '.join(STEPS)}, got {', '.join(done)}"
+            f"steps must be the first ones of {', '.join(STEPS)}, got {', '.join(requested)}"
         )
-    chosen, told = reference_of(recording, reference, landmarks)
-    poses = fitted(recording, chosen, scale, reflection=reflection)
-    tell(poses, recording, chosen, told)
-    poses, target = _carried_out(poses, done, scale), chosen.frame
-    if not restore and done:
-        unit = chosen.size if "scale" in done and scale != "none" else 1.0
-        poses, target = _about_the_origin(poses, chosen, unit)
+    onto, notes = reference_of(recording, reference, landmarks)
+    poses = fitted(recording, onto, scale, reflection=reflection)
+    warn(poses, recording, onto, notes)
+    poses, target = _carried_out(poses, requested, scale), onto.frame
+    if not restore and requested:
+        unit = onto.size if "scale" in requested and scale != "none" else 1.0
+        poses, target = _about_the_origin(poses, onto, unit)
     return Aligned(*poses.move(recording), target)
 
 

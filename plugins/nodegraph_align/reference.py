@@ -76,7 +76,7 @@ def reference_of(
         If there is no frame with all landmarks and no reference is given, or there are fewer than
         three, or they lie on a line or in one place.
     """
-    landmarks, told = landmarks_of(recording, reference, names)
+    landmarks, notes = landmarks_of(recording, reference, names)
     source = recording if reference is None else reference
     columns = [source.markers.index(name) for name in landmarks]
     if not source.frames:
@@ -88,13 +88,13 @@ def reference_of(
     if lacking and reference is None:
         raise Refusal(_incomplete(number, lacking, landmarks))
     if lacking:
-        told.append(
+        notes.append(
             f"{len(lacking)} landmarks are missing in the reference and are none: {listed(lacking)}"
         )
     shape = source.positions[number, columns][there]
     check_shape(shape)
     kept = tuple(name for name in landmarks if name not in lacking)
-    return Reference(_one_frame(source, number), kept, shape), told
+    return Reference(_one_frame(source, number), kept, shape), notes
 
 
 def check_shape(shape: NDArray[np.float64]) -> None:

@@ -39,6 +39,6 @@ def restore(recording: Trajectories, head_motion: HeadMotion) -> Trajectories:
             "take the head motion of this recording, and crop or resample after restoring it"
         )
     matrices = head_motion.scales[:, None, None] * head_motion.rotations
-    made = moved(recording.positions, matrices, head_motion.translations)
+    positions = moved(recording.positions, matrices, head_motion.translations)
     sigma = None if recording.sigma is None else recording.sigma * head_motion.scales[:, None]
-    return replace(recording, positions=made, sigma=sigma)
+    return replace(recording, positions=positions, sigma=sigma)

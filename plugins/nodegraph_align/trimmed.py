@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_align.fitting import Fitting
 from nodegraph_align.landmarks import FEWEST, Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, tell
+from nodegraph_align.poses import Aligned, Poses, Scale, warn
 from nodegraph_align.reference import reference_of
 from nodegraph_mocap import Trajectories
 
@@ -85,11 +85,11 @@ def trimmed(
     """
     if not 0 < share <= 1:
         raise ValueError(f"share must be above 0 and at most 1, got {share}")
-    chosen, told = reference_of(recording, reference, landmarks)
-    fitting = Fitting.of(recording, chosen, scale)
+    target, notes = reference_of(recording, reference, landmarks)
+    fitting = Fitting.of(recording, target, scale)
     poses = _nearest(fitting, share)
-    tell(poses, recording, chosen, told)
-    return Aligned(*poses.move(recording), chosen.frame)
+    warn(poses, recording, target, notes)
+    return Aligned(*poses.move(recording), target.frame)
 
 
 def _nearest(fitting: Fitting, share: float) -> Poses:

@@ -13,7 +13,7 @@ import pytest
 from nodegraph import Refusal
 from nodegraph_align import poses as module
 from nodegraph_align import rigid_kernel
-from nodegraph_align.poses import FEW, FITTED, LINE, MIRRORED, Poses, fitted, tell
+from nodegraph_align.poses import FEW, FITTED, LINE, MIRRORED, Poses, fitted, warn
 from nodegraph_align.reference import reference_of
 from nodegraph_mocap import HeadMotion, Origin, Trajectories
 
@@ -24,7 +24,7 @@ Moved = Callable[[Trajectories, HeadMotion], Trajectories]
 def warned(*arguments: Any) -> list[str]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        tell(*arguments)
+        warn(*arguments)
     return [str(one.message) for one in caught]
 
 
@@ -114,7 +114,7 @@ def test_no_frame_fitted_is_refused(head: Head, moved: Moved) -> None:
     poses = fitted(take, reference, "none")
     poses.states[:] = FEW
     with pytest.raises(Refusal, match="no frame has 3 of the landmarks m0, m1, m2, m3, m4, m5"):
-        tell(poses, take, reference, [])
+        warn(poses, take, reference, [])
 
 
 def test_a_scale_that_there_is_not_is_told_with_what_there_is() -> None:
