@@ -20,28 +20,29 @@ _TURN = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
 
 def takes_points_and_gives_a_recording(tried: Tried) -> Iterator[str]:
     """Take one port, `detections`, and give a recording of as many frames and that rate first."""
-    given, made = tried.inputs.get("detections"), next(iter(tried.outputs.values()))
-    if not isinstance(given, Detections):
+    detections, recording = tried.inputs.get("detections"), next(iter(tried.outputs.values()))
+    if not isinstance(detections, Detections):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the points `detections`"
-    elif not isinstance(made, Trajectories):
+    elif not isinstance(recording, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
         for what in ("frames", "rate"):
-            if getattr(given, what) != getattr(made, what):
-                yield f"{what} went in as {getattr(given, what)}, came out as {getattr(made, what)}"
+            if getattr(detections, what) != getattr(recording, what):
+                before, after = getattr(detections, what), getattr(recording, what)
+                yield f"{what} went in as {before}, came out as {after}"
 
 
 def gives_each_point_once(tried: Tried) -> Iterator[str]:
     """Give points of that frame only, bit for bit, none of them twice."""
     if any(takes_points_and_gives_a_recording(tried)):
         return
-    given, made = tried.inputs["detections"], next(iter(tried.outputs.values()))
-    there, how_many = np.unique(_points(given), axis=0, return_counts=True)
-    every = np.concatenate([there, _samples(made)])
-    found, index = np.unique(every, axis=0, return_inverse=True)
+    detections, recording = tried.inputs["detections"], next(iter(tried.outputs.values()))
+    there, how_many = np.unique(_points(detections), axis=0, return_counts=True)
+    every = np.concatenate([there, _samples(recording)])
+    distinct, index = np.unique(every, axis=0, return_inverse=True)
     used = np.bincount(index.ravel()[len(there) :], minlength=len(there))
-    if len(found) > len(there):
-        yield f"{len(found) - len(there)} samples are no point of their frame"
+    if len(distinct) > len(there):
+        yield f"{len(distinct) - len(there)} samples are no point of their frame"
     elif np.any(used > how_many):
         yield f"{np.count_nonzero(used > how_many)} points are used more than once"
 
@@ -50,16 +51,16 @@ def does_not_depend_on_the_order_of_points(tried: Tried) -> Iterator[str]:
     """Give the same tracks, by the same names, for points in another order, none coinciding."""
     if any(takes_points_and_gives_a_recording(tried)) or _coincide(tried.inputs["detections"]):
         return
-    given, made = tried.inputs["detections"], next(iter(tried.outputs.values()))
-    frame, points = _points(given)[:, 0], given.points
+    detections, recording = tried.inputs["detections"], next(iter(tried.outputs.values()))
+    frame, points = _points(detections)[:, 0], detections.points
     backward = np.lexsort((-np.arange(len(frame)), frame))
-    again = tried.again(detections=replace(given, points=points[backward]))
+    again = tried.again(detections=replace(detections, points=points[backward]))
     if again is None:
         yield "declines the points in another order"
         return
     other = next(iter(again.values()))
-    if made.markers != other.markers or not np.array_equal(
-        made.positions, other.positions, equal_nan=True
+    if recording.markers != other.markers or not np.array_equal(
+        recording.positions, other.positions, equal_nan=True
     ):
         yield "the points in another order give other tracks"
 
@@ -68,13 +69,13 @@ def moves_with_the_points(tried: Tried) -> Iterator[str]:
     """Give, for points that are turned as a whole, the tracks turned, in whatever order."""
     if any(takes_points_and_gives_a_recording(tried)) or _coincide(tried.inputs["detections"]):
         return
-    given, made = tried.inputs["detections"], next(iter(tried.outputs.values()))
-    again = tried.again(detections=replace(given, points=given.points @ _TURN.T))
+    detections, recording = tried.inputs["detections"], next(iter(tried.outputs.values()))
+    again = tried.again(detections=replace(detections, points=detections.points @ _TURN.T))
     if again is None:
         yield "declines the turned points"
         return
     back = next(iter(again.values())).positions @ _TURN
-    if not np.array_equal(_sorted(made.positions), _sorted(back), equal_nan=True):
+    if not np.array_equal(_sorted(recording.positions), _sorted(back), equal_nan=True):
         yield "the turned points give other tracks"
 
 
@@ -86,20 +87,20 @@ CONTRACTS = (
 )
 
 
-def _points(given: Detections) -> NDArray[np.float64]:
+def _points(detections: Detections) -> NDArray[np.float64]:
     """Return (N, 4): the frame of each point, and the point."""
-    frame = np.repeat(np.arange(given.frames), np.diff(given.offsets))
-    return np.column_stack([frame, given.points])
+    frame = np.repeat(np.arange(detections.frames), np.diff(detections.offsets))
+    return np.column_stack([frame, detections.points])
 
 
-def _samples(made: Trajectories) -> NDArray[np.float64]:
+def _samples(recording: Trajectories) -> NDArray[np.float64]:
     """Return (N, 4): the frame of each present sample, and the sample."""
-    frame, _ = np.nonzero(made.present)
-    return np.column_stack([frame, made.positions[made.present]])
+    frame, _ = np.nonzero(recording.present)
+    return np.column_stack([frame, recording.positions[recording.present]])
 
 
-def _coincide(given: Detections) -> bool:
-    return len(np.unique(_points(given), axis=0)) < len(given.points)
+def _coincide(detections: Detections) -> bool:
+    return len(np.unique(_points(detections), axis=0)) < len(detections.points)
 
 
 def _sorted(positions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -27,23 +27,23 @@ def spaces(points: Any, offsets: Any, frames: Any) -> Any:
     frames : (F,) array of int
         Those of one point have no space.
     """
-    found, count = np.empty(len(points)), 0
+    distances, count = np.empty(len(points)), 0
     for frame in frames:
         first, end = offsets[frame], offsets[frame + 1]
-        for one in range(first, end if end - first > 1 else first):
+        for row in range(first, end if end - first > 1 else first):
             nearest = np.inf
             for way in (-1, 1):
-                other = one + way
+                other = row + way
                 while first <= other < end:
-                    dx = points[other, 0] - points[one, 0]
-                    dy, dz = points[other, 1] - points[one, 1], points[other, 2] - points[one, 2]
+                    dx = points[other, 0] - points[row, 0]
+                    dy, dz = points[other, 1] - points[row, 1], points[other, 2] - points[row, 2]
                     if dx * dx > nearest:
                         break
                     nearest = min(nearest, dx * dx + dy * dy + dz * dz)
                     other += way
-            found[count] = np.sqrt(nearest)
+            distances[count] = np.sqrt(nearest)
             count += 1
-    return found[:count]
+    return distances[:count]
 
 
 @compiled
@@ -130,11 +130,11 @@ def assigned(in_turn: Any, points: Any, gate: float) -> Any:
             start, point, squared = pairs_within(in_turn[turn], points, gate, wanting, free)
             # Beyond any gate: more than all links together.
             alone = gate * gate if np.isfinite(gate) else 1.0 + squared.sum()
-            found = cheapest(start, point, squared, len(points), alone)
-            for row in range(len(found)):
-                if 0 <= found[row] < len(points):
-                    of_place[row] = found[row]
-                    free[found[row]] = False
+            partners = cheapest(start, point, squared, len(points), alone)
+            for row in range(len(partners)):
+                if 0 <= partners[row] < len(points):
+                    of_place[row] = partners[row]
+                    free[partners[row]] = False
     return of_place
 
 

@@ -67,7 +67,7 @@ def literal(
     mistakes = list(_mistakes(points))
     if mistakes:
         raise ValueError(f"points {'; '.join(mistakes)}")
-    columns = [[_in_space(point) for point in _frames(given)] for given in points.values()]
+    columns = [[_in_space(point) for point in _frames(value)] for value in points.values()]
     return Trajectories(
         positions=np.array(columns, dtype=np.float64).transpose(1, 0, 2),
         markers=tuple(points),
@@ -78,21 +78,21 @@ def literal(
 def _mistakes(points: Mapping[str, Any]) -> Iterator[str]:
     if not points:
         yield "should name at least one marker"
-    for marker, given in points.items():
-        wrong = [point for point in _frames(given) if not _is_point(point)]
+    for marker, value in points.items():
+        wrong = [point for point in _frames(value) if not _is_point(point)]
         if wrong:
-            told = f"for {marker!r}, not {wrong[0]!r}"
-            yield f"should have [x, y] or [x, y, z] in finite numbers {told}"
-    counts = {marker: len(_frames(given)) for marker, given in points.items()}
+            detail = f"for {marker!r}, not {wrong[0]!r}"
+            yield f"should have [x, y] or [x, y, z] in finite numbers {detail}"
+    counts = {marker: len(_frames(value)) for marker, value in points.items()}
     if len(set(counts.values())) > 1:
-        told = ", ".join(f"{marker!r} has {count}" for marker, count in counts.items())
-        yield f"should have as many frames for every marker: {told}"
+        detail = ", ".join(f"{marker!r} has {count}" for marker, count in counts.items())
+        yield f"should have as many frames for every marker: {detail}"
 
 
-def _frames(given: Any) -> Frames:
+def _frames(value: Any) -> Frames:
     """Return a list of points; a point by itself is one frame."""
-    listed = isinstance(given, (list, tuple)) and given and isinstance(given[0], (list, tuple))
-    return list(given) if listed else [given]
+    listed = isinstance(value, (list, tuple)) and value and isinstance(value[0], (list, tuple))
+    return list(value) if listed else [value]
 
 
 def _is_point(point: Any) -> bool:

@@ -62,29 +62,29 @@ def carried_by_neighbours(
             dx, dy, dz = x[link] - place[row, 0], y[link] - place[row, 1], z[link] - place[row, 2]
             squared[link] = dx * dx + dy * dy + dz * dz
         squared[moved == row] = np.inf
-        found = _smallest(squared, near, apart)
-        for axis in range(3 if found else 0):
-            for rank in range(found):
+        count = _smallest(squared, near, apart)
+        for axis in range(3 if count else 0):
+            for rank in range(count):
                 values[rank] = motion[near[rank], axis]
-            result[row, axis] = place[row, axis] + _median(values[:found])
+            result[row, axis] = place[row, axis] + _median(values[:count])
     return result
 
 
 @compiled
 def _smallest(values: Any, which: Any, smallest: Any) -> int:
     """Write which values are smallest, and these, the least first; return how many there are."""
-    found, most = 0, len(smallest)
-    for one in range(len(values)):
-        value = values[one]
-        if value == np.inf or (found == most and value >= smallest[most - 1]):
+    count, most = 0, len(smallest)
+    for index in range(len(values)):
+        value = values[index]
+        if value == np.inf or (count == most and value >= smallest[most - 1]):
             continue
-        rank = min(found, most - 1)
-        found = rank + 1
+        rank = min(count, most - 1)
+        count = rank + 1
         while rank > 0 and smallest[rank - 1] > value:
             smallest[rank], which[rank] = smallest[rank - 1], which[rank - 1]
             rank -= 1
-        smallest[rank], which[rank] = value, one
-    return found
+        smallest[rank], which[rank] = value, index
+    return count
 
 
 @compiled
