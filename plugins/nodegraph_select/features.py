@@ -71,13 +71,13 @@ def features_of(recording: Trajectories) -> Features:
     markers = tuple(sorted(recording.markers))
     positions = recording.positions[:, [recording.markers.index(name) for name in markers]]
     values = (positions - positions[0]).reshape(recording.frames, -1)
-    made = Features(markers, values - values.mean(axis=0))
-    if made.still.all():
+    features = Features(markers, values - values.mean(axis=0))
+    if features.still.all():
         raise Refusal(
             f"no marker moves in {recording.frames} frames: the largest standard deviation of a "
-            f"coordinate is {made.spread.max():.1g} mm; up to {_SEEN:g} mm is rounding"
+            f"coordinate is {features.spread.max():.1g} mm; up to {_SEEN:g} mm is rounding"
         )
-    return replace(made, values=np.where(made.still, 0.0, made.values))
+    return replace(features, values=np.where(features.still, 0.0, features.values))
 
 
 def _check(recording: Trajectories) -> None:

@@ -11,7 +11,7 @@ from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
+from nodegraph_select.ranking import by_variance, check_count, first_pairs, warn_spanned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,12 +62,12 @@ def greedy(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Select
     check_count(recording, k)
     features, pairs = features_of(recording), pairs_of(recording)
     pair = membership(pairs, features.markers)
-    found, left = _ranked(features, pair)
-    order = np.concatenate([found, pair[by_variance(features.variances)]])
+    ranked, left = _ranked(features, pair)
+    order = np.concatenate([ranked, pair[by_variance(features.variances)]])
     left = np.concatenate([left, np.zeros(len(pair))])
-    made = first_pairs(recording, pairs, order, k, left, "unexplained")
-    tell_spanned(len(found), made)
-    return made
+    selection = first_pairs(recording, pairs, order, k, left, "unexplained")
+    warn_spanned(len(ranked), selection)
+    return selection
 
 
 def _ranked(
@@ -85,7 +85,7 @@ def _ranked(
     rest = features.values.T @ features.values
     whole = np.trace(rest)
     nothing = max(_NOTHING * whole, len(features.values) * features.rounding**2)
-    found, left = [], []
+    ranked, left = [], []
     while np.trace(rest) > nothing:
         gain = _gains(rest, nothing)
         best = int(np.flatnonzero(gain >= gain.max() * (1.0 - _TIE))[0])
@@ -93,9 +93,9 @@ def _ranked(
             break
         chosen = np.flatnonzero(np.repeat(pair == pair[best], 3))
         rest = _without(rest, chosen, nothing)
-        found.append(pair[best])
+        ranked.append(pair[best])
         left.append(max(float(np.trace(rest) / whole), 0.0))
-    return np.array(found, dtype=np.intp), np.array(left)
+    return np.array(ranked, dtype=np.intp), np.array(left)
 
 
 def _gains(rest: NDArray[np.float64], nothing: float) -> NDArray[np.float64]:

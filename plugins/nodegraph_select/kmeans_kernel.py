@@ -72,8 +72,8 @@ def restarts(rows: Any, draws: Any) -> Any:
     means, least = np.empty((k, len(columns))), np.empty(columns.shape[1])
     for run in range(runs):
         _draw(order, draws[run])
-        for one in range(k):
-            means[one] = rows[order[one]]
+        for index in range(k):
+            means[index] = rows[order[index]]
         rounds[run] = _settle(rows, columns, means, squared, cluster, least)
         inertia[run] = least[:p].sum()
         _find_nearest(nearest[run], cluster, np.sqrt(least[:p]))
@@ -114,17 +114,17 @@ def _settle(rows: Any, columns: Any, means: Any, squared: Any, cluster: Any, lea
     nearest, totals = np.empty(len(least), np.int64), np.empty_like(means)
     count, moved = np.empty(len(means), np.int64), np.ones(len(means), np.bool_)
     cluster[:] = -1
-    for done in range(CAP + 1):
-        for one in range(len(means)):
-            if moved[one]:
-                _measure(squared[one], columns, means[one])
+    for step in range(CAP + 1):
+        for index in range(len(means)):
+            if moved[index]:
+                _measure(squared[index], columns, means[index])
         _assign(nearest, least, squared)
         changed = 0
         for place in range(len(cluster)):
             changed += cluster[place] != nearest[place]
             cluster[place] = nearest[place]
-        if done == CAP or not changed:
-            return done
+        if step == CAP or not changed:
+            return step
         _add(totals, count, rows, cluster)
         _move(means, moved, totals, count)
     return CAP
@@ -147,15 +147,15 @@ def _assign(nearest: Any, least: Any, squared: Any) -> None:
     """Find the nearest mean of each row, the first of equals."""
     least[:] = np.inf
     nearest[:] = 0
-    for one in range(0, len(squared), 2):
-        this, other = squared[one], squared[one + 1]
+    for cluster in range(0, len(squared), 2):
+        this, other = squared[cluster], squared[cluster + 1]
         for place in range(len(nearest)):
             closer = this[place] < least[place]
             low = this[place] if closer else least[place]
-            who = one if closer else nearest[place]
+            who = cluster if closer else nearest[place]
             closer = other[place] < low
             least[place] = other[place] if closer else low
-            nearest[place] = one + 1 if closer else who
+            nearest[place] = cluster + 1 if closer else who
 
 
 @compiled
@@ -173,14 +173,14 @@ def _add(totals: Any, count: Any, rows: Any, cluster: Any) -> None:
 @compiled
 def _move(means: Any, moved: Any, totals: Any, count: Any) -> None:
     """Put the means where their clusters' are, NaN where no row is left; note which moved."""
-    for one in range(len(means)):
-        mean, total, rows, others = means[one], totals[one], float(count[one]), 0
+    for cluster in range(len(means)):
+        mean, total, rows, others = means[cluster], totals[cluster], float(count[cluster]), 0
         was_left = mean[0] != mean[0]
         for dimension in range(len(mean)):
             now = total[dimension] / rows
             others += now != mean[dimension]
             mean[dimension] = now
-        moved[one] = others > 0 and not was_left
+        moved[cluster] = others > 0 and not was_left
 
 
 @inlined
@@ -191,6 +191,6 @@ def _find_nearest(nearest: Any, cluster: Any, apart: Any) -> None:
         least[cluster[place]] = min(least[cluster[place]], apart[place])
     nearest[:] = -1
     for place in range(len(cluster) - 1, -1, -1):
-        one = cluster[place]
-        if apart[place] <= least[one] * (1.0 + _NEAR) + _SMALL:
-            nearest[one] = place
+        own = cluster[place]
+        if apart[place] <= least[own] * (1.0 + _NEAR) + _SMALL:
+            nearest[own] = place

@@ -42,7 +42,7 @@ def pairs_of(recording: Trajectories, *, stacklevel: int = 3) -> Pairs:
     _check_once(name for pair in pairs for name in pair)
     placed = {name for pair in pairs for name in pair}
     alone = [name for name in recording.markers if name not in placed]
-    _tell(recording, alone, stacklevel + 1)
+    _warn(recording, alone, stacklevel + 1)
     return (*pairs, *((name,) for name in alone))
 
 
@@ -72,7 +72,7 @@ def _check_once(names: Iterable[str]) -> None:
         )
 
 
-def _tell(recording: Trajectories, alone: list[str], stacklevel: int) -> None:
+def _warn(recording: Trajectories, alone: list[str], stacklevel: int) -> None:
     if not alone:
         return
     if recording.marker_set is None:

@@ -147,17 +147,17 @@ def pfa(
             f"k = {k} clusters need as many features: {len(features.markers)} markers have "
             f"{len(rows)}"
         )
-    found = _clustered(np.abs(rows) if absolute else rows, k, runs, seed)
-    chosen = _chosen_pairs(found.nearest, membership(pairs, features.markers))
+    clusters = _clustered(np.abs(rows) if absolute else rows, k, runs, seed)
+    chosen = _chosen_pairs(clusters.nearest, membership(pairs, features.markers))
     markers, stable = chosen @ sizes(pairs), stabilities(chosen)
     best = stable.best(stability, markers)
-    _tell(stable, best, found)
+    _warn(stable, best, clusters)
     return Selection(
         chosen=in_order(recording, _named(pairs, chosen[best])),
         pairs=pairs,
         frequencies=stable.frequencies,
         columns=COLUMNS,
-        history=_history(k, found, chosen, markers, stable),
+        history=_history(k, clusters, chosen, markers, stable),
     )
 
 
@@ -194,32 +194,35 @@ def _named(pairs: Pairs, chosen: NDArray[np.bool_]) -> Pairs:
 
 def _history(
     k: int,
-    found: _Clusters,
+    clustered: _Clusters,
     chosen: NDArray[np.bool_],
     markers: NDArray[np.intp],
     stable: Stabilities,
 ) -> NDArray[np.float64]:
     """Return a row per run, its columns `COLUMNS`."""
     runs = len(chosen)
-    pairs, clusters = np.count_nonzero(chosen, axis=1), np.count_nonzero(found.nearest >= 0, axis=1)
+    pairs, clusters = (
+        np.count_nonzero(chosen, axis=1),
+        np.count_nonzero(clustered.nearest >= 0, axis=1),
+    )
     columns = (
-        np.full(runs, k), np.arange(runs), stable.same, markers, pairs, clusters, found.inertia,
-        found.rounds, stable.sum, stable.mean, stable.medoid,
+        np.full(runs, k), np.arange(runs), stable.same, markers, pairs, clusters, clustered.inertia,
+        clustered.rounds, stable.sum, stable.mean, stable.medoid,
     )  # fmt: skip
     return np.stack(columns, axis=1).astype(np.float64)
 
 
-def _tell(stable: Stabilities, best: int, found: _Clusters) -> None:
-    runs = len(found.nearest)
+def _warn(stable: Stabilities, best: int, clusters: _Clusters) -> None:
+    runs = len(clusters.nearest)
     same = np.count_nonzero(stable.same == stable.same[best])
     notes = [
         f"{stable.distinct} of {runs} runs' selections are distinct; the most stable one is that "
         f"of {same} {'run' if same == 1 else 'runs'}"
     ]
-    dropped = np.count_nonzero((found.nearest < 0).any(axis=1))
+    dropped = np.count_nonzero((clusters.nearest < 0).any(axis=1))
     if dropped:
         notes.append(f"{dropped} runs dropped clusters that had lost all their rows")
-    if found.unsettled.any():
-        unsettled = np.count_nonzero(found.unsettled)
+    if clusters.unsettled.any():
+        unsettled = np.count_nonzero(clusters.unsettled)
         notes.append(f"{unsettled} runs had not settled when they were stopped")
     warnings.warn("; ".join(notes), stacklevel=3)

@@ -31,7 +31,7 @@ def leading_vectors(
         The share, above 0 and up to 1.
     standardize
         Whether each feature is divided by its standard deviation first, which makes the
-        covariance a correlation. One that does not move stays 0, told in a warning.
+        covariance a correlation. One that does not move stays 0, with a warning.
     """
     values = _standardized(features) if standardize else features.values
     eigenvalues, vectors = np.linalg.eigh(values.T @ values / len(values))

@@ -11,7 +11,7 @@ from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, check_count, first_pairs, tell_spanned
+from nodegraph_select.ranking import by_variance, check_count, first_pairs, warn_spanned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,9 +60,9 @@ def qr(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
     order = np.concatenate([pivots // 3, by_variance(features.variances)])
     numbers = membership(pairs, features.markers)[order]
     residual = np.concatenate([residual, np.zeros(len(features.markers))])
-    made = first_pairs(recording, pairs, numbers, k, residual, "residual")
-    tell_spanned(len(np.unique(numbers[: len(pivots)])), made)
-    return made
+    selection = first_pairs(recording, pairs, numbers, k, residual, "residual")
+    warn_spanned(len(np.unique(numbers[: len(pivots)])), selection)
+    return selection
 
 
 def _pivots(features: Features) -> tuple[NDArray[np.intp], NDArray[np.float64]]:

@@ -75,15 +75,15 @@ def by_variance(variances: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.argsort(-variances, kind="stable")
 
 
-def pairs_chosen(made: Selection) -> int:
+def pairs_chosen(selection: Selection) -> int:
     """Return how many of a selection's pairs are chosen."""
-    chosen = set(made.chosen)
-    return sum(pair[0] in chosen for pair in made.pairs)
+    chosen = set(selection.chosen)
+    return sum(pair[0] in chosen for pair in selection.pairs)
 
 
-def tell_spanned(spanning: int, made: Selection) -> None:
+def warn_spanned(spanning: int, selection: Selection) -> None:
     """Warn when fewer pairs than were chosen tell all that there is."""
-    chosen = pairs_chosen(made)
+    chosen = pairs_chosen(selection)
     if chosen > spanning:
         warnings.warn(
             f"{spanning} of the {chosen} pairs chosen determine all markers' motion; the others "

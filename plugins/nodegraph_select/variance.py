@@ -53,12 +53,12 @@ def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Sele
     features, pairs = features_of(recording), pairs_of(recording)
     order = by_variance(features.variances)
     numbers = membership(pairs, features.markers)[order]
-    made = first_pairs(recording, pairs, numbers, k, features.variances[order], "variance")
-    _tell_still(len(np.unique(numbers[features.variances[order] > 0.0])), pairs_chosen(made))
-    return made
+    selection = first_pairs(recording, pairs, numbers, k, features.variances[order], "variance")
+    _warn_still(len(np.unique(numbers[features.variances[order] > 0.0])), pairs_chosen(selection))
+    return selection
 
 
-def _tell_still(moving: int, chosen: int) -> None:
+def _warn_still(moving: int, chosen: int) -> None:
     if chosen > moving:
         warnings.warn(
             f"only {moving} of the {chosen} pairs chosen move; the others are the first by name",

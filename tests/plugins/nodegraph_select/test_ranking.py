@@ -16,7 +16,7 @@ from nodegraph_select.ranking import (
     check_count,
     first_pairs,
     pairs_chosen,
-    tell_spanned,
+    warn_spanned,
 )
 
 PAIRS = (("a", "b"), ("c",), ("d", "e"), ("f",))
@@ -68,6 +68,6 @@ def test_how_many_pairs_are_chosen() -> None:
 
 
 def test_it_tells_what_is_determined_only_if_more_was_chosen() -> None:
-    tell_spanned(3, first_pairs(SIX, PAIRS, np.arange(4), 5))
+    warn_spanned(3, first_pairs(SIX, PAIRS, np.arange(4), 5))
     with pytest.warns(UserWarning, match="^2 of the 3 pairs chosen determine"):
-        tell_spanned(2, first_pairs(SIX, PAIRS, np.arange(4), 5))
+        warn_spanned(2, first_pairs(SIX, PAIRS, np.arange(4), 5))
