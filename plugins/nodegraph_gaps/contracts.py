@@ -49,8 +49,8 @@ def hides_what_it_says(tried: Tried) -> Iterator[str]:
 CONTRACTS = (has_the_ports_of_a_cut, truth_is_the_recording, hides_what_it_says)
 
 
-def _alike(one: Trajectories, other: Trajectories, *, but: Any = False) -> bool:
-    same = (one.positions == other.positions) | (
-        np.isnan(one.positions) & np.isnan(other.positions)
+def _alike(recording: Trajectories, other: Trajectories, *, but: Any = False) -> bool:
+    same = (recording.positions == other.positions) | (
+        np.isnan(recording.positions) & np.isnan(other.positions)
     )
-    return one.markers == other.markers and bool(np.all(same.all(axis=2) | but))
+    return recording.markers == other.markers and bool(np.all(same.all(axis=2) | but))

@@ -127,11 +127,11 @@ def cut(
 def _refuse(**settings: Any) -> None:
     """Refuse settings that the pattern of a recording decides."""
     known = signature(cut).parameters
-    given = [name for name, value in settings.items() if value != known[name].default]
-    if given:
+    conflicting = [name for name, value in settings.items() if value != known[name].default]
+    if conflicting:
         raise ValueError(
-            f"{', '.join(given)}: the gaps come from pattern_from; leave these settings out, or "
-            "leave pattern_from open"
+            f"{', '.join(conflicting)}: the gaps come from pattern_from; leave these settings out, "
+            "or leave pattern_from open"
         )
 
 
