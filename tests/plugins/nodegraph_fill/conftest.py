@@ -82,8 +82,8 @@ class PlainPass:
         self.weigh, self.neighbours, self.use_filled = weigh, neighbours, use_filled
         self.ring, self.joined = ring, joined
 
-    def distance(self, frame: int, one: int, other: int) -> float:
-        x, y, z = self.positions[frame, one] - self.positions[frame, other]
+    def distance(self, frame: int, first: int, second: int) -> float:
+        x, y, z = self.positions[frame, first] - self.positions[frame, second]
         return math.sqrt(x * x + y * y + z * z)
 
     def tier(self, before: int, now: int, marker: int) -> int | None:
@@ -182,14 +182,14 @@ def _plainly_blended(
     return forward
 
 
-def _plainly_ramped(made: PlainPass, gaps: list[tuple[int, int, int]]) -> Positions:
-    ramped = made.positions.copy()
+def _plainly_ramped(filled: PlainPass, gaps: list[tuple[int, int, int]]) -> Positions:
+    ramped = filled.positions.copy()
     for marker, start, stop in gaps:
         if start == 0 or stop == len(ramped):
             continue
-        place = made.predict(stop - 1, stop, marker)
+        place = filled.predict(stop - 1, stop, marker)
         if place is not None:
-            mismatch = made.positions[stop, marker] - place
+            mismatch = filled.positions[stop, marker] - place
             for frame in range(start, stop):
                 ramped[frame, marker] += mismatch * (frame - start + 1) / (stop - start + 1)
     return ramped

@@ -28,8 +28,8 @@ def test_equals_the_hermite_curve_of_akimas_slopes(
     filled = akima(recorded(gappy)).positions
     known = [0, 1, 2, 3, 4, 9, 10, 11, 12, 13]
     for axis in range(3):
-        y = [float(truth[one, 0, axis]) for one in known]
-        x = [float(one) for one in known]
+        y = [float(truth[value, 0, axis]) for value in known]
+        x = [float(value) for value in known]
         first, last = slope(x, y, 4), slope(x, y, 5)
         for frame in range(5, 9):
             s = (frame - 4) / 5

@@ -23,11 +23,11 @@ def test_what_is_left_is_counted_by_reason(
     positions = np.ones((9, 5, 3))
     positions[:2, 0] = positions[7:, 1] = positions[:, 2] = positions[1:6, 3] = np.nan
     positions[4, 4] = np.nan
-    told = (
+    message = (
         "^18 samples of 4 markers left missing: never measured 9, longer than max_gap 5, "
         "at the take's start 2, at the take's end 2$"
     )
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match=message):
         filled = fill(recorded(positions), max_gap=4)
     assert np.argwhere(filled.origin == Origin.FILLED).tolist() == [[4, 4]]
 

@@ -71,10 +71,10 @@ def test_is_the_least_squares_solution(
         [straight.ravel()[~m], np.zeros(count), np.sqrt(0.03) * straight.ravel()[m]]
     )
     solution = np.linalg.lstsq(np.vstack([upper, middle_rows, lower]), known, rcond=None)[0]
-    made = (basis @ solution[count:]).reshape(30, -1) + middle
+    output = (basis @ solution[count:]).reshape(30, -1) + middle
     filled = bilinear(recording, cutoff=cutoff, variance=variance, bend=False)
     np.testing.assert_allclose(
-        filled.positions.reshape(30, -1)[missing], made[missing], rtol=0, atol=1e-5
+        filled.positions.reshape(30, -1)[missing], output[missing], rtol=0, atol=1e-5
     )
 
 

@@ -34,16 +34,16 @@ def test_rows_are_completed_to_the_least_of_the_quadratic_form() -> None:
     missing[3] = True
     missing[4] = False
     missing[11] = missing[10]
-    made = rows.copy()
-    complete(made, missing, precision)
-    np.testing.assert_array_equal(made[~missing], rows[~missing])
-    np.testing.assert_allclose((made @ precision)[missing], 0.0, atol=1e-9)
+    completed = rows.copy()
+    complete(completed, missing, precision)
+    np.testing.assert_array_equal(completed[~missing], rows[~missing])
+    np.testing.assert_allclose((completed @ precision)[missing], 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("shrinkage", [0.3, 0.02, 0.001])
 def test_no_other_completion_has_a_smaller_sum(shrinkage: float) -> None:
-    given = matrix(3)
-    threshold = shrinkage * np.linalg.norm(given.rows, 2)
+    problem = matrix(3)
+    threshold = shrinkage * np.linalg.norm(problem.rows, 2)
 
     def total(rows: Rows) -> float:
         values = np.linalg.svd(rows, compute_uv=False)
@@ -52,18 +52,18 @@ def test_no_other_completion_has_a_smaller_sum(shrinkage: float) -> None:
             np.where(values < threshold, small, threshold * (values - threshold / 2)).sum()
         )
 
-    found = LowRank(given, shrinkage)
-    np.testing.assert_array_equal(found.rows[~given.missing], given.rows[~given.missing])
+    actual = LowRank(problem, shrinkage)
+    np.testing.assert_array_equal(actual.rows[~problem.missing], problem.rows[~problem.missing])
     random = np.random.default_rng(4)
     for size in (1e-3, 0.1, 3.0):
         for _ in range(20):
-            other = found.rows + size * given.missing * random.normal(size=found.rows.shape)
-            assert total(other) > total(found.rows)
+            other = actual.rows + size * problem.missing * random.normal(size=actual.rows.shape)
+            assert total(other) > total(actual.rows)
 
 
 def test_what_never_moves_stays() -> None:
-    given = matrix(5)
-    still = TakeMatrix(np.zeros_like(given.rows), given.missing, given.middle, given.seen)
+    problem = matrix(5)
+    still = TakeMatrix(np.zeros_like(problem.rows), problem.missing, problem.middle, problem.seen)
     np.testing.assert_array_equal(LowRank(still, 0.01).rows, 0.0)
 
 

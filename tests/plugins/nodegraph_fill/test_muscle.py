@@ -20,7 +20,7 @@ def weigh(distances: list[float]) -> list[float]:
         return [1.0]
     if len(distances) == 2:
         inverse = [1 / distance for distance in distances]
-        return [one / sum(inverse) for one in inverse]
+        return [value / sum(inverse) for value in inverse]
     return [((1 + math.cos(math.pi * d / sum(distances))) / 2) ** 4 for d in distances]
 
 

@@ -28,8 +28,8 @@ def told(recording: Trajectories, seen: int, frame: int, marker: int, k: int) ->
     if len(body) < 3:
         return NOWHERE
     source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
-    for one in (source, target):
-        extent = np.linalg.svd(one, compute_uv=False)
+    for first in (source, target):
+        extent = np.linalg.svd(first, compute_uv=False)
         if extent[1] <= 0.05 * extent[0]:
             return NOWHERE
     turn, _ = Rotation.align_vectors(target, source)
@@ -43,7 +43,7 @@ def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) 
     g = np.array([[step**2 / 2], [step]])
     state = np.zeros((2, 3))
     covariance: Positions | None = None
-    made = []
+    expected = []
     for z, variance in measured:
         if covariance is None:
             state[0], covariance = z, np.diag([variance, jolt**2])
@@ -53,8 +53,8 @@ def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) 
                 gain = covariance @ h.T / (h @ covariance @ h.T + variance)
                 state = state + gain @ (z[None] - h @ state)
                 covariance = (np.eye(2) - gain @ h) @ covariance
-        made.append(state[0].copy())
-    return made
+        expected.append(state[0].copy())
+    return expected
 
 
 @settings(deadline=None, max_examples=40, derandomize=True)
@@ -86,8 +86,8 @@ def test_equals_the_textbooks_filter(
             else:
                 before = max(t for t in range(frame) if present[t]) if start else seen
                 measured.append((told(recording, before, frame, marker, neighbours), 2.0**2))
-        made = filtered(measured, 1 / recording.rate, 500.0)
-        for frame, place, (z, _) in zip(frames, made, measured, strict=True):
+        output = filtered(measured, 1 / recording.rate, 500.0)
+        for frame, place, (z, _) in zip(frames, output, measured, strict=True):
             if start <= frame < stop:
                 expected[frame, marker] = NOWHERE if np.isnan(z).any() else place
     filled = quietly(
@@ -153,8 +153,8 @@ def test_turning_the_axes_changes_nothing(recorded: Callable[..., Trajectories])
 def test_fewer_than_three_neighbours_are_told(recorded: Callable[..., Trajectories]) -> None:
     gappy = moved()[:, :4]
     gappy[10:20, 0] = gappy[15:, 1] = np.nan
-    told = "^35 samples of 2 markers left missing: no three neighbours that span a plane 35$"
-    with pytest.warns(UserWarning, match=told):
+    message = "^35 samples of 2 markers left missing: no three neighbours that span a plane 35$"
+    with pytest.warns(UserWarning, match=message):
         neighbour_kalman(recorded(gappy[:, :3]))
     with pytest.warns(UserWarning, match="^30 samples of 2 markers left missing"):
         filled = neighbour_kalman(recorded(gappy))

@@ -65,10 +65,10 @@ def test_a_donor_has_no_hole_in_the_whole_gap(recorded: Callable[..., Trajectori
 def test_without_a_donor_the_gap_is_left_and_told(recorded: Callable[..., Trajectories]) -> None:
     positions = np.ones((9, 2, 3))
     positions[3:6, 0] = positions[5, 1] = positions[8, 1] = np.nan
-    told = (
+    message = (
         "^5 samples of 2 markers left missing: at the take's end 1, "
         "no marker without a hole there 4$"
     )
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match=message):
         filled = pattern(recorded(positions))
     assert not np.any(filled.origin == Origin.FILLED)

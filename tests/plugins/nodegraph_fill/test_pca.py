@@ -27,7 +27,12 @@ def take(frames: int = 60, markers: int = 6, seed: int = 2) -> Positions:
 
 
 def reconstructed(
-    gappy: Positions, wanted: list[int], asked: list[int], scale: float, floor: float, share: float
+    gappy: Positions,
+    wanted: list[int],
+    predictors: list[int],
+    scale: float,
+    floor: float,
+    share: float,
 ) -> Positions:
     """The published steps one by one, for markers of which all that are asked are never missing."""
     whole = [m for m in range(gappy.shape[1]) if not np.isnan(gappy[:, m]).any()]
@@ -38,7 +43,7 @@ def reconstructed(
         distance = np.minimum(distance, np.nanmean(apart, axis=0))
     weight = np.exp(-(distance**2) / (2 * scale**2))
     weight[wanted] = floor
-    used = sorted(wanted + asked)
+    used = sorted(wanted + predictors)
     complete = ~np.isnan(data[:, used]).any(axis=(1, 2))
     middle, spread = data[complete].mean(axis=0), data[complete].std(axis=0)
     scaled = ((data - middle) / spread * weight[:, None])[:, used].reshape(len(data), -1)
@@ -47,12 +52,13 @@ def reconstructed(
     _, values, b = np.linalg.svd(scaled[complete], full_matrices=False)
     _, values0, b0 = np.linalg.svd(zeros[complete], full_matrices=False)
     kept = max(
-        int(np.flatnonzero(np.cumsum(one) >= share * one.sum())[0]) + 1 for one in (values, values0)
+        int(np.flatnonzero(np.cumsum(value) >= share * value.sum())[0]) + 1
+        for value in (values, values0)
     )
     b, b0 = b[:kept].T, b0[:kept].T
-    made = (zeros @ b0 @ b0.T @ b @ b.T)[:, hidden].reshape(len(data), -1, 3)
-    made = made / floor * spread[wanted] + middle[wanted]
-    return np.asarray(made + gappy[:, whole].mean(axis=1, keepdims=True))
+    expected = (zeros @ b0 @ b0.T @ b @ b.T)[:, hidden].reshape(len(data), -1, 3)
+    expected = expected / floor * spread[wanted] + middle[wanted]
+    return np.asarray(expected + gappy[:, whole].mean(axis=1, keepdims=True))
 
 
 def test_each_marker_is_filled_from_those_that_have_no_gaps(
@@ -62,17 +68,17 @@ def test_each_marker_is_filled_from_those_that_have_no_gaps(
     gappy[20:30, 0] = gappy[25:40, 4] = np.nan
     filled = pca(recorded(gappy), weight_scale=50.0, weight_missing=0.1, singular_values=0.9)
     for marker, gap in ((0, slice(20, 30)), (4, slice(25, 40))):
-        made = reconstructed(gappy, [marker], [1, 2, 3, 5], 50.0, 0.1, 0.9)
-        np.testing.assert_allclose(filled.positions[gap, marker], made[gap, 0], rtol=0, atol=1e-7)
+        output = reconstructed(gappy, [marker], [1, 2, 3, 5], 50.0, 0.1, 0.9)
+        np.testing.assert_allclose(filled.positions[gap, marker], output[gap, 0], rtol=0, atol=1e-7)
 
 
 def test_together_all_markers_with_gaps_are_hidden(recorded: Callable[..., Trajectories]) -> None:
     gappy = take()
     gappy[20:30, 0] = gappy[45:50, 4] = np.nan
     filled = pca(recorded(gappy), strategy="together")
-    made = reconstructed(gappy, [0, 4], [1, 2, 3, 5], 200.0, 0.02, 0.99)
-    np.testing.assert_allclose(filled.positions[20:30, 0], made[20:30, 0], rtol=0, atol=1e-7)
-    np.testing.assert_allclose(filled.positions[45:50, 4], made[45:50, 1], rtol=0, atol=1e-7)
+    output = reconstructed(gappy, [0, 4], [1, 2, 3, 5], 200.0, 0.02, 0.99)
+    np.testing.assert_allclose(filled.positions[20:30, 0], output[20:30, 0], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(filled.positions[45:50, 4], output[45:50, 1], rtol=0, atol=1e-7)
 
 
 def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
@@ -81,12 +87,12 @@ def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
     near, far = take(), take()
     near[:, 1] += near[:, 0].mean(axis=0) - near[:, 1].mean(axis=0) + [1.0, 0.0, 0.0]
     far[:, 1] += far[:, 0].mean(axis=0) - far[:, 1].mean(axis=0) + [500.0, 0.0, 0.0]
-    for positions, asked in ((near, True), (far, False)):
+    for positions, predictors in ((near, True), (far, False)):
         positions[20:30, 0] = positions[40:45, 1] = np.nan
         moved = positions.copy()
         moved[:, 1] += np.random.default_rng(1).normal(size=(60, 3))
-        one, other = (pca(recorded(p)).positions[20:30, 0] for p in (positions, moved))
-        assert np.array_equal(one, other) is not asked
+        first, second = (pca(recorded(p)).positions[20:30, 0] for p in (positions, moved))
+        assert np.array_equal(first, second) is not predictors
 
 
 def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:
@@ -107,8 +113,8 @@ def test_without_a_complete_frame_it_is_refused(
     gappy = take()
     gappy[:, 1] = gappy[:, 0] + 1.0
     gappy[::2, 0] = gappy[1::2, 1] = np.nan
-    told = r"needs one complete frame: none of 60 has .* \(2 of 6 markers have gaps to fill; at "
-    with pytest.raises(Refusal, match=told + "most 5 are present at once"):
+    message = r"needs one complete frame: none of 60 has .* \(2 of 6 markers have gaps to fill; at "
+    with pytest.raises(Refusal, match=message + "most 5 are present at once"):
         pca(recorded(gappy), strategy=strategy)
 
 
@@ -118,8 +124,8 @@ def test_a_marker_without_a_complete_frame_is_left_and_told(
     gappy = take()
     gappy[:, 1] = gappy[:, 0] + 1.0
     gappy[::2, 0] = gappy[1::2, 1] = gappy[:5, 4] = np.nan
-    told = "^60 samples of 2 markers left missing: no marker to fill from, or no frame complete "
-    with pytest.warns(UserWarning, match=told + "with those 60$"):
+    message = "^60 samples of 2 markers left missing: no marker to fill from, or no frame complete "
+    with pytest.warns(UserWarning, match=message + "with those 60$"):
         filled = pca(recorded(gappy))
     assert filled.present[:, 4].all()
 
@@ -146,10 +152,10 @@ def test_what_is_left_is_left_in_any_recording(
         recording = gappy(seed)
         for strategy in ("each", "together"):
             try:
-                made = quietly(pca, recording, strategy=strategy, bend=True)
+                output = quietly(pca, recording, strategy=strategy, bend=True)
             except Refusal:
                 continue
-            filled += int(np.count_nonzero(made.present & ~recording.present))
-            same = made.positions[recording.present]
+            filled += int(np.count_nonzero(output.present & ~recording.present))
+            same = output.positions[recording.present]
             np.testing.assert_array_equal(same, recording.positions[recording.present])
     assert filled

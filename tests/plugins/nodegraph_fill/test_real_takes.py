@@ -42,5 +42,5 @@ def test_muscles_and_plain_mean_come_as_near_as_is_known(name: str) -> None:
         warnings.simplefilter("ignore")
         take = read_c3d(FOLDER / f"{name}.c3d")
     for length in (5, 15, 45):
-        found = np.mean([error(take, length, seed) for seed in range(12)], axis=0)
-        assert found == pytest.approx(EXPECTED[name, length], rel=0.15)
+        actual = np.mean([error(take, length, seed) for seed in range(12)], axis=0)
+        assert actual == pytest.approx(EXPECTED[name, length], rel=0.15)

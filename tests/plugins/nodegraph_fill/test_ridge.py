@@ -47,12 +47,12 @@ def test_equals_the_normal_equations(
     assert len(apart) == 4
     lesson = np.flatnonzero(~np.isnan(gappy[:, [0, *chosen], 0]).any(axis=1))
     x = gappy[:, chosen].reshape(len(gappy), -1)
-    made = solved(x[lesson], gappy[lesson, 0], penalty, x[19:31])
+    output = solved(x[lesson], gappy[lesson, 0], penalty, x[19:31])
     if bend:
         share = np.linspace(0, 1, 12)[:, None]
-        first, last = gappy[19, 0] - made[0], gappy[30, 0] - made[-1]
-        made = made + (1 - share) * first + share * last
-    np.testing.assert_allclose(filled.positions[20:30, 0], made[1:-1], rtol=0, atol=1e-7)
+        first, last = gappy[19, 0] - output[0], gappy[30, 0] - output[-1]
+        output = output + (1 - share) * first + share * last
+    np.testing.assert_allclose(filled.positions[20:30, 0], output[1:-1], rtol=0, atol=1e-7)
 
 
 def _shape_distances(positions: Positions) -> Positions:
@@ -65,7 +65,7 @@ def test_a_gap_with_one_end_is_moved_to_meet_it(recorded: Callable[..., Trajecto
     gappy = take()
     gappy[60:, 2] = np.nan
     bent, free = (
-        ridge(recorded(gappy), bend=one, penalty=1e3).positions[60:, 2] for one in (True, False)
+        ridge(recorded(gappy), bend=value, penalty=1e3).positions[60:, 2] for value in (True, False)
     )
     shift = bent - free
     np.testing.assert_allclose(shift, np.broadcast_to(shift[0], shift.shape), atol=1e-9)
@@ -87,7 +87,7 @@ def test_where_nothing_can_be_learnt_the_gap_is_left_and_told(
     positions = take(frames=6, markers=3)
     positions[1:5, 0] = np.nan
     positions[[0, 5], 1:] = np.nan
-    told = "^8 samples of 3 markers left missing: no marker, or no frames, to learn from 8$"
-    with pytest.warns(UserWarning, match=told):
+    message = "^8 samples of 3 markers left missing: no marker, or no frames, to learn from 8$"
+    with pytest.warns(UserWarning, match=message):
         filled = ridge(recorded(positions))
     assert not np.any(filled.origin[1:5, 0] == Origin.FILLED)

@@ -48,8 +48,8 @@ def seen_from(recording: Trajectories, end: int, frame: int, marker: int, k: int
     if len(body) < 3:
         return nowhere
     source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
-    for one in (source, target):
-        extent = np.linalg.svd(one, compute_uv=False)
+    for first in (source, target):
+        extent = np.linalg.svd(first, compute_uv=False)
         if extent[1] <= 0.05 * extent[0]:
             return nowhere
     turn, _ = Rotation.align_vectors(target, source)
@@ -84,8 +84,8 @@ def test_neighbours_on_a_line_tell_nothing(recorded: Callable[..., Trajectories]
     positions[:, 1:, 0] = [10.0, 20.0, 30.0]
     positions[:, 1:, 1] = [0.0, 0.1, 0.0]
     positions[2:4, 0] = np.nan
-    told = "^2 samples of 1 marker left missing: no three neighbours that span a plane 2$"
-    with pytest.warns(UserWarning, match=told):
+    message = "^2 samples of 1 marker left missing: no three neighbours that span a plane 2$"
+    with pytest.warns(UserWarning, match=message):
         filled = rigid(recorded(positions))
     assert not np.any(filled.origin == Origin.FILLED)
 

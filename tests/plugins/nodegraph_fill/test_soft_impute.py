@@ -84,8 +84,8 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(
         hidden = np.zeros((7, 3), dtype=bool)
         hidden[list(lacking)] = True
         out = hidden.ravel()
-        told = m[np.ix_(out, ~out)] @ full[frame, ~out]
-        estimate = np.linalg.solve(np.eye(out.sum()) - m[np.ix_(out, out)], told)
+        message = m[np.ix_(out, ~out)] @ full[frame, ~out]
+        estimate = np.linalg.solve(np.eye(out.sum()) - m[np.ix_(out, out)], message)
         return np.asarray(gappy[frame, 0] - middle[:3] - estimate[:3])
 
     first = mismatch(19, 0)

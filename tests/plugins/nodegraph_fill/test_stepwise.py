@@ -62,8 +62,8 @@ def test_a_rigid_motion_moves_the_answer_along(
     turn = Rotation.from_rotvec([0.4, -0.2, 1.1]).as_matrix()
     moved = recorded(recording.positions @ turn.T + [3, -20, 7], recording.origin)
     expected = quietly(fill, recording, close_gap=close_gap).positions @ turn.T + [3, -20, 7]
-    found = quietly(fill, moved, close_gap=close_gap).positions
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+    actual = quietly(fill, moved, close_gap=close_gap).positions
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-9)
 
 
 @sweep
@@ -79,8 +79,8 @@ def test_a_face_of_other_size_is_filled_alike(
     recording = gappy(seed)
     larger = recorded(recording.positions * 8, recording.origin)
     expected = quietly(fill, recording, close_gap=close_gap).positions * 8
-    found = quietly(fill, larger, close_gap=close_gap).positions
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
+    actual = quietly(fill, larger, close_gap=close_gap).positions
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-8)
 
 
 @sweep
@@ -97,8 +97,8 @@ def test_the_order_of_the_markers_does_not_matter(
     shuffled = recording.keep(np.random.default_rng(seed).permutation(recording.markers))
     options = {"close_gap": close_gap, "use_filled": False}
     expected = quietly(fill, recording, **options).keep(shuffled.markers).positions
-    found = quietly(fill, shuffled, **options).positions
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+    actual = quietly(fill, shuffled, **options).positions
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("fill", EVERY)
@@ -107,8 +107,8 @@ def test_the_same_answer_twice(
 ) -> None:
     for seed in range(10):
         recording = gappy(seed)
-        one, other = quietly(fill, recording), quietly(fill, recording)
-        assert one.positions.tobytes() == other.positions.tobytes()
+        first, second = quietly(fill, recording), quietly(fill, recording)
+        assert first.positions.tobytes() == second.positions.tobytes()
 
 
 @pytest.mark.parametrize("fill", EVERY)
@@ -176,8 +176,8 @@ def test_a_broken_chain_stays_missing_until_the_marker_returns(recorded: Recorde
     positions = np.zeros((8, 2, 3))
     positions[:, 1, 0] = 5
     positions[1:6, 0] = positions[3, 1] = np.nan
-    told = "^4 samples of 2 markers left missing: no usable neighbour 4$"
-    with pytest.warns(UserWarning, match=told):
+    message = "^4 samples of 2 markers left missing: no usable neighbour 4$"
+    with pytest.warns(UserWarning, match=message):
         filled = muscle(recorded(positions))
     assert filled.present[:, 0].tolist() == [True, True, True, False, False, False, True, True]
 
@@ -194,8 +194,8 @@ def test_reasons_are_counted(recorded: Recorded) -> None:
     positions = np.zeros((10, 3, 3))
     positions[:, 1, 0] = 5
     positions[:, 2] = positions[4:6, :2] = positions[8:, 0] = np.nan
-    told = "14 samples of 3 markers left missing: never measured 10, no usable neighbour 4"
-    with pytest.warns(UserWarning, match=f"^{told}$") as caught:
+    message = "14 samples of 3 markers left missing: never measured 10, no usable neighbour 4"
+    with pytest.warns(UserWarning, match=f"^{message}$") as caught:
         filled = guenter(recorded(positions))
     assert filled.present[8:, 0].all()
     assert caught[0].filename == __file__

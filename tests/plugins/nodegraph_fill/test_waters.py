@@ -44,7 +44,9 @@ def test_equals_the_plain_statement(
     full, end = radii
     shared = {"use_filled": use_filled, "close_gap": close_gap}
     filled = quietly(waters, recording, full_radius=full, falloff_radius=end, **shared)
-    plain = plainly(recording, lambda given: weigh(given, full, end), neighbours=1, **shared)
+    plain = plainly(
+        recording, lambda distances: weigh(distances, full, end), neighbours=1, **shared
+    )
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 
 

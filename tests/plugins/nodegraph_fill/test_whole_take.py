@@ -39,8 +39,8 @@ def test_present_samples_keep_their_sigma(recorded: Callable[..., Trajectories])
     positions = np.zeros((3, 1, 3))
     positions[1] = np.nan
     sigma = np.array([[0.5], [np.nan], [0.25]])
-    given = recorded(positions)
-    recording = Trajectories(positions=positions, markers=given.markers, rate=60.0, sigma=sigma)
+    source = recorded(positions)
+    recording = Trajectories(positions=positions, markers=source.markers, rate=60.0, sigma=sigma)
     filled = fill_from(recording, None, model, bend=False)
     assert filled.sigma is not None
     np.testing.assert_array_equal(filled.sigma[:, 0], [0.5, 2.0, 0.25])
@@ -81,11 +81,11 @@ def test_beside_a_gap_the_markers_that_lack_in_it_are_hidden(
     positions[3:6, 0] = positions[5:7, 1] = positions[2, 2] = positions[6:, 3] = np.nan
     recording = recorded(positions)
     ends = TakeMatrix.of(recording).hidden_ends(Gaps.of(recording))
-    found = {
+    actual = {
         (int(frame), int(marker)): np.flatnonzero(missing[::3]).tolist()
         for frame, marker, missing in zip(ends.frame, ends.marker, ends.missing, strict=True)
     }
-    assert found == {
+    assert actual == {
         (2, 0): [0, 2],
         (6, 0): [0, 1, 3],
         (4, 1): [0, 1],
