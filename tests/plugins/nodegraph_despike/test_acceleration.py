@@ -16,7 +16,7 @@ Quietly = Callable[..., Trajectories]
 
 
 def plainly(recording: Trajectories, threshold: float) -> np.ndarray:
-    made = recording.positions.copy()
+    expected = recording.positions.copy()
     for marker in range(len(recording.markers)):
         track, bad = recording.positions[:, marker], [False] * recording.frames
         for i in range(1, recording.frames - 1):
@@ -29,9 +29,9 @@ def plainly(recording: Trajectories, threshold: float) -> np.ndarray:
                 i += 1
             for frame in range(first, i):
                 share = (frame - first + 1) / (i - first + 1)
-                made[frame, marker] = (1 - share) * track[first - 1] + share * track[i]
+                expected[frame, marker] = (1 - share) * track[first - 1] + share * track[i]
             i += 1
-    return made
+    return expected
 
 
 @settings(max_examples=40, deadline=None)
@@ -40,11 +40,11 @@ def test_equals_a_plain_statement(
     gappy: Callable[[int], Trajectories], quietly: Quietly, seed: int, threshold: float
 ) -> None:
     recording = gappy(seed)
-    made = quietly(acceleration, recording, threshold=threshold)
+    despiked = quietly(acceleration, recording, threshold=threshold)
     expected = plainly(recording, threshold)
-    assert np.allclose(made.positions, expected, rtol=0, atol=1e-9, equal_nan=True)
-    changed = recording.present & np.any(made.positions != recording.positions, axis=2)
-    assert np.all(made.origin[changed] == Origin.REPAIRED)
+    assert np.allclose(despiked.positions, expected, rtol=0, atol=1e-9, equal_nan=True)
+    changed = recording.present & np.any(despiked.positions != recording.positions, axis=2)
+    assert np.all(despiked.origin[changed] == Origin.REPAIRED)
 
 
 @pytest.mark.parametrize(("rate", "least"), [(60.0, 2.8), (30.0, 11.2), (100.0, 1.0)])
@@ -54,8 +54,8 @@ def test_the_least_impulse_that_is_bad(
     def repaired(size: float) -> list[int]:
         line = np.zeros(30)
         line[9] = size
-        made = quietly(acceleration, recorded(line, rate=rate))
-        return list(np.flatnonzero(made.origin == Origin.REPAIRED))
+        despiked = quietly(acceleration, recorded(line, rate=rate))
+        return list(np.flatnonzero(despiked.origin == Origin.REPAIRED))
 
     assert repaired(0.95 * least) == []
     assert repaired(1.05 * least) == [9]
@@ -67,10 +67,10 @@ def test_a_large_impulse_takes_its_neighbours_with_it(
     line = np.arange(30.0) ** 2 * 0.01
     spiky = line.copy()
     spiky[9] += 20.0
-    made = quietly(acceleration, recorded(spiky))
-    assert np.flatnonzero(made.origin == Origin.REPAIRED).tolist() == [8, 9, 10]
+    despiked = quietly(acceleration, recorded(spiky))
+    assert np.flatnonzero(despiked.origin == Origin.REPAIRED).tolist() == [8, 9, 10]
     # On the line from frame 7 to frame 11, which is a little above the parabola.
-    off = np.linalg.norm(made.positions - recorded(line).positions, axis=2)[:, 0]
+    off = np.linalg.norm(despiked.positions - recorded(line).positions, axis=2)[:, 0]
     assert off[[8, 9, 10]] == pytest.approx([0.03, 0.04, 0.03])
 
 
@@ -78,25 +78,25 @@ def test_a_large_impulse_takes_its_neighbours_with_it(
 def test_impulses_of_one_and_two_frames_are_found(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly, width: int
 ) -> None:
-    frames = [start + one for start in range(10, 110, 20) for one in range(width)]
-    made = quietly(acceleration, spiked(wavy, frames, [12.0, -9.0, 8.0]))
-    assert np.all(made.origin[frames] == Origin.REPAIRED)
-    assert np.abs(made.positions - wavy.positions).max() < 2.0
+    frames = [start + offset for start in range(10, 110, 20) for offset in range(width)]
+    despiked = quietly(acceleration, spiked(wavy, frames, [12.0, -9.0, 8.0]))
+    assert np.all(despiked.origin[frames] == Origin.REPAIRED)
+    assert np.abs(despiked.positions - wavy.positions).max() < 2.0
 
 
 def test_of_a_longer_one_only_the_edges_are(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
-    made = quietly(acceleration, spiked(wavy, [40, 41, 42], [12.0, -9.0, 8.0]))
-    repaired = made.origin[:, 0] == Origin.REPAIRED
+    despiked = quietly(acceleration, spiked(wavy, [40, 41, 42], [12.0, -9.0, 8.0]))
+    repaired = despiked.origin[:, 0] == Origin.REPAIRED
     assert np.flatnonzero(repaired).tolist() == [39, 40, 42, 43]
 
 
 def test_the_good_sample_between_two_impulses_is_saved(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
-    made = quietly(acceleration, spiked(wavy, [10, 12], [12.0, -9.0, 8.0]))
-    assert np.abs(made.positions - wavy.positions).max() < 2.0
+    despiked = quietly(acceleration, spiked(wavy, [10, 12], [12.0, -9.0, 8.0]))
+    assert np.abs(despiked.positions - wavy.positions).max() < 2.0
 
 
 def test_at_the_ends_and_beside_gaps_there_is_no_acceleration(

@@ -32,54 +32,54 @@ def present_in(recording: Trajectories, frame: int) -> Any:
     return chosen
 
 
-def fills(given: Trajectories) -> Trajectories:
-    positions = np.where(given.present[..., None], given.positions, 0.0)
-    return marked(given, positions, ~given.present)
+def fills(before: Trajectories) -> Trajectories:
+    positions = np.where(before.present[..., None], before.positions, 0.0)
+    return marked(before, positions, ~before.present)
 
 
-def cuts(given: Trajectories) -> Trajectories:
-    bad = present_in(given, 0)
-    return marked(given, np.where(bad[..., None], np.nan, given.positions), bad)
+def cuts(before: Trajectories) -> Trajectories:
+    bad = present_in(before, 0)
+    return marked(before, np.where(bad[..., None], np.nan, before.positions), bad)
 
 
-def does_not_mark(given: Trajectories) -> Trajectories:
-    bad = present_in(given, 0)
-    sigma = None if given.sigma is None else np.where(bad, np.nan, given.sigma)
-    return replace(given, positions=given.positions + bad[..., None], sigma=sigma)
+def does_not_mark(before: Trajectories) -> Trajectories:
+    bad = present_in(before, 0)
+    sigma = None if before.sigma is None else np.where(bad, np.nan, before.sigma)
+    return replace(before, positions=before.positions + bad[..., None], sigma=sigma)
 
 
-def marks_too_much(given: Trajectories) -> Trajectories:
-    bad = present_in(given, 0) & (given.origin == Origin.MEASURED)
-    return replace(given, origin=np.where(bad, np.uint8(Origin.REPAIRED), given.origin))
+def marks_too_much(before: Trajectories) -> Trajectories:
+    bad = present_in(before, 0) & (before.origin == Origin.MEASURED)
+    return replace(before, origin=np.where(bad, np.uint8(Origin.REPAIRED), before.origin))
 
 
-def keeps_sigma(given: Trajectories) -> Trajectories:
-    bad = present_in(given, 0)
-    moved = given.positions + bad[..., None]
-    return given.with_samples(moved, changed=bad, origin=Origin.REPAIRED)
+def keeps_sigma(before: Trajectories) -> Trajectories:
+    bad = present_in(before, 0)
+    moved = before.positions + bad[..., None]
+    return before.with_samples(moved, changed=bad, origin=Origin.REPAIRED)
 
 
-def drops_sigma(given: Trajectories) -> Trajectories:
-    return replace(given, sigma=None)
+def drops_sigma(before: Trajectories) -> Trajectories:
+    return replace(before, sigma=None)
 
 
-def other_sigma(given: Trajectories) -> Trajectories:
-    return given if given.sigma is None else replace(given, sigma=given.sigma * 2)
+def other_sigma(before: Trajectories) -> Trajectories:
+    return before if before.sigma is None else replace(before, sigma=before.sigma * 2)
 
 
-def by_place(given: Trajectories) -> Trajectories:
-    bad = present_in(given, 0) & (given.positions[..., 0] > 0)
-    return marked(given, given.positions + bad[..., None], bad)
+def by_place(before: Trajectories) -> Trajectories:
+    bad = present_in(before, 0) & (before.positions[..., 0] > 0)
+    return marked(before, before.positions + bad[..., None], bad)
 
 
-def by_order(given: Trajectories) -> Trajectories:
-    bad = present_in(given, 0)
+def by_order(before: Trajectories) -> Trajectories:
+    bad = present_in(before, 0)
     bad[:, 1:] = False
-    return marked(given, given.positions + bad[..., None], bad)
+    return marked(before, before.positions + bad[..., None], bad)
 
 
-def faster(given: Trajectories) -> Trajectories:
-    return replace(given, rate=2 * given.rate)
+def faster(before: Trajectories) -> Trajectories:
+    return replace(before, rate=2 * before.rate)
 
 
 @pytest.mark.parametrize(
@@ -128,5 +128,5 @@ def test_good_ones_pass(despiker: Callable[..., Trajectories]) -> None:
 def test_good_ones_pass_where_they_repair_much(despiker: Callable[..., Trajectories]) -> None:
     known = node_of(despiker)
     assert known is not None
-    names = [one for one in ("factor", "threshold") if one in known.settings]
+    names = [value for value in ("factor", "threshold") if value in known.settings]
     check_node(despiker, settings=dict.fromkeys(names, 0.05), registry=REGISTRY)

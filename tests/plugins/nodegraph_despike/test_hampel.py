@@ -20,7 +20,7 @@ def test_along_a_line_it_is_the_filter_in_one_dimension(
     recorded: Callable[..., Trajectories], quietly: Quietly, reach: int, threshold: float
 ) -> None:
     values = np.random.default_rng(2).standard_t(2, size=200)
-    made = quietly(hampel, recorded(values), reach=reach, threshold=threshold)
+    despiked = quietly(hampel, recorded(values), reach=reach, threshold=threshold)
     bad = 0
     for now in range(reach, 200 - reach):
         window = values[now - reach : now + reach + 1]
@@ -28,8 +28,10 @@ def test_along_a_line_it_is_the_filter_in_one_dimension(
         scale = 1.4826 * np.median(np.abs(window - middle))
         is_bad = abs(values[now] - middle) > threshold * scale
         bad += is_bad
-        assert made.positions[now, 0] @ ALONG == pytest.approx(middle if is_bad else values[now])
-        assert (made.origin[now, 0] == Origin.REPAIRED) == is_bad
+        assert despiked.positions[now, 0] @ ALONG == pytest.approx(
+            middle if is_bad else values[now]
+        )
+        assert (despiked.origin[now, 0] == Origin.REPAIRED) == is_bad
     assert bad > 5
 
 
@@ -37,17 +39,17 @@ def test_along_a_line_it_is_the_filter_in_one_dimension(
 def test_finds_impulses_of_up_to_reach_frames(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly, width: int
 ) -> None:
-    frames = [start + one for start in range(10, 110, 25) for one in range(width)]
-    made = quietly(hampel, spiked(wavy, frames, [30.0, -20.0, 40.0]), reach=3)
-    assert np.all(made.origin[frames] == Origin.REPAIRED)
-    assert np.abs(made.positions - wavy.positions).max() < 5.0
+    frames = [start + offset for start in range(10, 110, 25) for offset in range(width)]
+    despiked = quietly(hampel, spiked(wavy, frames, [30.0, -20.0, 40.0]), reach=3)
+    assert np.all(despiked.origin[frames] == Origin.REPAIRED)
+    assert np.abs(despiked.positions - wavy.positions).max() < 5.0
 
 
 def test_a_longer_one_is_taken_for_the_motion(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
-    made = quietly(hampel, spiked(wavy, [40, 41, 42, 43], [30.0, -20.0, 40.0]), reach=3)
-    assert np.all(made.origin[[41, 42]] == Origin.MEASURED)
+    despiked = quietly(hampel, spiked(wavy, [40, 41, 42, 43], [30.0, -20.0, 40.0]), reach=3)
+    assert np.all(despiked.origin[[41, 42]] == Origin.MEASURED)
 
 
 def test_a_marker_that_stands_still_but_once(
@@ -56,9 +58,9 @@ def test_a_marker_that_stands_still_but_once(
     still = np.full(30, 4.2)
     assert hampel(recorded(still)).origin.max() == Origin.MEASURED
     still[12] += 0.01
-    made = quietly(hampel, recorded(still))
-    assert np.flatnonzero(made.origin == Origin.REPAIRED).tolist() == [12]
-    assert np.all(made.positions == made.positions[0])
+    despiked = quietly(hampel, recorded(still))
+    assert np.flatnonzero(despiked.origin == Origin.REPAIRED).tolist() == [12]
+    assert np.all(despiked.positions == despiked.positions[0])
 
 
 def test_steady_motion_is_never_bad_not_even_beside_gaps(

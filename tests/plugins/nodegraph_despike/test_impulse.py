@@ -18,13 +18,13 @@ ORDERS = ["simultaneous", "in_place", "redetect"]
 Quietly = Callable[..., Trajectories]
 
 
-def distance(one: Point, other: Point) -> float:
-    x, y, z = (a - b for a, b in zip(one, other, strict=True))
+def distance(first: Point, second: Point) -> float:
+    x, y, z = (a - b for a, b in zip(first, second, strict=True))
     return math.sqrt(x * x + y * y + z * z)
 
 
-def midpoint(one: Point, other: Point) -> Point:
-    x, y, z = ((a + b) / 2.0 for a, b in zip(one, other, strict=True))
+def midpoint(first: Point, second: Point) -> Point:
+    x, y, z = ((a + b) / 2.0 for a, b in zip(first, second, strict=True))
     return x, y, z
 
 
@@ -34,7 +34,7 @@ class Plain:
     def __init__(self, track: list[Point], factor: float) -> None:
         self.track = list(track)
         steps = [self.step(i) for i in range(1, len(track))]
-        known = [one for one in steps if not math.isnan(one)]
+        known = [value for value in steps if not math.isnan(value)]
         self.k = sum(known) / len(known) if known else 0.0
         self.bar = factor * self.k
 
@@ -68,13 +68,13 @@ class Plain:
 
 
 def plainly(recording: Trajectories, order: str, factor: float) -> list[list[Point]]:
-    made = []
+    expected = []
     for marker in range(len(recording.markers)):
         track = [(float(x), float(y), float(z)) for x, y, z in recording.positions[:, marker]]
         plain = Plain(track, factor)
         getattr(plain, order)()
-        made.append(plain.track)
-    return made
+        expected.append(plain.track)
+    return expected
 
 
 @settings(max_examples=60, deadline=None)
@@ -85,18 +85,18 @@ def test_equals_a_plain_statement_to_the_last_bit(
     gappy: Callable[[int], Trajectories], quietly: Quietly, seed: int, order: str, factor: float
 ) -> None:
     recording = gappy(seed)
-    made = quietly(impulse, recording, order=order, factor=factor)
+    despiked = quietly(impulse, recording, order=order, factor=factor)
     expected = np.array(plainly(recording, order, factor)).transpose(1, 0, 2)
-    assert np.array_equal(made.positions, expected, equal_nan=True)
+    assert np.array_equal(despiked.positions, expected, equal_nan=True)
 
 
 def test_the_plain_statement_repairs_something(gappy: Callable[[int], Trajectories]) -> None:
     changed = 0
     for seed in range(20):
         recording = gappy(seed)
-        made = np.array(plainly(recording, "redetect", 1.5)).transpose(1, 0, 2)
+        despiked = np.array(plainly(recording, "redetect", 1.5)).transpose(1, 0, 2)
         changed += int(
-            np.count_nonzero(recording.present & np.any(made != recording.positions, axis=2))
+            np.count_nonzero(recording.present & np.any(despiked != recording.positions, axis=2))
         )
     assert changed > 20
 
@@ -112,10 +112,10 @@ def test_finds_impulses_of_one_frame_and_none_of_two_or_three(
     order: str,
 ) -> None:
     starts = range(10, 110, 20)
-    frames = [start + one for start in starts for one in range(width)]
-    made = quietly(impulse, spiked(wavy, frames, [12.0, -9.0, 8.0]), order=order)
-    found = made.origin[frames] == Origin.REPAIRED
-    assert found.mean() == recall
+    frames = [start + offset for start in starts for offset in range(width)]
+    despiked = quietly(impulse, spiked(wavy, frames, [12.0, -9.0, 8.0]), order=order)
+    actual = despiked.origin[frames] == Origin.REPAIRED
+    assert actual.mean() == recall
 
 
 @pytest.mark.parametrize(
@@ -131,9 +131,9 @@ def test_a_good_sample_between_two_impulses(
 ) -> None:
     line = np.arange(60) * 0.1
     line[[10, 12]] += 30.0
-    made = quietly(impulse, recorded(line), order=order)
-    assert np.flatnonzero(made.origin[:, 0] == Origin.REPAIRED).tolist() == repaired
-    error = np.linalg.norm(made.positions - recorded(np.arange(60) * 0.1).positions, axis=2)
+    despiked = quietly(impulse, recorded(line), order=order)
+    assert np.flatnonzero(despiked.origin[:, 0] == Origin.REPAIRED).tolist() == repaired
+    error = np.linalg.norm(despiked.positions - recorded(np.arange(60) * 0.1).positions, axis=2)
     # The good sample becomes the impulse; with the other orders nothing is left of them.
     assert error[11, 0] == pytest.approx(off, abs=1e-9)
     assert np.delete(error[:, 0], 11).max() < (0.1 if off else 1e-9)
@@ -166,9 +166,9 @@ def test_filled_samples_count_and_steps_across_a_gap_do_not(
     line[7:9] = np.nan
     origin = np.full((16, 1), Origin.FILLED, dtype=np.uint8)
     origin[7:9] = Origin.MISSING
-    made = quietly(impulse, recorded(line, origin))
+    despiked = quietly(impulse, recorded(line, origin))
     assert 1.5 * np.nanmean(steps) < 1.7 < 1.5 * 30.0
-    assert np.flatnonzero(made.origin == Origin.REPAIRED).tolist() == [12]
+    assert np.flatnonzero(despiked.origin == Origin.REPAIRED).tolist() == [12]
 
 
 def test_a_bad_sample_that_is_at_its_midpoint_already_is_not_marked(
@@ -187,18 +187,18 @@ def test_takes_part_of_a_clean_sinusoid_for_noise(
     recorded: Callable[..., Trajectories], quietly: Quietly, period: int, share: float
 ) -> None:
     wave = 10 * np.sin(2 * np.pi * np.arange(6000) / period + 0.3)
-    made = quietly(impulse, recorded(wave))
-    assert np.mean(made.origin == Origin.REPAIRED) == pytest.approx(share, abs=0.003)
+    despiked = quietly(impulse, recorded(wave))
+    assert np.mean(despiked.origin == Origin.REPAIRED) == pytest.approx(share, abs=0.003)
 
 
 def test_of_a_slow_sinusoid_it_takes_what_is_faster_than_the_mean_by_half(
     recorded: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
     wave = 10 * np.sin(2 * np.pi * np.arange(40_000) / 4001.3)
-    made = quietly(impulse, recorded(wave))
+    despiked = quietly(impulse, recorded(wave))
     # The speed is |cos|, with the mean 2 / pi.
     limit = 1 - 2 / np.pi * np.arcsin(3 / np.pi)
-    assert np.mean(made.origin == Origin.REPAIRED) == pytest.approx(limit, abs=0.005)
+    assert np.mean(despiked.origin == Origin.REPAIRED) == pytest.approx(limit, abs=0.005)
 
 
 def test_an_order_that_there_is_not(wavy: Trajectories) -> None:

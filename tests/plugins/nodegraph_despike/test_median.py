@@ -23,9 +23,9 @@ def test_along_a_line_it_is_the_running_median_beyond_a_threshold(
     values = np.random.default_rng(3).normal(size=200)
     filtered = medfilt(values, 2 * reach + 1)
     expected = np.where(np.abs(values - filtered) > threshold, filtered, values)
-    made = quietly(median, recorded(values), reach=reach, threshold=threshold)
+    despiked = quietly(median, recorded(values), reach=reach, threshold=threshold)
     inner = slice(reach, 200 - reach)
-    assert made.positions[inner, 0] @ ALONG == pytest.approx(expected[inner])
+    assert despiked.positions[inner, 0] @ ALONG == pytest.approx(expected[inner])
     assert np.any(expected != values)
 
 
@@ -33,20 +33,20 @@ def test_along_a_line_it_is_the_running_median_beyond_a_threshold(
 def test_finds_impulses_of_up_to_reach_frames_and_leaves_the_rest(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly, width: int
 ) -> None:
-    frames = [start + one for start in range(10, 110, 25) for one in range(width)]
-    made = quietly(median, spiked(wavy, frames, [13.0, -12.0, 13.0]), reach=2, threshold=4.0)
-    hit = np.zeros(made.origin.shape, dtype=bool)
+    frames = [start + offset for start in range(10, 110, 25) for offset in range(width)]
+    despiked = quietly(median, spiked(wavy, frames, [13.0, -12.0, 13.0]), reach=2, threshold=4.0)
+    hit = np.zeros(despiked.origin.shape, dtype=bool)
     hit[frames] = True
-    assert np.array_equal(made.origin == Origin.REPAIRED, hit)
-    assert np.array_equal(made.positions[~hit], wavy.positions[~hit])
-    assert np.linalg.norm(made.positions - wavy.positions, axis=2).max() < 6.0
+    assert np.array_equal(despiked.origin == Origin.REPAIRED, hit)
+    assert np.array_equal(despiked.positions[~hit], wavy.positions[~hit])
+    assert np.linalg.norm(despiked.positions - wavy.positions, axis=2).max() < 6.0
 
 
 def test_a_longer_one_is_taken_for_the_motion(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
-    made = quietly(median, spiked(wavy, [40, 41, 42], [30.0, -20.0, 40.0]), reach=2)
-    assert made.origin[41].max() == Origin.MEASURED
+    despiked = quietly(median, spiked(wavy, [40, 41, 42], [30.0, -20.0, 40.0]), reach=2)
+    assert despiked.origin[41].max() == Origin.MEASURED
 
 
 def test_clean_motion_stays_at_the_default(wavy: Trajectories) -> None:

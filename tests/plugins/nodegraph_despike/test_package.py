@@ -14,11 +14,11 @@ def test_every_despiker_runs_by_its_defaults_and_cites_what_is_shipped() -> None
     shipped = set(re.findall(r"^@\w+\{(\w+),", nodegraph_bibtex(), flags=re.MULTILINE))
     cited: set[str] = set()
     for function in nodegraph_nodes():
-        found = node_of(function)
-        assert found is not None
-        assert not [setting.name for setting in found.settings.values() if setting.required]
-        assert found.cite
-        cited |= set(found.cite)
+        definition = node_of(function)
+        assert definition is not None
+        assert not [setting.name for setting in definition.settings.values() if setting.required]
+        assert definition.cite
+        cited |= set(definition.cite)
     assert cited == shipped
 
 

@@ -42,9 +42,9 @@ def test_the_impulse_filter_takes_much_of_a_clean_face_for_noise(
     quietly: Callable[..., Trajectories], name: str, share: float, mean: float, most: float
 ) -> None:
     clean = take(name)
-    made = quietly(impulse, clean)
-    bad = made.origin == Origin.REPAIRED
-    moved = np.linalg.norm(made.positions - clean.positions, axis=2)[bad]
+    despiked = quietly(impulse, clean)
+    bad = despiked.origin == Origin.REPAIRED
+    moved = np.linalg.norm(despiked.positions - clean.positions, axis=2)[bad]
     assert bad.mean() == pytest.approx(share, abs=0.001)
     assert moved.mean() == pytest.approx(mean, rel=0.02)
     assert moved.max() == pytest.approx(most, rel=0.02)
@@ -58,6 +58,6 @@ def test_its_rivals_leave_a_clean_face_alone_and_find_what_is_added(
     clean = take(f"animface/{name}.c3d")
     assert np.mean(quietly(method, clean).origin == Origin.REPAIRED) < 1e-4
     spiky, _, hit = add(clean, share=0.005, size=5.0, seed=1)
-    found = quietly(method, spiky).origin == Origin.REPAIRED
-    assert found[hit.hidden].mean() > 0.94
-    assert hit.hidden[found].mean() > 0.99
+    actual = quietly(method, spiky).origin == Origin.REPAIRED
+    assert actual[hit.hidden].mean() > 0.94
+    assert hit.hidden[actual].mean() > 0.99

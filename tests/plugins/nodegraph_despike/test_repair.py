@@ -50,42 +50,42 @@ def spiky(wavy: Trajectories) -> Trajectories:
     return replace(wavy, positions=positions, origin=np.where(np.isnan(positions[..., 0]), 0, 1))
 
 
-def marks(made: Trajectories) -> np.ndarray:
-    return np.asarray(made.origin == Origin.REPAIRED)
+def marks(despiked: Trajectories) -> np.ndarray:
+    return np.asarray(despiked.origin == Origin.REPAIRED)
 
 
 @every
 def test_turned_as_a_whole(name: str, spiky: Trajectories, quietly: Method) -> None:
     turn = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
-    made = quietly(METHODS[name], spiky)
+    despiked = quietly(METHODS[name], spiky)
     turned = quietly(METHODS[name], replace(spiky, positions=spiky.positions @ turn.T))
-    assert marks(made).any()
-    assert np.array_equal(marks(made), marks(turned))
+    assert marks(despiked).any()
+    assert np.array_equal(marks(despiked), marks(turned))
     back = turned.positions @ turn
-    assert np.allclose(back, made.positions, rtol=0, atol=1e-9, equal_nan=True)
+    assert np.allclose(back, despiked.positions, rtol=0, atol=1e-9, equal_nan=True)
 
 
 @every
 def test_scaled_as_a_whole(name: str, spiky: Trajectories, quietly: Method) -> None:
-    made = quietly(METHODS[name], spiky)
+    despiked = quietly(METHODS[name], spiky)
     larger = replace(spiky, positions=spiky.positions * 4.0)
     settings = {"threshold": 4.0 * THRESHOLDS[name]} if name in THRESHOLDS else {}
     scaled = quietly(METHODS[name], larger, **settings)
-    assert np.array_equal(marks(made), marks(scaled))
-    assert np.allclose(scaled.positions / 4.0, made.positions, atol=1e-9, equal_nan=True)
+    assert np.array_equal(marks(despiked), marks(scaled))
+    assert np.allclose(scaled.positions / 4.0, despiked.positions, atol=1e-9, equal_nan=True)
 
 
 @every
 def test_repaired_and_filled_samples_count_as_present(
     name: str, spiky: Trajectories, quietly: Method
 ) -> None:
-    made = quietly(METHODS[name], spiky)
+    despiked = quietly(METHODS[name], spiky)
     origin = spiky.origin.copy()
     origin[::2][origin[::2] == Origin.MEASURED] = Origin.FILLED
     origin[1::3][origin[1::3] == Origin.MEASURED] = Origin.REPAIRED
     other = quietly(METHODS[name], replace(spiky, origin=origin))
-    assert np.array_equal(other.positions, made.positions, equal_nan=True)
-    stays = ~np.any(made.positions != spiky.positions, axis=2)
+    assert np.array_equal(other.positions, despiked.positions, equal_nan=True)
+    stays = ~np.any(despiked.positions != spiky.positions, axis=2)
     assert np.array_equal(other.origin[stays], origin[stays])
     assert np.all(other.origin[~stays & spiky.present] == Origin.REPAIRED)
 
@@ -97,10 +97,10 @@ def test_takes_shorter_than_any_window(name: str, frames: int, quietly: Method) 
     positions = random.normal(0, 30, (frames, 3, 3))
     positions[0, 1] = np.nan
     take = Trajectories(positions=positions, markers=("a", "b", "c"), rate=60.0)
-    made = quietly(METHODS[name], take)
-    assert np.array_equal(made.present, take.present)
-    assert np.array_equal(made.positions[0], positions[0], equal_nan=True)
-    assert np.array_equal(made.positions[-1], positions[-1], equal_nan=True)
+    despiked = quietly(METHODS[name], take)
+    assert np.array_equal(despiked.present, take.present)
+    assert np.array_equal(despiked.positions[0], positions[0], equal_nan=True)
+    assert np.array_equal(despiked.positions[-1], positions[-1], equal_nan=True)
 
 
 @every
@@ -116,24 +116,24 @@ def test_constant_nowhere_and_single(name: str) -> None:
 @every
 def test_other_memory_and_float32(name: str, spiky: Trajectories, quietly: Method) -> None:
     single = spiky.positions.astype(np.float32)
-    made = quietly(METHODS[name], replace(spiky, positions=single.astype(np.float64)))
+    despiked = quietly(METHODS[name], replace(spiky, positions=single.astype(np.float64)))
     others: list[Any] = [np.asfortranarray(single), np.repeat(single, 2, axis=0)[::2]]
     for positions in others:
         again = quietly(METHODS[name], replace(spiky, positions=positions))
-        assert np.array_equal(again.positions, made.positions, equal_nan=True)
+        assert np.array_equal(again.positions, despiked.positions, equal_nan=True)
 
 
 @every
 def test_says_how_many_and_by_how_much(name: str, spiky: Trajectories) -> None:
     with pytest.warns(UserWarning, match="samples repaired") as caught:
-        made = METHODS[name](spiky)
-    moved = np.linalg.norm(made.positions - spiky.positions, axis=2)[marks(made)]
-    told = re.match(
+        despiked = METHODS[name](spiky)
+    moved = np.linalg.norm(despiked.positions - spiky.positions, axis=2)[marks(despiked)]
+    matched = re.match(
         r"(\d+) samples repaired \(.* by ([\d.]+) mm on average", str(caught[0].message)
     )
-    assert told is not None
-    assert int(told[1]) == len(moved) > 0
-    assert float(told[2]) == pytest.approx(moved.mean(), rel=0.01)
+    assert matched is not None
+    assert int(matched[1]) == len(moved) > 0
+    assert float(matched[2]) == pytest.approx(moved.mean(), rel=0.01)
     assert len(caught) == 1
 
 
@@ -149,12 +149,12 @@ def test_marks_counts_and_means() -> None:
     positions[2, 1], positions[3, 0] = [3.0, 0.0, 4.0], [0.0, 1.0, 0.0]
     text = r"2 samples repaired \(22\.22% of those present\), moved by 3 mm on average, by 5 mm"
     with pytest.warns(UserWarning, match=text):
-        made = repaired(recording, positions)
-    assert np.argwhere(marks(made)).tolist() == [[2, 1], [3, 0]]
-    assert made.origin[1, 0] == Origin.MISSING
-    assert made.sigma is not None
-    assert np.isnan(made.sigma[marks(made)]).all()
-    assert np.all(made.sigma[~marks(made)] == 0.1)
+        despiked = repaired(recording, positions)
+    assert np.argwhere(marks(despiked)).tolist() == [[2, 1], [3, 0]]
+    assert despiked.origin[1, 0] == Origin.MISSING
+    assert despiked.sigma is not None
+    assert np.isnan(despiked.sigma[marks(despiked)]).all()
+    assert np.all(despiked.sigma[~marks(despiked)] == 0.1)
 
 
 def test_nothing_to_repair_is_no_news() -> None:

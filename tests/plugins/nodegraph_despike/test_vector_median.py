@@ -24,10 +24,12 @@ def plain_window(recording: Trajectories, marker: int, now: int, reach: int) -> 
 
 def plain_median(recording: Trajectories, marker: int, now: int, window: list[int]) -> int:
     track = recording.positions[:, marker]
-    sums = {one: sum(np.linalg.norm(track[one] - track[two]) for two in window) for one in window}
+    sums = {
+        value: sum(np.linalg.norm(track[value] - track[two]) for two in window) for value in window
+    }
     least = min(sums.values())
-    near = [one for one in window if sums[one] <= least * (1 + 1e-9)]
-    return min(near, key=lambda one: (abs(one - now), one))
+    near = [value for value in window if sums[value] <= least * (1 + 1e-9)]
+    return min(near, key=lambda value: (abs(value - now), value))
 
 
 @settings(max_examples=40, deadline=None)
@@ -78,5 +80,5 @@ def test_of_two_middle_ones_the_nearer_is_taken_and_then_the_earlier(
 def test_a_window_longer_than_the_take_is_the_take(recorded: Callable[..., Trajectories]) -> None:
     recording = recorded(np.random.default_rng(5).normal(size=9))
     whole = running_median(recording, 8)
-    for found, expected in zip(running_median(recording, 2**62), whole, strict=True):
-        assert np.array_equal(found, expected)
+    for actual, expected in zip(running_median(recording, 2**62), whole, strict=True):
+        assert np.array_equal(actual, expected)

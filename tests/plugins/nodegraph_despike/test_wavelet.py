@@ -32,8 +32,8 @@ def coefficients(track: Any, name: str) -> np.ndarray:
     return np.asarray(details[peak : peak + len(track)])
 
 
-def repaired(made: Trajectories) -> list[int]:
-    return sorted(set(np.nonzero(made.origin == Origin.REPAIRED)[0].tolist()))
+def repaired(despiked: Trajectories) -> list[int]:
+    return sorted(set(np.nonzero(despiked.origin == Origin.REPAIRED)[0].tolist()))
 
 
 @pytest.mark.parametrize("name", WAVELETS)
@@ -41,7 +41,7 @@ def test_bad_is_what_the_transform_of_pywavelets_says(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly, name: str
 ) -> None:
     recording = spiked(wavy, [30, 55, 57, 80, 81], [2.0, 1.0, -1.5])
-    made = quietly(wavelet, recording, wavelet=name, threshold=4.0)
+    despiked = quietly(wavelet, recording, wavelet=name, threshold=4.0)
     for marker in range(6):
         details = coefficients(recording.positions[:, marker], name)
         length = np.linalg.norm(details, axis=1)
@@ -53,8 +53,8 @@ def test_bad_is_what_the_transform_of_pywavelets_says(
             and length[t] >= 0.7 * max(length[t - 1], length[t + 1])
             and min(details[t] @ details[t - 1], details[t] @ details[t + 1]) < -1e-9
         ]
-        found = np.flatnonzero(made.origin[:, marker] == Origin.REPAIRED)
-        assert found.tolist() == expected
+        actual = np.flatnonzero(despiked.origin[:, marker] == Origin.REPAIRED)
+        assert actual.tolist() == expected
 
 
 @pytest.mark.parametrize("name", WAVELETS)
@@ -62,10 +62,10 @@ def test_repaired_samples_have_no_coefficient_left(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly, name: str
 ) -> None:
     recording = spiked(wavy, [30, 55, 57, 80, 81], [12.0, -9.0, 8.0])
-    made = quietly(wavelet, recording, wavelet=name)
+    despiked = quietly(wavelet, recording, wavelet=name)
     for marker in range(6):
-        details = coefficients(made.positions[:, marker], name)
-        frames = np.flatnonzero(made.origin[:, marker] == Origin.REPAIRED)
+        details = coefficients(despiked.positions[:, marker], name)
+        frames = np.flatnonzero(despiked.origin[:, marker] == Origin.REPAIRED)
         assert {30, 55, 57, 80, 81} <= set(frames.tolist())
         assert np.abs(details[frames]).max() < 1e-9
 
@@ -79,17 +79,17 @@ def test_impulses_are_found_and_the_motion_put_back(
     name: str,
     frames: list[int],
 ) -> None:
-    made = quietly(wavelet, spiked(wavy, frames, [12.0, -9.0, 8.0]), wavelet=name)
-    assert set(frames) <= set(repaired(made))
-    assert np.abs(made.positions - wavy.positions).max() < 0.6
+    despiked = quietly(wavelet, spiked(wavy, frames, [12.0, -9.0, 8.0]), wavelet=name)
+    assert set(frames) <= set(repaired(despiked))
+    assert np.abs(despiked.positions - wavy.positions).max() < 0.6
 
 
 def test_a_lone_impulse_is_all_that_is_repaired(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
     for name in WAVELETS:
-        made = quietly(wavelet, spiked(wavy, [40], [12.0, -9.0, 8.0]), wavelet=name)
-        assert repaired(made) == [40]
+        despiked = quietly(wavelet, spiked(wavy, [40], [12.0, -9.0, 8.0]), wavelet=name)
+        assert repaired(despiked) == [40]
 
 
 @pytest.mark.parametrize("name", WAVELETS)
@@ -100,9 +100,9 @@ def test_motion_that_is_a_polynomial_is_not_seen(
     time = np.arange(60) / 20.0
     noise = np.random.default_rng(1).normal(0, 0.01, (60, 1, 3))
     curve = (time ** (moments - 1))[:, None, None] * np.array([1.0, -0.5, 0.2])
-    made = quietly(wavelet, recorded(curve + noise), wavelet=name, threshold=8.0)
+    despiked = quietly(wavelet, recorded(curve + noise), wavelet=name, threshold=8.0)
     # The reflection at the ends is no polynomial.
-    assert not any(12 <= frame < 48 for frame in repaired(made))
+    assert not any(12 <= frame < 48 for frame in repaired(despiked))
     spiky = curve + noise
     spiky[30] += 0.3
     assert 30 in repaired(quietly(wavelet, recorded(spiky), wavelet=name, threshold=8.0))
@@ -142,8 +142,8 @@ def test_where_a_marker_mostly_stands_still_nothing_is_bad(
 def test_the_ends_of_a_run_are_never_bad(
     wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
-    made = quietly(wavelet, spiked(wavy, [0, 119], [50.0, 0.0, 0.0]))
-    assert not {0, 119} & set(repaired(made))
+    despiked = quietly(wavelet, spiked(wavy, [0, 119], [50.0, 0.0, 0.0]))
+    assert not {0, 119} & set(repaired(despiked))
 
 
 def test_a_wavelet_that_there_is_not(wavy: Trajectories) -> None:
