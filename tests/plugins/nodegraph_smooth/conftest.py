@@ -63,14 +63,14 @@ def run_by_run(
     smooth: Callable[..., Trajectories], recording: Trajectories, **settings: Any
 ) -> Positions:
     """Each run of present samples smoothed as a recording of its own; refused ones stay."""
-    made: Positions = recording.positions.copy()
+    expected: Positions = recording.positions.copy()
     for marker, start, stop in plain_runs(recording.present):
         alone = make_recording(recording.positions[start:stop, [marker]], recording.rate)
         try:
-            made[start:stop, [marker]] = run_quietly(smooth, alone, **settings).positions
+            expected[start:stop, [marker]] = run_quietly(smooth, alone, **settings).positions
         except Refusal:
             continue
-    return made
+    return expected
 
 
 @pytest.fixture(scope="session")

@@ -42,15 +42,15 @@ def with_end_vertices_repeated(run: Positions, order: int) -> Positions:
 def plainly(run: Positions, order: int, ends: str) -> Positions:
     """Equations 11 and 12 for one run, sample by sample."""
     reach, length = order // 2, len(run)
-    made = run.copy()
+    expected = run.copy()
     for frame in range(length):
         window = np.arange(frame - reach, frame + reach + 1)
         whole = window[0] >= 0 and window[-1] < length
         kept = not whole if ends == "free" else frame in (0, length - 1)
         if not kept:
-            shares = [float(one) for one in weights(order)]
-            made[frame] = shares @ run[np.clip(window, 0, length - 1)]
-    return made
+            shares = [float(value) for value in weights(order)]
+            expected[frame] = shares @ run[np.clip(window, 0, length - 1)]
+    return expected
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -59,9 +59,9 @@ def test_vertex_is_the_curve_with_end_vertices_repeated(
     recorded: Callable[..., Trajectories], order: int, length: int
 ) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 3))
-    made = bspline(recorded(run[:, None]), order=order)
+    smoothed = bspline(recorded(run[:, None]), order=order)
     expected = with_end_vertices_repeated(run, order)
-    np.testing.assert_allclose(made.positions[:, 0], expected, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(smoothed.positions[:, 0], expected, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -70,14 +70,14 @@ def test_clamped_is_the_quasi_uniform_curve_at_the_greville_abscissae(
     recorded: Callable[..., Trajectories], order: int, length: int
 ) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 3))
-    made = bspline(recorded(run[:, None]), order=order, ends="clamped")
+    smoothed = bspline(recorded(run[:, None]), order=order, ends="clamped")
     degree = min(order, length - 1)
     inner = np.arange(1.0, length - degree)
     last = float(length - degree)
     knots = np.concatenate([np.zeros(degree + 1), inner, np.full(degree + 1, last)])
     greville = [knots[at + 1 : at + degree + 1].mean() for at in range(length)]
     expected = BSpline(knots, run, degree)(np.clip(greville, 0.0, last))
-    np.testing.assert_allclose(made.positions[:, 0], expected, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(smoothed.positions[:, 0], expected, rtol=0, atol=1e-11)
 
 
 @settings(deadline=None, max_examples=60, derandomize=True)
@@ -92,44 +92,44 @@ def test_each_run_is_the_weighted_mean_of_its_formula(
     ends: str,
 ) -> None:
     recording = gappy(seed)
-    made = quietly(bspline, recording, order=order, ends=ends)
+    smoothed = quietly(bspline, recording, order=order, ends=ends)
     for marker, present in enumerate(recording.present.T):
         edges = np.flatnonzero(np.diff(present.astype(int), prepend=0, append=0))
         for start, stop in list(pairwise(edges))[::2]:
             run = recording.positions[start:stop, marker]
             expected = plainly(run, order, ends)
             np.testing.assert_allclose(
-                made.positions[start:stop, marker], expected, rtol=1e-12, atol=1e-12
+                smoothed.positions[start:stop, marker], expected, rtol=1e-12, atol=1e-12
             )
 
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_interior_does_not_depend_on_the_ends(noisy: Trajectories, order: int) -> None:
-    made = [bspline(noisy, order=order, ends=ends).positions for ends in ENDS]  # type: ignore[arg-type]
-    for other in made[1:]:
+    smoothed = [bspline(noisy, order=order, ends=ends).positions for ends in ENDS]  # type: ignore[arg-type]
+    for other in smoothed[1:]:
         np.testing.assert_array_equal(
-            other[2 * order : -2 * order], made[0][2 * order : -2 * order]
+            other[2 * order : -2 * order], smoothed[0][2 * order : -2 * order]
         )
 
 
 @pytest.mark.parametrize("ends", ENDS)
 def test_curve_starts_and_ends_on_the_first_and_last_sample(noisy: Trajectories, ends: Any) -> None:
     for order in ORDERS:
-        made = bspline(noisy, order=order, ends=ends)
-        np.testing.assert_array_equal(made.positions[[0, -1]], noisy.positions[[0, -1]])
+        smoothed = bspline(noisy, order=order, ends=ends)
+        np.testing.assert_array_equal(smoothed.positions[[0, -1]], noisy.positions[[0, -1]])
 
 
 def test_free_leaves_half_a_window_as_it_was(noisy: Trajectories) -> None:
-    made = bspline(noisy, order=7, ends="free").positions
-    kept = np.all(made == noisy.positions, axis=(1, 2))
+    smoothed = bspline(noisy, order=7, ends="free").positions
+    kept = np.all(smoothed == noisy.positions, axis=(1, 2))
     assert np.flatnonzero(kept).tolist() == [0, 1, 2, 118, 119, 120]
 
 
 def test_order_one_changes_nothing(gappy: Callable[[int], Trajectories]) -> None:
     for seed in range(5):
         recording = gappy(seed)
-        made = bspline(recording, order=1)
-        np.testing.assert_array_equal(made.positions, recording.positions)
+        smoothed = bspline(recording, order=1)
+        np.testing.assert_array_equal(smoothed.positions, recording.positions)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_steps_of_pure_noise_lose_variance_as_the_order_rises(
 ) -> None:
     noise = recorded(np.random.default_rng(1).normal(0, 1, (100_000, 1, 3)))
     variance = {
-        one: np.diff(bspline(noise, order=one).positions, axis=0).var() for one in (3, order)
+        value: np.diff(bspline(noise, order=value).positions, axis=0).var() for value in (3, order)
     }
     assert variance[order] / variance[3] == pytest.approx(share, abs=0.005)
 

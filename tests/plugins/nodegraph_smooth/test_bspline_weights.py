@@ -26,33 +26,33 @@ ORDERS = range(1, 10)
 
 
 def floats(order: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return np.array([float(one) for one in weights(order)])
+    return np.array([float(value) for value in weights(order)])
 
 
 @pytest.mark.parametrize("order", TABLE)
 def test_weights_are_the_whole_numbers_of_the_table(order: int) -> None:
-    found = weights(order)
-    divisor = lcm(*(one.denominator for one in found))
+    actual = weights(order)
+    divisor = lcm(*(value.denominator for value in actual))
     assert divisor == DIVISORS[order]
-    assert [int(one * divisor) for one in found] == TABLE[order]
+    assert [int(value * divisor) for value in actual] == TABLE[order]
 
 
 @pytest.mark.parametrize("order", TABLE)
 def test_gain_of_noise_of_its_steps_and_of_a_frequency(order: int) -> None:
-    made = floats(order)
-    assert round(float(np.sum(made**2)), 4) == NOISE[order]
-    assert round(float(np.sum(np.diff(made, prepend=0, append=0) ** 2)), 4) == STEPS[order]
-    reach = np.arange(len(made)) - len(made) // 2
+    smoothed = floats(order)
+    assert round(float(np.sum(smoothed**2)), 4) == NOISE[order]
+    assert round(float(np.sum(np.diff(smoothed, prepend=0, append=0) ** 2)), 4) == STEPS[order]
+    reach = np.arange(len(smoothed)) - len(smoothed) // 2
     hertz = np.arange(0.0, 30.0, 0.001)
-    gain = np.cos(2 * np.pi * np.outer(hertz / 60.0, reach)) @ made
+    gain = np.cos(2 * np.pi * np.outer(hertz / 60.0, reach)) @ smoothed
     assert hertz[np.argmax(gain < np.sqrt(0.5))] == pytest.approx(HALF_POWER[order], abs=0.0011)
 
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_weights_sum_to_one_and_are_even(order: int) -> None:
-    found = weights(order)
-    assert sum(found) == 1
-    assert found == found[::-1]
+    actual = weights(order)
+    assert sum(actual) == 1
+    assert actual == actual[::-1]
     np.testing.assert_array_equal(middle(order), floats(order)[order // 2 + 1 :])
 
 

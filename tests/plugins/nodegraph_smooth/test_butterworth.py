@@ -24,8 +24,8 @@ def test_amplitude_kept(
         hertz = rate / np.pi * np.arctan(share * np.tan(np.pi * cutoff / rate))
         wave = np.cos(2 * np.pi * hertz / rate * (frame - 2000))
         positions = np.repeat(wave[:, None, None], 3, axis=2)
-        made = butterworth(recorded(positions, rate), cutoff=cutoff, order=order)
-        middle = made.positions[1000:3001, 0, 0]
+        smoothed = butterworth(recorded(positions, rate), cutoff=cutoff, order=order)
+        middle = smoothed.positions[1000:3001, 0, 0]
         expected = wave[1000:3001] / (1.0 + share ** (2 * order))
         np.testing.assert_allclose(middle, expected, rtol=0, atol=2e-4)
 
@@ -34,10 +34,10 @@ def test_amplitude_kept(
 def test_is_a_forward_and_a_backward_pass_over_what_is_turned_about_its_ends(
     noisy: Trajectories, cutoff: float, order: int
 ) -> None:
-    made = butterworth(noisy, cutoff=cutoff, order=order).positions
+    smoothed = butterworth(noisy, cutoff=cutoff, order=order).positions
     sections = butter(order, cutoff / 30.0, output="sos")
     expected = sosfiltfilt(sections, noisy.positions, axis=0, padtype="odd", padlen=120)
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3, 50])
@@ -47,8 +47,8 @@ def test_a_straight_line_and_the_end_samples_stay(
     line = np.arange(float(frames))[:, None, None] * [[1.0, -2.0, 0.5]] - 40.0
     np.testing.assert_allclose(butterworth(recorded(line)).positions, line, rtol=0, atol=1e-12)
     run = np.random.default_rng(1).normal(0, 1, (frames, 1, 3))
-    made = butterworth(recorded(run)).positions
-    np.testing.assert_allclose(made[[0, -1]], run[[0, -1]], rtol=0, atol=1e-15)
+    smoothed = butterworth(recorded(run)).positions
+    np.testing.assert_allclose(smoothed[[0, -1]], run[[0, -1]], rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("order", [1, 10])
@@ -57,9 +57,9 @@ def test_a_cut_off_far_longer_than_the_take_leaves_a_straight_line(
     recorded: Callable[..., Trajectories], frames: int, order: int
 ) -> None:
     run = np.random.default_rng(3).normal(0, 1, (frames, 1, 3))
-    made = butterworth(recorded(run, 240.0), cutoff=0.001, order=order).positions
+    smoothed = butterworth(recorded(run, 240.0), cutoff=0.001, order=order).positions
     way = np.linspace(0.0, 1.0, frames)[:, None, None]
-    np.testing.assert_allclose(made, run[0] + way * (run[-1] - run[0]), rtol=0, atol=1e-5)
+    np.testing.assert_allclose(smoothed, run[0] + way * (run[-1] - run[0]), rtol=0, atol=1e-5)
 
 
 def test_a_cut_off_above_half_the_rate_is_refused(noisy: Trajectories) -> None:

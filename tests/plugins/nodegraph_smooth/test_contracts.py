@@ -22,66 +22,66 @@ from nodegraph_smooth.one_euro import one_euro
 REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("smooth", nodegraph_smooth)])
 
 
-def faster(given: Trajectories, made: Trajectories) -> Trajectories:
-    return replace(made, rate=2 * made.rate)
+def faster(before: Trajectories, after: Trajectories) -> Trajectories:
+    return replace(after, rate=2 * after.rate)
 
 
-def nameless(given: Trajectories, made: Trajectories) -> Trajectories:
-    return replace(made, marker_set=None)
+def nameless(before: Trajectories, after: Trajectories) -> Trajectories:
+    return replace(after, marker_set=None)
 
 
-def fills(given: Trajectories, made: Trajectories) -> Trajectories:
+def fills(before: Trajectories, after: Trajectories) -> Trajectories:
     return Trajectories(
-        positions=np.nan_to_num(made.positions),
-        markers=made.markers,
-        rate=made.rate,
-        marker_set=made.marker_set,
+        positions=np.nan_to_num(after.positions),
+        markers=after.markers,
+        rate=after.rate,
+        marker_set=after.marker_set,
     )
 
 
-def loses(given: Trajectories, made: Trajectories) -> Trajectories:
-    positions = made.positions.copy()
+def loses(before: Trajectories, after: Trajectories) -> Trajectories:
+    positions = after.positions.copy()
     positions[: len(positions) // 5] = np.nan
-    return made.with_samples(positions, changed=np.isnan(positions[..., 0]), origin=Origin.MISSING)
+    return after.with_samples(positions, changed=np.isnan(positions[..., 0]), origin=Origin.MISSING)
 
 
-def renames(given: Trajectories, made: Trajectories) -> Trajectories:
-    return replace(made, origin=np.where(made.present, np.uint8(2), np.uint8(0)))
+def renames(before: Trajectories, after: Trajectories) -> Trajectories:
+    return replace(after, origin=np.where(after.present, np.uint8(2), np.uint8(0)))
 
 
-def shrinks(given: Trajectories, made: Trajectories) -> Trajectories:
-    return replace(made, positions=0.999 * made.positions)
+def shrinks(before: Trajectories, after: Trajectories) -> Trajectories:
+    return replace(after, positions=0.999 * after.positions)
 
 
-def flattens(given: Trajectories, made: Trajectories) -> Trajectories:
-    positions = made.positions.copy()
-    positions[..., 2] = given.positions[..., 2]
-    return replace(made, positions=positions)
+def flattens(before: Trajectories, after: Trajectories) -> Trajectories:
+    positions = after.positions.copy()
+    positions[..., 2] = before.positions[..., 2]
+    return replace(after, positions=positions)
 
 
-def first_first(given: Trajectories, made: Trajectories) -> Trajectories:
-    positions = made.positions.copy()
-    positions[:, 0] = given.positions[:, 0]
-    return replace(made, positions=positions)
+def first_first(before: Trajectories, after: Trajectories) -> Trajectories:
+    positions = after.positions.copy()
+    positions[:, 0] = before.positions[:, 0]
+    return replace(after, positions=positions)
 
 
-def late(given: Trajectories, made: Trajectories) -> Trajectories:
+def late(before: Trajectories, after: Trajectories) -> Trajectories:
     """Two frames late, and still looking ahead."""
-    positions = made.positions.copy()
-    there = made.present[2:] & made.present[:-2]
-    positions[2:][there] = made.positions[:-2][there]
-    return replace(made, positions=positions)
+    positions = after.positions.copy()
+    there = after.present[2:] & after.present[:-2]
+    positions[2:][there] = after.positions[:-2][there]
+    return replace(after, positions=positions)
 
 
-def early(given: Trajectories, made: Trajectories) -> Trajectories:
-    positions = made.positions.copy()
-    there = made.present[1:] & made.present[:-1]
-    positions[:-1][there] = made.positions[1:][there]
-    return replace(made, positions=positions)
+def early(before: Trajectories, after: Trajectories) -> Trajectories:
+    positions = after.positions.copy()
+    there = after.present[1:] & after.present[:-1]
+    positions[:-1][there] = after.positions[1:][there]
+    return replace(after, positions=positions)
 
 
-def trusts(given: Trajectories, made: Trajectories) -> Trajectories:
-    return replace(made, sigma=given.sigma)
+def trusts(before: Trajectories, after: Trajectories) -> Trajectories:
+    return replace(after, sigma=before.sigma)
 
 
 @pytest.mark.parametrize(

@@ -18,12 +18,12 @@ def test_is_the_sum_of_its_slow_cosines(
     recorded: Callable[..., Trajectories], frames: int, cutoff: float
 ) -> None:
     run = np.random.default_rng(frames).normal(0, 10, (frames, 1, 3))
-    made = dct(recorded(run), cutoff=cutoff).positions[:, 0]
+    smoothed = dct(recorded(run), cutoff=cutoff).positions[:, 0]
     number = np.arange(frames)
     cosines = np.cos(np.pi / frames * np.outer(number + 0.5, number)) * np.sqrt(2.0 / frames)
     cosines[:, 0] /= np.sqrt(2.0)
     slow = cosines[:, number * 60.0 / (2 * frames) <= cutoff + 1e-9]
-    np.testing.assert_allclose(made, slow @ (slow.T @ run[:, 0]), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(smoothed, slow @ (slow.T @ run[:, 0]), rtol=0, atol=1e-10)
 
 
 def test_a_cosine_of_the_cut_off_itself_is_kept(recorded: Callable[..., Trajectories]) -> None:
@@ -39,8 +39,8 @@ def test_runs_of_which_only_the_mean_would_be_left_stay(
     run = np.random.default_rng(1).normal(0, 10, (9, 1, 3))
     run[2] = np.nan
     with pytest.warns(UserWarning, match="1 of 2 runs .* shorter than 3 frames"):
-        made = dct(recorded(run), cutoff=10.0)
-    np.testing.assert_array_equal(made.positions[:2], run[:2])
+        smoothed = dct(recorded(run), cutoff=10.0)
+    np.testing.assert_array_equal(smoothed.positions[:2], run[:2])
     with pytest.raises(Refusal, match="needs 30 frames in a row"):
         dct(recorded(run), cutoff=1.0)
 

@@ -16,12 +16,12 @@ from nodegraph_smooth.gcv import gcv
 
 
 def test_equals_scipys_spline_with_the_lambda_that_was_chosen(noisy: Trajectories) -> None:
-    made = gcv(noisy).positions
+    smoothed = gcv(noisy).positions
     _, chosen = gcv_kernel.smooth(noisy.positions - noisy.positions[0])
     frame = np.arange(121.0)
     for marker, penalty in enumerate(chosen):
         spline = make_smoothing_spline(frame, noisy.positions[:, marker], lam=penalty)
-        np.testing.assert_allclose(made[:, marker], spline(frame), rtol=0, atol=1e-8)
+        np.testing.assert_allclose(smoothed[:, marker], spline(frame), rtol=0, atol=1e-8)
 
 
 def wave(noise: float) -> NDArray[np.float64]:
@@ -37,16 +37,18 @@ def test_chooses_as_scipy_does_for_one_coordinate(
     recorded: Callable[..., Trajectories], noise: float
 ) -> None:
     positions = wave(noise)
-    made = gcv(recorded(positions)).positions[:, 0, 1]
+    smoothed = gcv(recorded(positions)).positions[:, 0, 1]
     frame = np.arange(150.0)
     expected = make_smoothing_spline(frame, positions[:, 0, 1])(frame)
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-6)
 
 
 def test_finds_a_lambda_larger_than_the_number_of_frames() -> None:
     _, chosen = gcv_kernel.smooth(wave(1.0))
-    made = np.empty((150, 3))
-    values = [gcv_kernel.criterion(wave(1.0)[:, 0], one, made) for one in (chosen[0], 150.0)]
+    smoothed = np.empty((150, 3))
+    values = [
+        gcv_kernel.criterion(wave(1.0)[:, 0], value, smoothed) for value in (chosen[0], 150.0)
+    ]
     assert chosen[0] > 160.0
     assert values[0] < values[1]
 

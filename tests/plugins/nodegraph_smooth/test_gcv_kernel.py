@@ -21,31 +21,33 @@ def hat(length: int, penalty: float) -> NDArray[np.float64]:
 @pytest.mark.parametrize("length", [5, 6, 7, 50])
 @pytest.mark.parametrize("penalty", [1e-4, 0.3, 20.0, 1e4])
 def test_spline_residuals_freedom_and_criterion(length: int, penalty: float) -> None:
-    given = np.random.default_rng(length).normal(0, 10, (length, 3))
-    made = np.empty_like(given)
-    residuals = gcv_kernel.spline(given, penalty, made)
+    values = np.random.default_rng(length).normal(0, 10, (length, 3))
+    smoothed = np.empty_like(values)
+    residuals = gcv_kernel.spline(values, penalty, smoothed)
     matrix = hat(length, penalty)
-    np.testing.assert_allclose(made, matrix @ given, rtol=0, atol=1e-10)
-    assert residuals == pytest.approx(np.sum((given - matrix @ given) ** 2), rel=1e-9)
+    np.testing.assert_allclose(smoothed, matrix @ values, rtol=0, atol=1e-10)
+    assert residuals == pytest.approx(np.sum((values - matrix @ values) ** 2), rel=1e-9)
     freedom = gcv_kernel.freedom(length, penalty)
     assert freedom == pytest.approx(np.trace(np.eye(length) - matrix), rel=1e-9)
-    value = gcv_kernel.criterion(given, penalty, made)
+    value = gcv_kernel.criterion(values, penalty, smoothed)
     assert value == pytest.approx(length * residuals / freedom**2, rel=1e-12)
 
 
 def test_no_lambda_on_a_fine_grid_is_better() -> None:
     random = np.random.default_rng(4)
     walk = np.cumsum(random.normal(0, 0.3, (80, 2, 3)), axis=0)
-    given = walk + random.normal(0, 1.0, (80, 2, 3))
-    _, chosen = gcv_kernel.smooth(given)
+    values = walk + random.normal(0, 1.0, (80, 2, 3))
+    _, chosen = gcv_kernel.smooth(values)
     for run, penalty in enumerate(chosen):
-        one, made = given[:, run].copy(), np.empty((80, 3))
-        best = gcv_kernel.criterion(one, penalty, made)
-        others = [gcv_kernel.criterion(one, other, made) for other in np.geomspace(1e-4, 4e7, 700)]
+        first, smoothed = values[:, run].copy(), np.empty((80, 3))
+        best = gcv_kernel.criterion(first, penalty, smoothed)
+        others = [
+            gcv_kernel.criterion(first, other, smoothed) for other in np.geomspace(1e-4, 4e7, 700)
+        ]
         assert best <= min(others) * (1 + 1e-9)
 
 
 def test_a_still_run_stays_still() -> None:
-    made, chosen = gcv_kernel.smooth(np.zeros((9, 1, 3)))
-    assert not made.any()
+    smoothed, chosen = gcv_kernel.smooth(np.zeros((9, 1, 3)))
+    assert not smoothed.any()
     assert np.isfinite(chosen).all()

@@ -52,18 +52,18 @@ def test_mean_and_sigma_are_those_of_all_states_at_once(
     recorded: Callable[..., Trajectories], motion: Motion, order: int, length: int
 ) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 1, 3))
-    made = kalman(recorded(run), cutoff=8.0, motion=motion, noise=0.3)
+    smoothed = kalman(recorded(run), cutoff=8.0, motion=motion, noise=0.3)
     mean, variance = posterior(run[:, 0], order, density(8.0, 60.0, order))
-    np.testing.assert_allclose(made.positions[:, 0], mean, rtol=0, atol=1e-7)
-    assert made.sigma is not None
-    np.testing.assert_allclose(made.sigma[:, 0], 0.3 * np.sqrt(variance), rtol=1e-7)
+    np.testing.assert_allclose(smoothed.positions[:, 0], mean, rtol=0, atol=1e-7)
+    assert smoothed.sigma is not None
+    np.testing.assert_allclose(smoothed.sigma[:, 0], 0.3 * np.sqrt(variance), rtol=1e-7)
 
 
 def test_constant_velocity_is_the_cubic_smoothing_spline(noisy: Trajectories) -> None:
-    made = kalman(noisy, cutoff=5.0).positions
+    smoothed = kalman(noisy, cutoff=5.0).positions
     frame = np.arange(121.0)
     spline = make_smoothing_spline(frame, noisy.positions, lam=1 / density(5.0, 60.0, 2))
-    np.testing.assert_allclose(made, spline(frame), rtol=0, atol=1e-7)
+    np.testing.assert_allclose(smoothed, spline(frame), rtol=0, atol=1e-7)
 
 
 @pytest.mark.parametrize("motion", ["velocity", "acceleration"])
@@ -73,8 +73,8 @@ def test_half_of_the_amplitude_is_kept_at_the_cut_off(
     for cutoff in (2.0, 10.0, 24.0):
         wave = np.cos(2 * np.pi * cutoff / 60.0 * np.arange(-600, 601))
         take = recorded(np.repeat(wave[:, None, None], 3, 2))
-        made = kalman(take, cutoff=cutoff, motion=motion).positions[300:900, 0, 0]
-        np.testing.assert_allclose(made, wave[300:900] / 2, rtol=0, atol=1e-5)
+        smoothed = kalman(take, cutoff=cutoff, motion=motion).positions[300:900, 0, 0]
+        np.testing.assert_allclose(smoothed, wave[300:900] / 2, rtol=0, atol=1e-5)
 
 
 def test_sigma_is_the_spread_of_what_the_model_makes(recorded: Callable[..., Trajectories]) -> None:
@@ -86,10 +86,10 @@ def test_sigma_is_the_spread_of_what_the_model_makes(recorded: Callable[..., Tra
         truth[t] = state[0]
         state = np.array([[1, 1], [0, 1]]) @ state + factor @ random.normal(0, 1, state.shape)
     samples = truth + random.normal(0, noise, truth.shape)
-    made = kalman(recorded(samples.reshape(40, markers, 3)), noise=noise)
-    spread = (made.positions.reshape(40, -1) - truth).std(axis=1)
-    assert made.sigma is not None
-    np.testing.assert_allclose(made.sigma[:, 0], spread, rtol=0.1)
+    smoothed = kalman(recorded(samples.reshape(40, markers, 3)), noise=noise)
+    spread = (smoothed.positions.reshape(40, -1) - truth).std(axis=1)
+    assert smoothed.sigma is not None
+    np.testing.assert_allclose(smoothed.sigma[:, 0], spread, rtol=0.1)
 
 
 def test_sigma_of_what_is_left_as_it_was(recorded: Callable[..., Trajectories]) -> None:
@@ -97,11 +97,11 @@ def test_sigma_of_what_is_left_as_it_was(recorded: Callable[..., Trajectories]) 
     positions[1, 0] = np.nan
     recording = recorded(positions)
     with pytest.warns(UserWarning, match="1 of 3 runs .* shorter than 2 frames"):
-        made = kalman(recording, noise=0.2)
-    assert made.sigma is not None
-    assert made.sigma[0, 0] == 0.2
-    assert np.isnan(made.sigma[1, 0])
-    assert (np.delete(made.sigma, [0, 1], axis=0) < 0.2).all()
+        smoothed = kalman(recording, noise=0.2)
+    assert smoothed.sigma is not None
+    assert smoothed.sigma[0, 0] == 0.2
+    assert np.isnan(smoothed.sigma[1, 0])
+    assert (np.delete(smoothed.sigma, [0, 1], axis=0) < 0.2).all()
     known = replace(recording, sigma=np.where(recording.present, 0.7, np.nan))
     with pytest.warns(UserWarning, match="1 of 3 runs"):
         again = kalman(known, noise=0.2)
@@ -110,8 +110,8 @@ def test_sigma_of_what_is_left_as_it_was(recorded: Callable[..., Trajectories]) 
 
 
 def test_positions_do_not_depend_on_the_noise(noisy: Trajectories) -> None:
-    one, other = kalman(noisy, noise=0.1), kalman(noisy, noise=40.0)
-    np.testing.assert_array_equal(one.positions, other.positions)
+    first, second = kalman(noisy, noise=0.1), kalman(noisy, noise=40.0)
+    np.testing.assert_array_equal(first.positions, second.positions)
 
 
 def test_bad_settings(noisy: Trajectories) -> None:

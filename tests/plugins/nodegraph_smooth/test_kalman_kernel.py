@@ -34,8 +34,8 @@ def test_equals_the_covariance_form_with_a_wide_prior(order: int) -> None:
         means.append(mean[0])
         variances.append(covariance[0, 0])
     *matrices, variance = kalman_kernel.gains(length, order, density)
-    made = kalman_kernel.smooth(run[:, None], *matrices)[:, 0]
-    np.testing.assert_allclose(made, means[::-1], rtol=0, atol=1e-5)
+    smoothed = kalman_kernel.smooth(run[:, None], *matrices)[:, 0]
+    np.testing.assert_allclose(smoothed, means[::-1], rtol=0, atol=1e-5)
     np.testing.assert_allclose(variance, variances[::-1], rtol=1e-5)
 
 

@@ -34,15 +34,15 @@ def test_every_run_that_is_long_enough_has_a_least_squares_spline(
     length, repeated = degree + 2 + more, 1 if smooth_joints else degree - 1
     repeated = max(repeated, 1)
     run = np.random.default_rng(more).normal(0, 1, (length, 2, 3))
-    made = fit(run, spacing, degree=degree, repeated=repeated)
+    smoothed = fit(run, spacing, degree=degree, repeated=repeated)
     spans = spans_of(length, spacing, degree, repeated)
     assert spans >= 1
     assert degree + 1 + (spans - 1) * repeated < length
-    assert made.shape == run.shape
+    assert smoothed.shape == run.shape
     # residuals of a least-squares fit are orthogonal to all that was fitted
     columns = truncated_powers(length, spans, degree, repeated)
     columns /= np.linalg.norm(columns, axis=0)
-    assert np.abs(columns.T @ (run - made).reshape(length, -1)).max() < 1e-5
+    assert np.abs(columns.T @ (run - smoothed).reshape(length, -1)).max() < 1e-5
 
 
 def test_knots_lie_as_near_to_the_spacing_as_whole_spans_allow() -> None:

@@ -14,12 +14,12 @@ from nodegraph_smooth.least_squares import least_squares
 
 
 def test_equals_the_spline_of_another_library_routine(noisy: Trajectories) -> None:
-    made = least_squares(noisy, spacing=0.1).positions
+    smoothed = least_squares(noisy, spacing=0.1).positions
     frame = np.arange(121.0)
     for marker in range(3):
         for axis in range(3):
             spline = LSQUnivariateSpline(frame, noisy.positions[:, marker, axis], frame[6:-6:6])
-            np.testing.assert_allclose(made[:, marker, axis], spline(frame), rtol=0, atol=1e-9)
+            np.testing.assert_allclose(smoothed[:, marker, axis], spline(frame), rtol=0, atol=1e-9)
 
 
 def test_a_cubic_stays_as_it_is(recorded: Callable[..., Trajectories]) -> None:

@@ -21,13 +21,13 @@ def plainly(
         tau = 1.0 / (2 * np.pi * cutoff)
         return 1.0 / (1.0 + tau * rate)
 
-    made, velocity = [run[0]], np.zeros(3)
+    expected, velocity = [run[0]], np.zeros(3)
     for sample in run[1:]:
-        step = (sample - made[-1]) * rate
+        step = (sample - expected[-1]) * rate
         velocity = share(derivative) * step + (1 - share(derivative)) * velocity
         alpha = share(least + slope * float(np.linalg.norm(velocity)))
-        made.append(alpha * sample + (1 - alpha) * made[-1])
-    return np.array(made)
+        expected.append(alpha * sample + (1 - alpha) * expected[-1])
+    return np.array(expected)
 
 
 @pytest.mark.parametrize("settings", [(3.0, 0.5, 1.0), (1.0, 0.0, 1.0), (0.2, 3.0, 5.0)])
@@ -35,10 +35,10 @@ def test_is_the_authors_algorithm(
     noisy: Trajectories, settings: tuple[float, float, float]
 ) -> None:
     least, slope, derivative = settings
-    made = one_euro(noisy, min_cutoff=least, beta=slope, derivative_cutoff=derivative)
+    smoothed = one_euro(noisy, min_cutoff=least, beta=slope, derivative_cutoff=derivative)
     for marker in range(3):
         expected = plainly(noisy.positions[:, marker], 60.0, *settings)
-        np.testing.assert_allclose(made.positions[:, marker], expected, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(smoothed.positions[:, marker], expected, rtol=1e-12, atol=1e-12)
 
 
 def test_sees_no_frame_ahead(noisy: Trajectories) -> None:

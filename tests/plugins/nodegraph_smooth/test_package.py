@@ -28,9 +28,9 @@ SECONDS = ("window", "spacing", "segment")
 
 
 def defaults(name: str) -> dict[str, Any]:
-    found = node_of(NODES[name])
-    assert found is not None
-    return {setting.name: setting.default for setting in found.settings.values()}
+    definition = node_of(NODES[name])
+    assert definition is not None
+    return {setting.name: setting.default for setting in definition.settings.values()}
 
 
 def changed(name: str, factors: Mapping[str, float]) -> dict[str, Any]:
@@ -67,11 +67,11 @@ def test_each_run_is_smoothed_by_itself(
 ) -> None:
     recording = gappy(seed)
     try:
-        made = quietly(NODES[name], recording)
+        smoothed = quietly(NODES[name], recording)
     except Refusal:
         return
-    np.testing.assert_array_equal(made.origin, recording.origin)
-    np.testing.assert_allclose(made.positions, alone(NODES[name], recording), rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(smoothed.origin, recording.origin)
+    np.testing.assert_allclose(smoothed.positions, alone(NODES[name], recording), rtol=0, atol=1e-9)
 
 
 @EVERY
@@ -87,11 +87,11 @@ def test_other_units_of_length_change_nothing_else(
 ) -> None:
     scaled = replace(noisy, positions=noisy.positions * factor)
     own = changed(name, {"noise": factor, "beta": 1 / factor})
-    one, other = NODES[name](noisy), NODES[name](scaled, **own)
-    np.testing.assert_allclose(other.positions / factor, one.positions, rtol=0, atol=1e-6)
-    if one.sigma is not None:
-        assert other.sigma is not None
-        np.testing.assert_allclose(other.sigma / factor, one.sigma, rtol=1e-9)
+    first, second = NODES[name](noisy), NODES[name](scaled, **own)
+    np.testing.assert_allclose(second.positions / factor, first.positions, rtol=0, atol=1e-6)
+    if first.sigma is not None:
+        assert second.sigma is not None
+        np.testing.assert_allclose(second.sigma / factor, first.sigma, rtol=1e-9)
 
 
 @EVERY
@@ -99,17 +99,17 @@ def test_settings_in_hertz_and_seconds_go_with_the_rate(name: str, noisy: Trajec
     slower = replace(noisy, rate=20.0)
     factors = dict.fromkeys(HERTZ, 1 / 3) | dict.fromkeys(SECONDS, 3.0)
     own = changed(name, factors)
-    one, other = NODES[name](noisy).positions, NODES[name](slower, **own).positions
-    np.testing.assert_allclose(other, one, rtol=0, atol=1e-9)
+    first, second = NODES[name](noisy).positions, NODES[name](slower, **own).positions
+    np.testing.assert_allclose(second, first, rtol=0, atol=1e-9)
 
 
 @EVERY
 def test_time_has_no_direction_unless_no_frame_ahead_is_seen(
     name: str, noisy: Trajectories
 ) -> None:
-    made = NODES[name](noisy).positions
+    smoothed = NODES[name](noisy).positions
     backward = NODES[name](replace(noisy, positions=noisy.positions[::-1])).positions[::-1]
-    apart = float(np.abs(made - backward).max())
+    apart = float(np.abs(smoothed - backward).max())
     summary = (NODES[name].__doc__ or "").partition("\n")[0]
     if "causally" in summary:
         assert apart > 0.1
@@ -125,11 +125,11 @@ def test_noise_is_reduced_and_movement_kept(
     time = np.arange(600)[:, None, None] / 60.0
     clean = 10.0 * np.sin(2 * np.pi * 0.8 * time + random.uniform(0, 6, (1, 5, 3)))
     noise = random.normal(0, 0.5, clean.shape)
-    made = NODES[name](recorded(clean + noise)).positions
-    error = np.sqrt(np.mean((made - clean) ** 2))
+    smoothed = NODES[name](recorded(clean + noise)).positions
+    error = np.sqrt(np.mean((smoothed - clean) ** 2))
     # one that sees no frame ahead pays for less noise with its lag
     assert error < (0.75 if name == "one_euro" else 0.4)
-    bends = [np.abs(np.diff(one, n=2, axis=0)).mean() for one in (made, noise)]
+    bends = [np.abs(np.diff(value, n=2, axis=0)).mean() for value in (smoothed, noise)]
     assert bends[0] < 0.75 * bends[1]
 
 
@@ -143,8 +143,8 @@ def test_memory_order_precision_and_views_make_no_difference(
     spread[::2, :, ::2] = coarse
     layouts: tuple[Any, ...] = (coarse, np.asfortranarray(coarse), spread[::2, :, ::2])
     for positions in layouts:
-        made = NODES[name](replace(noisy, positions=positions)).positions
-        np.testing.assert_array_equal(made, expected)
+        smoothed = NODES[name](replace(noisy, positions=positions)).positions
+        np.testing.assert_array_equal(smoothed, expected)
 
 
 @EVERY
@@ -164,14 +164,14 @@ def test_takes_of_any_length_are_smoothed_or_refused(
 ) -> None:
     take = recorded(np.random.default_rng(frames).normal(0, 1, (frames, 2, 3)))
     try:
-        made = quietly(NODES[name], take)
+        smoothed = quietly(NODES[name], take)
     except Refusal as refusal:
-        told = str(refusal)
+        message = str(refusal)
     else:
-        told = ""
-        assert made.frames == frames
-        assert made.present.all()
-    assert not told or told.endswith(f"the longest run of present samples has {frames}")
+        message = ""
+        assert smoothed.frames == frames
+        assert smoothed.present.all()
+    assert not message or message.endswith(f"the longest run of present samples has {frames}")
 
 
 def test_importing_the_nodes_loads_nothing_heavy() -> None:

@@ -14,7 +14,7 @@ from nodegraph_smooth.polynomial import polynomial
 
 @pytest.mark.parametrize("degree", [2, 3, 5])
 def test_minimizes_the_squares_among_segments_that_meet(noisy: Trajectories, degree: int) -> None:
-    made = polynomial(noisy, segment=0.5, degree=degree).positions.reshape(121, -1)
+    smoothed = polynomial(noisy, segment=0.5, degree=degree).positions.reshape(121, -1)
     width, segments = 30, 4
     columns, meetings = np.zeros((121, segments * (degree + 1))), []
     for frame in range(121):
@@ -32,16 +32,16 @@ def test_minimizes_the_squares_among_segments_that_meet(noisy: Trajectories, deg
     free = np.linalg.svd(np.array(meetings))[2][len(meetings) :].T
     basis = np.linalg.qr(columns @ free)[0]
     expected = basis @ (basis.T @ noisy.positions.reshape(121, -1))
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-9)
 
 
 def test_one_segment_longer_than_the_take_is_one_polynomial(noisy: Trajectories) -> None:
-    made = polynomial(noisy, segment=1e6, degree=9).positions.reshape(121, -1)
+    smoothed = polynomial(noisy, segment=1e6, degree=9).positions.reshape(121, -1)
     time = np.linspace(-1, 1, 121)
     run = noisy.positions.reshape(121, -1)
     fitted = np.polynomial.legendre.legfit(time, run, 9)
     expected = np.polynomial.legendre.legval(time, fitted).T
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-9)
 
 
 def test_segments_with_no_more_frames_than_coefficients_are_refused(

@@ -20,13 +20,13 @@ from nodegraph_smooth.runs import Runs, long_enough, smooth_runs, smoothed
 def test_runs_are_the_present_samples(gappy: Callable[[int], Trajectories], seed: int) -> None:
     recording = gappy(seed)
     runs = Runs.of(recording)
-    found = np.zeros_like(recording.present)
+    actual = np.zeros_like(recording.present)
     for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True):
         assert recording.present[start:stop, marker].all()
         assert start == 0 or not recording.present[start - 1, marker]
         assert stop == recording.frames or not recording.present[stop, marker]
-        found[start:stop, marker] = True
-    np.testing.assert_array_equal(found, recording.present)
+        actual[start:stop, marker] = True
+    np.testing.assert_array_equal(actual, recording.present)
 
 
 def test_runs_of_one_length_are_given_together(recorded: Callable[..., Trajectories]) -> None:
@@ -64,13 +64,13 @@ def test_short_runs_stay_and_are_counted(recorded: Callable[..., Trajectories]) 
     positions = np.random.default_rng(1).normal(0, 1, (9, 2, 3))
     positions[[2, 8], 0] = np.nan
     recording = recorded(positions)
-    told = "1 of 3 runs of present samples \\(2 samples\\) are shorter than 4 frames and stay"
-    with pytest.warns(UserWarning, match=told):
-        made = smooth_runs(recording, np.zeros_like, shortest=4)
+    message = "1 of 3 runs of present samples \\(2 samples\\) are shorter than 4 frames and stay"
+    with pytest.warns(UserWarning, match=message):
+        smoothed = smooth_runs(recording, np.zeros_like, shortest=4)
     np.testing.assert_array_equal(
-        made.positions[:2], np.stack([positions[:2, 0], positions[[0, 0], 1]], 1)
+        smoothed.positions[:2], np.stack([positions[:2, 0], positions[[0, 0], 1]], 1)
     )
-    np.testing.assert_array_equal(made.positions[3:8, 0], np.tile(positions[3, 0], (5, 1)))
+    np.testing.assert_array_equal(smoothed.positions[3:8, 0], np.tile(positions[3, 0], (5, 1)))
 
 
 def test_nothing_but_short_runs_is_refused(recorded: Callable[..., Trajectories]) -> None:
@@ -83,8 +83,8 @@ def test_nothing_but_short_runs_is_refused(recorded: Callable[..., Trajectories]
 def test_nothing_present_is_told(recorded: Callable[..., Trajectories]) -> None:
     recording = recorded(np.full((4, 2, 3), np.nan))
     with pytest.warns(UserWarning, match="^no sample is present: there is nothing to smooth$"):
-        made = smooth_runs(recording, np.zeros_like, shortest=2)
-    assert not made.present.any()
+        smoothed = smooth_runs(recording, np.zeros_like, shortest=2)
+    assert not smoothed.present.any()
 
 
 def test_a_method_is_given_runs_relative_to_their_first_samples(
@@ -100,7 +100,7 @@ def test_sigma_goes_with_the_sample_that_it_was_of(recorded: Callable[..., Traje
     recording = replace(recorded(np.zeros((3, 2, 3))), sigma=np.full((3, 2), 0.1))
     positions = np.zeros((3, 2, 3))
     positions[1, 1, 2] = 1e-9
-    made = smoothed(recording, positions)
-    assert made.sigma is not None
-    assert np.argwhere(np.isnan(made.sigma)).tolist() == [[1, 1]]
-    assert np.nanmin(made.sigma) == 0.1
+    output = smoothed(recording, positions)
+    assert output.sigma is not None
+    assert np.argwhere(np.isnan(output.sigma)).tolist() == [[1, 1]]
+    assert np.nanmin(output.sigma) == 0.1

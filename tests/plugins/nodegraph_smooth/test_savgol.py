@@ -16,7 +16,7 @@ from nodegraph_smooth.savgol import savgol
 def test_each_sample_is_that_of_its_windows_polynomial(
     noisy: Trajectories, window: float, degree: int, frames: int
 ) -> None:
-    made = savgol(noisy, window=window, degree=degree).positions
+    smoothed = savgol(noisy, window=window, degree=degree).positions
     reach = frames // 2
     for frame in range(noisy.frames):
         middle = min(max(frame, reach), noisy.frames - 1 - reach)
@@ -24,15 +24,15 @@ def test_each_sample_is_that_of_its_windows_polynomial(
         for marker in range(3):
             run = noisy.positions[place, marker]
             fitted = np.polynomial.polynomial.polyfit(place - frame, run, degree)
-            np.testing.assert_allclose(made[frame, marker], fitted[0], rtol=0, atol=1e-9)
+            np.testing.assert_allclose(smoothed[frame, marker], fitted[0], rtol=0, atol=1e-9)
 
 
 def test_share_of_noise_kept_with_the_defaults(recorded: Callable[..., Trajectories]) -> None:
     impulse = np.zeros((41, 1, 3))
     impulse[20] = 1.0
-    made = savgol(recorded(impulse)).positions[:, 0, 0]
-    assert np.sum(made**2) == pytest.approx(0.255, abs=5e-4)
-    assert np.flatnonzero(np.abs(made) > 1e-12).tolist() == list(range(16, 25))
+    smoothed = savgol(recorded(impulse)).positions[:, 0, 0]
+    assert np.sum(smoothed**2) == pytest.approx(0.255, abs=5e-4)
+    assert np.flatnonzero(np.abs(smoothed) > 1e-12).tolist() == list(range(16, 25))
 
 
 def test_a_window_that_a_polynomial_goes_through_is_refused(

@@ -18,19 +18,19 @@ def test_minimizes_its_sum_of_squares(
     recorded: Callable[..., Trajectories], order: int, length: int
 ) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 1, 3))
-    made = whittaker(recorded(run), cutoff=6.0, order=order).positions[:, 0]
+    smoothed = whittaker(recorded(run), cutoff=6.0, order=order).positions[:, 0]
     penalty = (2 * np.sin(np.pi * 6.0 / 60.0)) ** (-2 * order)
     differences = np.diff(np.eye(length), n=order, axis=0)
     expected = np.linalg.solve(np.eye(length) + penalty * differences.T @ differences, run[:, 0])
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-10)
 
 
 def test_penalty_is_one_with_the_defaults_at_60_hz(noisy: Trajectories) -> None:
-    made = whittaker(noisy).positions
+    smoothed = whittaker(noisy).positions
     differences = np.diff(np.eye(noisy.frames), n=2, axis=0)
     matrix = np.eye(noisy.frames) + differences.T @ differences
     expected = np.linalg.solve(matrix, noisy.positions.reshape(noisy.frames, -1))
-    np.testing.assert_allclose(made.reshape(noisy.frames, -1), expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(smoothed.reshape(noisy.frames, -1), expected, rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -38,9 +38,11 @@ def test_half_of_the_amplitude_is_kept_at_the_cut_off(
     recorded: Callable[..., Trajectories], order: int
 ) -> None:
     wave = np.cos(2 * np.pi * 7.0 / 60.0 * np.arange(-600, 601))
-    made = whittaker(recorded(np.repeat(wave[:, None, None], 3, 2)), cutoff=7.0, order=order)
+    smoothed = whittaker(recorded(np.repeat(wave[:, None, None], 3, 2)), cutoff=7.0, order=order)
     middle = slice(300, 900)
-    np.testing.assert_allclose(made.positions[middle, 0, 0], wave[middle] / 2, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        smoothed.positions[middle, 0, 0], wave[middle] / 2, rtol=0, atol=1e-6
+    )
 
 
 def test_cut_offs_that_cannot_be_are_refused(noisy: Trajectories) -> None:
