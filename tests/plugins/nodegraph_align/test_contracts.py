@@ -26,54 +26,54 @@ REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("align", no
 Spoil = Callable[[Trajectories, Aligned], Aligned]
 
 
-def moves_the_first_marker(given: Trajectories, made: Aligned) -> Aligned:
-    positions = made.aligned.positions.copy()
+def moves_the_first_marker(take: Trajectories, output: Aligned) -> Aligned:
+    positions = output.aligned.positions.copy()
     positions[:, 0] += 1.0
-    return made._replace(aligned=replace(made.aligned, positions=positions))
+    return output._replace(aligned=replace(output.aligned, positions=positions))
 
 
-def gives_no_motion(given: Trajectories, made: Aligned) -> Aligned:
-    still = np.zeros_like(made.head_motion.translations)
-    return made._replace(head_motion=replace(made.head_motion, translations=still))
+def gives_no_motion(take: Trajectories, output: Aligned) -> Aligned:
+    still = np.zeros_like(output.head_motion.translations)
+    return output._replace(head_motion=replace(output.head_motion, translations=still))
 
 
-def fills(given: Trajectories, made: Aligned) -> Aligned:
-    aligned = made.aligned
+def fills(take: Trajectories, output: Aligned) -> Aligned:
+    aligned = output.aligned
     missing = ~aligned.present
     positions = np.where(missing[..., None], 0.0, aligned.positions)
     filled = aligned.with_samples(positions, changed=missing, origin=Origin.FILLED)
-    return made._replace(aligned=filled)
+    return output._replace(aligned=filled)
 
 
-def keeps_sigma(given: Trajectories, made: Aligned) -> Aligned:
-    motion = made.head_motion
+def keeps_sigma(take: Trajectories, output: Aligned) -> Aligned:
+    motion = output.head_motion
     half = replace(motion, scales=2.0 * motion.scales)
-    positions = 0.5 * made.aligned.positions
-    return made._replace(aligned=replace(made.aligned, positions=positions), head_motion=half)
+    positions = 0.5 * output.aligned.positions
+    return output._replace(aligned=replace(output.aligned, positions=positions), head_motion=half)
 
 
-def gives_every_frame(given: Trajectories, made: Aligned) -> Aligned:
-    return made._replace(reference=made.aligned)
+def gives_every_frame(take: Trajectories, output: Aligned) -> Aligned:
+    return output._replace(reference=output.aligned)
 
 
-def does_nothing_to_the_last_frame(given: Trajectories, made: Aligned) -> Aligned:
-    positions, motion = made.aligned.positions.copy(), made.head_motion
+def does_nothing_to_the_last_frame(take: Trajectories, output: Aligned) -> Aligned:
+    positions, motion = output.aligned.positions.copy(), output.head_motion
     rotations, translations = motion.rotations.copy(), motion.translations.copy()
-    positions[-1], rotations[-1], translations[-1] = given.positions[-1], np.eye(3), 0.0
+    positions[-1], rotations[-1], translations[-1] = take.positions[-1], np.eye(3), 0.0
     turned = replace(motion, rotations=rotations, translations=translations)
-    return made._replace(aligned=replace(made.aligned, positions=positions), head_motion=turned)
+    return output._replace(aligned=replace(output.aligned, positions=positions), head_motion=turned)
 
 
-def turns_by_what_was_there(given: Trajectories, made: Aligned) -> Aligned:
+def turns_by_what_was_there(take: Trajectories, output: Aligned) -> Aligned:
     """A quarter turn about z in each frame, wherever the head was."""
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    motion = made.head_motion
-    return made._replace(
-        aligned=replace(made.aligned, positions=given.positions @ quarter.T),
+    motion = output.head_motion
+    return output._replace(
+        aligned=replace(output.aligned, positions=take.positions @ quarter.T),
         head_motion=replace(
             motion,
-            rotations=np.tile(quarter.T, (given.frames, 1, 1)),
-            translations=np.zeros((given.frames, 3)),
+            rotations=np.tile(quarter.T, (take.frames, 1, 1)),
+            translations=np.zeros((take.frames, 3)),
         ),
     )
 

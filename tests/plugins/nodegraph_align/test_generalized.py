@@ -37,21 +37,21 @@ def scans(head: Head, moved: Moved, recorded: Callable[..., Trajectories]) -> Tr
     return recorded(positions)
 
 
-def spread(made: Any) -> float:
+def spread(aligned: Any) -> float:
     """Sum of squared distances from the mean shape of the landmarks."""
-    return float(np.nansum((made.aligned.positions - made.reference.positions)[:, :6] ** 2))
+    return float(np.nansum((aligned.aligned.positions - aligned.reference.positions)[:, :6] ** 2))
 
 
 @pytest.mark.parametrize("scale", SCALES)
 def test_the_reference_is_the_mean_and_frames_are_aligned_to_it(
     quietly: Callable[..., Any], scans: Trajectories, scale: Scale
 ) -> None:
-    made = quietly(generalized, scans, scale=scale)
-    again = quietly(procrustes, scans, made.reference, scale=scale)
-    np.testing.assert_allclose(again.aligned.positions, made.aligned.positions, atol=1e-7)
-    mean = np.nanmean(made.aligned.positions, axis=0)
-    middle, goal = mean[:6].mean(axis=0), made.reference.positions[0, :6].mean(axis=0)
-    shape = made.reference.positions[0]
+    aligned = quietly(generalized, scans, scale=scale)
+    again = quietly(procrustes, scans, aligned.reference, scale=scale)
+    np.testing.assert_allclose(again.aligned.positions, aligned.aligned.positions, atol=1e-7)
+    mean = np.nanmean(aligned.aligned.positions, axis=0)
+    middle, goal = mean[:6].mean(axis=0), aligned.reference.positions[0, :6].mean(axis=0)
+    shape = aligned.reference.positions[0]
     if scale == "none":
         np.testing.assert_allclose(mean, shape, atol=1e-7)
     else:  # a mean of shapes is smaller than they are
@@ -64,8 +64,8 @@ def test_the_reference_is_the_mean_and_frames_are_aligned_to_it(
 def test_the_fullest_frame_stays(
     quietly: Callable[..., Any], scans: Trajectories, scale: Scale
 ) -> None:
-    made = quietly(generalized, scans, scale=scale)
-    np.testing.assert_allclose(made.aligned.positions[2], scans.positions[2], atol=1e-7)
+    aligned = quietly(generalized, scans, scale=scale)
+    np.testing.assert_allclose(aligned.aligned.positions[2], scans.positions[2], atol=1e-7)
 
 
 def test_the_sum_is_no_larger_than_for_any_reference(
@@ -76,9 +76,9 @@ def test_the_sum_is_no_larger_than_for_any_reference(
     best = quietly(generalized, scans).reference
     for size in (0.01, 0.3, 3.0):
         nudged = replace(best, positions=best.positions + random.normal(0, size, (1, 12, 3)))
-        made = quietly(procrustes, scans, nudged)
-        mean = np.nanmean(made.aligned.positions, axis=0, keepdims=True)
-        assert spread(made._replace(reference=replace(best, positions=mean))) > least
+        aligned = quietly(procrustes, scans, nudged)
+        mean = np.nanmean(aligned.aligned.positions, axis=0, keepdims=True)
+        assert spread(aligned._replace(reference=replace(best, positions=mean))) > least
 
 
 def test_rigid_scans_give_back_one_shape(head: Head, moved: Moved) -> None:
@@ -87,10 +87,10 @@ def test_rigid_scans_give_back_one_shape(head: Head, moved: Moved) -> None:
     cases = ((np.ones(9), "none"), (np.linspace(1.0, 2.0, 9), "rms"))
     for scales, how in cases:
         take = moved(rest, replace(motion, scales=scales))
-        made = generalized(take, scale=how)
+        aligned = generalized(take, scale=how)
         home = np.repeat(take.positions[:1], 9, axis=0)
-        np.testing.assert_allclose(made.aligned.positions, home, atol=1e-8)
-        np.testing.assert_allclose(made.head_motion.scales, scales, atol=1e-10)
+        np.testing.assert_allclose(aligned.aligned.positions, home, atol=1e-8)
+        np.testing.assert_allclose(aligned.head_motion.scales, scales, atol=1e-10)
 
 
 def test_no_frame_needs_all_landmarks(
@@ -100,12 +100,12 @@ def test_no_frame_needs_all_landmarks(
     positions = moved(rest, motion).positions.copy()
     positions[np.arange(12), np.arange(12) % 6] = np.nan
     take = recorded(positions)
-    made = quietly(generalized, take)
-    shape = made.reference.positions[0]
+    aligned = quietly(generalized, take)
+    shape = aligned.reference.positions[0]
     assert not np.isnan(shape).any()
     expected = np.where(np.isnan(positions), np.nan, shape)
-    np.testing.assert_allclose(made.aligned.positions, expected, atol=1e-6)
-    own = procrustes(made.reference, rest).aligned.positions
+    np.testing.assert_allclose(aligned.aligned.positions, expected, atol=1e-6)
+    own = procrustes(aligned.reference, rest).aligned.positions
     np.testing.assert_allclose(own, rest.positions, atol=1e-6)
 
 
@@ -114,10 +114,10 @@ def test_frames_that_cannot_be_fitted_are_no_part_of_the_mean(
 ) -> None:
     positions = np.concatenate([scans.positions, scans.positions[-1:] + 500.0])
     positions[-1, 1:6] = np.nan
-    made = quietly(generalized, recorded(positions))
+    aligned = quietly(generalized, recorded(positions))
     expected = quietly(generalized, scans)
-    np.testing.assert_array_equal(made.reference.positions, expected.reference.positions)
-    np.testing.assert_array_equal(made.aligned.positions[-1], positions[-1])
+    np.testing.assert_array_equal(aligned.reference.positions, expected.reference.positions)
+    np.testing.assert_array_equal(aligned.aligned.positions[-1], positions[-1])
 
 
 def test_landmarks_and_markers_never_seen(
@@ -128,9 +128,9 @@ def test_landmarks_and_markers_never_seen(
     positions[:, [1, 9]] = np.nan
     take = recorded(positions)
     with pytest.warns(UserWarning, match="1 landmarks are missing in every frame"):
-        made = generalized(take)
-    assert np.flatnonzero(~made.reference.present[0]).tolist() == [1, 9]
-    assert made.reference.markers == take.markers
+        aligned = generalized(take)
+    assert np.flatnonzero(~aligned.reference.present[0]).tolist() == [1, 9]
+    assert aligned.reference.markers == take.markers
 
 
 def test_a_shape_that_is_still_moving_is_told(

@@ -42,14 +42,14 @@ def test_no_pose_near_it_has_a_smaller_loss(
     width: float,
 ) -> None:
     rest, take, _ = shaken
-    found, shape = huber(take, rest, width=width).aligned.positions[:, :6], rest.positions[0, :6]
-    least, middle = loss(found, shape, width), shape.mean(axis=0)
+    actual, shape = huber(take, rest, width=width).aligned.positions[:, :6], rest.positions[0, :6]
+    least, middle = loss(actual, shape, width), shape.mean(axis=0)
     random = np.random.default_rng(2)
     for size in (1e-1, 1e-3):
         for turn in rotations(20, 3):
             small = np.linalg.qr(np.eye(3) + size * (turn - turn.T))[0]
             small = small * np.sign(np.diag(small))
-            nudged = (found - middle) @ small + middle + size * random.normal(0, 1, 3)
+            nudged = (actual - middle) @ small + middle + size * random.normal(0, 1, 3)
             assert np.all(loss(nudged, shape, width) > least)
 
 
@@ -68,17 +68,17 @@ def test_a_landmark_far_off_does_little(
 
 def test_a_wide_one_is_procrustes(shaken: tuple[Trajectories, Trajectories, HeadMotion]) -> None:
     rest, take, _ = shaken
-    for one, other in zip(huber(take, rest, width=1e6), procrustes(take, rest), strict=True):
+    for first, second in zip(huber(take, rest, width=1e6), procrustes(take, rest), strict=True):
         for field in ("positions", "rotations", "translations"):
-            if hasattr(one, field):
-                np.testing.assert_array_equal(getattr(one, field), getattr(other, field))
+            if hasattr(first, field):
+                np.testing.assert_array_equal(getattr(first, field), getattr(second, field))
 
 
 def test_width_is_a_length(shaken: tuple[Trajectories, Trajectories, HeadMotion]) -> None:
     rest, take, _ = shaken
-    larger = [replace(one, positions=10.0 * one.positions) for one in (take, rest)]
-    made = huber(larger[0], larger[1], width=5.0).aligned.positions / 10.0
-    np.testing.assert_allclose(made, huber(take, rest, width=0.5).aligned.positions, atol=1e-7)
+    larger = [replace(value, positions=10.0 * value.positions) for value in (take, rest)]
+    aligned = huber(larger[0], larger[1], width=5.0).aligned.positions / 10.0
+    np.testing.assert_allclose(aligned, huber(take, rest, width=0.5).aligned.positions, atol=1e-7)
 
 
 def test_scales_are_found_in_spite_of_one_far_off(
@@ -100,11 +100,11 @@ def test_missing_landmarks_and_frames_without(
     positions[3, 0] = positions[4, :4] = np.nan
     gappy = recorded(positions)
     with pytest.warns(UserWarning, match=r"1 of 25 frames [(]first 4[)] left as they are"):
-        made = huber(gappy, rest)
-    np.testing.assert_array_equal(made.aligned.positions[4], positions[4])
+        aligned = huber(gappy, rest)
+    np.testing.assert_array_equal(aligned.aligned.positions[4], positions[4])
     others = np.arange(25) >= 5
     expected = huber(take, rest).aligned.positions
-    np.testing.assert_array_equal(made.aligned.positions[others], expected[others])
+    np.testing.assert_array_equal(aligned.aligned.positions[others], expected[others])
 
 
 def test_frames_that_do_not_come_to_rest_are_counted(

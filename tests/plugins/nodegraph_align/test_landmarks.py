@@ -38,9 +38,9 @@ def test_the_recordings_marker_set_comes_first(face: Trajectories) -> None:
 
 
 def test_stable_markers_that_one_of_them_lacks_are_told(face: Trajectories) -> None:
-    chosen, told = landmarks_of(face, face.keep(["m7", "m3", "m0", "m1"]), None)
+    chosen, notes = landmarks_of(face, face.keep(["m7", "m3", "m0", "m1"]), None)
     assert chosen == ("m0", "m1", "m3")
-    assert told == ["1 stable markers are no landmarks, as not all have them: m2"]
+    assert notes == ["1 stable markers are no landmarks, as not all have them: m2"]
 
 
 def test_names_come_in_the_users_order(face: Trajectories) -> None:
@@ -108,10 +108,10 @@ nodes:
 @pytest.mark.parametrize("landmarks", ["[a, b]", "[a]", "[]", '["*", a]'])
 @pytest.mark.parametrize("align", ALIGNMENTS)
 def test_a_graph_with_too_few_is_not_loaded(align: str, landmarks: str, tmp_path: Path) -> None:
-    with pytest.raises(ng.GraphError) as told:
+    with pytest.raises(ng.GraphError) as error:
         ng.load(graph_of(tmp_path, align, landmarks))
     text = f"face: setting 'landmarks' of align.{align} must be 3 or more, or * alone, got ["
-    assert text in str(told.value)
+    assert text in str(error.value)
 
 
 @pytest.mark.parametrize("landmarks", ["[a, b, c]", '["*"]', "null"])

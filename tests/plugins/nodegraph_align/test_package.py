@@ -27,29 +27,29 @@ def test_every_node_runs_by_its_defaults_and_cites_what_is_shipped() -> None:
     shipped = set(re.findall(r"^@\w+\{(\w+),", nodegraph_bibtex(), flags=re.MULTILINE))
     cited: set[str] = set()
     for function in NODES.values():
-        one = node_of(function)
-        assert one is not None
-        assert not [setting.name for setting in one.settings.values() if setting.required]
-        assert "Looks a" in one.doc
-        cited |= set(one.cite)
+        definition = node_of(function)
+        assert definition is not None
+        assert not [setting.name for setting in definition.settings.values() if setting.required]
+        assert "Looks a" in definition.doc
+        cited |= set(definition.cite)
     assert cited == shipped
 
 
 def test_alignments_have_the_same_ports() -> None:
     for name in ALIGNMENTS:
-        one = node_of(NODES[name])
-        assert one is not None
+        definition = node_of(NODES[name])
+        assert definition is not None
         ports = ["recording", "reference"] if name in TO_A_REFERENCE else ["recording"]
-        assert [port.name for port in one.inputs] == ports
-        assert [port.name for port in one.outputs] == ["aligned", "head_motion", "reference"]
+        assert [port.name for port in definition.inputs] == ports
+        assert [port.name for port in definition.outputs] == ["aligned", "head_motion", "reference"]
 
 
 @pytest.mark.parametrize("name", ALIGNMENTS)
 def test_a_rigid_head_stands_still_afterwards(name: str, head: Head, moved: Moved) -> None:
     rest, motion = head(frames=10)
-    made = NODES[name](moved(rest, motion))
-    still = np.repeat(made.reference.positions, 10, axis=0)
-    np.testing.assert_allclose(made.aligned.positions, still, atol=1e-8)
+    aligned = NODES[name](moved(rest, motion))
+    still = np.repeat(aligned.reference.positions, 10, axis=0)
+    np.testing.assert_allclose(aligned.aligned.positions, still, atol=1e-8)
 
 
 @pytest.mark.parametrize("name", ALIGNMENTS)
@@ -61,15 +61,15 @@ def test_memory_order_and_precision_make_no_difference(name: str, head: Head, mo
     expected = NODES[name](replace(take, positions=coarse.astype(np.float64))).aligned.positions
     layouts: tuple[Any, ...] = (coarse, np.asfortranarray(coarse))
     for positions in layouts:
-        made = NODES[name](replace(take, positions=positions)).aligned.positions
-        np.testing.assert_array_equal(made, expected)
+        aligned = NODES[name](replace(take, positions=positions)).aligned.positions
+        np.testing.assert_array_equal(aligned, expected)
 
 
 @pytest.mark.parametrize("name", ALIGNMENTS)
 def test_one_frame(name: str, head: Head) -> None:
     rest, _ = head()
-    made = NODES[name](rest)
-    np.testing.assert_allclose(made.aligned.positions, rest.positions, atol=1e-10)
+    aligned = NODES[name](rest)
+    np.testing.assert_allclose(aligned.aligned.positions, rest.positions, atol=1e-10)
 
 
 def test_importing_the_nodes_loads_nothing_heavy() -> None:

@@ -25,12 +25,14 @@ def warned(*arguments: Any) -> list[str]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         warn(*arguments)
-    return [str(one.message) for one in caught]
+    return [str(warning.message) for warning in caught]
 
 
 def test_codes_are_those_of_the_compiled_loops() -> None:
     names = ("FITTED", "MIRRORED", "FEW", "LINE")
-    assert [getattr(module, one) for one in names] == [getattr(rigid_kernel, one) for one in names]
+    assert [getattr(module, name) for name in names] == [
+        getattr(rigid_kernel, name) for name in names
+    ]
     kinds = (rigid_kernel.AS_IT_IS, rigid_kernel.RMS, rigid_kernel.LEAST_SQUARES)
     assert tuple(module._CODES.values()) == kinds
 
@@ -42,12 +44,12 @@ def test_moving_keeps_what_is_known_of_samples_and_scales_sigma(head: Head, move
     origin = np.full(take.origin.shape, Origin.REPAIRED, dtype=np.uint8)
     origin[2, 8] = Origin.FILLED
     take = replace(take, origin=origin, sigma=np.full(origin.shape, 0.3))
-    found = fitted(take, reference_of(take, rest, None)[0], "rms")
-    made, back = found.move(take)
-    np.testing.assert_allclose(made.positions, np.repeat(rest.positions, 5, axis=0), atol=1e-10)
-    np.testing.assert_array_equal(made.origin, origin)
-    assert made.sigma is not None
-    np.testing.assert_allclose(made.sigma, np.repeat(0.3 / motion.scales[:, None], 12, axis=1))
+    actual = fitted(take, reference_of(take, rest, None)[0], "rms")
+    aligned, back = actual.move(take)
+    np.testing.assert_allclose(aligned.positions, np.repeat(rest.positions, 5, axis=0), atol=1e-10)
+    np.testing.assert_array_equal(aligned.origin, origin)
+    assert aligned.sigma is not None
+    np.testing.assert_allclose(aligned.sigma, np.repeat(0.3 / motion.scales[:, None], 12, axis=1))
     for name in ("rotations", "translations", "scales"):
         np.testing.assert_allclose(getattr(back, name), getattr(motion, name), atol=1e-9)
 
@@ -57,12 +59,12 @@ def test_frames_that_are_not_fitted_stay_bit_for_bit(head: Head, moved: Moved) -
     take = moved(rest, motion)
     poses = fitted(take, reference_of(take, rest, None)[0], "none")
     poses.states[1], poses.states[2] = FEW, LINE
-    made, back = poses.move(take)
-    np.testing.assert_array_equal(made.positions[1:], take.positions[1:])
+    aligned, back = poses.move(take)
+    np.testing.assert_array_equal(aligned.positions[1:], take.positions[1:])
     np.testing.assert_array_equal(back.rotations[1:], np.tile(np.eye(3), (2, 1, 1)))
     assert not back.translations[1:].any()
     np.testing.assert_array_equal(back.scales, 1.0)
-    assert np.abs(made.positions[0] - rest.positions[0]).max() < 1e-10
+    assert np.abs(aligned.positions[0] - rest.positions[0]).max() < 1e-10
 
 
 def test_some_and_put_are_inverse(head: Head, moved: Moved) -> None:
@@ -90,8 +92,8 @@ def test_doubts_are_counted(
     poses = fitted(take, reference, "none")
     assert poses.states.tolist() == [FITTED, FITTED, FEW, FITTED, FITTED, FITTED]
     poses.states[3], poses.states[5] = LINE, MIRRORED
-    told = warned(poses, take, reference, ["this first"])
-    assert told == [
+    message = warned(poses, take, reference, ["this first"])
+    assert message == [
         "this first; 2 of 6 frames (first 1) aligned by fewer than the 6 landmarks, 4 in the "
         "worst, as others are missing; 1 of 6 frames (first 2) left as they are, with fewer than "
         "3 landmarks; 1 of 6 frames (first 3) left as they are, with landmarks on a line; 1 of 6 "

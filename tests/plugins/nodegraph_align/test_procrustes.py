@@ -38,11 +38,11 @@ def restored(aligned: Trajectories, motion: HeadMotion) -> Array:
     ("steps", "expected"), [*zip(PREFIXES, [213.0, 30.0, 12.0, 0.0], strict=True)]
 )
 def test_worked_example(recorded: Record, steps: tuple[Step, ...], expected: float) -> None:
-    made = procrustes(
+    aligned = procrustes(
         recorded([Y]), recorded([X], stable=3), steps=steps, scale="rms", restore=False,
         landmarks=("m0", "m1", "m2"),
     )  # fmt: skip
-    squared = ((made.aligned.positions - made.reference.positions) ** 2).sum()
+    squared = ((aligned.aligned.positions - aligned.reference.positions) ** 2).sum()
     assert squared == pytest.approx(expected, abs=1e-12)
 
 
@@ -55,7 +55,7 @@ def test_worked_example_turns_half_round_and_halves(recorded: Record) -> None:
 
 
 def test_worked_example_as_a_graph(tmp_path: Path) -> None:
-    stages = ", ".join(f"{len(one)}: {{steps: [{', '.join(one)}]}}" for one in PREFIXES)
+    stages = ", ".join(f"{len(value)}: {{steps: [{', '.join(value)}]}}" for value in PREFIXES)
     graph = tmp_path / "example.yaml"
     graph.write_text(
         f"""
@@ -101,9 +101,9 @@ def test_captured_is_what_head_motion_makes_of_aligned(
     positions = moved(rest, motion).positions + random.normal(0, 3, (12, 12, 3))
     positions[random.random((12, 12)) < 0.3] = np.nan
     take = recorded(positions)
-    made = quietly(procrustes, take, rest, steps=steps, scale=scale, restore=restore)
-    np.testing.assert_allclose(restored(made.aligned, made.head_motion), positions, atol=1e-9)
-    np.testing.assert_array_equal(made.aligned.origin, take.origin)
+    aligned = quietly(procrustes, take, rest, steps=steps, scale=scale, restore=restore)
+    np.testing.assert_allclose(restored(aligned.aligned, aligned.head_motion), positions, atol=1e-9)
+    np.testing.assert_array_equal(aligned.aligned.origin, take.origin)
 
 
 @pytest.mark.parametrize("scale", ["rms", "least_squares"])
@@ -112,14 +112,16 @@ def test_a_rigid_head_is_brought_home_and_its_motion_found(
 ) -> None:
     rest, motion = head(frames=40)
     for scales, how in ((np.ones(40), "none"), (np.linspace(0.5, 2.0, 40), scale)):
-        told = replace(motion, scales=scales)
-        made = procrustes(moved(rest, told), rest, scale=how)
+        message = replace(motion, scales=scales)
+        aligned = procrustes(moved(rest, message), rest, scale=how)
         home = np.repeat(rest.positions, 40, axis=0)
-        np.testing.assert_allclose(made.aligned.positions, home, atol=1e-9)
-        np.testing.assert_allclose(made.head_motion.rotations, told.rotations, atol=1e-12)
-        np.testing.assert_allclose(made.head_motion.translations, told.translations, atol=1e-8)
-        np.testing.assert_allclose(made.head_motion.scales, scales, rtol=1e-12)
-        np.testing.assert_array_equal(made.reference.positions, rest.positions)
+        np.testing.assert_allclose(aligned.aligned.positions, home, atol=1e-9)
+        np.testing.assert_allclose(aligned.head_motion.rotations, message.rotations, atol=1e-12)
+        np.testing.assert_allclose(
+            aligned.head_motion.translations, message.translations, atol=1e-8
+        )
+        np.testing.assert_allclose(aligned.head_motion.scales, scales, rtol=1e-12)
+        np.testing.assert_array_equal(aligned.reference.positions, rest.positions)
 
 
 def test_only_landmarks_decide_and_all_points_are_moved(head: Head, moved: Moved) -> None:
@@ -128,9 +130,9 @@ def test_only_landmarks_decide_and_all_points_are_moved(head: Head, moved: Moved
     positions = take.positions + np.where(
         np.arange(12)[:, None] < 6, 0.0, np.random.default_rng(0).normal(0, 20, (15, 12, 3))
     )
-    made = procrustes(replace(take, positions=positions), rest)
+    aligned = procrustes(replace(take, positions=positions), rest)
     expected = np.einsum("tji,tmj->tmi", motion.rotations, positions - motion.translations[:, None])
-    np.testing.assert_allclose(made.aligned.positions, expected, atol=1e-9)
+    np.testing.assert_allclose(aligned.aligned.positions, expected, atol=1e-9)
 
 
 def test_each_step_does_what_it_says(recorded: Record) -> None:
@@ -170,13 +172,13 @@ def test_reference_goes_through_the_same(
     random = np.random.default_rng(4)
     positions = random.normal(100, 50, (1, 8, 3))
     rest = recorded(positions, stable=5, sigma=np.full((1, 8), 0.5))
-    made = procrustes(rest, rest, steps=steps, scale=scale, restore=False).reference
+    aligned = procrustes(rest, rest, steps=steps, scale=scale, restore=False).reference
     middle = positions[0, :5].mean(axis=0)
     size = unit or np.sqrt(((positions[0, :5] - middle) ** 2).sum(axis=1).mean())
     expected = positions if unit is None else (positions - middle) / size
-    np.testing.assert_allclose(made.positions, expected, atol=1e-12)
-    assert made.sigma is not None
-    np.testing.assert_allclose(made.sigma, 0.5 if unit is None else 0.5 / size)
+    np.testing.assert_allclose(aligned.positions, expected, atol=1e-12)
+    assert aligned.sigma is not None
+    np.testing.assert_allclose(aligned.sigma, 0.5 if unit is None else 0.5 / size)
 
 
 def test_without_a_reference_the_first_frame_with_all_landmarks_stays(
@@ -186,10 +188,10 @@ def test_without_a_reference_the_first_frame_with_all_landmarks_stays(
     positions = moved(rest, motion).positions.copy()
     positions[0, 2] = positions[1, 3] = np.nan
     take = recorded(positions)
-    made = quietly(procrustes, take)
-    np.testing.assert_array_equal(made.reference.positions, positions[2:3])
+    aligned = quietly(procrustes, take)
+    np.testing.assert_array_equal(aligned.reference.positions, positions[2:3])
     expected = np.where(np.isnan(positions), np.nan, positions[2])
-    np.testing.assert_allclose(made.aligned.positions, expected, atol=1e-9)
+    np.testing.assert_allclose(aligned.aligned.positions, expected, atol=1e-9)
 
 
 def test_markers_are_matched_by_name(head: Head, moved: Moved) -> None:
@@ -210,11 +212,11 @@ def test_missing_landmarks(head: Head, moved: Moved, recorded: Callable[..., Tra
     positions[1, [0, 4]] = positions[2, :4] = positions[3] = np.nan
     take = recorded(positions)
     with pytest.warns(UserWarning, match=r"1 of 4 frames [(]first 1[)] aligned by fewer .* 2 of 4"):
-        made = procrustes(take, rest)
+        aligned = procrustes(take, rest)
     home = np.where(np.isnan(positions), np.nan, rest.positions)
-    np.testing.assert_allclose(made.aligned.positions[:2], home[:2], atol=1e-9)
-    np.testing.assert_array_equal(made.aligned.positions[2:], positions[2:])
-    np.testing.assert_array_equal(made.head_motion.rotations[2:], [np.eye(3)] * 2)
+    np.testing.assert_allclose(aligned.aligned.positions[:2], home[:2], atol=1e-9)
+    np.testing.assert_array_equal(aligned.aligned.positions[2:], positions[2:])
+    np.testing.assert_array_equal(aligned.head_motion.rotations[2:], [np.eye(3)] * 2)
 
 
 def test_a_missing_landmark_does_not_shift_the_face(
@@ -226,9 +228,9 @@ def test_a_missing_landmark_does_not_shift_the_face(
     take = recorded(positions)
     for steps in PREFIXES[1:]:
         with pytest.warns(UserWarning, match="aligned by fewer"):
-            made = procrustes(take, rest, steps=steps, restore=False, scale="rms")
+            aligned = procrustes(take, rest, steps=steps, restore=False, scale="rms")
         if steps == STEPS:
-            apart = made.aligned.positions[:, 1:] - made.reference.positions[:, 1:]
+            apart = aligned.aligned.positions[:, 1:] - aligned.reference.positions[:, 1:]
             np.testing.assert_allclose(apart, 0.0, atol=1e-11)
 
 
@@ -238,14 +240,14 @@ def test_mirrored_landmarks(head: Head, moved: Moved, reflection: bool) -> None:
     take = moved(rest, motion)
     take = replace(take, positions=take.positions * [-1.0, 1.0, 1.0])
     if reflection:
-        made = procrustes(take, rest, reflection=True)
+        aligned = procrustes(take, rest, reflection=True)
         home = np.repeat(rest.positions, 3, axis=0)
-        np.testing.assert_allclose(made.aligned.positions, home, atol=1e-9)
+        np.testing.assert_allclose(aligned.aligned.positions, home, atol=1e-9)
     else:
         with pytest.warns(UserWarning, match="3 of 3 frames .* have left and right changed places"):
-            made = procrustes(take, rest)
+            aligned = procrustes(take, rest)
     sign = -1.0 if reflection else 1.0
-    np.testing.assert_allclose(np.linalg.det(made.head_motion.rotations), sign)
+    np.testing.assert_allclose(np.linalg.det(aligned.head_motion.rotations), sign)
 
 
 def test_whatever_cannot_be_aligned_says_so(recorded: Record) -> None:

@@ -66,9 +66,9 @@ def degrees(motion: HeadMotion, known: Known) -> Array:
 def millimetres(motion: HeadMotion, known: Known) -> float:
     """Root mean square distance of the face at rest, moved as found, from where it was."""
     rest = known.rest.positions[0]
-    made = np.einsum("tij,mj->tmi", motion.rotations - known.rotations, rest)
-    made += (motion.translations - known.translations)[:, None]
-    return float(np.sqrt((made**2).sum(axis=2).mean()))
+    aligned = np.einsum("tij,mj->tmi", motion.rotations - known.rotations, rest)
+    aligned += (motion.translations - known.translations)[:, None]
+    return float(np.sqrt((aligned**2).sum(axis=2).mean()))
 
 
 @pytest.mark.parametrize("align", [procrustes, trimmed, huber])
@@ -86,13 +86,13 @@ def test_landmarks_that_move_a_little_mislead_a_little(known: Known) -> None:
 
 
 def test_a_mean_shape_does_as_well_as_the_neutral(known: Known) -> None:
-    made = generalized(known.take, landmarks=LANDMARKS)
-    onto = procrustes(made.reference, known.rest, landmarks=LANDMARKS).head_motion
-    turned = made.head_motion.rotations
+    aligned = generalized(known.take, landmarks=LANDMARKS)
+    onto = procrustes(aligned.reference, known.rest, landmarks=LANDMARKS).head_motion
+    turned = aligned.head_motion.rotations
     motion = HeadMotion(
         rotations=turned @ onto.rotations[0],
-        translations=turned @ onto.translations[0] + made.head_motion.translations,
-        scales=made.head_motion.scales,
+        translations=turned @ onto.translations[0] + aligned.head_motion.translations,
+        scales=aligned.head_motion.scales,
     )
     assert degrees(motion, known).mean() == pytest.approx(0.41, abs=0.05)
 

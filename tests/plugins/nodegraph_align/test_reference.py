@@ -23,28 +23,28 @@ def test_first_frame_with_all_landmarks_whatever_else_it_lacks(recorded: Record)
     positions[0, 1] = positions[1, [0, 2]] = positions[2, 5] = np.nan
     sigma = np.where(np.isnan(positions[..., 0]), np.nan, np.arange(5.0)[:, None])
     take = recorded(positions, stable=4, sigma=sigma)
-    for given in (None, take):
-        found, told = reference_of(take, given, None)
-        np.testing.assert_array_equal(found.frame.positions, positions[2:3])
-        np.testing.assert_array_equal(found.frame.origin, take.origin[2:3])
-        np.testing.assert_array_equal(found.frame.sigma, sigma[2:3])
-        np.testing.assert_array_equal(found.shape, positions[2, :4])
-        assert found.landmarks == ("m0", "m1", "m2", "m3")
-        assert found.frame.marker_set is take.marker_set
-        assert not told
+    for reference in (None, take):
+        actual, notes = reference_of(take, reference, None)
+        np.testing.assert_array_equal(actual.frame.positions, positions[2:3])
+        np.testing.assert_array_equal(actual.frame.origin, take.origin[2:3])
+        np.testing.assert_array_equal(actual.frame.sigma, sigma[2:3])
+        np.testing.assert_array_equal(actual.shape, positions[2, :4])
+        assert actual.landmarks == ("m0", "m1", "m2", "m3")
+        assert actual.frame.marker_set is take.marker_set
+        assert not notes
 
 
 def test_mean_and_size_of_the_landmarks(recorded: Record) -> None:
     shape = [[1.0, 1.0, 0.0], [1.0, 2.0, 0.0], [3.0, 2.0, 0.0], [90.0, 9.0, 9.0]]
-    found, _ = reference_of(recorded([shape], stable=3), None, None)
-    np.testing.assert_allclose(found.centre, [5 / 3, 5 / 3, 0])
-    assert found.size == pytest.approx(np.sqrt(10 / 9))
+    actual, _ = reference_of(recorded([shape], stable=3), None, None)
+    np.testing.assert_allclose(actual.centre, [5 / 3, 5 / 3, 0])
+    assert actual.size == pytest.approx(np.sqrt(10 / 9))
 
 
 def test_names_are_matched_not_columns(recorded: Record) -> None:
     take = recorded(scattered())
-    found, _ = reference_of(take, take.keep(take.markers[::-1]), ["m4", "m0", "m2"])
-    np.testing.assert_array_equal(found.shape, take.positions[0, [4, 0, 2]])
+    actual, _ = reference_of(take, take.keep(take.markers[::-1]), ["m4", "m0", "m2"])
+    np.testing.assert_array_equal(actual.shape, take.positions[0, [4, 0, 2]])
 
 
 def test_a_take_without_a_frame_that_has_all_is_refused(recorded: Record) -> None:
@@ -59,10 +59,10 @@ def test_a_reference_that_lacks_landmarks_does_with_what_its_fullest_frame_has(
 ) -> None:
     take, positions = recorded(scattered()), scattered(3)
     positions[0, [0, 1]] = positions[1, 4] = positions[2, 3] = np.nan
-    found, told = reference_of(take, recorded(positions), None)
-    assert found.landmarks == ("m0", "m1", "m2", "m3", "m5")
-    np.testing.assert_array_equal(found.shape, positions[1, [0, 1, 2, 3, 5]])
-    assert told == ["1 landmarks are missing in the reference and are none: m4"]
+    actual, notes = reference_of(take, recorded(positions), None)
+    assert actual.landmarks == ("m0", "m1", "m2", "m3", "m5")
+    np.testing.assert_array_equal(actual.shape, positions[1, [0, 1, 2, 3, 5]])
+    assert notes == ["1 landmarks are missing in the reference and are none: m4"]
 
 
 def test_references_that_will_not_do(recorded: Record) -> None:

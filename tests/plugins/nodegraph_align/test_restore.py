@@ -20,8 +20,8 @@ def test_it_is_the_formula(head: Head, moved: Moved, recorded: Callable[..., Tra
     rest, motion = head(frames=6)
     motion = replace(motion, scales=np.linspace(0.5, 2.0, 6))
     still = recorded(np.repeat(rest.positions, 6, axis=0))
-    made = restore(still, motion)
-    np.testing.assert_allclose(made.positions, moved(rest, motion).positions, atol=1e-9)
+    aligned = restore(still, motion)
+    np.testing.assert_allclose(aligned.positions, moved(rest, motion).positions, atol=1e-9)
 
 
 def test_it_undoes_an_alignment_and_keeps_what_is_known_of_samples(
@@ -32,8 +32,8 @@ def test_it_undoes_an_alignment_and_keeps_what_is_known_of_samples(
     positions, origin = take.positions.copy(), take.origin.copy()
     positions[2, 9], origin[2, 9], origin[3, 3] = np.nan, Origin.MISSING, Origin.FILLED
     take = replace(take, positions=positions, origin=origin, sigma=np.full((6, 12), 0.25))
-    made = procrustes(take, rest, scale="rms", restore=False)
-    back = restore(made.aligned, made.head_motion)
+    aligned = procrustes(take, rest, scale="rms", restore=False)
+    back = restore(aligned.aligned, aligned.head_motion)
     np.testing.assert_allclose(back.positions, positions, atol=1e-9)
     np.testing.assert_array_equal(back.origin, origin)
     assert back.sigma is not None

@@ -30,10 +30,15 @@ FLAT = {"solid": 1.0, "thin": 0.05, "nearly flat": 1e-9, "flat": 0.0}
 
 
 def fitted(positions: Array, shape: Array, **changes: Any) -> Any:
-    told: dict[str, Any] = {"weights": np.ones((1, len(shape))), "scaling": AS_IT_IS}
-    told |= {"reflection": False, "columns": np.arange(len(shape))} | changes
+    message: dict[str, Any] = {"weights": np.ones((1, len(shape))), "scaling": AS_IT_IS}
+    message |= {"reflection": False, "columns": np.arange(len(shape))} | changes
     return fit(
-        positions, told["columns"], shape, told["weights"], told["scaling"], told["reflection"]
+        positions,
+        message["columns"],
+        shape,
+        message["weights"],
+        message["scaling"],
+        message["reflection"],
     )
 
 
@@ -72,18 +77,18 @@ def test_pose_is_that_of_the_singular_value_decomposition(
     gap = (sizes[1] + (-sizes[2] if mirrored else sizes[2])) / sizes[0]
     if sizes[1] < 2e-3 * sizes[0] or gap < 1e-3:
         return
-    made, scales, centres, goals, states = fitted(
+    output, scales, centres, goals, states = fitted(
         points[None], shape, weights=weights[None], reflection=reflection
     )
     assert states[0] in (FITTED, MIRRORED)
     assert scales[0] == 1.0
-    np.testing.assert_allclose(made[0] @ made[0].T, np.eye(3), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(output[0] @ output[0].T, np.eye(3), rtol=0, atol=1e-14)
     np.testing.assert_allclose(centres[0], centre, rtol=1e-13, atol=1e-11)
     np.testing.assert_allclose(goals[0], goal, rtol=1e-13, atol=1e-11)
     # of a plane the decomposition gives either image
     if not reflection or sizes[2] > 1e-9 * sizes[0]:
-        np.testing.assert_allclose(made[0], expected, rtol=0, atol=1e-12 * (1 + far / 50) / gap)
-    assert np.linalg.det(made[0]) > 0 or reflection
+        np.testing.assert_allclose(output[0], expected, rtol=0, atol=1e-12 * (1 + far / 50) / gap)
+    assert np.linalg.det(output[0]) > 0 or reflection
 
 
 @pytest.mark.parametrize("depth", FLAT.values(), ids=FLAT)
@@ -94,8 +99,8 @@ def test_half_turns_and_no_turn_are_found(depth: float, axis: Any) -> None:
     half = 2.0 * np.outer(direction, direction) - np.eye(3)
     shape = np.random.default_rng(3).normal(0, 50, (7, 3)) * [1.0, 0.7, depth]
     positions = np.stack([shape, shape @ half.T])
-    made, _, _, _, states = fitted(positions, shape)
-    np.testing.assert_allclose(made, [np.eye(3), half.T], rtol=0, atol=1e-13)
+    rotations, _, _, _, states = fitted(positions, shape)
+    np.testing.assert_allclose(rotations, [np.eye(3), half.T], rtol=0, atol=1e-13)
     assert states.tolist() == [FITTED, FITTED]
 
 
@@ -104,18 +109,18 @@ def test_three_noisy_landmarks_never_give_a_mirror_image(rotations: Callable[...
     shape = random.normal(0, 50, (3, 3))
     positions = shape @ rotations(300) + random.normal(0, 2, (300, 3, 3))
     for reflection in (False, True):  # they fit turned over as well, so that none is needed
-        made, *_ = fitted(positions, shape, reflection=reflection)
-        assert np.linalg.det(made).min() > 0.999
+        output, *_ = fitted(positions, shape, reflection=reflection)
+        assert np.linalg.det(output).min() > 0.999
 
 
 def test_mirror_images_are_called_so_and_fitted_where_allowed() -> None:
     shape = np.random.default_rng(2).normal(0, 50, (8, 3))
     positions = (shape * [-1.0, 1.0, 1.0])[None]
-    made, *_, states = fitted(positions, shape)
-    assert np.linalg.det(made[0]) == pytest.approx(1.0)
+    rotations, *_, states = fitted(positions, shape)
+    assert np.linalg.det(rotations[0]) == pytest.approx(1.0)
     assert states[0] == MIRRORED
-    made, *_, states = fitted(positions, shape, reflection=True)
-    np.testing.assert_allclose(made[0], np.diag([-1.0, 1.0, 1.0]), rtol=0, atol=1e-14)
+    rotations, *_, states = fitted(positions, shape, reflection=True)
+    np.testing.assert_allclose(rotations[0], np.diag([-1.0, 1.0, 1.0]), rtol=0, atol=1e-14)
     assert states[0] == FITTED
 
 
@@ -153,8 +158,8 @@ def test_columns_choose_the_landmarks_and_missing_ones_do_not_count(kabsch: Kabs
     for frame in range(3):
         there = ~np.isnan(positions[frame, columns, 0])
         expected = kabsch(positions[frame, columns][there], shape[there])
-        for made, plain in zip((rotations, centres, goals), expected, strict=True):
-            np.testing.assert_allclose(made[frame], plain, rtol=0, atol=1e-12)
+        for output, plain in zip((rotations, centres, goals), expected, strict=True):
+            np.testing.assert_allclose(output[frame], plain, rtol=0, atol=1e-12)
     assert states[3] == FEW
     np.testing.assert_array_equal(rotations[3], np.eye(3))
     assert not centres[3].any()
@@ -165,10 +170,10 @@ def test_weights_of_zero_leave_landmarks_out() -> None:
     random = np.random.default_rng(7)
     shape, positions = random.normal(0, 50, (6, 3)), random.normal(0, 50, (2, 6, 3))
     weights = np.array([[1.0, 1.0, 0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0, 1.0, 0.0]])
-    made, *_, states = fitted(positions, shape, weights=weights)
+    rotations, *_, states = fitted(positions, shape, weights=weights)
     some = [0, 1, 3, 4]
     expected, *_ = fitted(np.ascontiguousarray(positions[:, some]), shape[some])
-    np.testing.assert_allclose(made[0], expected[0], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(rotations[0], expected[0], rtol=0, atol=1e-14)
     assert states.tolist() in ([FITTED, FEW], [MIRRORED, FEW])
 
 
@@ -180,9 +185,9 @@ def test_lines_and_single_places_tell_no_turn(far: float) -> None:
     place = np.tile(random.normal(0, 50, 3) / 3.0, (5, 1))
     nearly = line + random.normal(0, 1e-3, line.shape)
     positions = np.stack([line, place, nearly]) + far / 7.0
-    made, *_, states = fitted(positions, shape)
+    rotations, *_, states = fitted(positions, shape)
     assert states.tolist() == [LINE, LINE, LINE]
-    np.testing.assert_array_equal(made, np.tile(np.eye(3), (3, 1, 1)))
+    np.testing.assert_array_equal(rotations, np.tile(np.eye(3), (3, 1, 1)))
     assert fitted(shape[None] + far, place)[4].tolist() == [LINE]
 
 
@@ -191,8 +196,8 @@ def test_size_does_not_matter(rotations: Callable[..., Array]) -> None:
     positions = shape @ rotations(10)
     expected = fitted(positions, shape)[0]
     for size in (1e-6, 1e-3, 1e6):
-        made, *_, states = fitted(size * positions, size * shape)
-        np.testing.assert_allclose(made, expected, rtol=0, atol=1e-14)
+        output, *_, states = fitted(size * positions, size * shape)
+        np.testing.assert_allclose(output, expected, rtol=0, atol=1e-14)
         assert np.all(states == FITTED)
 
 
@@ -202,11 +207,11 @@ def test_every_point_is_moved_and_the_identity_changes_no_bit() -> None:
     positions[1, 2] = np.nan
     matrices, offsets = random.normal(0, 1, (3, 3, 3)), random.normal(0, 50, (3, 3))
     matrices[2], offsets[2] = np.eye(3), 0.0
-    made = np.empty_like(positions)
-    move_into(made, positions, matrices, offsets)
+    rotations = np.empty_like(positions)
+    move_into(rotations, positions, matrices, offsets)
     expected = np.einsum("tij,tmj->tmi", matrices, positions) + offsets[:, None]
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-11)
-    np.testing.assert_array_equal(made[2], positions[2])
+    np.testing.assert_allclose(rotations, expected, rtol=0, atol=1e-11)
+    np.testing.assert_array_equal(rotations[2], positions[2])
 
 
 def test_no_frame_no_pose() -> None:

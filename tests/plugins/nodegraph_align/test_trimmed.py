@@ -51,31 +51,31 @@ def test_the_sum_is_the_smallest_of_all_choices(
             turn, centre, goal = kabsch(points[frame, some], shape[some])
             apart = (points[frame, some] - centre) @ turn.T + goal - shape[some]
             least[frame] = min(least[frame], (apart**2).sum())
-    made = trimmed(take, rest, landmarks=NAMES, share=0.7).aligned.positions[:8, :10]
-    np.testing.assert_allclose(sums(made, shape, 7), least, rtol=1e-9)
+    aligned = trimmed(take, rest, landmarks=NAMES, share=0.7).aligned.positions[:8, :10]
+    np.testing.assert_allclose(sums(aligned, shape, 7), least, rtol=1e-9)
 
 
 def test_landmarks_far_off_do_nothing(shaken: Shaken) -> None:
     rest, take, motion = shaken
-    made = trimmed(take, rest, landmarks=NAMES, share=0.7).head_motion.rotations
+    aligned = trimmed(take, rest, landmarks=NAMES, share=0.7).head_motion.rotations
     plain = procrustes(take, rest, landmarks=NAMES).head_motion.rotations
-    error, other = (np.abs(one - motion.rotations).max(axis=(1, 2)) for one in (made, plain))
+    error, other = (np.abs(value - motion.rotations).max(axis=(1, 2)) for value in (aligned, plain))
     assert error.max() < 0.02
     assert error.mean() < 0.1 * other.mean()
 
 
 def test_all_of_them_is_procrustes(shaken: Shaken) -> None:
     rest, take, _ = shaken
-    made = trimmed(take, rest, share=1.0).aligned.positions
-    np.testing.assert_array_equal(made, procrustes(take, rest).aligned.positions)
+    aligned = trimmed(take, rest, share=1.0).aligned.positions
+    np.testing.assert_array_equal(aligned, procrustes(take, rest).aligned.positions)
 
 
 @pytest.mark.parametrize(("share", "count"), [(0.01, 3), (0.45, 5), (0.5, 5), (0.7, 7)])
 def test_share_is_rounded_up_and_three_at_least(shaken: Shaken, share: float, count: int) -> None:
     rest, take, _ = shaken
-    made = trimmed(take, rest, landmarks=NAMES, share=share).aligned.positions[:, :10]
+    aligned = trimmed(take, rest, landmarks=NAMES, share=share).aligned.positions[:, :10]
     shape = rest.positions[0, :10]
-    best = sums(made, shape, count)
+    best = sums(aligned, shape, count)
     for other in {3, 5, 7} - {count}:
         again = trimmed(take, rest, landmarks=NAMES, share=other / 10).aligned.positions[:, :10]
         assert best.sum() < sums(again, shape, count).sum()
@@ -89,9 +89,9 @@ def test_missing_landmarks_make_the_choice_smaller(
     positions[0, :2] = positions[1, :8] = np.nan
     gappy = recorded(positions)
     with pytest.warns(UserWarning, match="1 of 30 frames .first 1. left as they are, with fewer"):
-        made = trimmed(gappy, rest, landmarks=NAMES, share=0.6)
-    np.testing.assert_array_equal(made.aligned.positions[1], positions[1])
-    assert np.abs(made.head_motion.rotations[0] - motion.rotations[0]).max() < 0.02
+        aligned = trimmed(gappy, rest, landmarks=NAMES, share=0.6)
+    np.testing.assert_array_equal(aligned.aligned.positions[1], positions[1])
+    assert np.abs(aligned.head_motion.rotations[0] - motion.rotations[0]).max() < 0.02
 
 
 def test_the_nearest_on_a_line_leave_the_pose_before(
@@ -102,10 +102,10 @@ def test_the_nearest_on_a_line_leave_the_pose_before(
     off = shape.copy()
     off[4] += [0.0, 0.0, 9.0]
     off[5] += [0.0, 9.0, 0.0]
-    made = trimmed(recorded([off]), recorded([shape]), share=0.6)
-    assert made.aligned.present.all()
-    assert np.abs(made.aligned.positions[0] - shape).max() < 15.0
-    assert np.abs(made.head_motion.rotations[0] - np.eye(3)).max() < 0.3
+    aligned = trimmed(recorded([off]), recorded([shape]), share=0.6)
+    assert aligned.aligned.present.all()
+    assert np.abs(aligned.aligned.positions[0] - shape).max() < 15.0
+    assert np.abs(aligned.head_motion.rotations[0] - np.eye(3)).max() < 0.3
 
 
 def test_triples_come_in_order_and_each_once() -> None:
@@ -120,8 +120,8 @@ def test_a_quarter_of_sixty_that_moves_together_does_nothing(head: Head, moved: 
     take, names = moved(rest, motion), tuple(f"m{index}" for index in range(60))
     positions = take.positions.copy()
     positions[:, ::4] += 60.0  # every fourth, all alike
-    made = trimmed(replace(take, positions=positions), rest, landmarks=names, share=0.7)
-    np.testing.assert_allclose(made.head_motion.rotations, motion.rotations, atol=1e-10)
+    aligned = trimmed(replace(take, positions=positions), rest, landmarks=names, share=0.7)
+    np.testing.assert_allclose(aligned.head_motion.rotations, motion.rotations, atol=1e-10)
 
 
 @pytest.mark.parametrize("share", [0.0, 1.5, float("nan")])
