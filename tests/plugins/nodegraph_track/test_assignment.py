@@ -26,8 +26,8 @@ def crossing(frames: int = 20) -> NDArray[np.float64]:
     return positions
 
 
-def same(made: Trajectories, positions: NDArray[np.float64]) -> bool:
-    return np.array_equal(made.positions, positions, equal_nan=True)
+def same(tracks: Trajectories, positions: NDArray[np.float64]) -> bool:
+    return np.array_equal(tracks.positions, positions, equal_nan=True)
 
 
 def test_two_that_pass_each_other_keep_their_names() -> None:
@@ -39,9 +39,9 @@ def test_two_that_pass_each_other_keep_their_names() -> None:
 def test_one_that_is_hidden_is_found_where_its_velocity_leads() -> None:
     positions = crossing()
     positions[6:12, 0] = np.nan
-    found = detections(positions)
-    assert same(assignment(found, gate=3.0, fade=1.0), positions)
-    assert len(assignment(found, gate=3.0, fade=1.0, patience=5).markers) == 3
+    actual = detections(positions)
+    assert same(assignment(actual, gate=3.0, fade=1.0), positions)
+    assert len(assignment(actual, gate=3.0, fade=1.0, patience=5).markers) == 3
 
 
 @pytest.mark.parametrize("fade", [0.0, 0.5, 0.8, 1.0])

@@ -22,28 +22,28 @@ from nodegraph_track.neighbours import neighbours
 REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("track", nodegraph_track)])
 
 
-def moved(given: Detections, made: Trajectories) -> Trajectories:
-    return replace(made, positions=made.positions + 1e-9)
+def moved(detections: Detections, recording: Trajectories) -> Trajectories:
+    return replace(recording, positions=recording.positions + 1e-9)
 
 
-def twice(given: Detections, made: Trajectories) -> Trajectories:
-    positions = np.concatenate([made.positions, made.positions], axis=1)
+def twice(detections: Detections, recording: Trajectories) -> Trajectories:
+    positions = np.concatenate([recording.positions, recording.positions], axis=1)
     names = tuple(f"t{index:03d}" for index in range(positions.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=made.rate)
+    return Trajectories(positions=positions, markers=names, rate=recording.rate)
 
 
-def faster(given: Detections, made: Trajectories) -> Trajectories:
-    return replace(made, rate=2 * made.rate)
+def faster(detections: Detections, recording: Trajectories) -> Trajectories:
+    return replace(recording, rate=2 * recording.rate)
 
 
-def by_order(given: Detections, made: Trajectories) -> Trajectories:
-    first = np.argmin(np.abs(made.positions[0] - given.points[0]).sum(axis=1))
-    return made.keep([name for index, name in enumerate(made.markers) if index != first])
+def by_order(detections: Detections, recording: Trajectories) -> Trajectories:
+    first = np.argmin(np.abs(recording.positions[0] - detections.points[0]).sum(axis=1))
+    return recording.keep([name for index, name in enumerate(recording.markers) if index != first])
 
 
-def one_side(given: Detections, made: Trajectories) -> Trajectories:
-    positions = np.where(made.positions[..., :1] > 0, made.positions, np.nan)
-    return Trajectories(positions=positions, markers=made.markers, rate=made.rate)
+def one_side(detections: Detections, recording: Trajectories) -> Trajectories:
+    positions = np.where(recording.positions[..., :1] > 0, recording.positions, np.nan)
+    return Trajectories(positions=positions, markers=recording.markers, rate=recording.rate)
 
 
 @pytest.mark.parametrize(

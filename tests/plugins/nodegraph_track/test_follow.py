@@ -27,10 +27,10 @@ def detections(*frames: list[float]) -> Detections:
 
 
 def along(points: Detections, *, patience: int = 1, shortest: int = 1) -> list[list[float]]:
-    made = nearest(points, gate=1.0, patience=patience, shortest=shortest)
-    assert made.markers == tuple(f"t{index:03d}" for index in range(len(made.markers)))
-    assert made.rate == points.rate
-    return [np.nan_to_num(track, nan=-1.0).tolist() for track in made.positions[..., 0].T]
+    tracks = nearest(points, gate=1.0, patience=patience, shortest=shortest)
+    assert tracks.markers == tuple(f"t{index:03d}" for index in range(len(tracks.markers)))
+    assert tracks.rate == points.rate
+    return [np.nan_to_num(track, nan=-1.0).tolist() for track in tracks.positions[..., 0].T]
 
 
 def test_tracks_are_named_by_their_first_points_then_by_x() -> None:
@@ -72,8 +72,8 @@ def test_no_point_at_all_is_refused() -> None:
 
 
 def gate_of(*frames: list[float]) -> float:
-    made = detections(*frames)
-    return default_gate(made.points, made.offsets)
+    tracks = detections(*frames)
+    return default_gate(tracks.points, tracks.offsets)
 
 
 def test_the_gate_is_half_the_spacing() -> None:
@@ -103,5 +103,5 @@ def test_spaces_are_those_to_the_nearest_one_of_the_frame(
 def test_a_single_marker_is_followed_however_fast() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        made = nearest(detections([3], [90], [-500]))
-    assert made.positions[:, 0, 0].tolist() == [3, 90, -500]
+        tracks = nearest(detections([3], [90], [-500]))
+    assert tracks.positions[:, 0, 0].tolist() == [3, 90, -500]

@@ -24,13 +24,13 @@ def cost(squared: NDArray[np.float64], links: set[tuple[int, int]], gate: float)
 
 def cheapest(squared: NDArray[np.float64], gate: float) -> float:
     places, points = squared.shape
-    found = []
+    pieces = []
     for choice in itertools.product(range(-1, points), repeat=places):
         links = {(row, column) for row, column in enumerate(choice) if column >= 0}
         once = len({column for _, column in links}) == len(links)
         if once and all(squared[link] <= gate**2 for link in links):
-            found.append(cost(squared, links, gate))
-    return min(found)
+            pieces.append(cost(squared, links, gate))
+    return min(pieces)
 
 
 @pytest.mark.parametrize("seed", range(40))

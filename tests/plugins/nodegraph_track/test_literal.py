@@ -26,19 +26,19 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9
 
 
 def test_points_in_the_plane_lie_at_z_0() -> None:
-    made = literal(points={"a": [1, 1], "b": [1, 2], "c": [3, 2]})
-    assert made.markers == ("a", "b", "c")
-    np.testing.assert_array_equal(made.positions, [[[1, 1, 0], [1, 2, 0], [3, 2, 0]]])
-    assert (made.rate, made.marker_set) == (1.0, None)
-    assert (made.origin == Origin.MEASURED).all()
+    recording = literal(points={"a": [1, 1], "b": [1, 2], "c": [3, 2]})
+    assert recording.markers == ("a", "b", "c")
+    np.testing.assert_array_equal(recording.positions, [[[1, 1, 0], [1, 2, 0], [3, 2, 0]]])
+    assert (recording.rate, recording.marker_set) == (1.0, None)
+    assert (recording.origin == Origin.MEASURED).all()
 
 
 def test_several_frames_and_points_in_space() -> None:
-    made = literal(points={"b": [[1, 2, 3], [4, 5]], "a": [[0, 0], [7, 8, 9.5]]}, rate=30.0)
-    assert made.markers == ("b", "a")
-    assert made.rate == 30.0
-    np.testing.assert_array_equal(made.positions[0], [[1, 2, 3], [0, 0, 0]])
-    np.testing.assert_array_equal(made.positions[1], [[4, 5, 0], [7, 8, 9.5]])
+    recording = literal(points={"b": [[1, 2, 3], [4, 5]], "a": [[0, 0], [7, 8, 9.5]]}, rate=30.0)
+    assert recording.markers == ("b", "a")
+    assert recording.rate == 30.0
+    np.testing.assert_array_equal(recording.positions[0], [[1, 2, 3], [0, 0, 0]])
+    np.testing.assert_array_equal(recording.positions[1], [[4, 5, 0], [7, 8, 9.5]])
 
 
 @given(
@@ -52,10 +52,10 @@ def test_several_frames_and_points_in_space() -> None:
     )
 )
 def test_every_number_comes_out_where_it_went_in(points: dict[str, list[list[float]]]) -> None:
-    made = literal(points=points)
+    recording = literal(points=points)
     for column, (marker, frames) in enumerate(points.items()):
-        assert made.markers[column] == marker
-        np.testing.assert_array_equal(made.positions[:, column], np.array(frames, dtype=float))
+        assert recording.markers[column] == marker
+        np.testing.assert_array_equal(recording.positions[:, column], np.array(frames, dtype=float))
 
 
 WRONG: list[tuple[dict[str, Any], str]] = [
@@ -78,11 +78,11 @@ WRONG: list[tuple[dict[str, Any], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("points", "told"), WRONG)
-def test_what_is_no_point_names_its_marker(points: dict[str, Any], told: str) -> None:
+@pytest.mark.parametrize(("points", "message"), WRONG)
+def test_what_is_no_point_names_its_marker(points: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=r"^points should ") as caught:
         literal(points=points)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def graph(folder: Path, points: str, more: str = "") -> Graph:
@@ -98,14 +98,14 @@ def graph(folder: Path, points: str, more: str = "") -> Graph:
 
 
 def test_a_graph_gives_the_points(tmp_path: Path) -> None:
-    made = graph(tmp_path, "{a: [1, 1e-3], b: [[-1, 2, 3]]}", ", rate: 25")
-    points = execute(plan(made), how=HowToRun("serial"))["x"].value
+    recording = graph(tmp_path, "{a: [1, 1e-3], b: [[-1, 2, 3]]}", ", rate: 25")
+    points = execute(plan(recording), how=HowToRun("serial"))["x"].value
     np.testing.assert_array_equal(points.positions, [[[1, 1e-3, 0], [-1, 2, 3]]])
     assert points.rate == 25.0
 
 
 @pytest.mark.parametrize(
-    ("points", "told"),
+    ("points", "message"),
     [
         ("{Brow_L: [1, x]}", "should have [x, y] or [x, y, z] in finite numbers for 'Brow_L', not"),
         ("{Brow_L: 3}", "in finite numbers for 'Brow_L', not 3"),
@@ -114,11 +114,11 @@ def test_a_graph_gives_the_points(tmp_path: Path) -> None:
         ("{Brow_L: [1, 2], Lip: []}", "for 'Lip', not []"),
     ],
 )
-def test_a_graph_with_wrong_points_is_refused(tmp_path: Path, points: str, told: str) -> None:
+def test_a_graph_with_wrong_points_is_refused(tmp_path: Path, points: str, message: str) -> None:
     with pytest.raises(GraphError) as caught:
         graph(tmp_path, points)
     assert "points.yaml:6:20: x: setting 'points' of points.literal " in str(caught.value)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize("rate", ["0", "-1", ".inf", ".nan", "fast"])

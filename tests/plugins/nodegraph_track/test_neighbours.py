@@ -18,8 +18,8 @@ def detections(positions: NDArray[np.float64]) -> Detections:
     return Detections(points=positions[present], offsets=offsets, rate=60.0)
 
 
-def same(made: Trajectories, positions: NDArray[np.float64]) -> bool:
-    return np.array_equal(made.positions, positions, equal_nan=True)
+def same(tracks: Trajectories, positions: NDArray[np.float64]) -> bool:
+    return np.array_equal(tracks.positions, positions, equal_nan=True)
 
 
 def face() -> NDArray[np.float64]:
@@ -31,8 +31,8 @@ def face() -> NDArray[np.float64]:
 def turning(frames: int = 60) -> NDArray[np.float64]:
     """Return a plate that turns to the side and half back, 60 mm in front of the axis."""
     angle = np.radians(25.0) * np.sin(np.linspace(0.0, 0.8 * np.pi, frames))
-    cos, sin, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
-    turns = np.array([[cos, zero, sin], [zero, one, zero], [-sin, zero, cos]])
+    cos, sin, zero, first = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
+    turns = np.array([[cos, zero, sin], [zero, first, zero], [-sin, zero, cos]])
     corner = np.array([-30.0, -20.0, 60.0])
     return np.asarray(np.einsum("ijt,mj->tmi", turns, face() + corner))
 
@@ -59,8 +59,8 @@ def test_a_place_is_moved_by_the_median_motion_of_the_nearest_others(seed: int, 
     random = np.random.default_rng(seed)
     place, otherwise = random.normal(size=(2, random.integers(1, 15), 3))
     moved = np.flatnonzero(random.random(len(place)) < 0.7)
-    given = place, moved, random.normal(size=(len(moved), 3)), count, otherwise
-    assert carried_by_neighbours(*given) == pytest.approx(plain(*given))
+    arguments = place, moved, random.normal(size=(len(moved), 3)), count, otherwise
+    assert carried_by_neighbours(*arguments) == pytest.approx(plain(*arguments))
 
 
 def test_one_that_is_hidden_while_the_head_turns_is_found_where_its_neighbours_are() -> None:

@@ -14,11 +14,13 @@ def test_every_tracker_runs_by_its_defaults_and_cites_what_is_shipped() -> None:
     shipped = set(re.findall(r"^@\w+\{(\w+),", nodegraph_bibtex(), flags=re.MULTILINE))
     cited: set[str] = set()
     for function in nodegraph_nodes():
-        found = node_of(function)
-        assert found is not None
-        if found.family == "track":
-            assert not [setting.name for setting in found.settings.values() if setting.required]
-        cited |= set(found.cite)
+        definition = node_of(function)
+        assert definition is not None
+        if definition.family == "track":
+            assert not [
+                setting.name for setting in definition.settings.values() if setting.required
+            ]
+        cited |= set(definition.cite)
     assert cited == shipped
 
 

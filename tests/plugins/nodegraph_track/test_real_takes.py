@@ -33,27 +33,27 @@ def score(tracker: Tracker, name: str, dropout: float, ghosts: float) -> Table:
 
 
 def wrong(tracker: Tracker, name: str, dropout: float, ghosts: float) -> float:
-    found = score(tracker, name, dropout, ghosts)
-    return float(np.average(found["wrong"], weights=found["links"]))
+    actual = score(tracker, name, dropout, ghosts)
+    return float(np.average(actual["wrong"], weights=actual["links"]))
 
 
 @pytest.mark.parametrize("tracker", [assignment, neighbours])
 @pytest.mark.parametrize("name", ["animface/jaw.c3d", "animface/cheeks.c3d"])
 @pytest.mark.parametrize(("dropout", "ghosts"), [(0.02, 0.01), (0.1, 0.05)])
 def test_every_link_is_right(tracker: Tracker, name: str, dropout: float, ghosts: float) -> None:
-    found = score(tracker, name, dropout, ghosts)
-    assert (found["right"] == 1.0).all()
-    assert found["switches"].sum() == 0
-    assert found["tracked"].mean() == pytest.approx(1.0 - dropout, abs=0.0005)
+    actual = score(tracker, name, dropout, ghosts)
+    assert (actual["right"] == 1.0).all()
+    assert actual["switches"].sum() == 0
+    assert actual["tracked"].mean() == pytest.approx(1.0 - dropout, abs=0.0005)
 
 
 def test_a_head_that_moves_fast_is_for_the_neighbours() -> None:
-    found = [
-        wrong(one, "facecap/take001.c3d", dropout=0.05, ghosts=0.02)
-        for one in (neighbours, assignment, nearest)
+    actual = [
+        wrong(value, "facecap/take001.c3d", dropout=0.05, ghosts=0.02)
+        for value in (neighbours, assignment, nearest)
     ]
-    assert found[0] < 3.0
-    assert 4.0 * found[0] < found[1] < found[2]
+    assert actual[0] < 3.0
+    assert 4.0 * actual[0] < actual[1] < actual[2]
 
 
 @pytest.mark.parametrize("tracker", [assignment, neighbours])

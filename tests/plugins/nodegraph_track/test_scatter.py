@@ -41,9 +41,9 @@ def test_every_present_sample_is_a_point_in_another_order() -> None:
 def test_as_many_are_dropped_and_added_as_asked() -> None:
     take = recording()
     every, count = set(map(tuple, samples(take))), np.count_nonzero(take.present)
-    found = rows(scatter(take, dropout=0.1, ghosts=0.05).detections)
-    assert len(every & found) == count - round(0.1 * count)
-    assert len(found - every) == round(0.05 * count)
+    actual = rows(scatter(take, dropout=0.1, ghosts=0.05).detections)
+    assert len(every & actual) == count - round(0.1 * count)
+    assert len(actual - every) == round(0.05 * count)
 
 
 def test_ghosts_lie_in_the_grown_box_of_their_frame() -> None:
@@ -71,8 +71,8 @@ def test_one_share_does_not_move_what_the_other_draws() -> None:
 
 def test_another_seed_draws_others() -> None:
     take = recording()
-    one, other = (rows(scatter(take, dropout=0.2, seed=seed).detections) for seed in (0, 1))
-    assert one != other
+    first, second = (rows(scatter(take, dropout=0.2, seed=seed).detections) for seed in (0, 1))
+    assert first != second
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5])
