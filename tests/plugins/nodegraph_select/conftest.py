@@ -50,10 +50,10 @@ def make_rigid(face: Trajectories, seed: int = 0) -> Trajectories:
     return replace(face, positions=face.positions[0] + rounding)
 
 
-def run_quietly(select: Callable[..., Selection], *given: Any, **settings: Any) -> Selection:
+def run_quietly(select: Callable[..., Selection], *inputs: Any, **settings: Any) -> Selection:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return select(*given, **settings)
+        return select(*inputs, **settings)
 
 
 def columns_of(selection: Selection) -> dict[str, Any]:

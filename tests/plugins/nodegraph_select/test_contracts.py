@@ -21,51 +21,51 @@ REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("select", n
 Spoil = Callable[[Trajectories, Selection], object]
 
 
-def no_selection(given: Trajectories, made: Selection) -> tuple[str, ...]:
-    return made.chosen
+def no_selection(recording: Trajectories, selection: Selection) -> tuple[str, ...]:
+    return selection.chosen
 
 
-def none_chosen(given: Trajectories, made: Selection) -> Selection:
+def none_chosen(recording: Trajectories, selection: Selection) -> Selection:
     return Selection(chosen=())
 
 
-def strangers(given: Trajectories, made: Selection) -> Selection:
+def strangers(recording: Trajectories, selection: Selection) -> Selection:
     return Selection(chosen=("tail",))
 
 
-def backwards(given: Trajectories, made: Selection) -> Selection:
-    return replace(made, chosen=made.chosen[::-1])
+def backwards(recording: Trajectories, selection: Selection) -> Selection:
+    return replace(selection, chosen=selection.chosen[::-1])
 
 
-def half_of_a_pair(given: Trajectories, made: Selection) -> Selection:
-    return Selection(chosen=made.chosen[:3])
+def half_of_a_pair(recording: Trajectories, selection: Selection) -> Selection:
+    return Selection(chosen=selection.chosen[:3])
 
 
-def forgets_a_pair(given: Trajectories, made: Selection) -> Selection:
-    left = tuple(pair for pair in made.pairs if pair[0] in made.chosen)
-    return Selection(chosen=made.chosen, pairs=left)
+def forgets_a_pair(recording: Trajectories, selection: Selection) -> Selection:
+    left = tuple(pair for pair in selection.pairs if pair[0] in selection.chosen)
+    return Selection(chosen=selection.chosen, pairs=left)
 
 
-def first_ones(given: Trajectories, made: Selection) -> Selection:
-    return whole(given, given.markers[0])
+def first_ones(recording: Trajectories, selection: Selection) -> Selection:
+    return whole(recording, recording.markers[0])
 
 
-def nearest_to_zero(given: Trajectories, made: Selection) -> Selection:
-    return whole(given, given.markers[int(np.abs(given.positions[0, :, 0]).argmin())])
+def nearest_to_zero(recording: Trajectories, selection: Selection) -> Selection:
+    return whole(recording, recording.markers[int(np.abs(recording.positions[0, :, 0]).argmin())])
 
 
-def topmost(given: Trajectories, made: Selection) -> Selection:
-    return whole(given, given.markers[int(given.positions[0, :, 1].argmax())])
+def topmost(recording: Trajectories, selection: Selection) -> Selection:
+    return whole(recording, recording.markers[int(recording.positions[0, :, 1].argmax())])
 
 
-def by_the_millimetre(given: Trajectories, made: Selection) -> Selection:
-    return variance(given, k=2 if np.ptp(given.positions[..., 0]) > 200.0 else 5)
+def by_the_millimetre(recording: Trajectories, selection: Selection) -> Selection:
+    return variance(recording, k=2 if np.ptp(recording.positions[..., 0]) > 200.0 else 5)
 
 
-def whole(given: Trajectories, name: str) -> Selection:
-    pairs = given.marker_set.pairs if given.marker_set else ()
+def whole(recording: Trajectories, name: str) -> Selection:
+    pairs = recording.marker_set.pairs if recording.marker_set else ()
     chosen = next((pair for pair in pairs if name in pair), (name,))
-    return Selection(chosen=tuple(one for one in given.markers if one in chosen))
+    return Selection(chosen=tuple(value for value in recording.markers if value in chosen))
 
 
 @pytest.mark.parametrize(

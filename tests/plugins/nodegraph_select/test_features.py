@@ -21,8 +21,8 @@ def test_three_per_marker_in_the_order_of_names(face: Trajectories) -> None:
     assert features.markers == tuple(sorted(face.markers))
     for number, name in enumerate(features.markers):
         track = face.positions[:, face.markers.index(name)]
-        made = features.values[:, 3 * number : 3 * number + 3]
-        assert made == pytest.approx(track - track.mean(axis=0), abs=1e-10)
+        columns = features.values[:, 3 * number : 3 * number + 3]
+        assert columns == pytest.approx(track - track.mean(axis=0), abs=1e-10)
         assert features.spread[3 * number : 3 * number + 3] == pytest.approx(track.std(axis=0))
         assert features.variances[number] == pytest.approx(track.var(axis=0).sum())
 

@@ -43,9 +43,9 @@ def selections(graph: Path, jobs: int) -> dict[Any, Any]:
 
 
 def test_every_method_in_one_family_and_on_one_and_two_jobs(graph: Path) -> None:
-    one, two = selections(graph, 1), selections(graph, 2)
-    assert not difference(one, two)
-    for (method, k), made in one.items():
+    first, second = selections(graph, 1), selections(graph, 2)
+    assert not difference(first, second)
+    for (method, k), selection in first.items():
         if method != "pfa":
-            assert len(made.chosen) in (k, k + 1)
+            assert len(selection.chosen) in (k, k + 1)
     assert set(ng.load(graph).axes["chosen"].labels) == METHODS

@@ -35,12 +35,12 @@ def test_each_step_is_the_best_one(faces: Faces, seed: int) -> None:
     while len(chosen) < 11:
         candidates = sorted(set(face.markers) - chosen)
         best = min(candidates, key=lambda name: unexplained(face, chosen | {name}))
-        chosen |= set(next((one for one in face.marker_set.pairs if best in one), (best,)))
+        chosen |= set(next((value for value in face.marker_set.pairs if best in value), (best,)))
         steps.append((len(chosen), unexplained(face, chosen)))
-        made = greedy(face, k=len(chosen))
-        assert set(made.chosen) == chosen
-        assert made.columns == ("markers", "unexplained")
-        assert made.history == pytest.approx(np.array(steps), rel=1e-6, abs=1e-9)
+        selection = greedy(face, k=len(chosen))
+        assert set(selection.chosen) == chosen
+        assert selection.columns == ("markers", "unexplained")
+        assert selection.history == pytest.approx(np.array(steps), rel=1e-6, abs=1e-9)
 
 
 def test_it_leaves_less_than_the_largest_variance_and_than_chance(faces: Faces) -> None:
@@ -53,10 +53,10 @@ def test_it_leaves_less_than_the_largest_variance_and_than_chance(faces: Faces) 
 def test_what_is_determined_by_others_comes_last_by_variance(faces: Faces) -> None:
     face = faces(2, movements=3, noise=0.0)
     with pytest.warns(UserWarning, match=r"\d of the 7 pairs chosen determine all markers"):
-        made = greedy(face, k=11)
-    assert made.chosen == face.markers
-    assert made.history is not None
-    assert made.history[-1, 1] == 0.0
+        selection = greedy(face, k=11)
+    assert selection.chosen == face.markers
+    assert selection.history is not None
+    assert selection.history[-1, 1] == 0.0
 
 
 def test_a_marker_that_stands_still_does_no_harm(faces: Faces) -> None:
@@ -82,5 +82,5 @@ def test_rounding_chooses_no_marker(face: Trajectories, rigid: Callable[..., Tra
     positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
     positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
     with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
-        made = greedy(replace(face, positions=positions), k=5)
-    assert made.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")
+        selection = greedy(replace(face, positions=positions), k=5)
+    assert selection.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")

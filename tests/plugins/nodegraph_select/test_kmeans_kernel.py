@@ -35,22 +35,24 @@ def start_of(draws: Numbers, count: int) -> list[int]:
 
 def plain(rows: Numbers, start: list[int]) -> tuple[list[int], float, int]:
     """Lloyd's rounds as they are written, and the row nearest to each mean."""
-    means: dict[int, Numbers] = {one: rows[place] for one, place in enumerate(start)}
+    means: dict[int, Numbers] = {value: rows[place] for value, place in enumerate(start)}
     before: list[int] | None = None
     for rounds in range(1000):
-        squared = {one: ((rows - mean) ** 2).sum(axis=1) for one, mean in means.items()}
-        cluster = [min(means, key=lambda one: squared[one][row]) for row in range(len(rows))]
+        squared = {value: ((rows - mean) ** 2).sum(axis=1) for value, mean in means.items()}
+        cluster = [min(means, key=lambda value: squared[value][row]) for row in range(len(rows))]
         done = rounds
         if cluster == before:
             break
         before = cluster
-        inside = {one: [row for row in range(len(rows)) if cluster[row] == one] for one in means}
-        means = {one: rows[some].mean(axis=0) for one, some in inside.items() if some}
+        inside = {
+            value: [row for row in range(len(rows)) if cluster[row] == value] for value in means
+        }
+        means = {value: rows[some].mean(axis=0) for value, some in inside.items() if some}
     nearest = [-1] * len(start)
-    for one, mean in means.items():
-        apart = {row: float(np.linalg.norm(rows[row] - mean)) for row in inside[one]}
+    for first, mean in means.items():
+        apart = {row: float(np.linalg.norm(rows[row] - mean)) for row in inside[first]}
         least = min(apart.values())
-        nearest[one] = min(row for row, far in apart.items() if far <= least + 1e-12)
+        nearest[first] = min(row for row, far in apart.items() if far <= least + 1e-12)
     inertia = sum(float(((rows[row] - means[cluster[row]]) ** 2).sum()) for row in range(len(rows)))
     return nearest, inertia, done
 
@@ -97,8 +99,8 @@ def test_draws_that_are_none_are_refused(draw: float) -> None:
 
 
 def test_no_runs_find_nothing() -> None:
-    made = kmeans_kernel.restarts(np.ones((5, 2)), np.zeros((0, 3)))
-    assert [one.shape for one in made] == [(0, 3), (0,), (0,)]
+    selection = kmeans_kernel.restarts(np.ones((5, 2)), np.zeros((0, 3)))
+    assert [value.shape for value in selection] == [(0, 3), (0,), (0,)]
 
 
 def test_equal_rows_drop_all_clusters_but_the_first() -> None:
@@ -129,7 +131,10 @@ def test_a_run_does_not_depend_on_the_others() -> None:
     together = kmeans_kernel.restarts(rows, draws)
     for run in (0, 7, 29):
         alone = kmeans_kernel.restarts(rows, draws[run : run + 1])
-        assert all(np.array_equal(one[run : run + 1], two) for one, two in zip(together, alone))  # noqa: B905
+        assert all(
+            np.array_equal(many[run : run + 1], single)
+            for many, single in zip(together, alone, strict=True)
+        )
 
 
 def test_every_start_is_equally_likely() -> None:
@@ -153,7 +158,9 @@ def test_it_stops_at_the_cap_with_rows_assigned_to_its_last_means(
     assert np.array_equal(cluster, apart.argmin(axis=1))
     assert least == pytest.approx(apart.min(axis=1), abs=1e-15)
     first = ((rows[:, None] - rows[:3]) ** 2).sum(axis=2).argmin(axis=1)
-    assert means == pytest.approx(np.stack([rows[first == one].mean(axis=0) for one in range(3)]))
+    assert means == pytest.approx(
+        np.stack([rows[first == offset].mean(axis=0) for offset in range(3)])
+    )
 
 
 @pytest.mark.parametrize("k", [2, 12, 30])

@@ -29,8 +29,8 @@ def test_neither_in_a_pair_nor_on_the_midline_is_alone_and_told(face: Trajectori
     assert known is not None
     some = replace(face, marker_set=replace(known, pairs=known.pairs[1:], midline=("nose",)))
     with pytest.warns(UserWarning, match=r"^4 of 11 markers .*: lip_left, lip_right, chin, forehe"):
-        made = pairs_of(some)
-    assert made == (
+        selection = pairs_of(some)
+    assert selection == (
         *PAIRS[1:4], ("nose",), ("lip_left",), ("lip_right",), ("chin",), ("forehead",)
     )  # fmt: skip
 
@@ -38,8 +38,8 @@ def test_neither_in_a_pair_nor_on_the_midline_is_alone_and_told(face: Trajectori
 def test_without_its_partner_in_the_recording_a_marker_is_alone(face: Trajectories) -> None:
     some = face.keep([name for name in face.markers if name != "jaw_right"])
     with pytest.warns(UserWarning, match="in no pair with another marker.*: jaw_left$"):
-        made = pairs_of(some)
-    assert made == (*PAIRS[:3], ("chin",), ("nose",), ("forehead",), ("jaw_left",))
+        selection = pairs_of(some)
+    assert selection == (*PAIRS[:3], ("chin",), ("nose",), ("forehead",), ("jaw_left",))
 
 
 def test_a_marker_set_of_more_markers_than_the_recording_has(face: Trajectories) -> None:
@@ -55,15 +55,15 @@ def test_without_a_marker_set_all_are_alone(face: Trajectories) -> None:
 
 
 @pytest.mark.parametrize(
-    "given",
+    "values",
     [
         {"pairs": (("a", "b"), ("b", "c"))},
         {"pairs": (("a", "b"),), "midline": ("b",)},
     ],
 )
-def test_a_marker_in_two_places(faces: Callable[..., Trajectories], given: dict[str, Any]) -> None:
+def test_a_marker_in_two_places(faces: Callable[..., Trajectories], values: dict[str, Any]) -> None:
     abc = replace(faces().keep(("chin", "nose", "forehead")), markers=("a", "b", "c"))
-    bad = replace(abc, marker_set=MarkerSet(markers=("a", "b", "c"), **given))
+    bad = replace(abc, marker_set=MarkerSet(markers=("a", "b", "c"), **values))
     with pytest.raises(ValueError, match="marker set: b: in more than one pair, or"):
         pairs_of(bad)
 

@@ -39,8 +39,8 @@ def plain_runs(
     draws = np.random.default_rng([seed, k]).random((runs, k))
     chosen, inertia = [], []
     for drawn in draws:
-        found, within = plain_clusters(rows, drawn)
-        some = {names[feature // 3] for feature in found}
+        actual, within = plain_clusters(rows, drawn)
+        some = {names[feature // 3] for feature in actual}
         assert face.marker_set is not None
         for pair in face.marker_set.pairs:
             if some & set(pair):
@@ -55,8 +55,8 @@ def plain_clusters(
 ) -> tuple[list[int], float]:
     left = list(range(len(rows)))
     for place, draw in enumerate(drawn):
-        other = place + int(draw * (len(rows) - place))
-        left[place], left[other] = left[other], left[place]
+        second = place + int(draw * (len(rows) - place))
+        left[place], left[second] = left[second], left[place]
     means = rows[left[: len(drawn)]]
     before = None
     while True:
@@ -65,15 +65,15 @@ def plain_clusters(
         if before is not None and np.array_equal(cluster, before):
             break
         before = cluster
-        means = np.array([rows[cluster == one].mean(axis=0) for one in np.unique(cluster)])
+        means = np.array([rows[cluster == value].mean(axis=0) for value in np.unique(cluster)])
         before = np.unique(cluster, return_inverse=True)[1]
     apart = pairwise_distances(rows, means)
-    found = []
-    for one in range(len(means)):
-        inside = np.flatnonzero(cluster == one)
-        near = apart[inside, one]
-        found.append(int(inside[np.flatnonzero(near <= near.min() + 1e-7)[0]]))
-    return found, float((apart.min(axis=1) ** 2).sum())
+    pieces = []
+    for first in range(len(means)):
+        inside = np.flatnonzero(cluster == first)
+        near = apart[inside, first]
+        pieces.append(int(inside[np.flatnonzero(near <= near.min() + 1e-7)[0]]))
+    return pieces, float((apart.min(axis=1) ** 2).sum())
 
 
 @pytest.mark.parametrize("absolute", [False, True])
@@ -84,80 +84,82 @@ def test_as_the_text_says_step_by_step(
 ) -> None:
     face, options = faces(k), {"standardize": standardize, "absolute": absolute}
     chosen, inertia = plain_runs(face, k, 40, 7, **options)
-    made = quietly(pfa, face, k=k, runs=40, seed=7, **options)
-    frequency = {pair: sum(pair[0] in one for one in chosen) / 40 for pair in made.pairs}
-    assert made.frequencies == pytest.approx(list(frequency.values()))
-    pairs = [[pair for pair in made.pairs if pair[0] in one] for one in chosen]
+    selection = quietly(pfa, face, k=k, runs=40, seed=7, **options)
+    frequency = {pair: sum(pair[0] in value for value in chosen) / 40 for pair in selection.pairs}
+    assert selection.frequencies == pytest.approx(list(frequency.values()))
+    pairs = [[pair for pair in selection.pairs if pair[0] in value] for value in chosen]
     sums = [round(sum(frequency[pair] for pair in some), 9) for some in pairs]
     best = min(range(40), key=lambda run: (-sums[run], len(chosen[run]), run))
-    assert set(made.chosen) == chosen[best]
-    found = history(made)
-    assert tuple(found) == COLUMNS
-    assert found["sum"] == pytest.approx(sums)
-    assert found["mean"] == pytest.approx([a / len(b) for a, b in zip(sums, pairs, strict=True)])
-    assert found["inertia"] == pytest.approx(inertia, rel=1e-6, abs=1e-12)
-    assert found["markers"].tolist() == [len(one) for one in chosen]
-    assert found["pairs"].tolist() == [len(one) for one in pairs]
+    assert set(selection.chosen) == chosen[best]
+    actual = history(selection)
+    assert tuple(actual) == COLUMNS
+    assert actual["sum"] == pytest.approx(sums)
+    assert actual["mean"] == pytest.approx([a / len(b) for a, b in zip(sums, pairs, strict=True)])
+    assert actual["inertia"] == pytest.approx(inertia, rel=1e-6, abs=1e-12)
+    assert actual["markers"].tolist() == [len(value) for value in chosen]
+    assert actual["pairs"].tolist() == [len(value) for value in pairs]
     order = list(dict.fromkeys(chosen))
-    assert found["selection"].tolist() == [order.index(one) for one in chosen]
-    assert np.all(found["k"] == k)
-    assert found["run"].tolist() == list(range(40))
+    assert actual["selection"].tolist() == [order.index(value) for value in chosen]
+    assert np.all(actual["k"] == k)
+    assert actual["run"].tolist() == list(range(40))
 
 
 @pytest.mark.parametrize("stability", ["sum", "mean", "medoid"])
 def test_the_most_stable_by_each_measure(
     face: Trajectories, quietly: Quietly, history: History, stability: str
 ) -> None:
-    made = quietly(pfa, face, k=8, runs=200, stability=stability)
-    found = history(made)
+    selection = quietly(pfa, face, k=8, runs=200, stability=stability)
+    actual = history(selection)
     ranked = sorted(
-        zip(-found[stability], found["markers"], found["run"], strict=True),
+        zip(-actual[stability], actual["markers"], actual["run"], strict=True),
     )
     best = int(ranked[0][2])
-    assert len(made.chosen) == found["markers"][best]
-    assert made.frequencies is not None
-    inside = [pair[0] in made.chosen for pair in made.pairs]
-    assert made.frequencies[inside].sum() == pytest.approx(found["sum"][best])
+    assert len(selection.chosen) == actual["markers"][best]
+    assert selection.frequencies is not None
+    inside = [pair[0] in selection.chosen for pair in selection.pairs]
+    assert selection.frequencies[inside].sum() == pytest.approx(actual["sum"][best])
 
 
 def test_sum_favours_large_selections_and_mean_small_ones(
     face: Trajectories, quietly: Quietly, history: History
 ) -> None:
-    found = history(quietly(pfa, face, k=8))
+    actual = history(quietly(pfa, face, k=8))
     for measure, sign in (("sum", 1), ("mean", -1)):
-        assert sign * np.corrcoef(found[measure], found["markers"])[0, 1] > 0.1
+        assert sign * np.corrcoef(actual[measure], actual["markers"])[0, 1] > 0.1
     sizes = [
-        len(quietly(pfa, face, k=8, stability=one).chosen) for one in ("mean", "medoid", "sum")
+        len(quietly(pfa, face, k=8, stability=value).chosen) for value in ("mean", "medoid", "sum")
     ]
     assert sizes[0] <= sizes[1] <= sizes[2]
     assert sizes[0] < sizes[2]
 
 
 def test_it_tells_how_many_selections_differ(face: Trajectories, history: History) -> None:
-    with pytest.warns(UserWarning, match="of 60 runs' selections are distinct") as told:
-        made = pfa(face, k=8, runs=60)
-    found = history(made)["selection"]
-    text = str(told[0].message)
-    assert text.startswith(f"{int(found.max()) + 1} of 60 runs' selections are distinct; ")
-    assert told[0].filename == __file__
+    with pytest.warns(UserWarning, match="of 60 runs' selections are distinct") as caught:
+        selection = pfa(face, k=8, runs=60)
+    actual = history(selection)["selection"]
+    text = str(caught[0].message)
+    assert text.startswith(f"{int(actual.max()) + 1} of 60 runs' selections are distinct; ")
+    assert caught[0].filename == __file__
 
 
 def test_one_run(face: Trajectories) -> None:
     with pytest.warns(UserWarning, match="1 of 1 runs' selections are distinct; .* of 1 run$"):
-        made = pfa(face, k=4, runs=1)
-    assert made.frequencies is not None
-    assert [pair[0] in made.chosen for pair in made.pairs] == made.frequencies.astype(bool).tolist()
-    assert made.history is not None
-    assert made.history.shape == (1, len(COLUMNS))
+        selection = pfa(face, k=4, runs=1)
+    assert selection.frequencies is not None
+    assert [
+        pair[0] in selection.chosen for pair in selection.pairs
+    ] == selection.frequencies.astype(bool).tolist()
+    assert selection.history is not None
+    assert selection.history.shape == (1, len(COLUMNS))
 
 
 def test_as_many_clusters_as_features_choose_every_marker(
     face: Trajectories, quietly: Quietly
 ) -> None:
-    made = quietly(pfa, face, k=33, runs=5)
-    assert made.chosen == face.markers
-    assert made.frequencies is not None
-    assert np.all(made.frequencies == 1)
+    selection = quietly(pfa, face, k=33, runs=5)
+    assert selection.chosen == face.markers
+    assert selection.frequencies is not None
+    assert np.all(selection.frequencies == 1)
 
 
 def test_more_clusters_than_features_are_refused(face: Trajectories) -> None:
@@ -174,8 +176,8 @@ def test_clusters_without_rows_are_dropped_and_told(face: Trajectories, history:
     positions[:, :6] = positions[0, :6]
     still = replace(face, positions=positions)
     with pytest.warns(UserWarning, match="; 50 runs dropped clusters that had lost all their rows"):
-        made = pfa(still, k=20, runs=50)
-    assert np.all(history(made)["clusters"] < 20)
+        selection = pfa(still, k=20, runs=50)
+    assert np.all(history(selection)["clusters"] < 20)
 
 
 def test_missing_samples_are_refused(face: Trajectories) -> None:
@@ -219,13 +221,13 @@ def test_a_rigid_face_is_refused(
 def test_standardizing_does_not_blow_up_rounding(
     face: Trajectories, rigid: Callable[..., Trajectories], quietly: Quietly
 ) -> None:
-    made = []
+    selection = []
     for seed in range(2):
         positions = 1e-5 * face.positions
         positions[:, :6] = rigid(face, seed).positions[:, :6]
         still = replace(face, positions=positions)
-        made.append(quietly(pfa, still, k=5, runs=50, standardize=True))
-    assert not difference(*made)
+        selection.append(quietly(pfa, still, k=5, runs=50, standardize=True))
+    assert not difference(*selection)
 
 
 def test_the_same_seed_gives_the_same_answer_and_another_one_another(
@@ -271,11 +273,11 @@ def large_face() -> Trajectories:
     return Trajectories(positions=positions, markers=names, rate=60.0)
 
 
-def without_inertia(made: Selection) -> Selection:
-    assert made.history is not None
+def without_inertia(selection: Selection) -> Selection:
+    assert selection.history is not None
     place = COLUMNS.index("inertia")
-    columns = tuple(name for name in made.columns if name != "inertia")
-    return replace(made, columns=columns, history=np.delete(made.history, place, axis=1))
+    columns = tuple(name for name in selection.columns if name != "inertia")
+    return replace(selection, columns=columns, history=np.delete(selection.history, place, axis=1))
 
 
 def test_calls_at_the_same_time_do_not_disturb_each_other(face: Trajectories) -> None:
@@ -290,8 +292,8 @@ def test_calls_at_the_same_time_do_not_disturb_each_other(face: Trajectories) ->
 def test_the_order_of_the_markers_does_not_matter_even_to_a_run(
     face: Trajectories, quietly: Quietly
 ) -> None:
-    made = quietly(pfa, face, k=9, runs=80)
+    selection = quietly(pfa, face, k=9, runs=80)
     order = np.random.default_rng(1).permutation(face.markers)
     again = quietly(pfa, face.keep(order), k=9, runs=80)
-    assert not difference(replace(made, chosen=()), replace(again, chosen=()))
-    assert again.chosen == tuple(name for name in order if name in made.chosen)
+    assert not difference(replace(selection, chosen=()), replace(again, chosen=()))
+    assert again.chosen == tuple(name for name in order if name in selection.chosen)

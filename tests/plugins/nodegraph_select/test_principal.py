@@ -23,9 +23,9 @@ def plain(values: NDArray[np.float64], variance: float) -> NDArray[np.float64]:
     return np.asarray(vectors[:count].T)
 
 
-def same_up_to_signs(one: NDArray[np.float64], other: NDArray[np.float64]) -> None:
-    assert one.shape == other.shape
-    assert np.abs(one.T @ other) == pytest.approx(np.eye(one.shape[1]), abs=1e-6)
+def same_up_to_signs(first: NDArray[np.float64], second: NDArray[np.float64]) -> None:
+    assert first.shape == second.shape
+    assert np.abs(first.T @ second) == pytest.approx(np.eye(first.shape[1]), abs=1e-6)
 
 
 @pytest.mark.parametrize("variance", [0.3, 0.9, 0.98, 0.999])
@@ -35,9 +35,9 @@ def test_the_fewest_vectors_that_have_the_share(
 ) -> None:
     features = features_of(face)
     values = features.values / (features.values.std(axis=0) if standardize else 1.0)
-    made = leading_vectors(features, variance=variance, standardize=standardize)
-    same_up_to_signs(made, plain(values, variance))
-    assert 1 <= made.shape[1] < len(made)
+    selection = leading_vectors(features, variance=variance, standardize=standardize)
+    same_up_to_signs(selection, plain(values, variance))
+    assert 1 <= selection.shape[1] < len(selection)
 
 
 def test_all_of_the_variance_is_the_rank_and_not_rounding() -> None:
@@ -60,9 +60,9 @@ def test_what_stands_still_cannot_be_standardized_and_stays_zero(face: Trajector
     positions[:, 2] = [1.1, 2.2, 3.3]
     features = features_of(replace(face, positions=positions))
     with pytest.warns(UserWarning, match="3 of 33 features do not move.*coordinates of chin$"):
-        made = leading_vectors(features, variance=0.98, standardize=True)
+        selection = leading_vectors(features, variance=0.98, standardize=True)
     number = features.markers.index("chin")
-    assert made[3 * number : 3 * number + 3] == pytest.approx(0.0, abs=1e-12)
+    assert selection[3 * number : 3 * number + 3] == pytest.approx(0.0, abs=1e-12)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         leading_vectors(features, variance=0.98, standardize=False)
@@ -75,6 +75,6 @@ def test_rounding_is_not_blown_up_to_a_standard_deviation_of_one(largest: float)
     values[:, 8] = random.normal(0, 1e-12, 60)
     features = Features(("a", "b", "c"), values - values.mean(axis=0))
     with pytest.warns(UserWarning, match="1 of 9 features do not move.*coordinates of c$"):
-        made = leading_vectors(features, variance=1.0, standardize=True)
-    assert made.shape == (9, 8)
-    assert made[8] == pytest.approx(0.0, abs=1e-12)
+        selection = leading_vectors(features, variance=1.0, standardize=True)
+    assert selection.shape == (9, 8)
+    assert selection[8] == pytest.approx(0.0, abs=1e-12)

@@ -25,7 +25,7 @@ def plain(face: Trajectories, k: int) -> tuple[set[str], list[tuple[int, float]]
     while len(chosen) < k:
         (name, _), column = max(left.items(), key=lambda item: np.linalg.norm(item[1]))
         along = column / np.linalg.norm(column)
-        left = {one: other - (other @ along) * along for one, other in left.items()}
+        left = {first: second - (second @ along) * along for first, second in left.items()}
         assert face.marker_set is not None
         pair = next((pair for pair in face.marker_set.pairs if name in pair), (name,))
         if not chosen.issuperset(pair):
@@ -38,11 +38,11 @@ def plain(face: Trajectories, k: int) -> tuple[set[str], list[tuple[int, float]]
 def test_every_size_by_plain_projection(faces: Callable[..., Trajectories], seed: int) -> None:
     face = faces(seed)
     for k in range(1, 12):
-        made = qr(face, k=k)
+        selection = qr(face, k=k)
         chosen, steps = plain(face, k)
-        assert set(made.chosen) == chosen
-        assert made.columns == ("markers", "residual")
-        assert made.history == pytest.approx(np.array(steps), rel=1e-6)
+        assert set(selection.chosen) == chosen
+        assert selection.columns == ("markers", "residual")
+        assert selection.history == pytest.approx(np.array(steps), rel=1e-6)
 
 
 def test_what_is_determined_by_others_comes_last_by_variance(
@@ -50,11 +50,11 @@ def test_what_is_determined_by_others_comes_last_by_variance(
 ) -> None:
     face = faces(2, movements=2, noise=0.0)
     with pytest.warns(UserWarning, match=r"\d of the 7 pairs chosen determine all markers"):
-        made = qr(face, k=11)
-    assert made.chosen == face.markers
-    assert made.history is not None
-    assert made.history[0, 1] > 0
-    assert made.history[-1, 1] == 0.0
+        selection = qr(face, k=11)
+    assert selection.chosen == face.markers
+    assert selection.history is not None
+    assert selection.history[0, 1] > 0
+    assert selection.history[-1, 1] == 0.0
 
 
 def test_fewer_frames_than_features(face: Trajectories, quietly: Callable[..., Selection]) -> None:
@@ -77,5 +77,5 @@ def test_rounding_chooses_no_marker(face: Trajectories, rigid: Callable[..., Tra
     positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
     positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
     with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
-        made = qr(replace(face, positions=positions), k=5)
-    assert made.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")
+        selection = qr(replace(face, positions=positions), k=5)
+    assert selection.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")

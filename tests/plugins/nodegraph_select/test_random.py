@@ -19,15 +19,15 @@ from nodegraph_select.random import random
 def test_at_least_k_markers_and_at_most_one_more(face: Trajectories) -> None:
     for seed in range(30):
         for k in range(1, 12):
-            made = random(face, k=k, seed=seed)
-            assert k <= len(made.chosen) <= min(k + 1, 11)
-            for pair in made.pairs:
-                assert len(set(pair) & set(made.chosen)) in (0, len(pair))
+            selection = random(face, k=k, seed=seed)
+            assert k <= len(selection.chosen) <= min(k + 1, 11)
+            for pair in selection.pairs:
+                assert len(set(pair) & set(selection.chosen)) in (0, len(pair))
 
 
 def test_a_larger_k_adds_to_the_same(face: Trajectories) -> None:
     chosen = [set(random(face, k=k, seed=5).chosen) for k in range(1, 12)]
-    assert all(one <= two for one, two in pairwise(chosen))
+    assert all(first <= second for first, second in pairwise(chosen))
 
 
 def test_every_pair_comes_first_equally_often(face: Trajectories) -> None:

@@ -27,22 +27,22 @@ SIX = Trajectories(positions=np.zeros((1, 6, 3)), markers=tuple("fedcba"), rate=
 def test_as_many_as_it_takes(order: list[int], again: list[int], k: int) -> None:
     places = [*order[:2], *again, *order]
     values = np.arange(len(places), dtype=np.float64)
-    made = first_pairs(SIX, PAIRS, np.array(places), k, values, "place")
+    selection = first_pairs(SIX, PAIRS, np.array(places), k, values, "place")
     chosen: list[str] = []
     steps = []
     for place, number in enumerate(places):
         if len(chosen) < k and PAIRS[number][0] not in chosen:
             chosen += PAIRS[number]
             steps.append([len(chosen), place])
-    assert set(made.chosen) == set(chosen)
-    assert list(made.chosen) == sorted(chosen, reverse=True)
-    assert made.history is not None
-    assert made.history.tolist() == steps
+    assert set(selection.chosen) == set(chosen)
+    assert list(selection.chosen) == sorted(chosen, reverse=True)
+    assert selection.history is not None
+    assert selection.history.tolist() == steps
 
 
 def test_without_values_there_is_no_history() -> None:
-    made = first_pairs(SIX, PAIRS, np.arange(4), 3)
-    assert (made.columns, made.history) == ((), None)
+    selection = first_pairs(SIX, PAIRS, np.arange(4), 3)
+    assert (selection.columns, selection.history) == ((), None)
 
 
 def test_variances_from_the_largest_down() -> None:

@@ -60,9 +60,9 @@ def weights(name: str) -> tuple[Any, tuple[str, ...], float]:
 def found(name: str, k: int) -> tuple[Selection, dict[str, Any]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        made = pfa(take(name), k=k)
-    assert made.history is not None
-    return made, dict(zip(made.columns, made.history.T, strict=True))
+        selection = pfa(take(name), k=k)
+    assert selection.history is not None
+    return selection, dict(zip(selection.columns, selection.history.T, strict=True))
 
 
 @pytest.mark.parametrize("name", TAKES)

@@ -21,10 +21,10 @@ SELECTIONS = st.integers(1, 6).flatmap(
 
 
 def matrix(pairs: int, chosen: list[frozenset[int]]) -> NDArray[np.bool_]:
-    made = np.zeros((len(chosen), pairs), dtype=np.bool_)
+    matrix_ = np.zeros((len(chosen), pairs), dtype=np.bool_)
     for run, some in enumerate(chosen):
-        made[run, list(some)] = True
-    return made
+        matrix_[run, list(some)] = True
+    return matrix_
 
 
 @settings(deadline=None)
@@ -34,34 +34,34 @@ def test_every_number_and_the_best_as_they_are_defined(
 ) -> None:
     pairs, chosen = case
     runs = len(chosen)
-    frequency = [Fraction(sum(pair in one for one in chosen), runs) for pair in range(pairs)]
-    sums = [sum(frequency[pair] for pair in one) for one in chosen]
+    frequency = [Fraction(sum(pair in value for value in chosen), runs) for pair in range(pairs)]
+    sums = [sum(frequency[pair] for pair in value) for value in chosen]
     expected: dict[Stability, list[Any]] = {
         "sum": sums,
-        "mean": [total / len(one) for total, one in zip(sums, chosen, strict=True)],
+        "mean": [total / len(value) for total, value in zip(sums, chosen, strict=True)],
         "medoid": [
-            sum(Fraction(len(one & other), len(one | other)) for other in chosen) / runs
-            for one in chosen
+            sum(Fraction(len(value & other), len(value | other)) for other in chosen) / runs
+            for value in chosen
         ],
     }
     size = [1 + pair % 2 for pair in range(pairs)]
-    markers = [sum(size[pair] for pair in one) for one in chosen]
-    made = stabilities(matrix(pairs, chosen))
-    assert made.frequencies == pytest.approx([float(one) for one in frequency])
+    markers = [sum(size[pair] for pair in value) for value in chosen]
+    output = stabilities(matrix(pairs, chosen))
+    assert output.frequencies == pytest.approx([float(value) for value in frequency])
     for stability, scores in expected.items():
-        assert getattr(made, stability) == pytest.approx([float(one) for one in scores])
+        assert getattr(output, stability) == pytest.approx([float(name) for name in scores])
         best = min(range(runs), key=lambda run: (-scores[run], markers[run], run))
-        assert made.best(stability, np.array(markers)) == best
+        assert output.best(stability, np.array(markers)) == best
     first = list(dict.fromkeys(chosen))
-    assert made.same.tolist() == [first.index(one) for one in chosen]
-    assert made.distinct == len(first)
+    assert output.same.tolist() == [first.index(value) for value in chosen]
+    assert output.distinct == len(first)
 
 
 def test_more_selections_and_pairs_than_are_compared_at_once() -> None:
     chosen = np.random.default_rng(2).random((700, 37)) < 0.4
     chosen[:, 0] = True
-    made = stabilities(chosen)
+    stability = stabilities(chosen)
     shared = (chosen[:, None] & chosen).sum(axis=2)
     either = (chosen[:, None] | chosen).sum(axis=2)
-    assert made.medoid == pytest.approx((shared / either).mean(axis=1), abs=1e-12)
-    assert made.distinct == len(np.unique(chosen, axis=0))
+    assert stability.medoid == pytest.approx((shared / either).mean(axis=1), abs=1e-12)
+    assert stability.distinct == len(np.unique(chosen, axis=0))

@@ -17,7 +17,9 @@ Reach = dict[str, float]
 
 def moving(face: Trajectories, reach: Reach) -> Trajectories:
     """Each marker to and fro, so far."""
-    swing = np.where(np.arange(20) % 2, 1.0, -1.0)[:, None] * [reach[one] for one in face.markers]
+    swing = np.where(np.arange(20) % 2, 1.0, -1.0)[:, None] * [
+        reach[value] for value in face.markers
+    ]
     positions = np.zeros((20, len(face.markers), 3))
     positions[..., 1], positions[..., 0] = 0.6 * swing, 0.8 * swing
     return Trajectories(
@@ -49,10 +51,10 @@ def test_from_the_largest_down_each_with_its_partner(
 
 
 def test_the_history_says_what_chose_each_pair(ranked: Trajectories) -> None:
-    made = variance(ranked, k=6)
-    assert made.columns == ("markers", "variance")
-    assert made.history == pytest.approx(np.array([[2, 81.0], [3, 49.0], [5, 25.0], [6, 9.0]]))
-    assert made.frequencies is None
+    selection = variance(ranked, k=6)
+    assert selection.columns == ("markers", "variance")
+    assert selection.history == pytest.approx(np.array([[2, 81.0], [3, 49.0], [5, 25.0], [6, 9.0]]))
+    assert selection.frequencies is None
 
 
 def test_markers_that_move_equally_come_in_the_order_of_names(face: Trajectories) -> None:
@@ -69,10 +71,10 @@ def test_what_does_not_move_comes_by_name_and_is_told(
         positions[:, face.markers.index("nose")] += face.positions[:, 3]
         still = replace(face, positions=positions)
         with pytest.warns(UserWarning, match="only 1 of the 2 pairs chosen move; the others are"):
-            made = variance(still, k=2)
-        assert made.chosen == ("brow_left", "brow_right", "nose")
-        assert made.history is not None
-        assert made.history[1, 1] == 0.0
+            selection = variance(still, k=2)
+        assert selection.chosen == ("brow_left", "brow_right", "nose")
+        assert selection.history is not None
+        assert selection.history[1, 1] == 0.0
 
 
 def test_bad_input(
