@@ -41,27 +41,27 @@ def without(recording: Trajectories, hidden: NDArray[np.bool_]) -> Trajectories:
     return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)
 
 
-def other_truth(made: Cut) -> Cut:
-    return made._replace(truth=replace(made.truth, positions=made.truth.positions + 1e-9))
+def other_truth(output: Cut) -> Cut:
+    return output._replace(truth=replace(output.truth, positions=output.truth.positions + 1e-9))
 
 
-def other_origin(made: Cut) -> Cut:
-    origin = np.where(made.truth.present, np.uint8(Origin.FILLED), np.uint8(Origin.MISSING))
-    return made._replace(truth=replace(made.truth, origin=origin))
+def other_origin(output: Cut) -> Cut:
+    origin = np.where(output.truth.present, np.uint8(Origin.FILLED), np.uint8(Origin.MISSING))
+    return output._replace(truth=replace(output.truth, origin=origin))
 
 
-def other_samples(made: Cut) -> Cut:
-    return made._replace(gappy=replace(made.gappy, positions=made.gappy.positions + 1e-9))
+def other_samples(output: Cut) -> Cut:
+    return output._replace(gappy=replace(output.gappy, positions=output.gappy.positions + 1e-9))
 
 
-def still_there(made: Cut) -> Cut:
-    return made._replace(gappy=made.truth)
+def still_there(output: Cut) -> Cut:
+    return output._replace(gappy=output.truth)
 
 
-def missing_before(made: Cut) -> Cut:
-    everything = np.ones_like(made.hidden.hidden)
-    return made._replace(
-        gappy=without(made.truth, everything), hidden=replace(made.hidden, hidden=everything)
+def missing_before(output: Cut) -> Cut:
+    everything = np.ones_like(output.hidden.hidden)
+    return output._replace(
+        gappy=without(output.truth, everything), hidden=replace(output.hidden, hidden=everything)
     )
 
 

@@ -32,15 +32,15 @@ def recording(frames: int = 200, markers: int = 12, *, missing: float = 0.0) -> 
 
 def runs(hidden: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
     """Return (marker, first frame, length) of every gap, found one sample after the other."""
-    found = []
+    pieces = []
     for marker in range(hidden.shape[1]):
         frame = 0
         for is_hidden, same in itertools.groupby(hidden[:, marker]):
             length = len(list(same))
             if is_hidden:
-                found.append((marker, frame, length))
+                pieces.append((marker, frame, length))
             frame += length
-    return found
+    return pieces
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
@@ -49,7 +49,7 @@ def runs(hidden: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
 def test_gaps_are_as_asked(pattern: Pattern, simultaneous: int, missing: float) -> None:
     source = recording(missing=missing)
     count = 3 if pattern == "end" else 8
-    made = cut(
+    result = cut(
         source,
         length=6,
         count=count,
@@ -57,29 +57,31 @@ def test_gaps_are_as_asked(pattern: Pattern, simultaneous: int, missing: float) 
         pattern=pattern,
         seed=3,
     )
-    found = runs(made.hidden.hidden)
-    assert [length for *_, length in found] == [6] * (count * simultaneous)
-    starts = [start for _, start, _ in found]
-    assert len(found) == count * simultaneous
-    for marker, start, length in found:
+    actual = runs(result.hidden.hidden)
+    assert [length for *_, length in actual] == [6] * (count * simultaneous)
+    starts = [start for _, start, _ in actual]
+    assert len(actual) == count * simultaneous
+    for marker, start, length in actual:
         assert source.measured[start - 1 : start + length, marker].all()
         if pattern == "end":
             assert start + length == source.frames
         else:
-            assert made.gappy.present[start + length, marker]
-        assert made.gappy.present[start - 1, marker]
+            assert result.gappy.present[start + length, marker]
+        assert result.gappy.present[start - 1, marker]
     assert len(set(starts)) <= count
 
 
 def test_only_hidden_samples_differ() -> None:
     source = recording(missing=0.05)
-    made = cut(source, length=5, count=10)
-    hidden = made.hidden.hidden
-    assert made.truth is source
-    assert np.array_equal(made.gappy.positions[~hidden], source.positions[~hidden], equal_nan=True)
-    assert np.isnan(made.gappy.positions[hidden]).all()
-    assert (made.gappy.origin[hidden] == Origin.MISSING).all()
-    assert np.array_equal(made.gappy.origin[~hidden], source.origin[~hidden])
+    result = cut(source, length=5, count=10)
+    hidden = result.hidden.hidden
+    assert result.truth is source
+    assert np.array_equal(
+        result.gappy.positions[~hidden], source.positions[~hidden], equal_nan=True
+    )
+    assert np.isnan(result.gappy.positions[hidden]).all()
+    assert (result.gappy.origin[hidden] == Origin.MISSING).all()
+    assert np.array_equal(result.gappy.origin[~hidden], source.origin[~hidden])
 
 
 def test_the_seed_decides_and_nothing_else() -> None:
@@ -98,8 +100,8 @@ def test_as_many_gaps_as_there_is_room_for() -> None:
     # one marker, 21 frames: gaps of 4 need a sample between them, so four fit
     source = recording(frames=21, markers=1)
     for seed in range(20):
-        made = cut(source, length=4, count=4, seed=seed)
-        assert len(runs(made.hidden.hidden)) == 4
+        result = cut(source, length=4, count=4, seed=seed)
+        assert len(runs(result.hidden.hidden)) == 4
 
 
 @pytest.mark.parametrize(
@@ -112,21 +114,23 @@ def test_too_many_gaps_say_how_many_fit(length: int, count: int, fitting: int) -
 
 def test_contiguous_gaps_hide_the_nearest_markers() -> None:
     source = recording()
-    made = cut(source, length=5, count=6, simultaneous=3, pattern="contiguous")
+    result = cut(source, length=5, count=6, simultaneous=3, pattern="contiguous")
     shape = np.median(source.positions, axis=0)
-    for group in events(made):
-        groups = [set(np.argsort(np.linalg.norm(shape - shape[one], axis=1))[:3]) for one in group]
+    for group in events(result):
+        groups = [
+            set(np.argsort(np.linalg.norm(shape - shape[value], axis=1))[:3]) for value in group
+        ]
         assert group in groups
 
 
 def test_a_region_lies_on_one_side_of_its_nearest_marker() -> None:
     source = recording(markers=20)
-    made = cut(source, length=5, count=6, simultaneous=4, pattern="region")
+    result = cut(source, length=5, count=6, simultaneous=4, pattern="region")
     shape = source.positions[0]
-    for group in events(made):
+    for group in events(result):
         members = shape[sorted(group)]
         # some member has all others within a half space, so no others surround it
-        spans = [members - one for one in members]
+        spans = [members - value for value in members]
         assert any(_fits_half_space(span[np.linalg.norm(span, axis=1) > 0]) for span in spans)
 
 
@@ -152,29 +156,29 @@ def test_only_seed_gaps_and_reference_shape_decide(
     positions[0] = source.positions[0]
     elsewhere = 5.0 - 3.0 * positions
     elsewhere[0] = positions[0]
-    one, other = (
+    first, second = (
         replace(source, positions=held, origin=Trajectories.origin)
         for held in (positions, elsewhere)
     )
     masks: list[str | bytes] = []
-    for take in (one, other):
+    for take in (first, second):
         try:
-            made = cut(
+            result = cut(
                 take, length=2, count=2, simultaneous=simultaneous, pattern=pattern, seed=seed
             )
         except ValueError as error:
             masks.append(str(error))
         else:
-            masks.append(made.hidden.hidden.tobytes())
+            masks.append(result.hidden.hidden.tobytes())
     assert masks[0] == masks[1]
 
 
-def events(made: Cut) -> list[set[int]]:
+def events(result: Cut) -> list[set[int]]:
     """Return the markers of each event; events of one start frame would be one."""
-    found: dict[int, set[int]] = {}
-    for marker, start, _ in runs(made.hidden.hidden):
-        found.setdefault(start, set()).add(marker)
-    return list(found.values())
+    actual: dict[int, set[int]] = {}
+    for marker, start, _ in runs(result.hidden.hidden):
+        actual.setdefault(start, set()).add(marker)
+    return list(actual.values())
 
 
 def test_what_cannot_be_done_is_said() -> None:

@@ -55,8 +55,8 @@ def test_single_gaps_fit_to_the_last_one(length: int, missing: float) -> None:
     most = greatest(source, length)
     for count in (most - 1, most):
         for seed in range(5):
-            made = cut(source, length=length, count=count, seed=seed)
-            assert made.hidden.hidden.sum() == count * length
+            result = cut(source, length=length, count=count, seed=seed)
+            assert result.hidden.hidden.sum() == count * length
     with pytest.raises(ValueError, match=f"{most + 1} gaps of {length} frames asked, {most} fit"):
         cut(source, length=length, count=most + 1)
 
@@ -65,24 +65,24 @@ def test_single_gaps_fit_to_the_last_one(length: int, missing: float) -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_what_is_said_to_fit_does_fit(pattern: Any, seed: int) -> None:
     source = replace(recording(80, 13), origin=np.ones((80, 13), dtype=np.uint8))
-    with pytest.raises(ValueError, match="999 gaps") as told:
+    with pytest.raises(ValueError, match="999 gaps") as error:
         cut(source, length=7, count=999, simultaneous=3, pattern=pattern, seed=seed)
-    fitting = int(re.findall(r"(\d+) fit", str(told.value))[0])
+    fitting = int(re.findall(r"(\d+) fit", str(error.value))[0])
     assert fitting >= (4 if pattern == "end" else 18)
-    made = cut(source, length=7, count=fitting, simultaneous=3, pattern=pattern, seed=seed)
-    assert made.hidden.hidden.sum() == fitting * 7 * 3
+    result = cut(source, length=7, count=fitting, simultaneous=3, pattern=pattern, seed=seed)
+    assert result.hidden.hidden.sum() == fitting * 7 * 3
 
 
 def test_the_places_do_not_depend_on_the_movement() -> None:
     source = recording(60, 8)
     still = replace(source, positions=np.broadcast_to(source.positions[0], (60, 8, 3)))
     for pattern in ("random", "end"):
-        one, other = (cut(take, count=4, length=2, pattern=pattern) for take in (source, still))
-        assert np.array_equal(one.hidden.hidden, other.hidden.hidden)
+        first, second = (cut(take, count=4, length=2, pattern=pattern) for take in (source, still))
+        assert np.array_equal(first.hidden.hidden, second.hidden.hidden)
 
 
 def test_hidden_samples_lose_their_sigma() -> None:
     source = replace(recording(60, 8), sigma=np.ones((60, 8)))
-    made = cut(source, count=3, length=2)
-    assert made.gappy.sigma is not None
-    np.testing.assert_array_equal(np.isnan(made.gappy.sigma), made.hidden.hidden)
+    result = cut(source, count=3, length=2)
+    assert result.gappy.sigma is not None
+    np.testing.assert_array_equal(np.isnan(result.gappy.sigma), result.hidden.hidden)

@@ -35,18 +35,18 @@ def take(name: str) -> Trajectories:
 
 def gaps(missing: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
     """Return (marker, first frame, length) of every run, by marker."""
-    found = []
+    pieces = []
     for marker, column in enumerate(missing.T):
-        text = "".join("x" if one else "." for one in column)
-        found += [(marker, one.start(), len(one.group())) for one in re.finditer("x+", text)]
-    return found
+        text = "".join("x" if value else "." for value in column)
+        pieces += [(marker, value.start(), len(value.group())) for value in re.finditer("x+", text)]
+    return pieces
 
 
 def test_the_shoulder_has_the_gaps_that_it_is_known_for() -> None:
-    found = gaps(~take("vicon/shoulder").present)
-    lengths = [length for *_, length in found]
-    assert (len(found), min(lengths), max(lengths)) == (34, 1, 71)
-    assert len({marker for marker, *_ in found}) == 13
+    actual = gaps(~take("vicon/shoulder").present)
+    lengths = [length for *_, length in actual]
+    assert (len(actual), min(lengths), max(lengths)) == (34, 1, 71)
+    assert len({marker for marker, *_ in actual}) == 13
     assert (~take("vicon/shoulder").present).sum(axis=1).max() == 3
 
 
@@ -61,8 +61,8 @@ def test_the_shoulders_gaps_on_a_face(name: str, seed: int) -> None:
     wanted = sorted(max(round(0.6 * length), 1) for *_, length in theirs)
     assert sorted(length for *_, length in mine) == wanted
     per_marker = [
-        sorted(np.unique([marker for marker, *_ in found], return_counts=True)[1].tolist())
-        for found in (theirs, mine)
+        sorted(np.unique([marker for marker, *_ in actual], return_counts=True)[1].tolist())
+        for actual in (theirs, mine)
     ]
     assert per_marker[0] == per_marker[1]
     assert hidden.sum(axis=1).max() == 3
@@ -97,9 +97,9 @@ def test_a_study_of_gaps_gets_them_or_hears_how_many_there_can_be(
         count = int(re.findall(r"(\d+) fit into", str(error))[0])
         assert 0 < count < 20
         hidden = cut(face, count=count, **ask).hidden.hidden
-    found = gaps(hidden)
-    assert [frames for *_, frames in found] == [length] * (count * simultaneous)
-    for _, start, frames in found:
+    actual = gaps(hidden)
+    assert [frames for *_, frames in actual] == [length] * (count * simultaneous)
+    for _, start, frames in actual:
         assert start > 0
         assert (start + frames == face.frames) == (pattern == "end")
 

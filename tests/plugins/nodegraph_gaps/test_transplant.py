@@ -49,16 +49,16 @@ def whole(frames: int = 200, markers: int = 12) -> Trajectories:
 
 def gaps(missing: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
     """Return (marker, first frame, length) of every run, by marker."""
-    found = []
+    pieces = []
     for marker, column in enumerate(missing.T):
-        text = "".join("x" if one else "." for one in column)
-        found += [(marker, one.start(), len(one.group())) for one in re.finditer("x+", text)]
-    return found
+        text = "".join("x" if value else "." for value in column)
+        pieces += [(marker, value.start(), len(value.group())) for value in re.finditer("x+", text)]
+    return pieces
 
 
 def test_the_gaps_are_those_of_the_source_at_another_time_on_other_markers() -> None:
-    made = cut(whole(), source(), seed=3)
-    hidden = made.hidden.hidden
+    result = cut(whole(), source(), seed=3)
+    hidden = result.hidden.hidden
     used = np.flatnonzero(hidden.any(axis=0))
     assert len(used) == 4
     begin = int(hidden.any(axis=1).argmax())
@@ -67,8 +67,8 @@ def test_the_gaps_are_those_of_the_source_at_another_time_on_other_markers() -> 
         tuple(np.flatnonzero(column) - 10) for column in (~source().present).T if column.any()
     )
     assert mine == theirs
-    assert made.truth.present.all()
-    np.testing.assert_array_equal(made.gappy.present, ~hidden)
+    assert result.truth.present.all()
+    np.testing.assert_array_equal(result.gappy.present, ~hidden)
 
 
 def test_markers_that_are_missing_at_once_are_neighbours() -> None:
@@ -85,10 +85,10 @@ def test_markers_that_are_missing_at_once_are_neighbours() -> None:
 
 
 def test_the_seed_decides_when_and_where() -> None:
-    made = [cut(whole(), source(), seed=seed).hidden.hidden for seed in range(40)]
-    np.testing.assert_array_equal(made[0], cut(whole(), source(), seed=0).hidden.hidden)
-    begins = {int(hidden.any(axis=1).argmax()) for hidden in made}
-    firsts = {int(hidden[hidden.any(axis=1).argmax()].argmax()) for hidden in made}
+    result = [cut(whole(), source(), seed=seed).hidden.hidden for seed in range(40)]
+    np.testing.assert_array_equal(result[0], cut(whole(), source(), seed=0).hidden.hidden)
+    begins = {int(hidden.any(axis=1).argmax()) for hidden in result}
+    firsts = {int(hidden[hidden.any(axis=1).argmax()].argmax()) for hidden in result}
     assert len(begins) > 25
     assert len(firsts) > 8
 
@@ -117,18 +117,18 @@ def test_the_whole_pattern_fits_or_the_error_counts(
     take, origin = lacking(missing > 0.95), lacking(taken, rate)
     pattern = read_pattern(origin, 60.0)
     try:
-        made = cut(take, origin, seed=seed)
+        result = cut(take, origin, seed=seed)
     except ValueError as error:
-        asked, fitting = map(int, re.findall(r"(\d+) (?:gaps on|fit into)", str(error)))
-        assert fitting < asked == len(pattern.length)
+        predictors, fitting = map(int, re.findall(r"(\d+) (?:gaps on|fit into)", str(error)))
+        assert fitting < predictors == len(pattern.length)
         return
-    found = gaps(made.hidden.hidden)
-    assert sorted(length for *_, length in found) == sorted(pattern.length.tolist())
-    assert len({marker for marker, *_ in found}) == pattern.markers
-    for marker, first, length in found:
+    actual = gaps(result.hidden.hidden)
+    assert sorted(length for *_, length in actual) == sorted(pattern.length.tolist())
+    assert len({marker for marker, *_ in actual}) == pattern.markers
+    for marker, first, length in actual:
         assert take.present[first : first + length, marker].all()
-        assert made.gappy.present[first - 1, marker]
-        assert made.gappy.present[first + length, marker]
+        assert result.gappy.present[first - 1, marker]
+        assert result.gappy.present[first + length, marker]
 
 
 def test_nothing_but_gaps_rate_and_reference_shape_counts() -> None:
@@ -138,8 +138,8 @@ def test_nothing_but_gaps_rate_and_reference_shape_counts() -> None:
     # the first frame is the reference shape, being complete
     still = replace(take, positions=np.broadcast_to(take.positions[0], take.positions.shape))
     hidden = cut(take, origin, seed=5).hidden.hidden
-    for one, other in ((take, moved), (take, named), (still, origin)):
-        np.testing.assert_array_equal(cut(one, other, seed=5).hidden.hidden, hidden)
+    for first, second in ((take, moved), (take, named), (still, origin)):
+        np.testing.assert_array_equal(cut(first, second, seed=5).hidden.hidden, hidden)
 
 
 @pytest.mark.parametrize(
@@ -152,9 +152,9 @@ def test_settings_that_the_pattern_decides_are_refused(setting: str, value: Any)
 
 
 def test_defaults_are_no_settings() -> None:
-    given: Any = {"length": 15, "count": 20, "simultaneous": 1, "pattern": "random"}
-    one, other = cut(whole(), source()), cut(whole(), source(), **given)
-    np.testing.assert_array_equal(one.hidden.hidden, other.hidden.hidden)
+    settings: Any = {"length": 15, "count": 20, "simultaneous": 1, "pattern": "random"}
+    first, second = cut(whole(), source()), cut(whole(), source(), **settings)
+    np.testing.assert_array_equal(first.hidden.hidden, second.hidden.hidden)
 
 
 def test_a_recording_that_is_too_short_says_how_many_gaps_fit() -> None:
@@ -174,9 +174,9 @@ def test_too_few_markers_say_how_many_gaps_fit() -> None:
 
 
 def test_the_port_may_stay_open() -> None:
-    found = node_of(cut)
-    assert found is not None
-    assert [(port.name, port.optional) for port in found.inputs] == [
+    definition = node_of(cut)
+    assert definition is not None
+    assert [(port.name, port.optional) for port in definition.inputs] == [
         ("recording", False),
         ("pattern_from", True),
     ]
