@@ -23,7 +23,7 @@ def plainly(truth: Trajectories, fills: Across[Trajectories], neighbours: int) -
             float(np.linalg.norm(truth.positions[t, 1] - truth.positions[t, other])) for t in known
         ]
         mean = sum(apart) / len(apart)
-        spread = (sum((one - mean) ** 2 for one in apart) / len(apart)) ** 0.5
+        spread = (sum((value - mean) ** 2 for value in apart) / len(apart)) ** 0.5
         usual.append((spread / mean, other, mean, max(spread, mean / 1000)))
     weights = []
     for fill in fills.values():
@@ -39,32 +39,32 @@ def plainly(truth: Trajectories, fills: Across[Trajectories], neighbours: int) -
 @pytest.mark.parametrize("neighbours", [1, 3, 9])
 def test_equals_the_plain_formula(filled: Filled, truth: Trajectories, neighbours: int) -> None:
     fills = filled([0.02, 0.12])
-    made = ensemble(fills, neighbours=neighbours)
+    combined = ensemble(fills, neighbours=neighbours)
     share = plainly(truth, fills, neighbours)
     assert 0.01 < share < 0.99
-    off = made.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
+    off = combined.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
     np.testing.assert_allclose(off, 0.02 + share * 0.1, atol=1e-9)
 
 
 def test_a_fill_that_breaks_all_distances_has_no_say(filled: Filled, truth: Trajectories) -> None:
-    made = ensemble(filled([0.0, 50.0, -80.0]))
-    np.testing.assert_allclose(made.positions, truth.positions, atol=1e-9)
+    combined = ensemble(filled([0.0, 50.0, -80.0]))
+    np.testing.assert_allclose(combined.positions, truth.positions, atol=1e-9)
 
 
 def test_of_implausible_fills_the_least_one_counts(filled: Filled, truth: Trajectories) -> None:
-    made = ensemble(filled([3000.0, 9000.0]))
-    off = made.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
+    combined = ensemble(filled([3000.0, 9000.0]))
+    off = combined.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
     np.testing.assert_allclose(off, 3000.0, atol=1e-6)
 
 
 def test_without_neighbours_all_count_alike(filled: Filled, truth: Trajectories) -> None:
-    alone = {str(i): one.keep("b") for i, one in enumerate(filled([1.0, 3.0]).values())}
-    made = ensemble(Across.of(alone, axis="fill"))
-    off = made.positions[10:20, 0, 0] - truth.positions[10:20, 1, 0]
+    alone = {str(i): value.keep("b") for i, value in enumerate(filled([1.0, 3.0]).values())}
+    combined = ensemble(Across.of(alone, axis="fill"))
+    off = combined.positions[10:20, 0, 0] - truth.positions[10:20, 1, 0]
     np.testing.assert_allclose(off, 2.0, atol=1e-12)
 
 
 def test_a_fill_alone_in_a_frame_counts_whole(filled: Filled, truth: Trajectories) -> None:
-    made = ensemble(filled([np.nan, 70.0]))
-    off = made.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
+    combined = ensemble(filled([np.nan, 70.0]))
+    off = combined.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
     np.testing.assert_allclose(off, 70.0, atol=1e-9)

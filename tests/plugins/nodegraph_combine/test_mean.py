@@ -14,6 +14,6 @@ Filled = Callable[[list[float]], Across[Trajectories]]
 
 
 def test_is_the_mean_of_those_that_are_there(filled: Filled, truth: Trajectories) -> None:
-    made = mean(filled([1.0, np.nan, 4.0, 7.0]))
-    off = made.positions[10:20, 1] - truth.positions[10:20, 1]
+    combined = mean(filled([1.0, np.nan, 4.0, 7.0]))
+    off = combined.positions[10:20, 1] - truth.positions[10:20, 1]
     np.testing.assert_allclose(off, np.broadcast_to([4.0, 0.0, 0.0], off.shape), atol=1e-12)

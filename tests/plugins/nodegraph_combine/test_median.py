@@ -21,8 +21,8 @@ Filled = Callable[[list[float]], Across[Trajectories]]
 def test_is_the_middle_of_those_that_are_there(
     filled: Filled, truth: Trajectories, errors: list[float], expected: float
 ) -> None:
-    made = median(filled(errors))
-    off = made.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
+    combined = median(filled(errors))
+    off = combined.positions[10:20, 1, 0] - truth.positions[10:20, 1, 0]
     np.testing.assert_allclose(off, expected, atol=1e-12)
 
 
@@ -33,10 +33,10 @@ def test_equals_numpys(truth: Trajectories) -> None:
         positions = truth.positions + random.normal(0, 1, truth.positions.shape)
         positions[random.random(truth.origin.shape) < 0.3] = np.nan
         many[str(index)] = Trajectories(positions=positions, markers=truth.markers, rate=truth.rate)
-    every = np.stack([one.positions for one in many.values()])
-    made = median(Across.of(many, axis="fill"))
+    every = np.stack([value.positions for value in many.values()])
+    combined = median(Across.of(many, axis="fill"))
     seen = ~np.isnan(every).all(axis=0)
     np.testing.assert_allclose(
-        made.positions[seen], np.nanmedian(every[:, seen], axis=0), atol=1e-12
+        combined.positions[seen], np.nanmedian(every[:, seen], axis=0), atol=1e-12
     )
-    assert np.isnan(made.positions[~seen]).all()
+    assert np.isnan(combined.positions[~seen]).all()

@@ -17,23 +17,23 @@ from nodegraph_mocap import Origin, Trajectories
 
 Filled = Callable[[list[float]], Across[Trajectories]]
 NODES = (mean, median, ensemble)
-each = pytest.mark.parametrize("node", NODES, ids=lambda one: str(one.__name__))
+each = pytest.mark.parametrize("node", NODES, ids=lambda value: str(value.__name__))
 
 
 @each
 def test_a_sample_that_one_has_filled_is_filled(
     node: Callable[..., Trajectories], filled: Filled, truth: Trajectories
 ) -> None:
-    made = node(filled([1.0, 2.0, np.nan]))
-    assert np.all(made.origin[10:20, 1] == Origin.FILLED)
-    assert np.count_nonzero(made.origin != Origin.MEASURED) == 10
-    np.testing.assert_array_equal(made.positions[:10], truth.positions[:10])
+    combined = node(filled([1.0, 2.0, np.nan]))
+    assert np.all(combined.origin[10:20, 1] == Origin.FILLED)
+    assert np.count_nonzero(combined.origin != Origin.MEASURED) == 10
+    np.testing.assert_array_equal(combined.positions[:10], truth.positions[:10])
 
 
 @each
 def test_what_none_has_stays_missing(node: Callable[..., Trajectories], filled: Filled) -> None:
-    made = node(filled([np.nan, np.nan]))
-    assert np.all(made.origin[10:20, 1] == Origin.MISSING)
+    combined = node(filled([np.nan, np.nan]))
+    assert np.all(combined.origin[10:20, 1] == Origin.MISSING)
 
 
 @each
@@ -61,10 +61,10 @@ def test_what_was_refused_is_told(node: Callable[..., Trajectories], filled: Fil
     ],
 )
 def test_other_recordings_are_refused(
-    node: Callable[..., Trajectories], truth: Trajectories, change: dict[str, Any], said: str
+    node: Callable[..., Trajectories], truth: Trajectories, change: dict[str, Any], words: str
 ) -> None:
     other = replace(truth, **change)
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=words):
         node(Across.of({"one": truth, "two": other}, axis="fill"))
 
 
