@@ -16,31 +16,31 @@ MOTION: HeadMotion = specimens()[HeadMotion]()["complete"]
 
 
 def test_weights_drive_the_morph_targets_of_their_names() -> None:
-    made = mesh(WEIGHTS, HEAD, MOTION)
-    assert made.head is HEAD
-    assert made.head_motion is MOTION
-    np.testing.assert_array_equal(made.morph_weights, WEIGHTS.values)
-    assert (made.frames, made.rate) == (WEIGHTS.frames, WEIGHTS.rate)
+    animation = mesh(WEIGHTS, HEAD, MOTION)
+    assert animation.head is HEAD
+    assert animation.head_motion is MOTION
+    np.testing.assert_array_equal(animation.morph_weights, WEIGHTS.values)
+    assert (animation.frames, animation.rate) == (WEIGHTS.frames, WEIGHTS.rate)
     assert mesh(WEIGHTS, HEAD).head_motion is None
 
 
 def test_weights_of_one_face_drive_another_by_name() -> None:
     other = replace(HEAD, names=("mouthSmile_R", "JawOpen", "mouthSmile_L"))
-    made = mesh(WEIGHTS, other)
-    np.testing.assert_array_equal(made.morph_weights, WEIGHTS.values[:, [2, 0, 1]])
+    animation = mesh(WEIGHTS, other)
+    np.testing.assert_array_equal(animation.morph_weights, WEIGHTS.values[:, [2, 0, 1]])
 
 
 def test_what_has_no_counterpart_is_left_out_and_named() -> None:
     weights = replace(WEIGHTS, names=("TongueOut", "jawOpen", "browInnerUp"))
-    with pytest.warns(UserWarning) as told:  # noqa: PT030  (two of them, both below)
-        made = mesh(weights, HEAD)
-    assert [str(one.message) for one in told] == [
+    with pytest.warns(UserWarning) as caught:  # noqa: PT030  (two of them, both below)
+        animation = mesh(weights, HEAD)
+    assert [str(warning.message) for warning in caught] == [
         "2 of 3 weights have no shape on the head, and are left out: TongueOut, browInnerUp",
         "2 of the head's 3 shapes have no weight, and stay at 0: mouthSmileLeft, mouthSmileRight",
     ]
-    assert made.weights.names == ("jawOpen",)
-    np.testing.assert_array_equal(made.morph_weights[:, 0], WEIGHTS.values[:, 1])
-    assert not made.morph_weights[:, 1:].any()
+    assert animation.weights.names == ("jawOpen",)
+    np.testing.assert_array_equal(animation.morph_weights[:, 0], WEIGHTS.values[:, 1])
+    assert not animation.morph_weights[:, 1:].any()
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_head_motion_of_another_length_is_an_error() -> None:
 def test_a_missing_weight_stays_missing_until_a_file_is_written() -> None:
     values = WEIGHTS.values.copy()
     values[4:6, 1] = np.nan
-    made = mesh(replace(WEIGHTS, values=values), HEAD)
-    np.testing.assert_array_equal(made.morph_weights, values)
+    animation = mesh(replace(WEIGHTS, values=values), HEAD)
+    np.testing.assert_array_equal(animation.morph_weights, values)
     with pytest.warns(UserWarning, match="2 weights in 2 frames are missing, and repeat the last"):
-        write_glb(made)
+        write_glb(animation)

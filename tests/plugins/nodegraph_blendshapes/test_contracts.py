@@ -75,8 +75,10 @@ def test_a_neutral_that_is_not_the_model_s() -> None:
     @node("blendshapes.broken")
     def broken(head: Head) -> ModelAndNeutral:
         """Build a model, and give another neutral."""
-        made = from_head(head)
-        return made._replace(neutral=replace(made.neutral, positions=made.neutral.positions + 1.0))
+        animation = from_head(head)
+        return animation._replace(
+            neutral=replace(animation.neutral, positions=animation.neutral.positions + 1.0)
+        )
 
     with pytest.raises(AssertionError, match="`neutral` differs from the model's"):
         check_node(broken, registry=REGISTRY)
@@ -102,16 +104,20 @@ def test_a_node_that_gives_something_else() -> None:
         check_node(broken, registry=REGISTRY)
 
 
-def doubled(made: Animation) -> Animation:
-    return replace(made, weights=replace(made.weights, values=2 * made.weights.values))
+def doubled(animation: Animation) -> Animation:
+    return replace(
+        animation, weights=replace(animation.weights, values=2 * animation.weights.values)
+    )
 
 
-def faster(made: Animation) -> Animation:
-    return replace(made, weights=replace(made.weights, rate=2 * made.rate))
+def faster(animation: Animation) -> Animation:
+    return replace(animation, weights=replace(animation.weights, rate=2 * animation.rate))
 
 
-def swollen(made: Animation) -> Animation:
-    return replace(made, head=replace(made.head, vertices=1.1 * np.array(made.head.vertices)))
+def swollen(animation: Animation) -> Animation:
+    return replace(
+        animation, head=replace(animation.head, vertices=1.1 * np.array(animation.head.vertices))
+    )
 
 
 @pytest.mark.parametrize(

@@ -72,8 +72,8 @@ def test_a_missing_sample_is_refused_with_its_frame_and_markers(gap: int, messag
 
 
 def test_a_missing_sample_in_another_frame_does_no_harm() -> None:
-    made = from_frames(without(FACE, 13, "nose"), frames=CHOSEN).model
-    np.testing.assert_array_equal(made.shapes, from_frames(FACE, frames=CHOSEN).model.shapes)
+    model = from_frames(without(FACE, 13, "nose"), frames=CHOSEN).model
+    np.testing.assert_array_equal(model.shapes, from_frames(FACE, frames=CHOSEN).model.shapes)
 
 
 @pytest.mark.parametrize(

@@ -19,10 +19,10 @@ SET: MarkerSet = specimens()[MarkerSet]()["complete"]
 
 
 def test_the_specimens_head_and_model_are_one_face() -> None:
-    made = from_head(HEAD).model
-    assert (made.names, made.markers) == (MODEL.names, MODEL.markers)
-    np.testing.assert_array_equal(made.neutral, MODEL.neutral)
-    np.testing.assert_array_equal(made.shapes, MODEL.shapes)
+    model = from_head(HEAD).model
+    assert (model.names, model.markers) == (MODEL.names, MODEL.markers)
+    np.testing.assert_array_equal(model.neutral, MODEL.neutral)
+    np.testing.assert_array_equal(model.shapes, MODEL.shapes)
 
 
 def test_shapes_are_the_morph_targets_at_the_marker_s_vertices() -> None:
@@ -69,13 +69,13 @@ def test_a_morph_target_that_the_markers_do_not_see_is_told() -> None:
 @pytest.mark.filterwarnings("ignore:1 of 52 shapes move no marker. tongueOut")
 def test_a_published_head_gives_its_published_model() -> None:
     known = read_model(path=FACECAP / "model_60_markers.npz").model
-    made, neutral = from_head(
+    model, neutral = from_head(
         read_head(path=FACECAP), read_marker_set(path=FACECAP / "markers.yaml")
     )
-    assert (made.names, made.markers) == (known.names, known.markers)
-    np.testing.assert_array_equal(made.neutral, known.neutral)
+    assert (model.names, model.markers) == (known.names, known.markers)
+    np.testing.assert_array_equal(model.neutral, known.neutral)
     # the file of the head holds its morph targets in half precision
-    np.testing.assert_array_equal(made.shapes, known.shapes.astype(np.float16))
-    np.testing.assert_allclose(made.shapes, known.shapes, rtol=0, atol=0.015)
+    np.testing.assert_array_equal(model.shapes, known.shapes.astype(np.float16))
+    np.testing.assert_allclose(model.shapes, known.shapes, rtol=0, atol=0.015)
     assert neutral.marker_set is not None
     assert set(neutral.marker_set.markers) == set(known.markers)

@@ -63,11 +63,11 @@ def test_importing_the_nodes_loads_nothing_heavy() -> None:
 def test_nodes_that_build_from_a_recording_are_alternatives_of_one_another() -> None:
     ports = {}
     for function in nodegraph_nodes():
-        found = node_of(function)
-        assert found is not None
-        ports[found.name] = (
-            [port.name for port in found.inputs if not port.optional],
-            [port.name for port in found.outputs],
+        definition = node_of(function)
+        assert definition is not None
+        ports[definition.name] = (
+            [port.name for port in definition.inputs if not port.optional],
+            [port.name for port in definition.outputs],
         )
     assert ports["blendshapes.from_frames"] == (["recording"], ["model", "neutral"])
     assert ports["blendshapes.from_pca"] == (["recording"], ["model", "neutral", "components"])

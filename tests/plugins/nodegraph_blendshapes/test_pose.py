@@ -45,9 +45,9 @@ def test_names_of_another_convention_and_order_mean_the_same_shapes() -> None:
 
 def test_what_has_no_counterpart_is_left_out_and_named() -> None:
     weights = replace(WEIGHTS, names=("jawOpen", "TongueOut", "browInnerUp"))
-    with pytest.warns(UserWarning) as told:  # noqa: PT030  (two of them, both below)
+    with pytest.warns(UserWarning) as caught:  # noqa: PT030  (two of them, both below)
         posed = pose(weights, MODEL)
-    assert [str(one.message) for one in told] == [
+    assert [str(warning.message) for warning in caught] == [
         "2 of 3 weights have no shape on the model, and are left out: TongueOut, browInnerUp",
         "2 of the model's 3 shapes have no weight, and stay at 0: mouthSmileLeft, mouthSmileRight",
     ]
@@ -111,8 +111,8 @@ def test_least_squares_finds_the_weights_again(seed: int) -> None:
     values = random.uniform(-1, 2, (12, 6))
     posed = pose(Weights(values=values, names=model.names, rate=60.0), model)
     offsets = (posed.positions - model.neutral).reshape(12, -1)
-    found = np.linalg.lstsq(model.shapes.reshape(6, -1).T, offsets.T, rcond=None)[0].T
-    np.testing.assert_allclose(found, values, rtol=0, atol=1e-9)
+    actual = np.linalg.lstsq(model.shapes.reshape(6, -1).T, offsets.T, rcond=None)[0].T
+    np.testing.assert_allclose(actual, values, rtol=0, atol=1e-9)
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")

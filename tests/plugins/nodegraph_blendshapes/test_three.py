@@ -126,9 +126,9 @@ def pixels(points: Array) -> Array:
 def covered(corners: Array, faces: Array) -> Array:
     """Return (SIZE, SIZE) where the mesh is, triangle by triangle, of those that face us."""
     hit = np.zeros((SIZE, SIZE), dtype=bool)
-    for one, two, three in corners[faces]:
-        low = np.maximum(np.floor(np.minimum(np.minimum(one, two), three)), 0).astype(int)
-        high = np.ceil(np.maximum(np.maximum(one, two), three)).astype(int)
+    for first, second, three in corners[faces]:
+        low = np.maximum(np.floor(np.minimum(np.minimum(first, second), three)), 0).astype(int)
+        high = np.ceil(np.maximum(np.maximum(first, second), three)).astype(int)
         x, y = np.meshgrid(*(np.arange(low[axis], high[axis]) + 0.5 for axis in range(2)))
 
         def side(start: Array, stop: Array, x: Array = x, y: Array = y) -> Array:
@@ -136,7 +136,7 @@ def covered(corners: Array, faces: Array) -> Array:
             return np.asarray(across)
 
         # rows run downward, which turns counter-clockwise into clockwise
-        inside = (side(one, two) <= 0) & (side(two, three) <= 0) & (side(three, one) <= 0)
+        inside = (side(first, second) <= 0) & (side(second, three) <= 0) & (side(three, first) <= 0)
         hit[low[1] : high[1], low[0] : high[0]] |= inside
     return hit
 
@@ -149,14 +149,14 @@ def decoded(address: str) -> Array:
 
 def around(where: Array) -> tuple[slice, slice]:
     """Return the pixels that are at most three from a place."""
-    column, row = (int(one) for one in where)
+    column, row = (int(value) for value in where)
     return slice(row - 3, row + 4), slice(column - 3, column + 4)
 
 
 def test_the_head_is_drawn_where_its_markers_are_and_moves_with_them(
     in_three: Callable[..., Any], head: Head, animation: Animation, markers: Trajectories
 ) -> None:
-    told = in_three(
+    message = in_three(
         write_glb(animation).content["animation.glb"],
         SCRIPT,
         size=SIZE,
@@ -166,7 +166,7 @@ def test_the_head_is_drawn_where_its_markers_are_and_moves_with_them(
         times=[frame / animation.rate for frame in FRAMES],
     )
     faces, places, outlines = [], [], []
-    for frame, seen in zip(FRAMES, told, strict=True):
+    for frame, seen in zip(FRAMES, message, strict=True):
         faces.append(decoded(seen["face"]))
         places.append(pixels(in_place(animation, markers.positions[frame], frame)))
         dots = decoded(seen["dots"])

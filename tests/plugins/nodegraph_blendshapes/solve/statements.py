@@ -19,12 +19,14 @@ FACECAP = Path(__file__).parents[4] / ".." / "shared" / "data" / "facecap"
 def by_scipy(columns: Matrix, targets: Matrix, low: float, high: float) -> Matrix:
     """Least squares within bounds, a target at a time."""
     if np.isinf(low):
-        return np.array([np.linalg.lstsq(columns.T, one, rcond=1e-12)[0] for one in targets])
+        return np.array([np.linalg.lstsq(columns.T, value, rcond=1e-12)[0] for value in targets])
     if low == 0.0 and np.isinf(high):
-        return np.array([nnls(columns.T, one)[0] for one in targets])
+        return np.array([nnls(columns.T, value)[0] for value in targets])
     bounds = (low, high)
-    solved = (lsq_linear(columns.T, one, bounds, "bvls", 1e-15, max_iter=500) for one in targets)
-    return np.array([one.x for one in solved])
+    solved = (
+        lsq_linear(columns.T, value, bounds, "bvls", 1e-15, max_iter=500) for value in targets
+    )
+    return np.array([value.x for value in solved])
 
 
 def left(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> float:

@@ -50,16 +50,16 @@ def as_system(columns: Matrix, targets: Matrix) -> search_kernel.System:
 @settings(max_examples=25, deadline=None)
 def test_as_scipy(low: float, high: float, seed: int, shapes: int, more: int) -> None:
     columns, targets = problem(seed, shapes, shapes + more)
-    made = least_squares(columns, targets, low, high)
-    assert not made.unsolved.any()
-    assert not made.unshared.any()
-    assert left(columns, targets, made.weights, low, high) <= 1e-10
-    assert made.weights.min() >= low
-    assert made.weights.max() <= high
+    solution = least_squares(columns, targets, low, high)
+    assert not solution.unsolved.any()
+    assert not solution.unshared.any()
+    assert left(columns, targets, solution.weights, low, high) <= 1e-10
+    assert solution.weights.min() >= low
+    assert solution.weights.max() <= high
     theirs = by_scipy(columns, targets, low, high)
     if np.linalg.cond(columns) < 1e4:
-        np.testing.assert_allclose(made.weights, theirs, rtol=0, atol=1e-7)
-    for target, ours, other in zip(targets, made.weights, theirs, strict=True):
+        np.testing.assert_allclose(solution.weights, theirs, rtol=0, atol=1e-7)
+    for target, ours, other in zip(targets, solution.weights, theirs, strict=True):
         assert (
             squares(columns, target, ours) <= squares(columns, target, other) * (1 + 1e-10) + 1e-20
         )
@@ -70,11 +70,11 @@ def test_as_scipy(low: float, high: float, seed: int, shapes: int, more: int) ->
 def test_columns_that_hardly_differ(low: float, high: float, apart: float) -> None:
     columns, targets = problem(3, 8, 20, targets=30)
     columns = near(columns, apart)
-    made = least_squares(columns, targets, low, high)
-    assert not made.unsolved.any()
-    assert left(columns, targets, made.weights, low, high) <= 1e-10
+    solution = least_squares(columns, targets, low, high)
+    assert not solution.unsolved.any()
+    assert left(columns, targets, solution.weights, low, high) <= 1e-10
     theirs = by_scipy(columns, targets, low, high)
-    for target, ours, other in zip(targets, made.weights, theirs, strict=True):
+    for target, ours, other in zip(targets, solution.weights, theirs, strict=True):
         assert (
             squares(columns, target, ours) <= squares(columns, target, other) * (1 + 1e-10) + 1e-20
         )
@@ -86,9 +86,9 @@ def test_large_weights_that_cancel_leave_no_more_than_rounding() -> None:
     for seed in range(40):
         columns, targets = problem(seed, 8, 24, targets=1)
         columns = near(columns, 1e-6, seed + 1000)
-        made = least_squares(columns, targets, -1e12, 1e12).weights
-        worst = max(worst, left(columns, targets, made, -1e12, 1e12))
-        largest = max(largest, float(np.abs(made).max()))
+        solution = least_squares(columns, targets, -1e12, 1e12).weights
+        worst = max(worst, left(columns, targets, solution, -1e12, 1e12))
+        largest = max(largest, float(np.abs(solution).max()))
     assert largest > 2e5
     assert worst <= 1e-10
 
@@ -100,43 +100,43 @@ def test_ties_have_the_least_norm(
     low: float, high: float, seed: int, shapes: int, noise: float
 ) -> None:
     columns, targets = problem(seed, shapes, max(1, shapes - 2), targets=3, noise=noise)
-    made = least_squares(columns, targets, low, high)
-    assert not made.unsolved.any()
-    assert left(columns, targets, made.weights, low, high) <= 1e-10
-    for target, told, ours in zip(targets, ~made.unshared, made.weights, strict=True):
+    solution = least_squares(columns, targets, low, high)
+    assert not solution.unsolved.any()
+    assert left(columns, targets, solution.weights, low, high) <= 1e-10
+    for target, message, ours in zip(targets, ~solution.unshared, solution.weights, strict=True):
         shortest = least_norm(columns, ours, low, high)
-        assert ours @ ours <= (shortest @ shortest) * (1 + 1e-7) + 1e-9 or not told
+        assert ours @ ours <= (shortest @ shortest) * (1 + 1e-7) + 1e-9 or not message
         assert squares(columns, target, ours) <= squares(columns, target, shortest) + 1e-7
-    assert np.count_nonzero(made.unshared) <= 1
+    assert np.count_nonzero(solution.unshared) <= 1
 
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
 def test_identical_columns_share(low: float, high: float) -> None:
     columns, targets = problem(1, 10, 40, targets=50)
     columns = np.vstack([columns, columns[:3]])
-    made = least_squares(columns, targets, low, high)
-    np.testing.assert_allclose(made.weights[:, :3], made.weights[:, 10:], rtol=0, atol=1e-9)
-    assert not made.unshared.any()
+    solution = least_squares(columns, targets, low, high)
+    np.testing.assert_allclose(solution.weights[:, :3], solution.weights[:, 10:], rtol=0, atol=1e-9)
+    assert not solution.unshared.any()
     if np.isinf(high):  # two that may be any number are as one
         alone = least_squares(columns[:10], targets, low, high).weights
-        np.testing.assert_allclose(2 * made.weights[:, :3], alone[:, :3], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(2 * solution.weights[:, :3], alone[:, :3], rtol=0, atol=1e-9)
 
 
 def test_fewer_coordinates_than_columns() -> None:
     columns, targets = problem(2, 40, 15, targets=60)
     for low, high in BOUNDS:
-        made = least_squares(columns, targets, low, high)
-        assert not made.unsolved.any()
-        assert not made.unshared.any()
-        assert left(columns, targets, made.weights, low, high) <= 1e-10
+        solution = least_squares(columns, targets, low, high)
+        assert not solution.unsolved.any()
+        assert not solution.unshared.any()
+        assert left(columns, targets, solution.weights, low, high) <= 1e-10
 
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
 def test_a_face_at_rest_has_no_weights(low: float, high: float) -> None:
     columns, targets = problem(0, 9, 4)
     targets[1:3] = 0.0
-    made = least_squares(columns, targets, low, high)
-    np.testing.assert_array_equal(made.weights[1:3], 0.0)
+    solution = least_squares(columns, targets, low, high)
+    np.testing.assert_array_equal(solution.weights[1:3], 0.0)
     columns, targets = problem(0, 4, 9)
     targets[1:3] = 0.0
     np.testing.assert_allclose(least_squares(columns, targets, low, high).weights[1:3], 0.0)
@@ -157,7 +157,7 @@ def test_targets_do_not_know_of_each_other(low: float, high: float, apart: float
     columns = near(columns, apart)
     together = least_squares(columns, targets, low, high).weights
     backwards = least_squares(columns, targets[::-1], low, high).weights[::-1]
-    alone = [least_squares(columns, one[None], low, high).weights[0] for one in targets]
+    alone = [least_squares(columns, value[None], low, high).weights[0] for value in targets]
     np.testing.assert_allclose(together, backwards, rtol=0, atol=1e-11)
     np.testing.assert_allclose(together, alone, rtol=0, atol=1e-11)
 
@@ -182,9 +182,9 @@ def test_what_block_pivoting_leaves_the_search_finds(
     columns, targets = problem(5, 12, 30, targets=20)
     expected = least_squares(columns, targets, low, high).weights
     monkeypatch.setattr(bounded, "_ROUNDS", 1)
-    made = least_squares(columns, targets, low, high)
-    np.testing.assert_allclose(made.weights, expected, rtol=0, atol=1e-12)
-    assert not made.unsolved.any()
+    solution = least_squares(columns, targets, low, high)
+    np.testing.assert_allclose(solution.weights, expected, rtol=0, atol=1e-12)
+    assert not solution.unsolved.any()
 
 
 def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -192,26 +192,26 @@ def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     targets[7] = 0.0
     monkeypatch.setattr(bounded, "_ROUNDS", 1)
     monkeypatch.setattr(bounded, "_FREED", 0)
-    made = least_squares(columns, targets, 0.0, 1.0)
-    assert made.unsolved.tolist() == [frame != 7 for frame in range(20)]
-    np.testing.assert_array_equal(np.isnan(made.weights).all(axis=1), made.unsolved)
-    np.testing.assert_array_equal(made.weights[7], 0.0)
+    solution = least_squares(columns, targets, 0.0, 1.0)
+    assert solution.unsolved.tolist() == [frame != 7 for frame in range(20)]
+    np.testing.assert_array_equal(np.isnan(solution.weights).all(axis=1), solution.unsolved)
+    np.testing.assert_array_equal(solution.weights[7], 0.0)
 
 
 def test_shares_that_cannot_be_told_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     columns, targets = problem(6, 6, 12, targets=10)
     columns = near(columns, 0.0)
-    told = least_squares(columns, targets, 0.0, 1.0)
+    message = least_squares(columns, targets, 0.0, 1.0)
 
     def never(projector: Matrix, weights: Matrix, *bounds: Matrix) -> tuple[Matrix, Matrix]:
         return np.zeros_like(weights), np.zeros(len(weights), dtype=bool)
 
     monkeypatch.setattr(bounded, "_least", never)
-    made = least_squares(columns, targets, 0.0, 1.0)
-    assert made.unshared.any()
-    assert left(columns, targets, made.weights, 0.0, 1.0) <= 1e-10
-    same = ~made.unshared
-    np.testing.assert_array_equal(made.weights[same], told.weights[same])
+    solution = least_squares(columns, targets, 0.0, 1.0)
+    assert solution.unshared.any()
+    assert left(columns, targets, solution.weights, 0.0, 1.0) <= 1e-10
+    same = ~solution.unshared
+    np.testing.assert_array_equal(solution.weights[same], message.weights[same])
 
 
 @given(seed=st.integers(0, 10**6), high=st.sampled_from([1.0, INF]))
@@ -220,15 +220,15 @@ def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
     columns, targets = problem(seed, 7, 15)
     lengths = np.linalg.norm(columns, axis=1)
     theirs = by_scipy(columns, targets, 0.0, high)
-    made = np.empty_like(theirs)
-    one = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, high)
-    kernel.bounded(one, targets, targets @ columns.T, 200, made)
-    np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
-    free = np.empty(made.shape, dtype=bool)
+    solution = np.empty_like(theirs)
+    first = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, high)
+    kernel.bounded(first, targets, targets @ columns.T, 200, solution)
+    np.testing.assert_allclose(solution, theirs, rtol=0, atol=1e-8)
+    free = np.empty(solution.shape, dtype=bool)
     searched = search_kernel.Squares(columns, lengths, 0.0, high)
-    search_kernel.search(searched, targets, as_system(columns, targets), 100, made, free)
-    np.testing.assert_allclose(made, theirs, rtol=0, atol=1e-8)
-    np.testing.assert_array_equal(free, (made > 0.0) & (made < high))
+    search_kernel.search(searched, targets, as_system(columns, targets), 100, solution, free)
+    np.testing.assert_allclose(solution, theirs, rtol=0, atol=1e-8)
+    np.testing.assert_array_equal(free, (solution > 0.0) & (solution < high))
 
 
 def test_exchanging_one_at_a_time_ends_too(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -248,10 +248,10 @@ def test_exchanging_one_at_a_time_ends_too(monkeypatch: pytest.MonkeyPatch) -> N
 def test_searches_that_are_cut_short_stay_within_the_bounds() -> None:
     columns, targets = problem(9, 8, 16)
     lengths = np.linalg.norm(columns, axis=1)
-    made, free = np.empty((4, 8)), np.empty((4, 8), dtype=bool)
+    solution, free = np.empty((4, 8)), np.empty((4, 8), dtype=bool)
     for most in range(4):
         few = search_kernel.Squares(columns, lengths, 0.0, 1.0)
-        search_kernel.search(few, targets, as_system(columns, targets), most, made, free)
-        assert made.min() >= 0.0
-        assert made.max() <= 1.0
-        assert np.count_nonzero(made, axis=1).max() <= most
+        search_kernel.search(few, targets, as_system(columns, targets), most, solution, free)
+        assert solution.min() >= 0.0
+        assert solution.max() <= 1.0
+        assert np.count_nonzero(solution, axis=1).max() <= most

@@ -52,13 +52,13 @@ nodes:
 def test_a_graph_with_nonsense_is_not_loaded_and_says_the_same(bounds: str, tmp_path: Path) -> None:
     graph = tmp_path / "graph.yaml"
     graph.write_text(GRAPH.replace("BOUNDS", bounds))
-    with pytest.raises(ng.GraphError) as told:
+    with pytest.raises(ng.GraphError) as error:
         ng.load(graph)
-    with pytest.raises(ValueError, match="bounds must be") as said:
+    with pytest.raises(ValueError, match="bounds must be") as words:
         limits((1.0, 0.0))
-    rule = str(said.value).removeprefix("bounds ").partition(";")[0]
+    rule = str(words.value).removeprefix("bounds ").partition(";")[0]
     assert f"graph.yaml:6:88: weights: setting 'bounds' of solve.weights {rule}, got [" in str(
-        told.value
+        error.value
     )
 
 

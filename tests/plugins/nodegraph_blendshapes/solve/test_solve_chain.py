@@ -29,76 +29,76 @@ def chain(low: float = 0.0, high: float = 1.0, *, smoothness: float = 2.0, seed:
     )
 
 
-def whole(given: Chain) -> NDArray[np.float64]:
+def whole(problem: Chain) -> NDArray[np.float64]:
     """The matrix H, an entry at a time."""
-    frames, count = given.linear.shape
-    made = np.zeros((frames, count, frames, count))
+    frames, count = problem.linear.shape
+    solution = np.zeros((frames, count, frames, count))
     for frame in range(frames):
-        made[frame, :, frame] = given.grams[given.which[frame]]
-    for frame in map(int, np.flatnonzero(given.coupled)):
+        solution[frame, :, frame] = problem.grams[problem.which[frame]]
+    for frame in map(int, np.flatnonzero(problem.coupled)):
         for k in range(count):
-            made[frame, k, frame, k] += given.smoothness
-            made[frame - 1, k, frame - 1, k] += given.smoothness
-            made[frame, k, frame - 1, k] -= given.smoothness
-            made[frame - 1, k, frame, k] -= given.smoothness
-    return made.reshape(frames * count, -1)
+            solution[frame, k, frame, k] += problem.smoothness
+            solution[frame - 1, k, frame - 1, k] += problem.smoothness
+            solution[frame, k, frame - 1, k] -= problem.smoothness
+            solution[frame - 1, k, frame, k] -= problem.smoothness
+    return solution.reshape(frames * count, -1)
 
 
-def expected(given: Chain) -> NDArray[np.float64]:
+def expected(problem: Chain) -> NDArray[np.float64]:
     """The least by SciPy, of the squares that have this matrix."""
-    root = np.linalg.cholesky(whole(given)).T
-    target = np.linalg.solve(root.T, given.linear.ravel())
-    bounds = (given.low, given.high)
+    root = np.linalg.cholesky(whole(problem)).T
+    target = np.linalg.solve(root.T, problem.linear.ravel())
+    bounds = (problem.low, problem.high)
     return lsq_linear(root, target, bounds, "bvls", 1e-15, max_iter=500).x.reshape(7, 4)
 
 
 def test_gradient_and_division() -> None:
-    given = chain()
+    problem = chain()
     weights = np.random.default_rng(1).normal(size=(7, 4))
-    plain = (whole(given) @ weights.ravel()).reshape(7, 4) - given.linear
-    np.testing.assert_allclose(given.gradient(weights), plain, rtol=0, atol=1e-12)
+    plain = (whole(problem) @ weights.ravel()).reshape(7, 4) - problem.linear
+    np.testing.assert_allclose(problem.gradient(weights), plain, rtol=0, atol=1e-12)
     diagonal = np.random.default_rng(2).uniform(0, 3, (7, 4))
-    solved = np.linalg.solve(whole(given) + np.diag(diagonal.ravel()), weights.ravel())
-    made = given.divided(diagonal)(weights)
-    np.testing.assert_allclose(made, solved.reshape(7, 4), rtol=0, atol=1e-11)
-    assert given.size == np.abs(given.linear).max()
-    assert given.scale >= np.linalg.eigvalsh(whole(given)).max() / 4
+    solved = np.linalg.solve(whole(problem) + np.diag(diagonal.ravel()), weights.ravel())
+    solution = problem.divided(diagonal)(weights)
+    np.testing.assert_allclose(solution, solved.reshape(7, 4), rtol=0, atol=1e-11)
+    assert problem.size == np.abs(problem.linear).max()
+    assert problem.scale >= np.linalg.eigvalsh(whole(problem)).max() / 4
 
 
 @pytest.mark.parametrize(("low", "high"), [*BOUNDS, (-INF, INF)])
 @pytest.mark.parametrize("seed", range(5))
 def test_exchanging_finds_the_least(low: float, high: float, seed: int) -> None:
-    given = chain(low, high, seed=seed)
-    made = given.exchanged(np.full((7, 4), 0.25))
-    assert made is not None
-    np.testing.assert_allclose(made, expected(given), rtol=0, atol=1e-9)
-    left = given.inwards(made, given.gradient(made))
-    assert np.abs(left).max() <= 1e-13 * given.size
+    problem = chain(low, high, seed=seed)
+    solution = problem.exchanged(np.full((7, 4), 0.25))
+    assert solution is not None
+    np.testing.assert_allclose(solution, expected(problem), rtol=0, atol=1e-9)
+    left = problem.inwards(solution, problem.gradient(solution))
+    assert np.abs(left).max() <= 1e-13 * problem.size
 
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
 @pytest.mark.parametrize("seed", range(5))
 def test_the_least_from_within(low: float, high: float, seed: int) -> None:
-    given = chain(low, high, seed=seed)
-    made = interior(given)
-    np.testing.assert_allclose(made, expected(given), rtol=0, atol=1e-8)
-    assert made.min() >= low
-    assert made.max() <= high
-    np.testing.assert_array_equal(made == low, expected(given) <= low + 1e-12)
+    problem = chain(low, high, seed=seed)
+    solution = interior(problem)
+    np.testing.assert_allclose(solution, expected(problem), rtol=0, atol=1e-8)
+    assert solution.min() >= low
+    assert solution.max() <= high
+    np.testing.assert_array_equal(solution == low, expected(problem) <= low + 1e-12)
 
 
 @pytest.mark.parametrize("high", [1.0, INF])
 def test_from_within_where_a_bound_holds_nothing_back(high: float) -> None:
     """The least is at the bound, and would be without it."""
-    given = chain(0.0, high)
+    problem = chain(0.0, high)
     weights = np.random.default_rng(3).uniform(0.2, 0.8, (7, 4))
     weights[::2, 1] = 0.0
-    linear = (whole(given) @ weights.ravel()).reshape(7, 4)
-    given = Chain(**{**vars(given), "linear": linear})
-    made = interior(given)
-    left = given.inwards(made, given.gradient(made))
-    assert np.abs(left).max() <= 1e-9 * given.size
-    np.testing.assert_allclose(made, weights, rtol=0, atol=1e-8)
+    linear = (whole(problem) @ weights.ravel()).reshape(7, 4)
+    problem = Chain(**{**vars(problem), "linear": linear})
+    solution = interior(problem)
+    left = problem.inwards(solution, problem.gradient(solution))
+    assert np.abs(left).max() <= 1e-9 * problem.size
+    np.testing.assert_allclose(solution, weights, rtol=0, atol=1e-8)
 
 
 def test_circles_are_told(monkeypatch: pytest.MonkeyPatch) -> None:

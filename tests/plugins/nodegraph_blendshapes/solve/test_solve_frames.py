@@ -24,22 +24,22 @@ def gappy() -> tuple[Problem, np.ndarray]:
 
 def test_patterns_are_the_frames_by_their_markers() -> None:
     problem, positions = gappy()
-    found = list(patterns(problem, 0.0))
-    assert [one.frames[0] for one in found] == [0, 1, 2, 4, 5]
-    for one in found:
-        assert one.frames.tolist() == list(range(one.frames[0], 30, 6))
-        there = np.isfinite(positions[one.frames[0], :, 0])
-        assert one.columns.shape == (5, 3 * there.sum())
+    actual = list(patterns(problem, 0.0))
+    assert [value.frames[0] for value in actual] == [0, 1, 2, 4, 5]
+    for first in actual:
+        assert first.frames.tolist() == list(range(first.frames[0], 30, 6))
+        there = np.isfinite(positions[first.frames[0], :, 0])
+        assert first.columns.shape == (5, 3 * there.sum())
         np.testing.assert_array_equal(
-            one.targets, problem.offsets[one.frames][:, there].reshape(len(one.frames), -1)
+            first.targets, problem.offsets[first.frames][:, there].reshape(len(first.frames), -1)
         )
 
 
 def test_a_ridge_is_so_many_coordinates_more() -> None:
     problem, _ = gappy()
-    for one in patterns(problem, 4.0):
-        np.testing.assert_array_equal(one.columns[:, -5:], 2.0 * np.eye(5))
-        np.testing.assert_array_equal(one.targets[:, -5:], 0.0)
+    for first in patterns(problem, 4.0):
+        np.testing.assert_array_equal(first.columns[:, -5:], 2.0 * np.eye(5))
+        np.testing.assert_array_equal(first.targets[:, -5:], 0.0)
 
 
 @pytest.mark.parametrize("ridge", [0.0, 1e-6, 3.0])

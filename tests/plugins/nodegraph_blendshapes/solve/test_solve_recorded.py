@@ -69,11 +69,11 @@ def test_clean_markers_give_the_stored_weights() -> None:
     captured = posed(model, weights).positions @ rotations.transpose(0, 2, 1)
     captured += translations[:, None]
     with pytest.warns(UserWarning, match="3 of 52 shapes move no marker .*: " + ", ".join(UNSEEN)):
-        made = solve_weights(at(posed(model, weights), still(captured)), model)
-    apart = np.abs(made.weights.values - weights)[:, seen()]
+        solution = solve_weights(at(posed(model, weights), still(captured)), model)
+    apart = np.abs(solution.weights.values - weights)[:, seen()]
     assert apart.max() <= 1e-6
-    np.testing.assert_array_equal(made.weights.values[:, ~seen()], 0.0)
-    assert made.residuals["rms"].max() < 1e-9
+    np.testing.assert_array_equal(solution.weights.values[:, ~seen()], 0.0)
+    assert solution.residuals["rms"].max() < 1e-9
 
 
 def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
@@ -83,11 +83,11 @@ def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
     rounding = np.linalg.norm(recording.positions - posed(model, weights).positions, axis=(1, 2))
     columns = model.shapes[seen()].reshape(seen().sum(), -1)
     weakest = np.linalg.svd(columns, compute_uv=False)[-1]
-    made = quietly(recording, model)
-    apart = np.linalg.norm((made - weights)[:, seen()], axis=1)
+    solution = quietly(recording, model)
+    apart = np.linalg.norm((solution - weights)[:, seen()], axis=1)
     assert weakest == pytest.approx(0.0375, abs=1e-3)
     assert (apart <= 2.0 * rounding / weakest).all()
-    assert np.abs(made - weights)[:, seen()].max() < 2e-4
+    assert np.abs(solution - weights)[:, seen()].max() < 2e-4
 
 
 @pytest.mark.parametrize("bounds", [(0.0, 1.0), "nonnegative", "none"])
@@ -95,17 +95,17 @@ def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
 def test_noisy_markers_are_solved_as_by_scipy(bounds: object, ridge: float) -> None:
     model = stored_model()
     recording = posed(model, stored()[0], noise=0.05)
-    made = quietly(recording, model, bounds=bounds, ridge=ridge)[:, seen()]
+    solution = quietly(recording, model, bounds=bounds, ridge=ridge)[:, seen()]
     columns = model.shapes[seen()].reshape(seen().sum(), -1)
     columns = np.hstack([columns, np.sqrt(ridge) * np.eye(len(columns))])
     targets = (recording.positions - model.neutral).reshape(recording.frames, -1)
     targets = np.pad(targets, ((0, 0), (0, len(columns))))
     low = -np.inf if bounds == "none" else 0.0
     high = 1.0 if isinstance(bounds, tuple) else np.inf
-    assert left(columns, targets, made, low, high) <= 1e-10
+    assert left(columns, targets, solution, low, high) <= 1e-10
     some = slice(0, None, 30)
     expected = by_scipy(columns, targets[some], low, high)
-    np.testing.assert_allclose(made[some], expected, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(solution[some], expected, rtol=0, atol=1e-8)
 
 
 def test_smoothness_meets_its_conditions() -> None:
@@ -114,12 +114,12 @@ def test_smoothness_meets_its_conditions() -> None:
     columns = model.shapes[seen()].reshape(seen().sum(), -1)
     targets = (recording.positions - model.neutral).reshape(recording.frames, -1)
     for smoothness in (0.0025, 1.0):
-        made = quietly(recording, model, smoothness=smoothness)[:, seen()]
-        gradient = (made @ columns - targets) @ columns.T
-        change = smoothness * np.diff(made, axis=0)
+        solution = quietly(recording, model, smoothness=smoothness)[:, seen()]
+        gradient = (solution @ columns - targets) @ columns.T
+        change = smoothness * np.diff(solution, axis=0)
         gradient[1:] += change
         gradient[:-1] -= change
-        held = (made == 0.0) & (gradient > 0) | (made == 1.0) & (gradient < 0)
+        held = (solution == 0.0) & (gradient > 0) | (solution == 1.0) & (gradient < 0)
         limit = 1e-10 * np.abs(targets @ columns.T).max()
         assert np.abs(np.where(held, 0.0, gradient)).max() <= limit
 
@@ -153,14 +153,14 @@ def test_live_link_performances_come_back(file: str, lost: int, spilled: float) 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         # one weight of actor b is 1.0033
-        made = quietly(pose(only, model), model, bounds=(0.0, 1.01))
+        solution = quietly(pose(only, model), model, bounds=(0.0, 1.01))
         whole = quietly(pose(weights, model), model, bounds=(0.0, 1.01))
     places = [model.names.index(shapes[name]) for name in kept]
     known = np.isfinite(only.values).all(axis=1)
     assert np.count_nonzero(~known) == lost
     assert len(places) == 49
-    np.testing.assert_array_equal(np.isfinite(made).all(axis=1), known)
-    np.testing.assert_allclose(made[known][:, places], only.values[known], rtol=0, atol=1e-10)
+    np.testing.assert_array_equal(np.isfinite(solution).all(axis=1), known)
+    np.testing.assert_allclose(solution[known][:, places], only.values[known], rtol=0, atol=1e-10)
     # what the unseen shapes do, less than 0.5 mm each, is taken for some of the others
     assert np.nanmax(np.abs(whole[:, places] - only.values)) == pytest.approx(spilled, rel=0.1)
 
@@ -171,9 +171,9 @@ def test_gaps_hardly_change_clean_weights() -> None:
     positions = posed(model, weights).positions.copy()
     positions[np.random.default_rng(0).random(positions.shape[:2]) < 0.1] = np.nan
     positions[50] = np.nan
-    made = quietly(at(posed(model, weights), positions), model)
-    assert np.isnan(made[50]).all()
-    frames = np.arange(len(made)) != 50
-    apart = np.abs(made - weights)[frames][:, seen()]
+    solution = quietly(at(posed(model, weights), positions), model)
+    assert np.isnan(solution[50]).all()
+    frames = np.arange(len(solution)) != 50
+    apart = np.abs(solution - weights)[frames][:, seen()]
     assert np.median(apart.max(axis=1)) < 1e-9
     assert np.isfinite(apart).all()

@@ -14,9 +14,9 @@ INF = float("inf")
 
 
 def shared(projector: Matrix, weights: Matrix, low: Matrix, high: Matrix) -> tuple[Matrix, bool]:
-    made, done = np.empty((1, len(weights))), np.empty(1, dtype=bool)
-    share(projector, (weights @ projector)[None], low[None], high[None], made, done)
-    return made[0], bool(done[0])
+    solution, done = np.empty((1, len(weights))), np.empty(1, dtype=bool)
+    share(projector, (weights @ projector)[None], low[None], high[None], solution, done)
+    return solution[0], bool(done[0])
 
 
 def orthonormal(seed: int, shapes: int, rank: int) -> Matrix:
@@ -33,14 +33,14 @@ def test_the_shortest(low: float, high: float, seed: int, shapes: int, at_bounds
     if at_bounds:
         weights[random.random(shapes) < 0.5] = low
     lows, highs = np.full(shapes, low), np.full(shapes, high)
-    made, done = shared(projector, weights, lows, highs)
+    solution, done = shared(projector, weights, lows, highs)
     if done:
-        apart = np.abs((made - weights) @ projector).max()
+        apart = np.abs((solution - weights) @ projector).max()
         assert apart <= ENOUGH * np.linalg.norm(weights @ projector)
-        assert low <= made.min()
-        assert made.max() <= high
+        assert low <= solution.min()
+        assert solution.max() <= high
         shortest = least_norm(projector, weights, low, high)
-        np.testing.assert_allclose(made @ made, shortest @ shortest, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(solution @ solution, shortest @ shortest, rtol=1e-6, atol=1e-9)
     assert done or at_bounds
 
 
@@ -50,14 +50,14 @@ def test_weights_without_room_stay() -> None:
     low, high = np.zeros(6), np.ones(6)
     still = [0, 3, 4]
     low[still] = high[still] = weights[still]
-    made, done = shared(projector, weights, low, high)
+    solution, done = shared(projector, weights, low, high)
     assert done
-    np.testing.assert_array_equal(made[still], weights[still])
-    assert made @ made <= weights @ weights + 1e-12
+    np.testing.assert_array_equal(solution[still], weights[still])
+    assert solution @ solution <= weights @ weights + 1e-12
 
 
 def test_what_no_weights_give_is_not_done() -> None:
     projector = orthonormal(0, 6, 3)
-    made, done = np.empty((1, 6)), np.ones(1, dtype=bool)
-    share(projector, np.full((1, 3), 50.0), np.zeros((1, 6)), np.ones((1, 6)), made, done)
+    solution, done = np.empty((1, 6)), np.ones(1, dtype=bool)
+    share(projector, np.full((1, 3), 50.0), np.zeros((1, 6)), np.ones((1, 6)), solution, done)
     assert not done[0]

@@ -66,13 +66,13 @@ def gappy(recording: Trajectories) -> Trajectories:
 def test_as_one_dense_problem(bounds: Bounds, smoothness: float, ridge: float) -> None:
     model, _, _ = face(VALUES)
     recording = gappy(posed(model, VALUES, noise=0.5))
-    made = found(recording, model, bounds=bounds, smoothness=smoothness, ridge=ridge)
+    solution = found(recording, model, bounds=bounds, smoothness=smoothness, ridge=ridge)
     low, high = limits(bounds)
     rows, right = system(recording, model, ridge, smoothness)
     expected = lsq_linear(rows, right, (low, high), "bvls", 1e-15, max_iter=500)
-    np.testing.assert_allclose(made, expected.x.reshape(made.shape), rtol=0, atol=1e-8)
-    gradient = (rows.T @ (rows @ made.ravel() - right)).reshape(made.shape)
-    held = (made == low) & (gradient > 0) | (made == high) & (gradient < 0)
+    np.testing.assert_allclose(solution, expected.x.reshape(solution.shape), rtol=0, atol=1e-8)
+    gradient = (rows.T @ (rows @ solution.ravel() - right)).reshape(solution.shape)
+    held = (solution == low) & (gradient > 0) | (solution == high) & (gradient < 0)
     assert np.abs(np.where(held, 0.0, gradient)).max() <= 1e-10 * np.abs(rows.T @ right).max()
 
 
@@ -94,12 +94,12 @@ def test_a_frame_without_any_marker_splits_the_take() -> None:
     recording = posed(model, VALUES, noise=0.5)
     positions = recording.positions.copy()
     positions[5] = np.nan
-    made = found(at(recording, positions), model, smoothness=4.0)
-    assert np.isnan(made[5]).all()
+    solution = found(at(recording, positions), model, smoothness=4.0)
+    assert np.isnan(solution[5]).all()
     for part in (slice(0, 5), slice(6, FRAMES)):
         alone = at(recording, recording.positions[part])
         expected = found(alone, model, smoothness=4.0)
-        np.testing.assert_allclose(made[part], expected, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(solution[part], expected, rtol=0, atol=1e-9)
 
 
 def test_a_hidden_shape_follows_from_the_frames_around() -> None:
@@ -113,10 +113,10 @@ def test_a_hidden_shape_follows_from_the_frames_around() -> None:
     positions[4:6, 0] = np.nan
     hidden = at(recording, positions)
     with pytest.warns(UserWarning, match=r"in 2 of 12 frames .* follows from .* around: s1 \(2\)"):
-        made = solve_weights(hidden, model, smoothness=1e-6)
+        solution = solve_weights(hidden, model, smoothness=1e-6)
     between = np.interp([4, 5], [3, 6], values[[3, 6], 1])
-    np.testing.assert_allclose(made.weights.values[4:6, 1], between, rtol=0, atol=5e-4)
-    assert made.residuals["unseen"].tolist() == [0] * 4 + [1] * 2 + [0] * 6
+    np.testing.assert_allclose(solution.weights.values[4:6, 1], between, rtol=0, atol=5e-4)
+    assert solution.residuals["unseen"].tolist() == [0] * 4 + [1] * 2 + [0] * 6
 
 
 def test_identical_shapes_share() -> None:
@@ -128,8 +128,8 @@ def test_identical_shapes_share() -> None:
         names=(*model.names, "twin"),
     )
     for bounds in ((0.0, 1.0), "nonnegative", "none"):
-        made = found(recording, twin, bounds=bounds, smoothness=2.0)
-        np.testing.assert_allclose(made[:, 0], made[:, -1], rtol=0, atol=1e-6)
+        solution = found(recording, twin, bounds=bounds, smoothness=2.0)
+        np.testing.assert_allclose(solution[:, 0], solution[:, -1], rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("shapes", [24, 36])
@@ -139,11 +139,11 @@ def test_more_shapes_than_coordinates(shapes: int) -> None:
     model, recording, _ = face(values, markers=7)
     for bounds in ((0.0, 1.0), "nonnegative"):
         for smoothness in (1e-6, 1e-2, 1e3):
-            made = found(recording, model, bounds=bounds, smoothness=smoothness)
+            solution = found(recording, model, bounds=bounds, smoothness=smoothness)
             rows, right = system(recording, model, 0.0, smoothness)
-            gradient = (rows.T @ (rows @ made.ravel() - right)).reshape(made.shape)
+            gradient = (rows.T @ (rows @ solution.ravel() - right)).reshape(solution.shape)
             high = 1.0 if isinstance(bounds, tuple) else INF
-            held = (made == 0.0) & (gradient > 0) | (made == high) & (gradient < 0)
+            held = (solution == 0.0) & (gradient > 0) | (solution == high) & (gradient < 0)
             limit = 1e-10 * np.abs(rows.T @ right).max()
             assert np.abs(np.where(held, 0.0, gradient)).max() <= limit
 

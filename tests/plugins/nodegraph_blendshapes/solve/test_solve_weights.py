@@ -30,13 +30,13 @@ def quietly(recording: Trajectories, model: BlendshapeModel, **settings: Any) ->
 
 
 def test_ports_and_settings_are_as_promised() -> None:
-    found = node_of(solve_weights)
-    assert found is not None
-    assert found.name == "solve.weights"
-    ports = [str(port) for port in found.inputs]
+    definition = node_of(solve_weights)
+    assert definition is not None
+    assert definition.name == "solve.weights"
+    ports = [str(port) for port in definition.inputs]
     assert ports == ["recording: Trajectories", "model: BlendshapeModel"]
-    assert [str(port) for port in found.outputs] == ["weights: Weights", "residuals: Table"]
-    defaults = {name: one.default for name, one in found.settings.items()}
+    assert [str(port) for port in definition.outputs] == ["weights: Weights", "residuals: Table"]
+    defaults = {name: value.default for name, value in definition.settings.items()}
     assert defaults == {"bounds": (0.0, 1.0), "ridge": 0.0, "smoothness": 0.0}
 
 
@@ -51,18 +51,18 @@ def test_it_keeps_its_promises(settings: dict[str, Any]) -> None:
 @pytest.mark.parametrize("bounds", [(0.0, 1.0), (-0.2, 1.5), "nonnegative", "none"])
 def test_weights_come_back(bounds: Any) -> None:
     model, recording, weights = face(VALUES)
-    made = solve_weights(recording, model, bounds=bounds)
-    np.testing.assert_allclose(made.weights.values, VALUES, rtol=0, atol=1e-12)
-    assert (made.weights.names, made.weights.rate) == (weights.names, weights.rate)
-    assert made.residuals["rms"].max() < 1e-12
-    assert list(info_of(made.residuals).notes) == []
+    solution = solve_weights(recording, model, bounds=bounds)
+    np.testing.assert_allclose(solution.weights.values, VALUES, rtol=0, atol=1e-12)
+    assert (solution.weights.names, solution.weights.rate) == (weights.names, weights.rate)
+    assert solution.residuals["rms"].max() < 1e-12
+    assert list(info_of(solution.residuals).notes) == []
 
 
 def test_one_frame() -> None:
     model, recording, _ = face(VALUES)
-    made = solve_weights(at(recording, recording.positions[:1]), model)
-    np.testing.assert_allclose(made.weights.values, VALUES[:1], rtol=0, atol=1e-12)
-    assert len(made.residuals) == 1
+    solution = solve_weights(at(recording, recording.positions[:1]), model)
+    np.testing.assert_allclose(solution.weights.values, VALUES[:1], rtol=0, atol=1e-12)
+    assert len(solution.residuals) == 1
 
 
 def test_clipped_least_squares_are_worse() -> None:
@@ -85,8 +85,8 @@ def test_the_table_beside_plain_loops() -> None:
     noisy = posed(model, np.random.default_rng(1).uniform(-0.5, 1.5, (FRAMES, 4)), noise=1.0)
     positions = noisy.positions.copy()
     positions[3, [0, 5]] = positions[8] = np.nan
-    made = quietly(at(noisy, positions), model)
-    values, table = made.weights.values, made.residuals
+    solution = quietly(at(noisy, positions), model)
+    values, table = solution.weights.values, solution.residuals
     for frame in range(FRAMES):
         row = table.iloc[frame]
         apart = {}
@@ -101,7 +101,7 @@ def test_the_table_beside_plain_loops() -> None:
         assert row["at_low"] == sum(value == 0.0 for value in values[frame])
         assert row["at_high"] == sum(value == 1.0 for value in values[frame])
         if apart:
-            squares = [one**2 for one in apart.values()]
+            squares = [value**2 for value in apart.values()]
             assert row["rms"] == pytest.approx(np.sqrt(sum(squares) / len(squares)), rel=1e-12)
             assert row["max"] == pytest.approx(max(apart.values()), rel=1e-12)
             assert row["worst"] == max(apart, key=lambda marker: apart[marker])
@@ -121,10 +121,10 @@ def test_everything_that_is_left_out_is_told() -> None:
     positions = posed(model, VALUES).positions.copy()
     positions[2:5, 0] = positions[9] = np.nan
     recording = replace(at(recording, positions), markers=(*model.markers[:7], "other"))
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        made = solve_weights(recording, model)
-    notes = [str(one.message) for one in told]
+        solution = solve_weights(recording, model)
+    notes = [str(warning.message) for warning in caught]
     assert notes == [
         "1 of 8 markers of the recording are left out, as only the recording has them: other",
         "1 of 8 markers of the model are left out, as only the model has them: m7",
@@ -134,16 +134,16 @@ def test_everything_that_is_left_out_is_told() -> None:
         "is 0: s1 (3)",
         "1 of 20 frames have none of the model's markers, and no weights; the first is frame 9",
     ]
-    assert list(info_of(made.residuals).notes) == [f"{note}." for note in notes]
-    assert (made.weights.values[:, 3][np.arange(FRAMES) != 9] == 0.0).all()
-    assert (made.weights.values[2:5, 1] == 0.0).all()
+    assert list(info_of(solution.residuals).notes) == [f"{note}." for note in notes]
+    assert (solution.weights.values[:, 3][np.arange(FRAMES) != 9] == 0.0).all()
+    assert (solution.weights.values[2:5, 1] == 0.0).all()
 
 
 def test_identical_shapes_share_and_ties_have_the_least_norm() -> None:
     model, recording, _ = face(VALUES, markers=1)
-    made = solve_weights(recording, model)
+    solution = solve_weights(recording, model)
     columns = model.shapes.reshape(4, -1)
-    for values in made.weights.values:
+    for values in solution.weights.values:
         shortest = least_norm(columns, values, 0.0, 1.0)
         assert values @ values == pytest.approx(shortest @ shortest, rel=1e-7)
 
@@ -154,10 +154,10 @@ def test_what_could_not_be_found_or_told_is_said(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(bounded, "_ROUNDS", 1)
     monkeypatch.setattr(bounded, "_FREED", 0)
     with pytest.warns(UserWarning, match=r"in \d+ of 20 frames the weights of least squares could"):
-        made = solve_weights(recording, model)
-    lost = np.isnan(made.weights.values).all(axis=1)
+        solution = solve_weights(recording, model)
+    lost = np.isnan(solution.weights.values).all(axis=1)
     assert lost.any()
-    np.testing.assert_array_equal(lost, np.isnan(made.residuals["rms"]))
+    np.testing.assert_array_equal(lost, np.isnan(solution.residuals["rms"]))
     monkeypatch.undo()
     monkeypatch.setattr(
         bounded, "_least", lambda _, weights, *__: (weights, np.zeros(len(weights), bool))
@@ -182,8 +182,8 @@ def test_halves_and_threads_give_what_the_whole_gives() -> None:
     np.testing.assert_allclose(np.concatenate(halves), whole, rtol=0, atol=1e-12)
     with ThreadPoolExecutor(4) as pool:
         at_once = list(pool.map(lambda _: solve_weights(recording, model).weights.values, range(8)))
-    for one in at_once:
-        np.testing.assert_array_equal(one, whole)
+    for first in at_once:
+        np.testing.assert_array_equal(first, whole)
 
 
 @pytest.mark.parametrize(
@@ -214,5 +214,7 @@ def test_no_shape_is_seen() -> None:
     model, recording, _ = face(VALUES)
     for settings in ({}, {"smoothness": 1.0}, {"bounds": "none"}):
         with pytest.warns(UserWarning, match="4 of 4 shapes move no marker"):
-            made = solve_weights(recording, replace(model, shapes=0.01 * model.shapes), **settings)
-        np.testing.assert_array_equal(made.weights.values, 0.0)
+            solution = solve_weights(
+                recording, replace(model, shapes=0.01 * model.shapes), **settings
+            )
+        np.testing.assert_array_equal(solution.weights.values, 0.0)
