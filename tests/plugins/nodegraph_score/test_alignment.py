@@ -70,21 +70,21 @@ def of(**takes: Any) -> Across[Any]:
     return Across.of(takes, axis="align")
 
 
-def quietly(*given: Any, **settings: Any) -> Any:
+def quietly(*inputs: Any, **settings: Any) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return alignment(*given, **settings)
+        return alignment(*inputs, **settings)
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(alignment)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(alignment)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "recordings: Across[Trajectories]",
         "head_motion: Truth[HeadMotion]",
         "removed: Across[HeadMotion] | None",
     ]
-    assert [port.name for port in found.outputs] == ["table", "figure"]
+    assert [port.name for port in definition.outputs] == ["table", "figure"]
 
 
 def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
@@ -131,8 +131,8 @@ def test_what_an_alignment_has_left_is_found() -> None:
     """Only the shift was taken out, so that the turn is all that is left."""
     where = motion()
     shift = replace(where, rotations=still().rotations)
-    made = recording(captured(speech(), where).positions - where.translations[:, None])
-    table = alignment(one(made), where, one(shift)).table
+    estimate = recording(captured(speech(), where).positions - where.translations[:, None])
+    table = alignment(one(estimate), where, one(shift)).table
     turned = captured(speech(), replace(where, translations=still().translations))
     same = alignment(one(turned), replace(where, translations=still().translations)).table
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
@@ -141,11 +141,11 @@ def test_what_an_alignment_has_left_is_found() -> None:
 def test_each_recording_has_its_rows_and_is_in_the_answer() -> None:
     where, take = motion(), captured(speech(), motion())
     aligned = recording(FACE + speech())
-    found = alignment(of(no=take, yes=aligned), where, of(no=still(), yes=where), components=3)
-    assert found.table["align"].tolist() == ["no"] * 3 + ["yes"] * 3
-    assert found.table["component"].tolist() == [1, 2, 3] * 2
-    assert found.table["in all"][3] == 0.0
-    moving, steady = info_of(found.table).answer
+    actual = alignment(of(no=take, yes=aligned), where, of(no=still(), yes=where), components=3)
+    assert actual.table["align"].tolist() == ["no"] * 3 + ["yes"] * 3
+    assert actual.table["component"].tolist() == [1, 2, 3] * 2
+    assert actual.table["in all"][3] == 0.0
+    moving, steady = info_of(actual.table).answer
     assert moving.startswith("no: PCA finds head motion, head motion, head motion, in this order;")
     assert steady == (
         "yes: PCA finds face, face, face, in this order; head motion makes 0% of the first "
@@ -157,11 +157,11 @@ def test_recordings_of_which_the_same_is_said_are_told_together() -> None:
     where, take = motion(), captured(speech(), motion())
     takes = of(one=take, other=captured(2.0 * speech(), motion()), still=recording(FACE + speech()))
     table = alignment(takes, where, of(one=still(), other=still(), still=where)).table
-    told = info_of(table).answer
-    assert [one.partition(":")[0] for one in told] == ["one, other", "still"]
+    answer = info_of(table).answer
+    assert [value.partition(":")[0] for value in answer] == ["one, other", "still"]
     shares = table[(table["component"] == 1) & (table["align"] != "still")]["head motion"]
     least, most = sorted(round(100 * share) for share in shares)
-    assert f"head motion makes {least} to {most}% of the first component" in told[0]
+    assert f"head motion makes {least} to {most}% of the first component" in answer[0]
 
 
 def test_the_order_of_what_was_removed_does_not_matter() -> None:
@@ -233,7 +233,7 @@ def test_an_absent_recording_is_no_row() -> None:
 
 
 @pytest.mark.parametrize(
-    ("positions", "told"),
+    ("positions", "message"),
     [
         (FACE[None], "needs 2 complete frames; 1 of 1 are"),
         (np.tile(FACE, (20, 1, 1)), "nothing moves"),
@@ -243,8 +243,8 @@ def test_an_absent_recording_is_no_row() -> None:
         (np.empty((0, 12, 3)), "0 frames of 12 markers"),
     ],
 )
-def test_what_has_no_components_is_refused(positions: NDArray[np.float64], told: str) -> None:
-    with pytest.raises(Refusal, match=told):
+def test_what_has_no_components_is_refused(positions: NDArray[np.float64], message: str) -> None:
+    with pytest.raises(Refusal, match=message):
         alignment(one(recording(positions)), motion(len(positions)))
 
 
@@ -299,17 +299,17 @@ def test_an_axis_cannot_be_called_as_a_column_is() -> None:
 
 def test_the_figure_has_a_bar_per_component_filled_by_the_head() -> None:
     where, take = motion(), captured(speech(), motion())
-    found = quietly(
+    actual = quietly(
         of(no=take, yes=recording(FACE + speech())), where, of(no=still(), yes=where), components=3
     )
-    no, yes = found.figure.axes
+    no, yes = actual.figure.axes
     assert (no.get_title(), yes.get_title()) == ("no", "yes")
     heights = [[bar.get_height() for bar in bars] for bars in no.containers]
-    rows = found.table[found.table["align"] == "no"]
+    rows = actual.table[actual.table["align"] == "no"]
     np.testing.assert_allclose(heights[0], rows["share"])
     np.testing.assert_allclose(heights[1], rows["share"] * rows["head motion"].clip(0, 1))
     assert all(bar.get_height() == 0.0 for bar in yes.containers[1])
-    found.figure.savefig(io.BytesIO(), format="svg")
+    actual.figure.savefig(io.BytesIO(), format="svg")
 
 
 def test_it_keeps_the_promises_of_a_score() -> None:

@@ -11,12 +11,14 @@ from nodegraph_score.components import by_chance, explained, movement, principal
 def test_components_are_eigenvectors_of_the_covariance() -> None:
     rng = np.random.default_rng(1)
     positions = rng.normal(0.0, 3.0, (50, 4, 3)) * np.arange(1.0, 5.0)[:, None] + 100.0
-    found = principal(positions)
+    components = principal(positions)
     flat = positions.reshape(50, 12)
     values = np.sort(np.linalg.eigvalsh(np.cov(flat.T, bias=True)))[::-1]
-    np.testing.assert_allclose(found.sd**2, values, rtol=1e-9)
-    np.testing.assert_allclose(found.shares, values / values.sum(), rtol=1e-9)
-    rebuilt = (found.scores * found.sd * np.sqrt(50)) @ found.directions + flat.mean(axis=0)
+    np.testing.assert_allclose(components.sd**2, values, rtol=1e-9)
+    np.testing.assert_allclose(components.shares, values / values.sum(), rtol=1e-9)
+    rebuilt = (components.scores * components.sd * np.sqrt(50)) @ components.directions + flat.mean(
+        axis=0
+    )
     np.testing.assert_allclose(rebuilt, flat, atol=1e-9)
 
 
@@ -34,14 +36,14 @@ def test_nothing_has_no_components(shape: tuple[int, ...]) -> None:
 
 def test_the_shares_of_two_parts_add_up_to_one() -> None:
     rng = np.random.default_rng(4)
-    one, two = rng.normal(0.0, 2.0, (40, 5, 3)), rng.normal(0.0, 1.0, (40, 5, 3))
-    found = principal(one + two)
-    np.testing.assert_allclose(found.part_of(one) + found.part_of(two), 1.0)
+    first, second = rng.normal(0.0, 2.0, (40, 5, 3)), rng.normal(0.0, 1.0, (40, 5, 3))
+    components = principal(first + second)
+    np.testing.assert_allclose(components.part_of(first) + components.part_of(second), 1.0)
     # by hand: the covariance of a component's scores with the part's, over the scores' variance
-    flat = (one + two).reshape(40, 15)
-    scores = (flat - flat.mean(axis=0)) @ found.directions[0]
-    part = one.reshape(40, 15) @ found.directions[0]
-    assert found.part_of(one)[0] == pytest.approx(
+    flat = (first + second).reshape(40, 15)
+    scores = (flat - flat.mean(axis=0)) @ components.directions[0]
+    part = first.reshape(40, 15) @ components.directions[0]
+    assert components.part_of(first)[0] == pytest.approx(
         np.cov(scores, part, bias=True)[0, 1] / np.var(scores)
     )
 
@@ -66,19 +68,19 @@ def test_by_chance_is_every_shift_around_the_end() -> None:
     expected = [
         explained(scores, movement(np.roll(numbers, -shift, axis=0))) for shift in range(4, 37)
     ]
-    found = by_chance(scores, movement(numbers))
+    actual = by_chance(scores, movement(numbers))
     # a shift one way and the same shift the other way are both there
-    np.testing.assert_allclose(np.sort(found, axis=0), np.sort(expected, axis=0), atol=1e-9)
+    np.testing.assert_allclose(np.sort(actual, axis=0), np.sort(expected, axis=0), atol=1e-9)
 
 
 def test_what_does_not_move_is_left_out() -> None:
     numbers = np.random.default_rng(5).normal(size=(30, 6))
     numbers[:, [0, 4]] = 3.0
     numbers[:, 5] = 2.0 * numbers[:, 1]
-    found = movement(numbers)
-    assert found.columns.tolist() == [1, 2, 3, 5]
-    assert found.basis.shape == (30, 3)
-    assert found.conclusive
+    actual = movement(numbers)
+    assert actual.columns.tolist() == [1, 2, 3, 5]
+    assert actual.basis.shape == (30, 3)
+    assert actual.conclusive
     assert not movement(np.full((30, 6), 1e4 / 3.0)).conclusive
 
 

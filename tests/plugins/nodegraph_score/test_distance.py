@@ -44,13 +44,13 @@ def without(take: Trajectories, missing: NDArray[np.bool_]) -> Trajectories:
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(distance)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(distance)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "estimate: Trajectories",
         "reference: Truth[Trajectories]",
     ]
-    assert not found.settings
+    assert not definition.settings
 
 
 def test_the_squared_distances_of_the_worked_example() -> None:
@@ -99,9 +99,9 @@ def test_every_number_is_the_documented_formula(
             assert all(np.isnan(row[name]) for name in NUMBERS)
             assert row["farthest"] == ""
             continue
-        assert row["squared"] == pytest.approx(sum(one**2 for one in apart.values()))
+        assert row["squared"] == pytest.approx(sum(value**2 for value in apart.values()))
         assert row["rms"] == pytest.approx(
-            math.sqrt(sum(one**2 for one in apart.values()) / len(apart))
+            math.sqrt(sum(value**2 for value in apart.values()) / len(apart))
         )
         assert row["mean"] == pytest.approx(sum(apart.values()) / len(apart))
         assert row["max"] == pytest.approx(max(apart.values()))
@@ -121,12 +121,12 @@ def test_markers_of_one_side_only_are_named() -> None:
     estimate, reference = recording().keep("abc"), recording(seed=1).keep("bcd")
     with pytest.warns(UserWarning, match="are left out") as caught:
         table = distance(estimate, reference)
-    told = [
+    message = [
         "1 markers only the estimate has are left out: a",
         "1 markers only the reference has are left out: d",
     ]
-    assert [str(one.message) for one in caught] == told
-    assert list(info_of(table).notes) == [f"{one}." for one in told]
+    assert [str(warning.message) for warning in caught] == message
+    assert list(info_of(table).notes) == [f"{value}." for value in message]
     assert (table["markers"] == 2).all()
     assert (table["missing"] == 0).all()
 

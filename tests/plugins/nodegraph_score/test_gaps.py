@@ -52,13 +52,15 @@ def plainly(estimate: Any, truth: Any, marker: int, first: int, last: int) -> di
         for t in range(first - 1, last + 2)
         if t - 1 in frames and t + 1 in frames
     ]
-    made, true = estimate.positions[:, marker], truth.positions[:, marker]
+    expected, true = estimate.positions[:, marker], truth.positions[:, marker]
     after = last + 1
     return {
         "rmse": float(np.sqrt(np.mean(np.square(distance)))),
         "mae": float(np.mean(distance)),
         "max": max(distance),
-        "jump": float(np.linalg.norm((made[after] - made[last]) - (true[after] - true[last])))
+        "jump": float(
+            np.linalg.norm((expected[after] - expected[last]) - (true[after] - true[last]))
+        )
         if after in frames
         else np.nan,
         "velocity": float(np.sqrt(np.mean(np.square(steps)))) if steps else np.nan,
@@ -138,7 +140,7 @@ def test_a_gap_left_open_in_part_has_no_error_and_is_told() -> None:
 def test_missing_samples_beside_a_gap_only_take_differences_away() -> None:
     estimate, truth = recording(0), recording(1)
     cut = without(estimate, [(6, 0)])
-    whole, row = (gaps(one, truth, mask((0, 4, 5))).iloc[0] for one in (estimate, cut))
+    whole, row = (gaps(value, truth, mask((0, 4, 5))).iloc[0] for value in (estimate, cut))
     error = estimate.positions[:, 0] - truth.positions[:, 0]
     assert row["rmse"] == whole["rmse"]
     assert np.isnan(row["jump"])
@@ -166,7 +168,7 @@ def test_nothing_hidden_gives_an_empty_table_and_says_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("estimate", "hidden", "told"),
+    ("estimate", "hidden", "message"),
     [
         (recording(0, 19), mask(), "estimate has 19 frames, the truth has 20"),
         (recording(0), mask(frames=21), "hidden has 21 frames, the truth has 20"),
@@ -178,8 +180,8 @@ def test_nothing_hidden_gives_an_empty_table_and_says_so() -> None:
         ),
     ],
 )
-def test_what_does_not_match_is_named(estimate: Trajectories, hidden: Mask, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_what_does_not_match_is_named(estimate: Trajectories, hidden: Mask, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         gaps(estimate, recording(1), hidden)
 
 

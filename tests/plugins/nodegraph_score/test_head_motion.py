@@ -29,9 +29,9 @@ def motion(frames: int = 10) -> HeadMotion:
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(head_motion)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(head_motion)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "estimate: HeadMotion",
         "truth: Truth[HeadMotion]",
     ]

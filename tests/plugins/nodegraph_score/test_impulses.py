@@ -28,11 +28,11 @@ def made(seed: int, frames: int = 12) -> tuple[Trajectories, Trajectories, Mask]
         origin = random.choice([0, 1, 1, 1, 2, 3], size=shape).astype(np.uint8)
         positions[origin == 0] = np.nan
         origins.append(origin)
-    one, other = (
+    first, second = (
         Trajectories(positions=positions, markers=NAMES, rate=60.0, origin=origin)
         for positions, origin in zip((estimate, truth), origins[::-1], strict=True)
     )
-    return one, other, Mask(hidden=random.random(shape) < 0.3, markers=NAMES)
+    return first, second, Mask(hidden=random.random(shape) < 0.3, markers=NAMES)
 
 
 def quietly(*values: Any, **chosen: Any) -> Table:
@@ -49,7 +49,7 @@ def plainly(
     estimate: Trajectories, truth: Trajectories, mask: Mask, markers: list[int]
 ) -> dict[str, float]:
     """State the docstring's table with a loop over samples."""
-    errors, hits, found, wrong = [], [], [], []
+    errors, hits, actual, wrong = [], [], [], []
     clean = repaired = 0
     for frame, marker in np.ndindex(truth.origin.shape):
         if marker not in markers or not estimate.origin[frame, marker]:
@@ -63,22 +63,22 @@ def plainly(
         repaired += bool(marked)
         if mask.hidden[frame, marker]:
             hits.append(error)
-            found += [error] * bool(marked)
+            actual += [error] * bool(marked)
         else:
             clean += 1
             wrong += [error] * bool(marked)
     return {
         "samples": len(errors),
         "hits": len(hits),
-        "found": len(found),
+        "found": len(actual),
         "false positives": len(wrong),
         "rmse": mean([error**2 for error in errors]) ** 0.5,
         "error": mean(hits),
-        "missed": 1 - len(found) / len(hits) if hits else np.nan,
+        "missed": 1 - len(actual) / len(hits) if hits else np.nan,
         "false positive rate": len(wrong) / clean if clean else np.nan,
         "change": mean(wrong),
-        "recall": len(found) / len(hits) if hits else np.nan,
-        "precision": len(found) / repaired if repaired else np.nan,
+        "recall": len(actual) / len(hits) if hits else np.nan,
+        "precision": len(actual) / repaired if repaired else np.nan,
     }
 
 
@@ -137,8 +137,8 @@ def test_markers_are_matched_by_name() -> None:
     columns = [NAMES.index(name) for name in order]
     turned = Mask(hidden=mask.hidden[:, columns], markers=order)
     expected = quietly(estimate, truth, mask, per="marker")
-    found = quietly(estimate.keep(order), truth, turned, per="marker")
-    assert found.equals(expected)
+    actual = quietly(estimate.keep(order), truth, turned, per="marker")
+    assert actual.equals(expected)
 
 
 def test_what_no_impulse_has_hit_is_told() -> None:
@@ -163,7 +163,7 @@ def test_what_is_not_judged_is_told() -> None:
     )
     with pytest.warns(UserWarning, match="not judged") as caught:
         table = impulses(estimate, truth, hits((2, 0), (6, 2)))
-    assert [str(one.message) for one in caught] == [
+    assert [str(warning.message) for warning in caught] == [
         "1 samples that only the truth has are not judged (0 hit)",
         "1 samples called repaired in the truth already are not judged (1 hit)",
     ]
@@ -181,9 +181,9 @@ def test_every_number_has_its_unit() -> None:
 
 
 def test_truth_and_impulses_are_answers() -> None:
-    found = node_of(impulses)
-    assert found is not None
-    assert [port.name for port in found.inputs if port.truth] == ["truth", "impulses"]
+    definition = node_of(impulses)
+    assert definition is not None
+    assert [port.name for port in definition.inputs if port.truth] == ["truth", "impulses"]
 
 
 @pytest.mark.parametrize(

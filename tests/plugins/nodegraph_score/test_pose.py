@@ -64,33 +64,33 @@ def test_two_rotations_are_apart_by_the_angle_between_them(angle: float, seed: i
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True).as_matrix()
-    one = some(1, seed=seed)
-    two = HeadMotion(
-        rotations=turn @ one.rotations, translations=one.translations, scales=one.scales
+    first = some(1, seed=seed)
+    second = HeadMotion(
+        rotations=turn @ first.rotations, translations=first.translations, scales=first.scales
     )
-    assert degrees_apart(one, two)[0] == pytest.approx(angle, abs=1e-6)
-    assert degrees_apart(two, one)[0] == pytest.approx(angle, abs=1e-6)
+    assert degrees_apart(first, second)[0] == pytest.approx(angle, abs=1e-6)
+    assert degrees_apart(second, first)[0] == pytest.approx(angle, abs=1e-6)
 
 
 def test_a_tiny_turn_is_not_lost() -> None:
-    one = motion(np.zeros((1, 3)))
-    two = motion(np.array([[1e-7, 0.0, 0.0]]))
-    assert degrees_apart(one, two)[0] == pytest.approx(1e-7, rel=1e-6)
+    first = motion(np.zeros((1, 3)))
+    second = motion(np.array([[1e-7, 0.0, 0.0]]))
+    assert degrees_apart(first, second)[0] == pytest.approx(1e-7, rel=1e-6)
 
 
 def test_what_is_left_over_leads_from_the_aligned_face_to_what_was_made() -> None:
-    true, found = some(seed=1, scale=1.2), some(seed=5, scale=0.8)
+    true, actual = some(seed=1, scale=1.2), some(seed=5, scale=0.8)
     aligned = np.random.default_rng(0).normal(0.0, 40.0, (20, 6, 3))
     captured = placed(aligned, true)
-    made = np.array(
+    estimate = np.array(
         [
             [r.T @ (point - t) / s for point in frame]
             for frame, r, t, s in zip(
-                captured, found.rotations, found.translations, found.scales, strict=True
+                captured, actual.rotations, actual.translations, actual.scales, strict=True
             )
         ]
     )
-    np.testing.assert_allclose(placed(aligned, left_over(true, found)), made, atol=1e-9)
+    np.testing.assert_allclose(placed(aligned, left_over(true, actual)), estimate, atol=1e-9)
     nothing = left_over(true, true)
     np.testing.assert_allclose(nothing.rotations, np.tile(np.eye(3), (20, 1, 1)), atol=1e-12)
     np.testing.assert_allclose(nothing.translations, 0.0, atol=1e-12)

@@ -63,12 +63,12 @@ def test_filled_samples_count() -> None:
 def test_under_two_steps_are_counted() -> None:
     positions = np.zeros((4, 3, 3))
     positions[2:, 0] = positions[1::2, 1] = np.nan
-    told = "2 of 3 markers have fewer than two steps and no roughness"
-    with pytest.warns(UserWarning, match=told):
+    message = "2 of 3 markers have fewer than two steps and no roughness"
+    with pytest.warns(UserWarning, match=message):
         table = roughness(recording(positions))
     assert table["vectors"].tolist() == [1, 0, 3]
     assert table["roughness"].isna().tolist() == [True, True, False]
-    assert list(info_of(table).notes) == [f"{told}."]
+    assert list(info_of(table).notes) == [f"{message}."]
 
 
 def test_one_frame_has_no_steps() -> None:

@@ -26,9 +26,9 @@ def moving(late: float = 0.0, frames: int = 600) -> Positions:
     """Two markers that swing at several frequencies and drift, some frames late."""
     seconds = (np.arange(frames) - late) / 60.0
     swings = [np.sin(2 * np.pi * hertz * seconds + hertz) for hertz in (0.7, 1.3, 2.9)]
-    one = np.stack([8 * swings[0] + 5 * seconds, 3 * swings[1], swings[2]], axis=1)
-    other = np.stack([2 * swings[1], 4 * swings[0] * swings[2], -7 * swings[0]], axis=1)
-    return np.stack([one, other], axis=1)
+    first = np.stack([8 * swings[0] + 5 * seconds, 3 * swings[1], swings[2]], axis=1)
+    second = np.stack([2 * swings[1], 4 * swings[0] * swings[2], -7 * swings[0]], axis=1)
+    return np.stack([first, second], axis=1)
 
 
 def rows(estimate: Positions, truth: Positions, rate: float = 60.0) -> list[dict[Any, Any]]:
@@ -61,8 +61,8 @@ def test_a_mean_over_an_even_window_does_not_lag(reach: int) -> None:
 def test_noise_blurs_the_lag_by_as_much_as_is_said() -> None:
     random = np.random.default_rng(4)
     truth = np.repeat(0.2 * moving(frames=240)[:, :1], 200, axis=1)
-    made = truth + random.normal(0, 0.1, truth.shape)
-    lags = np.array([row["lag"] for row in rows(made, truth)])
+    estimate = truth + random.normal(0, 0.1, truth.shape)
+    lags = np.array([row["lag"] for row in rows(estimate, truth)])
     rmse = np.sqrt(3) * 0.1
     # a third of the noise lies in the direction in which the marker moves
     spread = rmse / np.sqrt(3) / np.sqrt(np.sum(np.diff(truth[:, 0], axis=0) ** 2))
@@ -74,9 +74,9 @@ def test_gaps_change_the_lag_little() -> None:
     truth, estimate = moving(), moving(1.5)
     truth[100:130] = truth[300:420, 0] = estimate[150:155] = np.nan
     with pytest.warns(UserWarning, match="10 samples of the truth are missing in the estimate"):
-        found = rows(estimate, truth)
-    assert [row["samples"] for row in found] == [600 - 155, 600 - 35]
-    for row in found:
+        actual = rows(estimate, truth)
+    assert [row["samples"] for row in actual] == [600 - 155, 600 - 35]
+    for row in actual:
         assert row["lag"] == pytest.approx(1.5, abs=0.05)
         assert row["missing"] == 5
 
@@ -87,10 +87,10 @@ def test_error_is_that_of_the_shared_frames() -> None:
     estimate = truth + away
     estimate[3, 0] = np.nan
     with pytest.warns(UserWarning, match="1 samples of the truth"):
-        found = rows(estimate, truth)
+        actual = rows(estimate, truth)
     squared = np.sum(away**2, axis=2)
-    assert found[0]["rmse"] == pytest.approx(np.sqrt(np.mean(np.delete(squared[:, 0], 3))))
-    assert found[1]["rmse"] == pytest.approx(np.sqrt(np.mean(squared[:, 1])))
+    assert actual[0]["rmse"] == pytest.approx(np.sqrt(np.mean(np.delete(squared[:, 0], 3))))
+    assert actual[1]["rmse"] == pytest.approx(np.sqrt(np.mean(squared[:, 1])))
 
 
 @pytest.mark.parametrize(
@@ -126,13 +126,13 @@ def absent(truth: Positions) -> Positions:
     [(still, 0.0, "2 of 2 markers have no lag"), (absent, np.nan, "2 of 2 markers have no error")],
 )
 def test_what_has_no_value_is_nan_and_told(
-    make: Callable[[Positions], Positions], kept: float, told: str
+    make: Callable[[Positions], Positions], kept: float, message: str
 ) -> None:
     truth = recording(moving())
     with pytest.warns(UserWarning, match="2 of 2 markers have no |1200 samples of ") as caught:
         table = smoothness(recording(make(truth.positions)), truth)
-    assert told in [str(one.message) for one in caught]
-    assert list(info_of(table).notes) == [f"{one.message}." for one in caught]
+    assert message in [str(warning.message) for warning in caught]
+    assert list(info_of(table).notes) == [f"{warning.message}." for warning in caught]
     assert table["lag"].isna().all()
     np.testing.assert_array_equal(table["kept"], kept)
 

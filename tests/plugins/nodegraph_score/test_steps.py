@@ -57,9 +57,9 @@ def rows(stages: Across[Trajectories], against: Trajectories | None = None) -> l
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(steps)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(steps)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "stages: Across[Trajectories]",
         "truth: Truth[Trajectories]",
     ]
@@ -111,10 +111,10 @@ def test_a_step_that_makes_it_worse_is_told_everywhere() -> None:
 
 
 def test_each_step_starts_from_the_stage_before_it() -> None:
-    one, two = off((slice(0, 4), 0), 4.0), off((slice(0, 4), 0), 2.0)
-    found = rows(chain(captured=one, a=two, b=two, c=truth(), d=one))
-    assert [row["verdict"] for row in found] == ["begins", "better", "nothing", "better", "worse"]
-    assert [row["before"] for row in found if row["changed"]] == pytest.approx([4.0, 2.0, 0.0])
+    first, second = off((slice(0, 4), 0), 4.0), off((slice(0, 4), 0), 2.0)
+    actual = rows(chain(captured=first, a=second, b=second, c=truth(), d=first))
+    assert [row["verdict"] for row in actual] == ["begins", "better", "nothing", "better", "worse"]
+    assert [row["before"] for row in actual if row["changed"]] == pytest.approx([4.0, 2.0, 0.0])
 
 
 def test_moving_without_coming_nearer_is_the_same() -> None:
@@ -175,9 +175,9 @@ def test_nothing_but_missing_samples_says_nothing() -> None:
 
 def test_one_frame_has_steps() -> None:
     short = take(truth().positions[:1])
-    found = rows(chain(captured=take(truth().positions[:1] + 1.0), smooth=short), short)
-    assert found[1]["changed"] == 4
-    assert found[1]["before"] == pytest.approx(math.sqrt(3))
+    actual = rows(chain(captured=take(truth().positions[:1] + 1.0), smooth=short), short)
+    assert actual[1]["changed"] == 4
+    assert actual[1]["before"] == pytest.approx(math.sqrt(3))
 
 
 @pytest.mark.parametrize("count", [0, 1])
@@ -190,7 +190,7 @@ def test_fewer_than_two_stages_are_no_step(count: int) -> None:
 
 
 def test_stages_lie_along_one_axis() -> None:
-    entries = tuple(({"stages": one, "trial": 0}, truth()) for one in ("captured", "fill"))
+    entries = tuple(({"stages": value, "trial": 0}, truth()) for value in ("captured", "fill"))
     with pytest.raises(ValueError, match="not along stages, trial: say `over` which one"):
         steps(Across(("stages", "trial"), entries), truth())
 

@@ -31,21 +31,21 @@ def cut(take: Trajectories, marker: str, frames: slice) -> Trajectories:
     return take.with_samples(positions, changed=gap, origin=Origin.MISSING)
 
 
-def quietly(*given: object) -> Table:
+def quietly(*inputs: object) -> Table:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return unselected(*given)  # type: ignore[arg-type]
+        return unselected(*inputs)  # type: ignore[arg-type]
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(unselected)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(unselected)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "estimate: Trajectories",
         "reference: Truth[Trajectories]",
         "selection: Selection",
     ]
-    assert not found.settings
+    assert not definition.settings
 
 
 def test_every_number_by_a_plain_loop() -> None:
@@ -91,9 +91,9 @@ def test_selected_markers_do_not_count() -> None:
 
 def test_what_only_one_of_the_two_has_is_left_out_and_told() -> None:
     reference, estimate = recording("abcde"), recording("abdefgh", seed=1)
-    with pytest.warns(UserWarning, match="markers only the") as told:
+    with pytest.warns(UserWarning, match="markers only the") as caught:
         table = unselected(estimate, reference, CHOSEN)
-    assert [str(one.message) for one in told] == [
+    assert [str(warning.message) for warning in caught] == [
         "3 markers only the estimate has are left out: f, g, h",
         "1 markers only the reference has are left out: c",
     ]
@@ -104,7 +104,7 @@ def test_a_marker_without_any_frame_has_no_error() -> None:
     estimate = cut(recording(seed=1), "b", slice(None))
     with pytest.warns(UserWarning, match="12 of 48 .*; 1 of 4 markers have none at all"):
         table = unselected(estimate, recording(), CHOSEN)
-    assert [table[one][0] for one in ("frames", "missing", "farthest")] == [0, 12, -1]
+    assert [table[value][0] for value in ("frames", "missing", "farthest")] == [0, 12, -1]
     assert np.isnan(table[["rms", "mean", "max"]].to_numpy()).sum(axis=1).tolist() == [3, 0, 0, 0]
 
 
@@ -119,7 +119,7 @@ def test_where_all_are_selected_no_row_is_left() -> None:
 def test_no_frame_at_all() -> None:
     take = recording("abd", frames=0)
     table = unselected(take, take, CHOSEN)
-    assert [table[one][0] for one in ("frames", "missing", "farthest")] == [0, 0, -1]
+    assert [table[value][0] for value in ("frames", "missing", "farthest")] == [0, 0, -1]
     assert np.isnan(table["rms"].to_numpy()).all()
 
 

@@ -28,14 +28,14 @@ def quietly(estimate: Weights, reference: Weights) -> Table:
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(weights_mse)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(weights_mse)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "estimate: Weights",
         "reference: Truth[Weights]",
         "selection: Selection | None",
     ]
-    assert not found.settings
+    assert not definition.settings
 
 
 def test_every_number_by_a_plain_loop() -> None:
@@ -52,7 +52,7 @@ def test_every_number_by_a_plain_loop() -> None:
             for place, name in enumerate("abcd"):
                 error = values[frame, place] - reference.values[frame, place]
                 squares[name].append(float(error) ** 2)
-    every = [one for of_shape in squares.values() for one in of_shape]
+    every = [value for of_shape in squares.values() for value in of_shape]
     (row,) = table.to_dict("records")
     mse = sum(every) / len(every)
     by_shape = {name: sum(of_shape) / 7 for name, of_shape in squares.items()}
@@ -94,9 +94,9 @@ def test_shapes_are_matched_in_any_order_and_convention() -> None:
 
 def test_a_shape_that_one_lacks_is_0_there() -> None:
     estimate, reference = weights("abx"), weights("abcd", seed=1)
-    with pytest.warns(UserWarning, match="shapes only the") as told:
+    with pytest.warns(UserWarning, match="shapes only the") as caught:
         table = weights_mse(estimate, reference)
-    assert [str(one.message) for one in told] == [
+    assert [str(warning.message) for warning in caught] == [
         "1 of 5 shapes only the estimate has; they are 0 in the other: x",
         "2 of 5 shapes only the reference has; they are 0 in the other: c, d",
     ]
