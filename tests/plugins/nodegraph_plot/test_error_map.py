@@ -22,9 +22,9 @@ def across(**recordings: Trajectories) -> Across[Trajectories]:
 
 def drawn(axis: Any, label: str) -> PathCollection:
     return next(
-        one
-        for one in axis.collections
-        if isinstance(one, PathCollection) and one.get_label() == label
+        artist
+        for artist in axis.collections
+        if isinstance(artist, PathCollection) and artist.get_label() == label
     )
 
 

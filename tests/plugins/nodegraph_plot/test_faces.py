@@ -25,15 +25,17 @@ def across(**recordings: Trajectories) -> Across[Trajectories]:
 def dots(axis: Any) -> dict[str, Any]:
     """Return the points drawn, by what they show."""
     return {
-        str(one.get_label()): np.asarray(one.get_offsets())
-        for one in axis.collections
-        if isinstance(one, PathCollection)
+        str(artist.get_label()): np.asarray(artist.get_offsets())
+        for artist in axis.collections
+        if isinstance(artist, PathCollection)
     }
 
 
 def lines(axis: Any) -> list[Any]:
-    found = [one.get_segments() for one in axis.collections if isinstance(one, LineCollection)]
-    return [np.array(segments).reshape(-1, 2, 2) for segments in found]
+    actual = [
+        artist.get_segments() for artist in axis.collections if isinstance(artist, LineCollection)
+    ]
+    return [np.array(segments).reshape(-1, 2, 2) for segments in actual]
 
 
 def test_every_sample_is_drawn_once_as_what_it_is() -> None:
@@ -68,9 +70,11 @@ def test_what_is_still_missing_is_shown_where_it_should_be() -> None:
 def test_the_truth_is_matched_by_name() -> None:
     truth = made_face.truth()
     backwards = truth.keep(reversed(truth.markers))
-    given = across(guess=made_face.filled(3.0))
-    one, two = (faces(given, known, frames=(FRAME,)).axes[0] for known in (truth, backwards))
-    assert np.array_equal(dots(one)["truth"], dots(two)["truth"])
+    recordings = across(guess=made_face.filled(3.0))
+    first, second = (
+        faces(recordings, known, frames=(FRAME,)).axes[0] for known in (truth, backwards)
+    )
+    assert np.array_equal(dots(first)["truth"], dots(second)["truth"])
 
 
 def test_edges_are_drawn_where_both_ends_are_present() -> None:
@@ -95,8 +99,8 @@ def test_repaired_samples_have_their_own_colour() -> None:
 
 
 def test_a_row_per_recording_and_a_column_per_frame() -> None:
-    given = across(a=made_face.filled(0.0), b=made_face.filled(1.0))
-    figure = faces(given, frames=(3, 17, 20))
+    recordings = across(a=made_face.filled(0.0), b=made_face.filled(1.0))
+    figure = faces(recordings, frames=(3, 17, 20))
     assert len(figure.axes) == 6
     assert [axis.get_title() for axis in figure.axes[:3]] == ["frame 3", "frame 17", "frame 20"]
     assert [axis.get_ylabel() for axis in figure.axes[::3]] == ["a", "b"]

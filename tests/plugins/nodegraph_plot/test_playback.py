@@ -22,16 +22,16 @@ def across(**values: Any) -> Across[Any]:
 
 
 def shown(playback: Any) -> list[tuple[str, type]]:
-    return [(one.label, type(one.shown)) for one in playback.panels]
+    return [(value.label, type(value.shown)) for value in playback.panels]
 
 
 def test_recordings_come_before_animations_each_in_their_order() -> None:
     faces = across(b=made_face.filled(0.0), a=made_face.gappy())
-    made = playback(faces, across(b=animations()["complete"]))
-    assert shown(made) == [("b", Trajectories), ("a", Trajectories), ("b", Animation)]
-    assert made.truth is None
-    assert (made.every, made.notes) == (1, ())
-    assert made.panels[0].shown is faces.values()[0]
+    player = playback(faces, across(b=animations()["complete"]))
+    assert shown(player) == [("b", Trajectories), ("a", Trajectories), ("b", Animation)]
+    assert player.truth is None
+    assert (player.every, player.notes) == (1, ())
+    assert player.panels[0].shown is faces.values()[0]
 
 
 def test_either_kind_may_come_alone() -> None:
@@ -49,10 +49,10 @@ def test_nothing_at_all_is_refused() -> None:
 
 def test_the_truth_has_a_panel_of_its_own() -> None:
     truth = made_face.truth()
-    made = playback(across(guess=made_face.filled(1.0)), truth=truth)
-    assert made.truth is not None
-    assert (made.truth.label, made.truth.shown) == ("truth", truth)
-    assert len(made.panels) == 1
+    player = playback(across(guess=made_face.filled(1.0)), truth=truth)
+    assert player.truth is not None
+    assert (player.truth.label, player.truth.shown) == ("truth", truth)
+    assert len(player.panels) == 1
     described = node_of(playback)
     assert described is not None
     assert [str(port) for port in described.inputs] == [
@@ -95,10 +95,10 @@ def test_too_many_frames_are_thinned_and_that_is_told(monkeypatch: pytest.Monkey
     head = animations()["complete"]
     monkeypatch.setattr(playback_limits, "MOST_SAMPLES", 400)
     with pytest.warns(UserWarning, match="of 3 frames one is shown, and 2 are left out"):
-        made = playback(across(a=face), across(a=head), truth)
-    assert made.every == 3
-    assert "of 3 frames one is shown" in made.notes[0]
-    recording, animation = (one.shown for one in made.panels)
+        player = playback(across(a=face), across(a=head), truth)
+    assert player.every == 3
+    assert "of 3 frames one is shown" in player.notes[0]
+    recording, animation = (value.shown for value in player.panels)
     assert isinstance(recording, Trajectories)
     assert isinstance(animation, Animation)
     assert np.array_equal(recording.positions, face.positions[::3], equal_nan=True)
@@ -106,8 +106,8 @@ def test_too_many_frames_are_thinned_and_that_is_told(monkeypatch: pytest.Monkey
     assert np.array_equal(animation.weights.values, head.weights.values[::3])
     assert animation.head_motion is not None
     assert recording.rate == animation.rate == face.rate / 3
-    assert made.truth is not None
-    assert made.truth.shown.frames == recording.frames
+    assert player.truth is not None
+    assert player.truth.shown.frames == recording.frames
 
 
 def test_as_much_as_fits_is_played_in_full(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -54,7 +54,7 @@ def test_a_method_looks_the_same_whichever_others_are_drawn() -> None:
     fills = ("cubic", "linear", "muscle", "ridge")
     every = named_looks(Across.of(dict.fromkeys(fills, recording), axis="fill"))
     some = Across.of({"ridge": recording, "muscle": recording}, axis="recordings")
-    told = named_looks(replace(some, known={"recordings": fills}))
-    assert told["muscle"] == every["muscle"]
-    assert told["ridge"] == every["ridge"]
+    message = named_looks(replace(some, known={"recordings": fills}))
+    assert message["muscle"] == every["muscle"]
+    assert message["ridge"] == every["ridge"]
     assert named_looks(some)["muscle"] != every["muscle"]

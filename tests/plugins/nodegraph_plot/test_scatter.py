@@ -18,15 +18,18 @@ from nodegraph_tables.figures import draw
 def scores(**columns: Any) -> Across[Table]:
     """Return tables of two methods, the second with errors twice as large."""
     frame = {"gap": [0, 1, 2], "length": [5, 15, 45], "rmse": [0.1, 0.4, 0.9], **columns}
-    one, other = DataFrame(frame), DataFrame(frame)
-    other["rmse"] = 2 * other["rmse"]
+    first, second = DataFrame(frame), DataFrame(frame)
+    second["rmse"] = 2 * second["rmse"]
     info = TableInfo(units={"length": "frames", "rmse": "mm"})
-    tables = {"linear": with_info(one, info), "muscle": with_info(other, info)}
+    tables = {"linear": with_info(first, info), "muscle": with_info(second, info)}
     return Across.of(tables, axis="fill")
 
 
 def points(figure: Any) -> dict[str, Any]:
-    return {one.get_label(): np.asarray(one.get_offsets()) for one in figure.axes[0].collections}
+    return {
+        artist.get_label(): np.asarray(artist.get_offsets())
+        for artist in figure.axes[0].collections
+    }
 
 
 def test_each_row_is_a_point_of_its_methods_colour() -> None:
@@ -36,7 +39,7 @@ def test_each_row_is_a_point_of_its_methods_colour() -> None:
     assert drawn["muscle"][:, 1] == pytest.approx([0.2, 0.8, 1.8])
     axis = figure.axes[0]
     assert (axis.get_xlabel(), axis.get_ylabel()) == ("length (frames)", "rmse (mm)")
-    colours = {str(np.asarray(one.get_facecolor())) for one in axis.collections}
+    colours = {str(np.asarray(artist.get_facecolor())) for artist in axis.collections}
     assert len(colours) == 2
 
 

@@ -21,8 +21,8 @@ PAIRS = (("brow_l", "brow_r"), ("mouth_l", "mouth_r"), ("nose",))
 SHARES = np.array([0.25, 1.0, 0.5])
 
 
-def chosen(*names: str, told: bool = True) -> Selection:
-    frequencies = SHARES if told else None
+def chosen(*names: str, with_shares: bool = True) -> Selection:
+    frequencies = SHARES if with_shares else None
     return Selection(chosen=names, pairs=PAIRS, frequencies=frequencies)
 
 
@@ -40,14 +40,16 @@ def recordings(*actors: str) -> Across[Trajectories]:
     return Across.of({actor: made_face.truth() for actor in actors}, axis="actor")
 
 
-def alone(one: Selection, recording: Trajectories) -> Any:
-    figure = selection(Across((), (({}, one),)), Across((), (({}, recording),)))
+def alone(first: Selection, recording: Trajectories) -> Any:
+    figure = selection(Across((), (({}, first),)), Across((), (({}, recording),)))
     return figure.axes[0]
 
 
 def dots(axis: Any) -> dict[str, PathCollection]:
     return {
-        str(one.get_label()): one for one in axis.collections if isinstance(one, PathCollection)
+        str(artist.get_label()): artist
+        for artist in axis.collections
+        if isinstance(artist, PathCollection)
     }
 
 
@@ -78,13 +80,13 @@ def test_the_colour_is_the_share_of_the_pair_and_grey_where_it_is_not_known() ->
     others = [name for name in made_face.MARKERS if name not in ("nose", "mouth_l", "mouth_r")]
     expected = [known.get(name, to_rgba(GREY)) for name in others]
     assert hollow == pytest.approx(np.array(expected))
-    assert [one.get_ylabel() for one in axis.figure.axes[1:]] == [
+    assert [value.get_ylabel() for value in axis.figure.axes[1:]] == [
         "share of the runs that chose the pair"
     ]
 
 
 def test_without_frequencies_there_is_no_colour_bar() -> None:
-    axis = alone(chosen("nose", told=False), made_face.truth())
+    axis = alone(chosen("nose", with_shares=False), made_face.truth())
     assert len(axis.figure.axes) == 1
     assert to_hex(np.asarray(dots(axis)["chosen"].get_facecolor())[0]).upper() == GREY
 
@@ -92,9 +94,9 @@ def test_without_frequencies_there_is_no_colour_bar() -> None:
 def test_edges_are_those_of_the_marker_set() -> None:
     recording = made_face.truth()
     (lines,) = (
-        one
-        for one in alone(chosen("nose"), recording).collections
-        if isinstance(one, LineCollection)
+        artist
+        for artist in alone(chosen("nose"), recording).collections
+        if isinstance(artist, LineCollection)
     )
     places = frontal(recording, "auto").project(recording.positions.mean(axis=0))
     number = {name: place for place, name in enumerate(recording.markers)}
@@ -110,7 +112,9 @@ def test_every_selection_has_a_face_on_the_recording_of_its_actor() -> None:
         "JZ, k 1\n1 of 9 markers (11%)",
         "JZ, k 2\n3 of 9 markers (33%)",
     ]
-    sizes = {tuple(np.ptp(one.get_xlim() + one.get_ylim()) for _ in "1") for one in figure.axes[:4]}
+    sizes = {
+        tuple(np.ptp(value.get_xlim() + value.get_ylim()) for _ in "1") for value in figure.axes[:4]
+    }
     assert len(sizes) == 1
 
 
@@ -121,7 +125,7 @@ def test_the_best_rows_say_which_are_drawn_in_their_order() -> None:
         "ME, k 1\n1 of 9 markers (11%)",
     ]
     of_an_actor = selection(swept(), recordings("ME", "JZ"), best[["actor"]].iloc[:1])
-    assert [one.partition("\n")[0] for one in titles(of_an_actor)] == ["JZ, k 1", "JZ, k 2"]
+    assert [value.partition("\n")[0] for value in titles(of_an_actor)] == ["JZ, k 1", "JZ, k 2"]
 
 
 def test_nothing_marked_is_refused() -> None:

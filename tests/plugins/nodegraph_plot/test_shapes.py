@@ -44,14 +44,14 @@ def dots(axis: Any) -> dict[str, Any]:
 
 def segments(axis: Any) -> list[Any]:
     """Return the lines of the reference, of the shape, and between the two."""
-    drawn = [one for one in axis.collections if isinstance(one, LineCollection)]
-    return [np.array(one.get_segments()).reshape(-1, 2, 2) for one in drawn]
+    drawn = [artist for artist in axis.collections if isinstance(artist, LineCollection)]
+    return [np.array(value.get_segments()).reshape(-1, 2, 2) for value in drawn]
 
 
 def test_ports_are_as_promised() -> None:
-    found = node_of(shapes)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(shapes)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "shapes: Across[Trajectories]",
         "references: Across[Trajectories]",
     ]

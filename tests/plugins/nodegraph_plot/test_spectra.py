@@ -22,12 +22,12 @@ def across(**recordings: Trajectories) -> Across[Trajectories]:
 def noise(seed: int, *, markers: int = 3) -> Trajectories:
     positions = np.random.default_rng(seed).normal(0, 1.5, (FRAMES, markers, 3))
     return Trajectories(
-        positions=positions, markers=tuple(f"m{one}" for one in range(markers)), rate=RATE
+        positions=positions, markers=tuple(f"m{offset}" for offset in range(markers)), rate=RATE
     )
 
 
 def lines(figure: Any) -> dict[str, Any]:
-    return {one.get_label(): one.get_xydata() for one in figure.axes[0].lines}
+    return {line.get_label(): line.get_xydata() for line in figure.axes[0].lines}
 
 
 def test_the_line_is_the_mean_of_the_markers_and_the_sum_of_the_coordinates() -> None:
@@ -51,8 +51,8 @@ def test_gaps_split_a_trajectory_and_runs_weigh_by_their_segments() -> None:
     holed = Trajectories(positions=positions, markers=take.markers, rate=RATE)
     line = lines(spectra(across(raw=holed), segment=SEGMENT))["raw"]
     parts = [
-        welch(one, fs=RATE, nperseg=SEGMENT, axis=0)[1].sum(axis=1)
-        for one in (positions[:300, 0], positions[310:, 0])
+        welch(value, fs=RATE, nperseg=SEGMENT, axis=0)[1].sum(axis=1)
+        for value in (positions[:300, 0], positions[310:, 0])
     ]
     assert line[:, 1] == pytest.approx(((3 * parts[0] + 3 * parts[1]) / 6)[1:])
 

@@ -28,7 +28,7 @@ def two() -> Across[Trajectories]:
 
 
 def curve(axis: Any, label: str) -> Any:
-    (line,) = [one for one in axis.lines if one.get_label() == label]
+    (line,) = [line for line in axis.lines if line.get_label() == label]
     return line
 
 
@@ -106,29 +106,29 @@ def test_markers_and_coordinates_can_be_chosen() -> None:
 
 def test_methods_look_as_in_other_figures_also_when_one_is_absent() -> None:
     absent = Absent({"fill": "akima"}, "refused", "why")
-    given = Across(("fill",), two().entries, (absent,))
+    recordings = Across(("fill",), two().entries, (absent,))
     expected = looks(["lin", "cubic", "akima"])
-    line = curve(trajectories(given).axes[0], "cubic, filled")
+    line = curve(trajectories(recordings).axes[0], "cubic, filled")
     assert to_hex(line.get_color()).upper() == expected["cubic"].colour
     assert line.get_marker() == expected["cubic"].marker
 
 
 def test_a_line_that_strays_does_not_flatten_the_rest() -> None:
-    given = across(lin=made_face.filled(0.1), wild=made_face.filled(900.0))
-    (axis, *_) = trajectories(given, made_face.truth()).axes
+    recordings = across(lin=made_face.filled(0.1), wild=made_face.filled(900.0))
+    (axis, *_) = trajectories(recordings, made_face.truth()).axes
     assert np.ptp(axis.get_ylim()) < 10 * np.ptp(made_face.truth().positions[:, COLUMN, 0])
 
 
 @pytest.mark.parametrize(
-    ("settings", "told"),
+    ("settings", "message"),
     [
         ({"markers": ("ear", "nose")}, "lin has no marker 'ear'; it has nose, forehead"),
         ({"frames": (10, 99)}, "no frame 99 of lin: it has 40 frames, 0 to 39"),
         ({"frames": (10, 9)}, "the first not after the last"),
     ],
 )
-def test_what_there_is_not_is_named(settings: dict[str, Any], told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_what_there_is_not_is_named(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         trajectories(two(), **settings)
 
 
@@ -137,10 +137,10 @@ def test_the_only_frame_is_a_dot(frames: int) -> None:
     whole = made_face.truth()
     short = replace(whole, positions=whole.positions[:frames], origin=whole.origin[:frames])
     other = replace(short, positions=short.positions + 1.0)
-    for given in (across(a=short), across(a=short, b=other)):
-        figure = trajectories(given, short)
+    for recordings in (across(a=short), across(a=short, b=other)):
+        figure = trajectories(recordings, short)
         assert draw(figure, "svg")
-        label = "measured" if len(given) == 1 else "b"
+        label = "measured" if len(recordings) == 1 else "b"
         for name in (label, "truth"):
             line = curve(figure.axes[0], name)
             assert line.get_markevery() == ([0] if frames == 1 else [])
@@ -192,7 +192,7 @@ def test_the_figure_can_be_written() -> None:
 
 
 @pytest.mark.parametrize(
-    ("origins", "said"),
+    ("origins", "words"),
     [
         ((Origin.FILLED,), ["gap"]),
         ((Origin.REPAIRED,), ["repaired"]),
@@ -200,7 +200,7 @@ def test_the_figure_can_be_written() -> None:
         ((), []),
     ],
 )
-def test_the_shading_is_called_what_it_is(origins: tuple[Origin, ...], said: list[str]) -> None:
+def test_the_shading_is_called_what_it_is(origins: tuple[Origin, ...], words: list[str]) -> None:
     take = made_face.truth()
     for place, origin in enumerate(origins):
         changed = np.zeros((made_face.FRAMES, len(take.markers)), dtype=bool)
@@ -208,7 +208,7 @@ def test_the_shading_is_called_what_it_is(origins: tuple[Origin, ...], said: lis
         take = take.with_samples(take.positions, changed=changed, origin=origin)
     figure = trajectories(across(one=take), markers=("mouth_l",), frames=(0, 39))
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["one", "measured in all", *said]
+    assert labels == ["one", "measured in all", *words]
 
 
 def test_the_default_marker_is_the_one_with_most_repairs_in_the_frames_drawn() -> None:
