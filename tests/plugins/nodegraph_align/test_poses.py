@@ -92,8 +92,8 @@ def test_doubts_are_counted(
     poses = fitted(take, reference, "none")
     assert poses.states.tolist() == [FITTED, FITTED, FEW, FITTED, FITTED, FITTED]
     poses.states[3], poses.states[5] = LINE, MIRRORED
-    message = warned(poses, take, reference, ["this first"])
-    assert message == [
+    messages = warned(poses, take, reference, ["this first"])
+    assert messages == [
         "this first; 2 of 6 frames (first 1) aligned by fewer than the 6 landmarks, 4 in the "
         "worst, as others are missing; 1 of 6 frames (first 2) left as they are, with fewer than "
         "3 landmarks; 1 of 6 frames (first 3) left as they are, with landmarks on a line; 1 of 6 "

@@ -55,7 +55,7 @@ def test_worked_example_turns_half_round_and_halves(recorded: Record) -> None:
 
 
 def test_worked_example_as_a_graph(tmp_path: Path) -> None:
-    stages = ", ".join(f"{len(value)}: {{steps: [{', '.join(value)}]}}" for value in PREFIXES)
+    stages = ", ".join(f"{len(prefix)}: {{steps: [{', '.join(prefix)}]}}" for prefix in PREFIXES)
     graph = tmp_path / "example.yaml"
     graph.write_text(
         f"""

@@ -58,7 +58,7 @@ def test_of_implausible_fills_the_least_one_counts(filled: Filled, truth: Trajec
 
 
 def test_without_neighbours_all_count_alike(filled: Filled, truth: Trajectories) -> None:
-    alone = {str(i): value.keep("b") for i, value in enumerate(filled([1.0, 3.0]).values())}
+    alone = {str(i): take.keep("b") for i, take in enumerate(filled([1.0, 3.0]).values())}
     combined = ensemble(Across.of(alone, axis="fill"))
     off = combined.positions[10:20, 0, 0] - truth.positions[10:20, 1, 0]
     np.testing.assert_allclose(off, 2.0, atol=1e-12)

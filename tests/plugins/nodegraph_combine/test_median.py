@@ -33,7 +33,7 @@ def test_equals_numpys(truth: Trajectories) -> None:
         positions = truth.positions + random.normal(0, 1, truth.positions.shape)
         positions[random.random(truth.origin.shape) < 0.3] = np.nan
         many[str(index)] = Trajectories(positions=positions, markers=truth.markers, rate=truth.rate)
-    every = np.stack([value.positions for value in many.values()])
+    every = np.stack([take.positions for take in many.values()])
     combined = median(Across.of(many, axis="fill"))
     seen = ~np.isnan(every).all(axis=0)
     np.testing.assert_allclose(

@@ -17,7 +17,7 @@ from nodegraph_mocap import Origin, Trajectories
 
 Filled = Callable[[list[float]], Across[Trajectories]]
 NODES = (mean, median, ensemble)
-each = pytest.mark.parametrize("node", NODES, ids=lambda value: str(value.__name__))
+each = pytest.mark.parametrize("node", NODES, ids=lambda function: str(function.__name__))
 
 
 @each
@@ -54,17 +54,17 @@ def test_what_was_refused_is_told(node: Callable[..., Trajectories], filled: Fil
 
 @each
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"rate": 30.0}, "rate: fill=one has 60.0, fill=two has 30.0; need the same"),
         ({"markers": tuple("abcdx")}, "have not the same markers: only one has e, x"),
     ],
 )
 def test_other_recordings_are_refused(
-    node: Callable[..., Trajectories], truth: Trajectories, change: dict[str, Any], words: str
+    node: Callable[..., Trajectories], truth: Trajectories, change: dict[str, Any], message: str
 ) -> None:
     other = replace(truth, **change)
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(ValueError, match=message):
         node(Across.of({"one": truth, "two": other}, axis="fill"))
 
 

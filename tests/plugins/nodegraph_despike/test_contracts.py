@@ -128,5 +128,5 @@ def test_good_ones_pass(despiker: Callable[..., Trajectories]) -> None:
 def test_good_ones_pass_where_they_repair_much(despiker: Callable[..., Trajectories]) -> None:
     known = node_of(despiker)
     assert known is not None
-    names = [value for value in ("factor", "threshold") if value in known.settings]
+    names = [name for name in ("factor", "threshold") if name in known.settings]
     check_node(despiker, settings=dict.fromkeys(names, 0.05), registry=REGISTRY)

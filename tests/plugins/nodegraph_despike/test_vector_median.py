@@ -25,10 +25,11 @@ def plain_window(recording: Trajectories, marker: int, now: int, reach: int) -> 
 def plain_median(recording: Trajectories, marker: int, now: int, window: list[int]) -> int:
     track = recording.positions[:, marker]
     sums = {
-        value: sum(np.linalg.norm(track[value] - track[two]) for two in window) for value in window
+        frame: sum(np.linalg.norm(track[frame] - track[other]) for other in window)
+        for frame in window
     }
     least = min(sums.values())
-    near = [value for value in window if sums[value] <= least * (1 + 1e-9)]
+    near = [frame for frame in window if sums[frame] <= least * (1 + 1e-9)]
     return min(near, key=lambda value: (abs(value - now), value))
 
 

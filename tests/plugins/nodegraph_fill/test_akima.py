@@ -28,7 +28,7 @@ def test_equals_the_hermite_curve_of_akimas_slopes(
     filled = akima(recorded(gappy)).positions
     known = [0, 1, 2, 3, 4, 9, 10, 11, 12, 13]
     for axis in range(3):
-        y = [float(truth[value, 0, axis]) for value in known]
+        y = [float(truth[frame, 0, axis]) for frame in known]
         x = [float(value) for value in known]
         first, last = slope(x, y, 4), slope(x, y, 5)
         for frame in range(5, 9):

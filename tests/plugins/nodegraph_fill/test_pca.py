@@ -52,8 +52,8 @@ def reconstructed(
     _, values, b = np.linalg.svd(scaled[complete], full_matrices=False)
     _, values0, b0 = np.linalg.svd(zeros[complete], full_matrices=False)
     kept = max(
-        int(np.flatnonzero(np.cumsum(value) >= share * value.sum())[0]) + 1
-        for value in (values, values0)
+        int(np.flatnonzero(np.cumsum(spectrum) >= share * spectrum.sum())[0]) + 1
+        for spectrum in (values, values0)
     )
     b, b0 = b[:kept].T, b0[:kept].T
     expected = (zeros @ b0 @ b0.T @ b @ b.T)[:, hidden].reshape(len(data), -1, 3)
@@ -87,12 +87,12 @@ def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
     near, far = take(), take()
     near[:, 1] += near[:, 0].mean(axis=0) - near[:, 1].mean(axis=0) + [1.0, 0.0, 0.0]
     far[:, 1] += far[:, 0].mean(axis=0) - far[:, 1].mean(axis=0) + [500.0, 0.0, 0.0]
-    for positions, predictors in ((near, True), (far, False)):
+    for positions, used in ((near, True), (far, False)):
         positions[20:30, 0] = positions[40:45, 1] = np.nan
         moved = positions.copy()
         moved[:, 1] += np.random.default_rng(1).normal(size=(60, 3))
         first, second = (pca(recorded(p)).positions[20:30, 0] for p in (positions, moved))
-        assert np.array_equal(first, second) is not predictors
+        assert np.array_equal(first, second) is not used
 
 
 def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:

@@ -65,7 +65,7 @@ def test_a_gap_with_one_end_is_moved_to_meet_it(recorded: Callable[..., Trajecto
     gappy = take()
     gappy[60:, 2] = np.nan
     bent, free = (
-        ridge(recorded(gappy), bend=value, penalty=1e3).positions[60:, 2] for value in (True, False)
+        ridge(recorded(gappy), bend=bend, penalty=1e3).positions[60:, 2] for bend in (True, False)
     )
     shift = bent - free
     np.testing.assert_allclose(shift, np.broadcast_to(shift[0], shift.shape), atol=1e-9)

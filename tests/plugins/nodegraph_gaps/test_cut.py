@@ -118,7 +118,7 @@ def test_contiguous_gaps_hide_the_nearest_markers() -> None:
     shape = np.median(source.positions, axis=0)
     for group in events(result):
         groups = [
-            set(np.argsort(np.linalg.norm(shape - shape[value], axis=1))[:3]) for value in group
+            set(np.argsort(np.linalg.norm(shape - shape[member], axis=1))[:3]) for member in group
         ]
         assert group in groups
 
@@ -130,7 +130,7 @@ def test_a_region_lies_on_one_side_of_its_nearest_marker() -> None:
     for group in events(result):
         members = shape[sorted(group)]
         # some member has all others within a half space, so no others surround it
-        spans = [members - value for value in members]
+        spans = [members - member for member in members]
         assert any(_fits_half_space(span[np.linalg.norm(span, axis=1) > 0]) for span in spans)
 
 

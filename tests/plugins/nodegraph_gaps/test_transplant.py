@@ -52,7 +52,7 @@ def gaps(missing: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
     pieces = []
     for marker, column in enumerate(missing.T):
         text = "".join("x" if value else "." for value in column)
-        pieces += [(marker, value.start(), len(value.group())) for value in re.finditer("x+", text)]
+        pieces += [(marker, match.start(), len(match.group())) for match in re.finditer("x+", text)]
     return pieces
 
 

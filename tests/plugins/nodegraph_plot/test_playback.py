@@ -22,7 +22,7 @@ def across(**values: Any) -> Across[Any]:
 
 
 def shown(playback: Any) -> list[tuple[str, type]]:
-    return [(value.label, type(value.shown)) for value in playback.panels]
+    return [(panel.label, type(panel.shown)) for panel in playback.panels]
 
 
 def test_recordings_come_before_animations_each_in_their_order() -> None:
@@ -98,7 +98,7 @@ def test_too_many_frames_are_thinned_and_that_is_told(monkeypatch: pytest.Monkey
         player = playback(across(a=face), across(a=head), truth)
     assert player.every == 3
     assert "of 3 frames one is shown" in player.notes[0]
-    recording, animation = (value.shown for value in player.panels)
+    recording, animation = (panel.shown for panel in player.panels)
     assert isinstance(recording, Trajectories)
     assert isinstance(animation, Animation)
     assert np.array_equal(recording.positions, face.positions[::3], equal_nan=True)

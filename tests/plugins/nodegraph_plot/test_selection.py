@@ -80,7 +80,7 @@ def test_the_colour_is_the_share_of_the_pair_and_grey_where_it_is_not_known() ->
     others = [name for name in made_face.MARKERS if name not in ("nose", "mouth_l", "mouth_r")]
     expected = [known.get(name, to_rgba(GREY)) for name in others]
     assert hollow == pytest.approx(np.array(expected))
-    assert [value.get_ylabel() for value in axis.figure.axes[1:]] == [
+    assert [panel.get_ylabel() for panel in axis.figure.axes[1:]] == [
         "share of the runs that chose the pair"
     ]
 
@@ -113,7 +113,7 @@ def test_every_selection_has_a_face_on_the_recording_of_its_actor() -> None:
         "JZ, k 2\n3 of 9 markers (33%)",
     ]
     sizes = {
-        tuple(np.ptp(value.get_xlim() + value.get_ylim()) for _ in "1") for value in figure.axes[:4]
+        tuple(np.ptp(panel.get_xlim() + panel.get_ylim()) for _ in "1") for panel in figure.axes[:4]
     }
     assert len(sizes) == 1
 
@@ -125,7 +125,7 @@ def test_the_best_rows_say_which_are_drawn_in_their_order() -> None:
         "ME, k 1\n1 of 9 markers (11%)",
     ]
     of_an_actor = selection(swept(), recordings("ME", "JZ"), best[["actor"]].iloc[:1])
-    assert [value.partition("\n")[0] for value in titles(of_an_actor)] == ["JZ, k 1", "JZ, k 2"]
+    assert [text.partition("\n")[0] for text in titles(of_an_actor)] == ["JZ, k 1", "JZ, k 2"]
 
 
 def test_nothing_marked_is_refused() -> None:

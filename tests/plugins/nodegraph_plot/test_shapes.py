@@ -45,7 +45,7 @@ def dots(axis: Any) -> dict[str, Any]:
 def segments(axis: Any) -> list[Any]:
     """Return the lines of the reference, of the shape, and between the two."""
     drawn = [artist for artist in axis.collections if isinstance(artist, LineCollection)]
-    return [np.array(value.get_segments()).reshape(-1, 2, 2) for value in drawn]
+    return [np.array(artist.get_segments()).reshape(-1, 2, 2) for artist in drawn]
 
 
 def test_ports_are_as_promised() -> None:

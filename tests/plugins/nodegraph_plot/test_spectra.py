@@ -51,8 +51,8 @@ def test_gaps_split_a_trajectory_and_runs_weigh_by_their_segments() -> None:
     holed = Trajectories(positions=positions, markers=take.markers, rate=RATE)
     line = lines(spectra(across(raw=holed), segment=SEGMENT))["raw"]
     parts = [
-        welch(value, fs=RATE, nperseg=SEGMENT, axis=0)[1].sum(axis=1)
-        for value in (positions[:300, 0], positions[310:, 0])
+        welch(run, fs=RATE, nperseg=SEGMENT, axis=0)[1].sum(axis=1)
+        for run in (positions[:300, 0], positions[310:, 0])
     ]
     assert line[:, 1] == pytest.approx(((3 * parts[0] + 3 * parts[1]) / 6)[1:])
 

@@ -158,7 +158,7 @@ def test_recordings_of_which_the_same_is_said_are_told_together() -> None:
     takes = of(one=take, other=captured(2.0 * speech(), motion()), still=recording(FACE + speech()))
     table = alignment(takes, where, of(one=still(), other=still(), still=where)).table
     answer = info_of(table).answer
-    assert [value.partition(":")[0] for value in answer] == ["one, other", "still"]
+    assert [text.partition(":")[0] for text in answer] == ["one, other", "still"]
     shares = table[(table["component"] == 1) & (table["align"] != "still")]["head motion"]
     least, most = sorted(round(100 * share) for share in shares)
     assert f"head motion makes {least} to {most}% of the first component" in answer[0]

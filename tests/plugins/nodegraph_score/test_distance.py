@@ -121,12 +121,12 @@ def test_markers_of_one_side_only_are_named() -> None:
     estimate, reference = recording().keep("abc"), recording(seed=1).keep("bcd")
     with pytest.warns(UserWarning, match="are left out") as caught:
         table = distance(estimate, reference)
-    message = [
+    messages = [
         "1 markers only the estimate has are left out: a",
         "1 markers only the reference has are left out: d",
     ]
-    assert [str(warning.message) for warning in caught] == message
-    assert list(info_of(table).notes) == [f"{value}." for value in message]
+    assert [str(warning.message) for warning in caught] == messages
+    assert list(info_of(table).notes) == [f"{text}." for text in messages]
     assert (table["markers"] == 2).all()
     assert (table["missing"] == 0).all()
 

@@ -122,7 +122,7 @@ def absent(truth: Positions) -> Positions:
 
 
 @pytest.mark.parametrize(
-    ("make", "kept", "told"),
+    ("make", "kept", "message"),
     [(still, 0.0, "2 of 2 markers have no lag"), (absent, np.nan, "2 of 2 markers have no error")],
 )
 def test_what_has_no_value_is_nan_and_told(

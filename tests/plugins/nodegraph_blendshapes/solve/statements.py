@@ -19,14 +19,14 @@ FACECAP = Path(__file__).parents[4] / ".." / "shared" / "data" / "facecap"
 def by_scipy(columns: Matrix, targets: Matrix, low: float, high: float) -> Matrix:
     """Least squares within bounds, a target at a time."""
     if np.isinf(low):
-        return np.array([np.linalg.lstsq(columns.T, value, rcond=1e-12)[0] for value in targets])
+        return np.array([np.linalg.lstsq(columns.T, target, rcond=1e-12)[0] for target in targets])
     if low == 0.0 and np.isinf(high):
-        return np.array([nnls(columns.T, value)[0] for value in targets])
+        return np.array([nnls(columns.T, target)[0] for target in targets])
     bounds = (low, high)
     solved = (
-        lsq_linear(columns.T, value, bounds, "bvls", 1e-15, max_iter=500) for value in targets
+        lsq_linear(columns.T, target, bounds, "bvls", 1e-15, max_iter=500) for target in targets
     )
-    return np.array([value.x for value in solved])
+    return np.array([solution.x for solution in solved])
 
 
 def left(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> float:

@@ -157,7 +157,7 @@ def test_targets_do_not_know_of_each_other(low: float, high: float, apart: float
     columns = near(columns, apart)
     together = least_squares(columns, targets, low, high).weights
     backwards = least_squares(columns, targets[::-1], low, high).weights[::-1]
-    alone = [least_squares(columns, value[None], low, high).weights[0] for value in targets]
+    alone = [least_squares(columns, target[None], low, high).weights[0] for target in targets]
     np.testing.assert_allclose(together, backwards, rtol=0, atol=1e-11)
     np.testing.assert_allclose(together, alone, rtol=0, atol=1e-11)
 

@@ -54,9 +54,9 @@ def test_a_graph_with_nonsense_is_not_loaded_and_says_the_same(bounds: str, tmp_
     graph.write_text(GRAPH.replace("BOUNDS", bounds))
     with pytest.raises(ng.GraphError) as error:
         ng.load(graph)
-    with pytest.raises(ValueError, match="bounds must be") as words:
+    with pytest.raises(ValueError, match="bounds must be") as direct:
         limits((1.0, 0.0))
-    rule = str(words.value).removeprefix("bounds ").partition(";")[0]
+    rule = str(direct.value).removeprefix("bounds ").partition(";")[0]
     assert f"graph.yaml:6:88: weights: setting 'bounds' of solve.weights {rule}, got [" in str(
         error.value
     )

@@ -25,7 +25,7 @@ def gappy() -> tuple[Problem, np.ndarray]:
 def test_patterns_are_the_frames_by_their_markers() -> None:
     problem, positions = gappy()
     actual = list(patterns(problem, 0.0))
-    assert [value.frames[0] for value in actual] == [0, 1, 2, 4, 5]
+    assert [piece.frames[0] for piece in actual] == [0, 1, 2, 4, 5]
     for first in actual:
         assert first.frames.tolist() == list(range(first.frames[0], 30, 6))
         there = np.isfinite(positions[first.frames[0], :, 0])

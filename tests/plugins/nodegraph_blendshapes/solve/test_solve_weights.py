@@ -36,7 +36,7 @@ def test_ports_and_settings_are_as_promised() -> None:
     ports = [str(port) for port in definition.inputs]
     assert ports == ["recording: Trajectories", "model: BlendshapeModel"]
     assert [str(port) for port in definition.outputs] == ["weights: Weights", "residuals: Table"]
-    defaults = {name: value.default for name, value in definition.settings.items()}
+    defaults = {name: setting.default for name, setting in definition.settings.items()}
     assert defaults == {"bounds": (0.0, 1.0), "ridge": 0.0, "smoothness": 0.0}
 
 
