@@ -1,4 +1,4 @@
-"""What every alignment promises, whoever wrote it."""
+"""What every alignment promises, third-party ones included."""
 
 from __future__ import annotations
 

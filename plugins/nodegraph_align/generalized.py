@@ -110,7 +110,7 @@ def generalized(
 
 
 def _fullest(place: Trajectories) -> int:
-    """Return the frame with the most landmarks, which has to tell a turn."""
+    """Return the frame with the most landmarks, which must determine a rotation."""
     if not place.frames:
         raise Refusal("needs a frame to align to, and there is none")
     number = int(place.present.sum(axis=1).argmax())

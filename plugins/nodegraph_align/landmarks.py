@@ -37,7 +37,7 @@ Landmarks = Annotated[tuple[str, ...], AfterValidator(_as_pydantic_says_it)]
 def landmarks_of(
     recording: Trajectories, reference: Trajectories | None, names: Sequence[str] | None
 ) -> tuple[tuple[str, ...], list[str]]:
-    """Return the landmarks, which recording and reference both have, and what to tell the user.
+    """Return the landmarks, which recording and reference both have, and notes for the user.
 
     Parameters
     ----------

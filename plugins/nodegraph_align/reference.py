@@ -1,4 +1,4 @@
-"""The face that others are brought onto."""
+"""The face to which others are aligned."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ON_A_LINE = 1e-3
-"""Least ratio of the squares of the second and the first extent of points that tell a turn."""
+"""Least ratio of squared second to first extent of points that determine a rotation."""
 
 _IN_ONE_PLACE = 1e-9
 """Extent relative to the distance from the origin, below which it is rounding."""
@@ -54,7 +54,7 @@ class Reference(NamedTuple):
 def reference_of(
     recording: Trajectories, reference: Trajectories | None, names: Sequence[str] | None
 ) -> tuple[Reference, list[str]]:
-    """Return the first frame that has all landmarks, and what to tell the user.
+    """Return the first frame that has all landmarks, and notes for the user.
 
     Of a reference that is given and has no such frame, it is the fullest one, the first of equals,
     with the landmarks that it has.

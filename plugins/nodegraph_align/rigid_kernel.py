@@ -21,7 +21,7 @@ Vector = tuple[float, float, float]
 FITTED, MIRRORED, FEW, LINE = 0, 1, 2, 3
 AS_IT_IS, RMS, LEAST_SQUARES = 0, 1, 2
 ON_A_LINE = 1e-3
-"""Second singular value of the covariance to the first, below which points tell no rotation."""
+"""Second singular value of the covariance to the first, below which there is no rotation."""
 
 IN_ONE_PLACE = 1e-9
 """Extent relative to the distance from the origin, below which it is rounding."""

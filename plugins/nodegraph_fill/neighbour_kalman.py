@@ -111,7 +111,7 @@ def neighbour_kalman(
 
 
 def _observations(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:
-    """Return the positions with what the neighbours tell in the gaps, (T, M, 3)."""
+    """Return the positions with estimates from the neighbours in the gaps, (T, M, 3)."""
     gap, frame, marker, _ = gaps.samples
     seen = np.where(gaps.at_start, gaps.stop, gaps.start - 1)[gap]
     observations = recording.positions.copy()

@@ -21,7 +21,7 @@ Strategy = Literal["each", "together"]
 _ROUNDING = 1e-7
 """Of the largest singular value or spread: what is less may be no more than rounding."""
 _FAR = 0.5
-"""Of the mean distance to all markers: beyond it, a marker that has gaps itself is not asked."""
+"""Of the mean distance to all markers: beyond it, a marker that has gaps itself is no predictor."""
 
 
 @node("fill.pca", cite="gloersen_federolf2016")
@@ -176,7 +176,7 @@ def _carried(
     weight: NDArray[np.float64],
     share: float,
 ) -> NDArray[np.float64]:
-    """Return the wanted markers in every frame, (T, W, 3); NaN where one that is asked lacks."""
+    """Return the wanted markers in every frame, (T, W, 3); NaN where a predictor is missing."""
     used = np.flatnonzero(wanted | predictors)
     rows = positions[:, used].reshape(len(positions), -1)
     hidden = np.repeat(wanted[used], 3)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MOST_FRAMES = 5000
-"""Frames to learn from, evenly spread over what there is: more hardly tell more."""
+"""Frames to learn from, evenly spread over what there is: more hardly improve the fit."""
 
 
 @node("fill.ridge", cite="hoerl_kennard1970")

@@ -189,7 +189,7 @@ def _find_targets(targets: Any, wanted: Any, before: Any) -> int:
 
 @inlined
 def _set_tiers(tier: Any, before: Any, now: Any, use_filled: bool) -> None:
-    """Tell which markers are usable: present at both frames, MEASURED only if at both."""
+    """Write which markers are usable: present at both frames, MEASURED only if at both."""
     for marker in range(len(tier)):
         worse = max(before[marker], now[marker])
         either_missing = (before[marker] == MISSING) | (now[marker] == MISSING)

@@ -1,4 +1,4 @@
-"""What every node that makes gaps promises, whoever wrote it."""
+"""What every node that makes gaps promises, third-party ones included."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _FRAMES = 60
 
 
 def panel_of(label: str, shown: Trajectories | Animation, view: str) -> Panel:
-    """Return the panel of a recording or an animation, seen from the front or as asked for."""
+    """Return the panel of a recording or an animation, seen from the front or as requested."""
     if isinstance(shown, Animation):
         seen = frontal(_markers_of(shown), view)
         points = posed(shown, shown.head.vertices).reshape(-1, 3)

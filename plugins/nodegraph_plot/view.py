@@ -39,7 +39,7 @@ class View:
 
 
 def frontal(recording: Trajectories, view: str) -> View:
-    """Return the view of a recording's face from the front, or the one that is asked for.
+    """Return the view of a recording's face from the front, or the requested one.
 
     The face is the mean of its measured samples. With a marker set that has pairs, the face's
     left is on the right of the picture; forward is the direction across the pairs and across the

@@ -107,7 +107,7 @@ def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:
 
 
 def _row(track: NDArray[np.intp]) -> tuple[float, ...]:
-    """Return a marker's values; `track` says, for each present sample, which one has it."""
+    """Return a marker's values; `track` is, for each present sample, the track that has it."""
     has = track >= 0
     followed = track[has]
     links = max(len(followed) - 1, 0)

@@ -1,4 +1,4 @@
-"""What every selection of markers promises, whoever wrote it."""
+"""What every selection of markers promises, third-party ones included."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def pairs_chosen(selection: Selection) -> int:
 
 
 def warn_spanned(spanning: int, selection: Selection) -> None:
-    """Warn when fewer pairs than were chosen tell all that there is."""
+    """Warn when fewer pairs than were chosen determine the motion of all."""
     chosen = pairs_chosen(selection)
     if chosen > spanning:
         warnings.warn(

@@ -97,8 +97,8 @@ def curve_into(
 
     Parameters
     ----------
-    made, given
-        (T, M, 3) mm, contiguous and apart from each other; NaN where `given` is in no run.
+    smoothed, positions
+        (T, M, 3) mm, contiguous and apart from each other; NaN where `positions` is in no run.
     runs
         All runs of present samples.
     order, ends

@@ -26,8 +26,8 @@ def curve_into(
 
     Parameters
     ----------
-    out, given : (T, M, 3) arrays of float64, contiguous and apart from each other
-        NaN where `given` is in no run, and then in `out`.
+    out, values : (T, M, 3) arrays of float64, contiguous and apart from each other
+        NaN where `values` is in no run, and then in `out`.
     weights : (K,) array of float64
         See `filter_into`.
     marker, start, stop : (R,) arrays of int
@@ -58,7 +58,7 @@ def rows_into(out: Any, values: Any, marker: Any, start: Any, rows: Any) -> None
 
     Parameters
     ----------
-    out, given : (T, M, 3) arrays of float64
+    out, values : (T, M, 3) arrays of float64
     marker, start : (R,) arrays of int
     rows : (L, L) array of float64
     """
@@ -75,7 +75,7 @@ def filter_into(out: Any, values: Any, stride: int, weights: Any) -> None:
 
     Parameters
     ----------
-    out, given : (N,) arrays of float64, contiguous and apart from each other
+    out, values : (N,) arrays of float64, contiguous and apart from each other
     stride
         Numbers per frame; N is a multiple of it.
     weights : (K,) array of float64

@@ -28,7 +28,7 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 @inlined
 def _split(penalty: float, diagonal: Any, first: Any, second: Any) -> None:
-    """Write D and the two bands of L; ``one[i]`` is ``L[i+1, i]``, ``two[i]`` is ``L[i+2, i]``."""
+    """Write D and the bands of L: ``first[i]``, ``second[i]`` are ``L[i+1, i]``, ``L[i+2, i]``."""
     middle, beside, apart = 2.0 / 3.0 + 6.0 * penalty, 1.0 / 6.0 - 4.0 * penalty, penalty
     for i in range(len(diagonal)):
         value, next_to = middle, beside
@@ -66,7 +66,7 @@ def spline(values: Any, penalty: float, curve: Any) -> float:
 
     Parameters
     ----------
-    given, made : (T, K) arrays of float64
+    values, curve : (T, K) arrays of float64
         T at least 3; K coordinates.
     penalty
         lambda.
@@ -126,13 +126,13 @@ def smooth(values: Any) -> Any:
 
     Parameters
     ----------
-    given : (T, R, 3) array of float64
+    values : (T, R, 3) array of float64
         The three coordinates of a run share one lambda.
 
     Returns
     -------
-    made : (T, R, 3) array of float64
-    penalty : (R,) array of float64
+    curves : (T, R, 3) array of float64
+    penalties : (R,) array of float64
         Each run's lambda.
     """
     length, runs = values.shape[:2]

@@ -85,7 +85,7 @@ def smooth(values: Any, carry: Any, inverse: Any, gain: Any) -> Any:
 
     Parameters
     ----------
-    given : (T, N) array of float64
+    values : (T, N) array of float64
         Runs side by side.
     carry, inverse, gain
         From `gains`.

@@ -18,7 +18,7 @@ def smooth(values: Any, rate: float, least: float, slope: float, derivative: flo
 
     Parameters
     ----------
-    given : (T, R, 3) array of float64
+    values : (T, R, 3) array of float64
     rate
         Frames per second.
     least, slope, derivative

@@ -51,7 +51,7 @@ def eliminate(
         As above.
     diagonal : (T, K) array of float64
         Added to the matrix's diagonal.
-    made : (T, K, K) array of float64
+    inverses : (T, K, K) array of float64
         Written.
     """
     frames, count = diagonal.shape

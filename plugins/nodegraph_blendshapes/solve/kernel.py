@@ -89,7 +89,7 @@ def bounded(squares: Any, targets: Any, linears: Any, most: int, solution: Any) 
     most
         How many rounds of exchanges a target gets. Where that is not enough, its weights are
         within the bounds, and not those of least squares.
-    made : (N, K) array of float64
+    solution : (N, K) array of float64
         Written.
     """
     work = _new_work(squares)

@@ -115,7 +115,7 @@ def search(squares: Any, targets: Any, system: Any, most: int, solution: Any, fr
     most
         How many weights may be freed for a target. Where that is not enough, the weights are
         within the bounds, and their squares not the least.
-    made : (N, K) array of float64
+    solution : (N, K) array of float64
         Written.
     free : (N, K) array of bool
         Written: which weights are free; their columns do not depend on each other.

@@ -53,9 +53,9 @@ def share(projector: Any, wanted: Any, lows: Any, highs: Any, shared: Any, solve
     projector : (K, R) array of float64
     wanted : (N, R) array of float64
     lows, highs : (N, K) arrays of float64
-    made : (N, K) array of float64
+    shared : (N, K) array of float64
         Written.
-    done : (N,) array of bool
+    solved : (N,) array of bool
         Written: whether they could be determined. Where not, the weights are not valid.
     """
     for frame in range(len(wanted)):
