@@ -1,1 +1,1 @@
-"""A run as one file, for a repository."""
+"""Archives: a run packed into one file, for a repository."""

@@ -1,4 +1,4 @@
-"""The files that a run read: which they are, where they lie, and where an archive has them."""
+"""The files that a run read, and their names in an archive."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from nodegraph.filenames import fold, portable_name
 from nodegraph.fingerprint.keys import Files
 from nodegraph.runs.record import Record, RecordedStep
 
-FOLDER = "inputs"
+FOLDER, PLUGINS = "inputs", "plugins"
 
 
 @dataclass(frozen=True)
@@ -22,16 +22,16 @@ class ReadFile:
     Attributes
     ----------
     written : str
-        As the settings of the run have it.
+        The path in the settings of the run.
     digest : str
-        Of its content then: SHA-256 of a file with its suffix after it; of a folder, over those
-        of all files in it.
+        That of the content during the run: the SHA-256 and the suffix of a file; the SHA-256 of
+        those of all files for a folder.
     name : str
-        In the archive; as it is written for what plugins ship.
+        In the archive; the written path if a plugin ships the file.
     path : Path or None
-        Where it lies, if it does so with the same content.
+        Where it is, if the content is the same.
     is_shipped : bool
-        Whether a plugin brings it.
+        Whether a plugin ships it.
     """
 
     written: str
@@ -47,20 +47,20 @@ class ReadFile:
         if not self.path.is_dir():
             yield self.name, self.path
             return
-        for one in sorted(self.path.rglob("*")):
-            if one.is_file():
-                yield f"{self.name}/{one.relative_to(self.path).as_posix()}", one
+        for path in sorted(self.path.rglob("*")):
+            if path.is_file():
+                yield f"{self.name}/{path.relative_to(self.path).as_posix()}", path
 
     @property
     def size(self) -> int:
-        """Bytes of all of it."""
+        """The size in bytes."""
         return sum(path.stat().st_size for _, path in self.contents())
 
 
 def files_read(
     steps: Iterable[RecordedStep],
     folders: Sequence[Path],
-    taken: Collection[str],
+    reserved: Collection[str],
     is_shipped: Callable[[str], bool],
 ) -> tuple[ReadFile, ...]:
     """Return the files that a run read.
@@ -70,11 +70,11 @@ def files_read(
     steps
         Those of the run.
     folders
-        From which relative paths may be meant, that of the graph first.
-    taken
-        First parts of names that files cannot have in the archive.
+        Where relative paths may start, the folder of the graph first.
+    reserved
+        Names in the archive that are not free.
     is_shipped
-        Whether a path names what a plugin brings.
+        Whether a plugin ships the file of a path.
     """
     named = dict.fromkeys(
         (str(step.settings.get(setting)), digest)
@@ -82,24 +82,24 @@ def files_read(
         for setting, digest in step.files.items()
     )
     digests = Files()
-    found: list[ReadFile] = []
-    taken = {fold(name) for name in (*taken, FOLDER)}
+    files: list[ReadFile] = []
+    reserved = {fold(name) for name in (*reserved, FOLDER)}
     used: set[str] = set()
-    # those that keep their names come first, so that the others give way
-    for written, digest in sorted(named, key=lambda one: not _stays(one[0], taken)):
+    # files that keep their names come first, so that the rest are renamed
+    for written, digest in sorted(named, key=lambda item: not _stays(item[0], reserved)):
         if is_shipped(written):
-            found.append(ReadFile(written, digest, written, is_shipped=True))
+            files.append(ReadFile(written, digest, written, is_shipped=True))
             continue
         path = _located(written, digest, folders, digests)
-        stays = _stays(written, taken) and (path is None or path == folders[0] / written)
-        same = next((one for one in found if path is not None and _same(one.path, path)), None)
+        stays = _stays(written, reserved) and (path is None or path == folders[0] / written)
+        same = next((file for file in files if path and _is_same(file.path, path)), None)
         name = same.name if same is not None else _name(written, used, stays=stays)
-        found.append(ReadFile(written, digest, name, path))
-    return tuple(found)
+        files.append(ReadFile(written, digest, name, path))
+    return tuple(files)
 
 
-def _stays(written: str, taken: Collection[str]) -> bool:
-    """Return whether a file can lie in the archive as it does beside the graph."""
+def _stays(written: str, reserved: Collection[str]) -> bool:
+    """Return whether a file can have its path relative to the graph in the archive."""
     path = PurePosixPath(written)
     return (
         not path.is_absolute()
@@ -107,7 +107,7 @@ def _stays(written: str, taken: Collection[str]) -> bool:
         and ":" not in written
         and "\\" not in written
         and bool(path.parts)
-        and fold(path.parts[0]) not in taken
+        and fold(path.parts[0]) not in reserved
     )
 
 
@@ -128,33 +128,30 @@ def _located(written: str, digest: str, folders: Sequence[Path], digests: Files)
         try:
             if digests.digest(path) == digest:
                 return path
-        except (OSError, ValueError):  # a record may say what is no path at all
+        except (OSError, ValueError):  # the text in a record may not be a valid path
             continue
     return None
 
 
-def _same(one: Path | None, other: Path) -> bool:
-    return one is not None and one.resolve() == other.resolve()
+def _is_same(path: Path | None, other: Path) -> bool:
+    return path is not None and path.resolve() == other.resolve()
 
 
 def free_name(name: str, used: set[str]) -> str:
-    """Return a portable path in an archive, with a number if it is taken, and note its use.
+    """Return a portable path in an archive, numbered if it is in use, and add it to `used`.
 
     Parameters
     ----------
     name
-        The path as it should be, with slashes.
+        The path with slashes.
     used
-        Those in use, folded as by disks that ignore the case of letters.
+        Paths in use, with the case of letters folded.
     """
     path = PurePosixPath(*map(portable_name, PurePosixPath(name).parts))
     numbered = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(2))
-    free = next(str(each) for each in chain([path], numbered) if fold(str(each)) not in used)
+    free = next(text for text in map(str, chain([path], numbered)) if fold(text) not in used)
     used.add(fold(free))
     return free
-
-
-PLUGINS = "plugins"
 
 
 @dataclass(frozen=True)
@@ -164,13 +161,13 @@ class PluginFile:
     Attributes
     ----------
     written : str
-        As the settings of the run have it.
+        The path in the settings of the run.
     name : str
         In the archive.
     path : Path
-        Where it lay.
+        Where it was.
     content : bytes or None
-        What the run imported, if it is still found.
+        The content that the run imported, if it is still there.
     """
 
     written: str
@@ -180,18 +177,14 @@ class PluginFile:
 
 
 class Origin:
-    """Where a run was made.
-
-    Parameters
-    ----------
-    record
+    """The folders of a run, in which its files are searched.
 
     Attributes
     ----------
     folder : Path
         The working directory.
     graph : Path
-        As the settings of the run have it.
+        The path in the settings of the run.
     home : Path
         The folder of the graph file.
     """
@@ -201,12 +194,12 @@ class Origin:
         self.folder = Path(record.folder)
         self.graph = Path(record.settings.graph)
         self._starts = list(dict.fromkeys((self.folder, Path.cwd())))
-        with_graph = (one for one in self._starts if (one / self.graph).is_file())
+        with_graph = (start for start in self._starts if (start / self.graph).is_file())
         self.home = (next(with_graph, self.folder) / self.graph).parent
 
     def folders(self) -> list[Path]:
-        """Return from where relative paths may be meant, the folder of the graph first."""
-        homes = [self.home, *((one / self.graph).parent for one in self._starts)]
+        """Return where relative paths may start, the folder of the graph first."""
+        homes = [self.home, *((start / self.graph).parent for start in self._starts)]
         used = [home / Path(name).parent for home in homes for name in self._record.included]
         return list(dict.fromkeys([*homes, *used, *self._starts]))
 
@@ -217,27 +210,26 @@ class Origin:
             self._record.settings.plugins, self._record.plugins, strict=False
         ):
             path = Path(plugin.path)
-            content = self._found(
-                [path, *(start / written for start in self._starts)], plugin.sha256
-            )
+            content = _content([path, *(start / written for start in self._starts)], plugin.sha256)
             name = free_name(f"{PLUGINS}/{path.name}", used)
             yield PluginFile(written, name, path, content)
 
-    def lacks(self, path: str) -> str:
-        """Return that a file is not found as it was, and where it would be."""
+    def why_missing(self, path: str) -> str:
+        """Return why a file is not in the archive, and where it was."""
         if Path(path).is_absolute():
-            return f"{path} is gone, or is no longer as the run used it"
+            return f"{path} is missing or was edited after the run"
         if self.folder.is_dir():
-            return f"it is gone from {self.folder}, or is no longer as the run used it"
-        return f"it is not here; archive the run where it was made, in {self.folder}"
+            return f"missing from {self.folder}, or edited after the run"
+        return f"not on this machine; archive the run where it ran, in {self.folder}"
 
-    @staticmethod
-    def _found(paths: list[Path], digest: str) -> bytes | None:
-        for path in paths:
-            try:
-                content = path.read_bytes()
-            except (OSError, ValueError):  # a record may say what is no path at all
-                continue
-            if hashlib.sha256(content).hexdigest() == digest:
-                return content
-        return None
+
+def _content(paths: Iterable[Path], digest: str) -> bytes | None:
+    """Return the content with this digest, from the first file that has it."""
+    for path in paths:
+        try:
+            content = path.read_bytes()
+        except (OSError, ValueError):  # the text in a record may not be a valid path
+            continue
+        if hashlib.sha256(content).hexdigest() == digest:
+            return content
+    return None

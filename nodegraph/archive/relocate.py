@@ -1,4 +1,4 @@
-"""Texts of a run such that they mean the same elsewhere: no folder of this machine is in them."""
+"""Replace the paths of this machine in the texts of a run by those in its archive."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from nodegraph.runs.record import Record
 from nodegraph.runs.settings import RunSettings
 
 _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
-"""What stands before a path in a text; inside of base 64 there are none of ours."""
+"""What precedes a path in a text, so that none is matched inside of base 64."""
 _AFTER = r"(?![\w\-])"
 _USERS = ("/home", "/Users")
 
@@ -31,35 +31,39 @@ _FOLDERS = re.compile(
 _PLAIN = re.compile(r"(?:\.\./)*[A-Za-z_][\w./\-]*")
 
 
-class Elsewhere:
-    """Replaces what is of this machine only.
+class Relocation:
+    """Replaces paths of this machine in texts.
 
     Parameters
     ----------
-    moved
-        New texts for old ones, which may stand anywhere.
+    replacements
+        New texts by old ones.
     folders
-        Paths are written as seen from the nearest of these; what is left of them is their name.
+        Folders that are removed from paths; by themselves they are replaced by their names.
     """
 
-    def __init__(self, moved: Mapping[str, str], folders: Iterable[str]) -> None:
-        new = {old: one for old, one in moved.items() if old != one}
+    def __init__(self, replacements: Mapping[str, str], folders: Iterable[str]) -> None:
+        by_old = {old: new for old, new in replacements.items() if old != new}
         for folder in folders:
-            new.setdefault(f"{folder}/", "")
-            new.setdefault(folder, _last_name(folder))
-        self._new = {form: one for old, text in new.items() for form, one in _forms(old, text)}
+            by_old.setdefault(f"{folder}/", "")
+            by_old.setdefault(folder, _last_name(folder))
+        self._new = dict(form for old, new in by_old.items() for form in _forms(old, new))
         longest = sorted(self._new, key=len, reverse=True)
-        said = "|".join(re.escape(one) + ("" if one.endswith("/") else _AFTER) for one in longest)
-        self._pattern = re.compile(f"{_BEFORE}(?:{said})") if longest else None
+        texts = (re.escape(old) + ("" if old.endswith("/") else _AFTER) for old in longest)
+        self._pattern = re.compile(f"{_BEFORE}(?:{'|'.join(texts)})") if longest else None
 
     def text(self, text: str) -> str:
-        """Return a text with what is meant elsewhere."""
+        """Return a text with the paths of the archive."""
         if self._pattern is None:
             return text
-        return self._pattern.sub(lambda found: self._new[found[0]], text)
+        return self._pattern.sub(lambda match: self._new[match[0]], text)
+
+    def encoded(self, text: str) -> bytes:
+        """Return a text with the paths of the archive as UTF-8."""
+        return self.text(text).encode(errors="backslashreplace")
 
     def content(self, name: str, content: bytes) -> bytes:
-        """Return a file's content; what is no text comes back as it is."""
+        """Return the content of a file; the same object if it is not a text."""
         try:
             if name.endswith(".gz"):
                 inner = self.content(name.removesuffix(".gz"), gzip.decompress(content))
@@ -69,19 +73,19 @@ class Elsewhere:
             return content
         return content if "\0" in text else self.text(text).encode()
 
-    def still_in(self, content: bytes) -> bool:
-        """Return whether a content that is no text has a path of this machine in it."""
+    def matches(self, content: bytes) -> bool:
+        """Return whether a binary content contains a path of this machine."""
         return self._pattern is not None and bool(self._pattern.search(content.decode("latin-1")))
 
 
 def _last_name(folder: str) -> str:
-    """Return what a folder is called where nothing below it is named; never after a person."""
+    """Return the name of a folder, or ``~`` for the home of a user."""
     above, _, name = folder.rpartition("/")
     return "~" if above in _USERS or folder == str(Path.home()) else name
 
 
 def _forms(old: str, new: str) -> Iterator[tuple[str, str]]:
-    """Yield a replacement as it is written in plain text, in JSON and in HTML."""
+    """Yield a replacement in plain text, in JSON and in HTML."""
     yield old, new
     yield json.dumps(old)[1:-1], json.dumps(new)[1:-1]
     yield html.escape(old), html.escape(new)
@@ -89,28 +93,28 @@ def _forms(old: str, new: str) -> Iterator[tuple[str, str]]:
     yield str(markupsafe.escape(old)), str(markupsafe.escape(new))
 
 
-def folders_here(record: Record, texts: Iterable[str], others: Iterable[Path]) -> set[str]:
-    """Return the folders whose names say on which machine, and where on it, something lies.
+def local_folders(record: Record, texts: Iterable[str], folders: Iterable[Path]) -> set[str]:
+    """Return the folders whose names depend on the machine.
 
     Parameters
     ----------
     record
-        Folders that it names may be of another machine.
+        A record, whose folders may be of another machine.
     texts
-        Of graphs, which may name some too.
-    others
+        Graphs, which may contain folders.
+    folders
         Further ones, such as that of the run.
     """
     known = [Path.home(), Path.cwd(), Path(tempfile.gettempdir()), Path(sys.prefix)]
-    known += [Path(sys.base_prefix), *map(Path, sys.path), *others]
-    both = (form for one in known for form in (os.path.abspath(one), os.path.realpath(one)))
-    here = {one for one in both if len(PurePosixPath(one).parts) > 1}
-    named = [*_named(record), *(found for text in texts for found in _FOLDERS.findall(text))]
-    return here | {one.rstrip("/\\") for one in named}
+    known += [Path(sys.base_prefix), *map(Path, sys.path), *folders]
+    paths = {form(path) for path in known for form in (os.path.abspath, os.path.realpath)}
+    local = {path for path in paths if len(PurePosixPath(path).parts) > 1}
+    recorded = [*_recorded_folders(record), *(f for text in texts for f in _FOLDERS.findall(text))]
+    return local | {folder.rstrip("/\\") for folder in recorded}
 
 
-def _named(record: Record) -> Iterator[str]:
-    """Yield the folders of absolute paths in what a run says of its inputs and failures."""
+def _recorded_folders(record: Record) -> Iterator[str]:
+    """Yield the folders of absolute paths in the inputs, settings and messages of a run."""
     pending: list[Any] = [record.command, record.inputs]
     pending += [left_out.reason for left_out in record.left_out]
     for step in record.steps:
@@ -120,27 +124,27 @@ def _named(record: Record) -> Iterator[str]:
     for file in record.not_written:
         pending += [file.reason, file.trace]
     while pending:
-        one = pending.pop()
-        if isinstance(one, Mapping):
-            pending.extend(one.values())
-        elif isinstance(one, list):
-            pending.extend(one)
-        elif isinstance(one, str):
-            yield from _FOLDERS.findall(one)
+        item = pending.pop()
+        if isinstance(item, Mapping):
+            pending.extend(item.values())
+        elif isinstance(item, list):
+            pending.extend(item)
+        elif isinstance(item, str):
+            yield from _FOLDERS.findall(item)
 
 
-def graph_elsewhere(text: str, was: Path, name: str, moved: Mapping[str, str]) -> str:
-    """Return the text of a graph file whose paths lead to where files lie in an archive.
+def relocate_graph(text: str, folder: Path, name: str, names: Mapping[str, str]) -> str:
+    """Return the text of a graph file with the paths of files in an archive.
 
     Parameters
     ----------
     text
-    was
+    folder
         The folder in which it was.
     name
-        In the archive.
-    moved
-        Names in the archive, by absolute paths as they were.
+        Its name in the archive.
+    names
+        Names in the archive by absolute paths.
     """
     import yaml
 
@@ -150,15 +154,17 @@ def graph_elsewhere(text: str, was: Path, name: str, moved: Mapping[str, str]) -
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
         if not isinstance(event, yaml.ScalarEvent) or event.style in ("|", ">"):
             continue
-        there = moved.get(os.path.normpath(was / event.value)) if event.value else None
-        new = posixpath.relpath(there, here) if there is not None else event.value
-        if new != posixpath.normpath(event.value) and there is not None:
-            parts += [text[end : _place(event.start_mark)], _scalar(new)]
-            end = _place(event.end_mark)
+        target = names.get(os.path.normpath(folder / event.value)) if event.value else None
+        if target is None:
+            continue
+        new = posixpath.relpath(target, here)
+        if new != posixpath.normpath(event.value):
+            parts += [text[end : _index(event.start_mark)], _scalar(new)]
+            end = _index(event.end_mark)
     return "".join([*parts, text[end:]])
 
 
-def _place(mark: Any) -> int:
+def _index(mark: Any) -> int:
     return int(mark.index)
 
 
@@ -166,7 +172,7 @@ def _scalar(text: str) -> str:
     return text if _PLAIN.fullmatch(text) else json.dumps(text, ensure_ascii=False)
 
 
-def settings_elsewhere(settings: RunSettings, graph: str, moved: Mapping[str, str]) -> RunSettings:
+def relocate_settings(settings: RunSettings, graph: str, names: Mapping[str, str]) -> RunSettings:
     """Return the settings that run the graph again in the unpacked archive.
 
     Parameters
@@ -174,23 +180,23 @@ def settings_elsewhere(settings: RunSettings, graph: str, moved: Mapping[str, st
     settings
         Those of the run.
     graph
-        The graph's name in the archive.
-    moved
-        Names in the archive by the paths that the settings have.
+        The name of the graph in the archive.
+    names
+        Names in the archive by paths in the settings.
     """
     return RunSettings(
         graph,
-        set=_in_archive(settings.set, moved),
-        axis=_in_archive(settings.axis, moved),
-        only=_in_archive(settings.only, moved),
+        set=_in_archive(settings.set, names),
+        axis=_in_archive(settings.axis, names),
+        only=_in_archive(settings.only, names),
         until=settings.until,
-        plugins=_in_archive(settings.plugins, moved),
+        plugins=_in_archive(settings.plugins, names),
     )
 
 
-def _in_archive(value: Any, moved: Mapping[str, str]) -> Any:
+def _in_archive(value: Any, names: Mapping[str, str]) -> Any:
     if isinstance(value, Mapping):
-        return {name: _in_archive(item, moved) for name, item in value.items()}
+        return {name: _in_archive(item, names) for name, item in value.items()}
     if isinstance(value, list):
-        return [_in_archive(item, moved) for item in value]
-    return moved.get(value, value) if isinstance(value, str) else value
+        return [_in_archive(item, names) for item in value]
+    return names.get(value, value) if isinstance(value, str) else value

@@ -12,157 +12,15 @@ import json
 from collections.abc import Iterator, Mapping
 from datetime import datetime, timedelta
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
+from nodegraph.archive.contents import README, RUN, Contents
 from nodegraph.errors import NodegraphError
 from nodegraph.runs.folder import EVENTS, STUDY
 from nodegraph.state import State
 
-if TYPE_CHECKING:
-    from nodegraph.archive.contents import Contents
-
-
-VERSION = "1.1"
-"""Of RO-Crate."""
-
-
-class Entities:
-    """What a crate describes.
-
-    Raises
-    ------
-    NodegraphError
-        If the package that writes it is not installed.
-    """
-
-    def __init__(self) -> None:
-        try:
-            from rocrate.rocrate import ROCrate
-        except ModuleNotFoundError as error:
-            if (error.name or "").partition(".")[0] != "rocrate":
-                raise
-            raise NodegraphError(
-                "an archive needs what is not installed; pip install 'nodegraph[archive]'"
-            ) from error
-        self.crate = ROCrate(version=VERSION)
-
-    def add(self, identifier: str, kind: str, **described: Any) -> Any:
-        """Return what is described under an identifier; it is added unless it is there."""
-        from rocrate.model import ContextEntity
-
-        there = self.crate.get(identifier)
-        if there is not None:
-            return there
-        properties = {"@type": kind, **described}
-        return self.crate.add(ContextEntity(self.crate, identifier, properties))
-
-    def add_file(self, name: str, described: Mapping[str, Any]) -> Any:
-        """Add a file of the archive."""
-        from rocrate.model import DataEntity
-
-        return self.crate.add(DataEntity(self.crate, quote(name), dict(described)))
-
-    def file(self, name: str) -> Any:
-        """Return a file of the archive, or None."""
-        return self.crate.get(quote(name))
-
-
-def append(entity: Any, name: str, value: Any) -> None:
-    """Add a reference, once, to those that an entity has under a name."""
-    there = entity.get(name, [])
-    known = there if isinstance(there, list) else [there]
-    if value not in known:
-        entity[name] = [*known, value] if known else value
-
-
-_PARAMETER = "https://bioschemas.org/profiles/FormalParameter/1.0-RELEASE"
-_TYPES = {bool: "Boolean", int: "Integer", float: "Float", str: "Text"}
-
-
-class Parameters:
-    """Describes parameters.
-
-    Parameters
-    ----------
-    contents
-    entities
-        Where the files of the archive are described already.
-    """
-
-    def __init__(self, contents: Contents, entities: Entities) -> None:
-        self._contents = contents
-        self._entities = entities
-
-    def inputs(self) -> Iterator[tuple[Any, Any]]:
-        """Yield a parameter with its value, for each input and each axis of the graph."""
-        record = self._contents.record
-        for name, value in record.inputs.items():
-            file = self._file_of(value)
-            kind = "File" if file is not None else _TYPES.get(type(value), "Text")
-            parameter = self._parameter(f"#input-{quote(name)}", name, kind)
-            given = file if file is not None else self._value(f"#value-{quote(name)}", name, value)
-            append(given, "exampleOfWork", parameter)
-            yield parameter, given
-        for name, labels in record.axes.items():
-            parameter = self._parameter(f"#axis-{quote(name)}", name, "Text")
-            shown = ", ".join(map(str, labels))
-            given = self._value(f"#labels-{quote(name)}", name, shown)
-            given["exampleOfWork"] = parameter
-            yield parameter, given
-
-    def outputs(self) -> Iterator[Any]:
-        """Yield a parameter for each reported output, which its files refer to."""
-        for section in self._contents.study.sections:
-            files = [self._entities.file(f"run/{one.path}") for one in section.files]
-            files = [one for one in files if one is not None]
-            if files:
-                parameter = self._parameter(
-                    f"#output-{quote(section.title)}", section.title, "File"
-                )
-                for one in files:
-                    append(one, "exampleOfWork", parameter)
-                yield parameter
-
-    def read(self, already: list[Any]) -> Iterator[Any]:
-        """Yield what else the run read."""
-        there = {one.id for one in already}
-        for one in self._contents.inputs:
-            for entity in self._known(one.written):
-                if entity.id not in there:
-                    there.add(entity.id)
-                    yield entity
-
-    def _file_of(self, value: Any) -> Any:
-        found = list(self._known(value)) if isinstance(value, str) else []
-        return found[0] if len(found) == 1 and found[0].type != "PropertyValue" else None
-
-    def _known(self, written: str) -> Iterator[Any]:
-        """Yield the files in the archive for what is written so, or what is known of them."""
-        for one in self._contents.inputs:
-            if one.written == written:
-                files = [self._entities.file(name) for name, _ in one.contents()]
-                files = [found for found in files if found is not None]
-                if files:
-                    yield from files
-                else:
-                    described = {"name": one.name, "value": one.name, "sha256": one.digest[:64]}
-                    yield self._entities.add(
-                        f"#file-{quote(one.name)}", "PropertyValue", **described
-                    )
-
-    def _parameter(self, identifier: str, name: str, kind: str) -> Any:
-        profile = self._entities.add(
-            _PARAMETER, "CreativeWork", name="Bioschemas FormalParameter", version="1.0"
-        )
-        described = {"name": name, "additionalType": kind, "conformsTo": profile}
-        return self._entities.add(identifier, "FormalParameter", **described)
-
-    def _value(self, identifier: str, name: str, value: Any) -> Any:
-        plain = value if isinstance(value, (str, int, float)) else json.dumps(value)
-        return self._entities.add(identifier, "PropertyValue", name=name, value=plain)
-
-
+_VERSION = "1.1"
 _RUN_TERMS = "https://w3id.org/ro/terms/workflow-run/context"
 _PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": ("Process Run Crate", "0.5"),
@@ -178,48 +36,171 @@ _FORMATS = {
     ".py": "text/x-python", ".svg": "image/svg+xml", ".tex": "text/x-tex", ".tsv":
     "text/tab-separated-values", ".txt": "text/plain", ".yaml": "application/yaml",
 }  # fmt: skip
+_PARAMETER = "https://bioschemas.org/profiles/FormalParameter/1.0-RELEASE"
+_TYPES = {bool: "Boolean", int: "Integer", float: "Float", str: "Text"}
 
 
 def crate_metadata(contents: Contents) -> bytes:
-    """Return the content of ``ro-crate-metadata.json``; the same contents give the same bytes.
+    """Return the content of ``ro-crate-metadata.json``, which depends only on the contents.
 
     Raises
     ------
     NodegraphError
-        If the package that writes it is not installed.
+        If rocrate is not installed.
     """
-    graph = _Crate(contents).described()
-    text = json.dumps(graph, indent=1, ensure_ascii=False, sort_keys=True)
-    return contents.elsewhere.text(text).encode(errors="backslashreplace") + b"\n"
+    metadata = _Crate(contents).metadata()
+    text = json.dumps(metadata, indent=1, ensure_ascii=False, sort_keys=True)
+    return contents.relocation.encoded(text) + b"\n"
+
+
+class _Entities:
+    """The entities of a crate."""
+
+    def __init__(self) -> None:
+        try:
+            from rocrate.rocrate import ROCrate
+        except ModuleNotFoundError as error:
+            if (error.name or "").partition(".")[0] != "rocrate":
+                raise
+            raise NodegraphError(
+                "archives need rocrate; pip install 'nodegraph[archive]'"
+            ) from error
+        self.crate = ROCrate(version=_VERSION)
+
+    def add(self, identifier: str, kind: str, **properties: Any) -> Any:
+        """Return the entity with an identifier, which is added unless it exists."""
+        from rocrate.model import ContextEntity
+
+        entity = self.crate.get(identifier)
+        if entity is not None:
+            return entity
+        return self.crate.add(ContextEntity(self.crate, identifier, {"@type": kind, **properties}))
+
+    def add_file(self, name: str, properties: Mapping[str, Any]) -> Any:
+        """Add a file of the archive."""
+        from rocrate.model import DataEntity
+
+        return self.crate.add(DataEntity(self.crate, quote(name), dict(properties)))
+
+    def file(self, name: str) -> Any:
+        """Return a file of the archive, or None."""
+        return self.crate.get(quote(name))
+
+
+def _add_reference(entity: Any, name: str, value: Any) -> None:
+    """Add a reference to a property, unless it has it."""
+    references = entity.get(name, [])
+    references = references if isinstance(references, list) else [references]
+    if value not in references:
+        entity[name] = [*references, value] if references else value
+
+
+class _Parameters:
+    """The parameters of the workflow, whose files must be among the entities."""
+
+    def __init__(self, contents: Contents, entities: _Entities) -> None:
+        self._contents = contents
+        self._entities = entities
+
+    def inputs(self) -> Iterator[tuple[Any, Any]]:
+        """Yield a parameter with its value, for each input and each axis of the graph."""
+        record = self._contents.record
+        for name, value in record.inputs.items():
+            file = self._file_of(value)
+            kind = "File" if file is not None else _TYPES.get(type(value), "Text")
+            parameter = self._parameter(f"#input-{quote(name)}", name, kind)
+            entity = file if file is not None else self._value(f"#value-{quote(name)}", name, value)
+            _add_reference(entity, "exampleOfWork", parameter)
+            yield parameter, entity
+        for name, labels in record.axes.items():
+            parameter = self._parameter(f"#axis-{quote(name)}", name, "Text")
+            text = ", ".join(map(str, labels))
+            entity = self._value(f"#labels-{quote(name)}", name, text)
+            entity["exampleOfWork"] = parameter
+            yield parameter, entity
+
+    def outputs(self) -> Iterator[Any]:
+        """Yield a parameter for each reported output, which its files refer to."""
+        for section in self._contents.study.sections:
+            entities = (self._entities.file(f"{RUN}/{link.path}") for link in section.files)
+            files = [entity for entity in entities if entity is not None]
+            if files:
+                parameter = self._parameter(
+                    f"#output-{quote(section.title)}", section.title, "File"
+                )
+                for file in files:
+                    _add_reference(file, "exampleOfWork", parameter)
+                yield parameter
+
+    def further_files(self, inputs: list[Any]) -> Iterator[Any]:
+        """Yield the files that the run read except those among its inputs."""
+        known = {entity.id for entity in inputs}
+        for file in self._contents.inputs:
+            for entity in self._files_of(file.written):
+                if entity.id not in known:
+                    known.add(entity.id)
+                    yield entity
+
+    def _file_of(self, value: Any) -> Any:
+        files = list(self._files_of(value)) if isinstance(value, str) else []
+        return files[0] if len(files) == 1 and files[0].type != "PropertyValue" else None
+
+    def _files_of(self, written: str) -> Iterator[Any]:
+        """Yield the files of a path in the settings, or an entity with the digest."""
+        for file in self._contents.inputs:
+            if file.written == written:
+                entities = (self._entities.file(name) for name, _ in file.contents())
+                files = [entity for entity in entities if entity is not None]
+                if files:
+                    yield from files
+                else:
+                    yield self._entities.add(
+                        f"#file-{quote(file.name)}",
+                        "PropertyValue",
+                        name=file.name,
+                        value=file.name,
+                        sha256=file.digest[:64],
+                    )
+
+    def _parameter(self, identifier: str, name: str, kind: str) -> Any:
+        profile = self._entities.add(
+            _PARAMETER, "CreativeWork", name="Bioschemas FormalParameter", version="1.0"
+        )
+        return self._entities.add(
+            identifier, "FormalParameter", name=name, additionalType=kind, conformsTo=profile
+        )
+
+    def _value(self, identifier: str, name: str, value: Any) -> Any:
+        plain = value if isinstance(value, (str, int, float)) else json.dumps(value)
+        return self._entities.add(identifier, "PropertyValue", name=name, value=plain)
 
 
 class _Crate:
     def __init__(self, contents: Contents) -> None:
         self._contents = contents
-        self._entities = Entities()
+        self._entities = _Entities()
         self._crate = self._entities.crate
         self._began, self._ended = _times(contents)
 
-    def described(self) -> Mapping[str, Any]:
-        """Return the whole description as JSON-LD."""
+    def metadata(self) -> Mapping[str, Any]:
+        """Return the metadata as JSON-LD."""
         self._describe_root()
         for name, content in sorted(self._contents.files.items()):
             self._add_file(name, content)
-        parameters = Parameters(self._contents, self._entities)
+        parameters = _Parameters(self._contents, self._entities)
         inputs, outputs = list(parameters.inputs()), list(parameters.outputs())
         main = self._entities.file(self._contents.graph)
         main["input"] = [parameter for parameter, _ in inputs]
         main["output"] = outputs
-        read = [value for _, value in inputs if value is not None]
-        self._describe_action(main, [*read, *parameters.read(read)])
-        described: Mapping[str, Any] = self._crate.metadata.generate()
-        return described
+        values = [value for _, value in inputs]
+        self._describe_action(main, [*values, *parameters.further_files(values)])
+        metadata: Mapping[str, Any] = self._crate.metadata.generate()
+        return metadata
 
     def _describe_root(self) -> None:
         study, root = self._contents.study, self._crate.root_dataset
         root["name"] = study.title
-        said = " ".join(study.answer) or f"A run of the graph {self._contents.graph}"
-        root["description"] = said
+        root["description"] = " ".join(study.answer) or f"A run of the graph {self._contents.graph}"
         root["datePublished"] = self._ended.isoformat(timespec="seconds")
         root["license"] = _NO_LICENCE
         root["conformsTo"] = [
@@ -228,24 +209,24 @@ class _Crate:
         ]
         self._crate.metadata.extra_contexts.append(_RUN_TERMS)
         self._crate.metadata["conformsTo"] = [
-            {"@id": f"https://w3id.org/ro/crate/{VERSION}"},
+            {"@id": f"https://w3id.org/ro/crate/{_VERSION}"},
             {"@id": list(_PROFILES)[-1]},
         ]
 
     def _add_file(self, name: str, content: bytes) -> None:
         is_main = name == self._contents.graph
-        described = {
+        properties = {
             "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"] if is_main else "File",
             "name": name,
             "contentSize": str(len(content)),
             "encodingFormat": _FORMATS.get(PurePosixPath(name).suffix, "application/octet-stream"),
             "sha256": hashlib.sha256(content).hexdigest(),
         }
-        made = self._entities.add_file(name, described)
+        file = self._entities.add_file(name, properties)
         if is_main:
-            self._describe_workflow(made, described["sha256"])
-        elif name == "README.md":
-            made["about"] = self._crate.root_dataset
+            self._describe_workflow(file, properties["sha256"])
+        elif name == README:
+            file["about"] = self._crate.root_dataset
 
     def _describe_workflow(self, main: Any, digest: Any) -> None:
         versions = dict(self._contents.study.versions)
@@ -263,36 +244,36 @@ class _Crate:
         main["hasPart"] = list(self._methods())
         main["softwareRequirements"] = [
             self._entities.add(
-                f"#package-{quote(name)}", "SoftwareApplication", name=name, version=one
+                f"#package-{quote(name)}", "SoftwareApplication", name=name, version=version
             )
-            for name, one in self._contents.study.versions
+            for name, version in self._contents.study.versions
             if name != "platform"
         ]
         self._crate.root_dataset["mainEntity"] = main
 
     def _methods(self) -> Iterator[Any]:
-        for one in {row.use: row for row in self._contents.study.methods}.values():
-            said = {"citation": one.citation} if one.citation else {}
+        for method in {row.use: row for row in self._contents.study.methods}.values():
+            citation = {"citation": method.citation} if method.citation else {}
             yield self._entities.add(
-                f"#method-{quote(one.use)}",
+                f"#method-{quote(method.use)}",
                 "SoftwareApplication",
-                name=one.use,
-                description=one.summary,
-                version=one.plugin,
-                **said,
+                name=method.use,
+                description=method.summary,
+                version=method.plugin,
+                **citation,
             )
 
-    def _describe_action(self, main: Any, read: list[Any]) -> None:
+    def _describe_action(self, main: Any, inputs: list[Any]) -> None:
         failed = self._contents.record.counts.get(State.FAILED, 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
-        error = {"error": f"{failed} steps failed; run/run.json says which"} if failed else {}
+        error = {"error": f"{failed} steps failed; see run/run.json"} if failed else {}
         action = self._entities.add(
             "#run",
             "CreateAction",
             name=f"Run of {self._contents.graph}",
             description=self._contents.command,
             instrument=main,
-            object=read,
+            object=inputs,
             result=[self._entities.file(name) for name in self._contents.results],
             startTime=self._began.isoformat(timespec="seconds"),
             endTime=self._ended.isoformat(timespec="seconds"),
@@ -308,7 +289,7 @@ def _times(contents: Contents) -> tuple[datetime, datetime]:
         ended = datetime.fromisoformat(contents.study.created)
     except ValueError as error:
         raise NodegraphError(f"{STUDY}: created: {error}; run the graph again") from error
-    first = contents.files.get(f"run/{EVENTS}", b"").partition(b"\n")[0]
+    first = contents.files.get(f"{RUN}/{EVENTS}", b"").partition(b"\n")[0]
     try:
         began = datetime.fromisoformat(json.loads(first)["began"])
     except (ValueError, LookupError, TypeError):

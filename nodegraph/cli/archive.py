@@ -37,7 +37,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def archive(arguments: Namespace) -> int:
     """Pack a run into one file."""
-    from nodegraph.archive.contents import contents_of, packed
+    from nodegraph.archive.collect import contents_of
+    from nodegraph.archive.contents import packed
     from nodegraph.archive.rocrate import crate_metadata
     from nodegraph.filenames import MAX_BYTES, shorten
     from nodegraph.plugin.registry import Registry
@@ -60,7 +61,7 @@ def archive(arguments: Namespace) -> int:
             f"{path} already exists and differs; name another file with --out, or remove it first"
         )
     write_and_print(path, content)
-    for line in contents.lacking:
+    for line in contents.missing:
         say(f"not in it: {line}")
     failed = contents.record.counts.get(State.FAILED, 0)
     if failed:

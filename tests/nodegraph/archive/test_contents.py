@@ -1,4 +1,4 @@
-"""An archive is a zip that every program reads, and the same for the same content."""
+"""The file of an archive."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nodegraph.archive.contents import METADATA, packed
 FILES = {"run/b.bin": bytes(range(256)), "a/ü.txt": b"text" * 1000, "README.md": b""}
 
 
-def test_all_comes_out_as_it_went_in_and_the_description_first() -> None:
+def test_files_read_back_and_the_metadata_is_first() -> None:
     with zipfile.ZipFile(io.BytesIO(packed(FILES, b"{}"))) as file:
         assert file.testzip() is None
         assert file.namelist() == [METADATA, "README.md", "a/ü.txt", "run/b.bin"]
@@ -18,12 +18,12 @@ def test_all_comes_out_as_it_went_in_and_the_description_first() -> None:
         assert file.read(METADATA) == b"{}"
 
 
-def test_whoever_unpacks_it_can_read_it() -> None:
+def test_files_are_readable_for_everyone() -> None:
     with zipfile.ZipFile(io.BytesIO(packed(FILES, b"{}"))) as file:
-        assert {one.external_attr >> 16 for one in file.infolist()} == {0o100644}
+        assert {entry.external_attr >> 16 for entry in file.infolist()} == {0o100644}
 
 
-def test_neither_order_nor_clock_is_in_it() -> None:
+def test_the_bytes_depend_only_on_the_files() -> None:
     backwards = dict(reversed(list(FILES.items())))
     assert packed(FILES, b"{}") == packed(backwards, b"{}")
     assert packed(FILES, b"{}") != packed({**FILES, "README.md": b"x"}, b"{}")

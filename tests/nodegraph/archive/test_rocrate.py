@@ -1,4 +1,4 @@
-"""The description holds each thing once, and says of files what is in the archive of them."""
+"""The metadata of an archive."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ def contents(**more: Any) -> Contents:
         seconds=60.0,
         **more,
     )
-    read = (
+    inputs = (
         ReadFile("a b.txt", "12.txt", "inputs/a b.txt", Path("a b.txt")),
         ReadFile("c.txt", "34" * 32 + ".txt", "c.txt"),
     )
     files = {"g.yaml": b"", "run/t.csv": b"1", "inputs/a b.txt": b"2"}
-    return Contents("g.yaml", study, RECORD, files=files, inputs=read)
+    return Contents("g.yaml", study, RECORD, files=files, inputs=inputs)
 
 
-def described(made: Contents) -> dict[str, dict[str, Any]]:
-    return {one["@id"]: one for one in json.loads(crate_metadata(made))["@graph"]}
+def entities_of(archived: Contents) -> dict[str, dict[str, Any]]:
+    return {item["@id"]: item for item in json.loads(crate_metadata(archived))["@graph"]}
 
 
 def test_inputs_and_labels_are_parameters_with_values() -> None:
-    entities = described(contents())
+    entities = entities_of(contents())
     assert entities["inputs/a%20b.txt"]["exampleOfWork"] == {"@id": "#input-take"}
     assert entities["#input-take"]["additionalType"] == "File"
     assert entities["#value-gone"]["value"] == "c.txt"
@@ -59,23 +59,23 @@ def test_inputs_and_labels_are_parameters_with_values() -> None:
     assert entities["run/t.csv"]["exampleOfWork"] == {"@id": "#output-table"}
 
 
-def test_methods_are_those_that_gave_a_result_each_once() -> None:
-    entities = described(contents())
+def test_each_method_with_a_result_is_listed_once() -> None:
+    entities = entities_of(contents())
     assert entities["g.yaml"]["hasPart"] == [{"@id": "#method-fill.hold"}]
     assert "#method-bad.boom" not in entities
     assert entities["#run"]["actionStatus"] == "http://schema.org/FailedActionStatus"
 
 
-def test_a_run_begins_its_seconds_before_it_ended_unless_its_events_say() -> None:
-    made = contents()
-    assert described(made)["#run"]["startTime"] == "2024-05-06T07:07:00+00:00"
-    made.files["run/events.jsonl"] = b'{"began": "2024-05-06T07:00:00+00:00"}\n'
-    assert described(made)["#run"]["startTime"] == "2024-05-06T07:00:00+00:00"
-    assert described(made)["#run"]["endTime"] == "2024-05-06T07:01:00+00:00"
+def test_the_start_is_that_of_the_events_or_computed_from_the_duration() -> None:
+    archived = contents()
+    assert entities_of(archived)["#run"]["startTime"] == "2024-05-06T07:07:00+00:00"
+    archived.files["run/events.jsonl"] = b'{"began": "2024-05-06T07:00:00+00:00"}\n'
+    assert entities_of(archived)["#run"]["startTime"] == "2024-05-06T07:00:00+00:00"
+    assert entities_of(archived)["#run"]["endTime"] == "2024-05-06T07:01:00+00:00"
 
 
-def test_a_run_that_says_no_time_is_told() -> None:
-    made = contents()
-    object.__setattr__(made.study, "created", "odd")
-    with pytest.raises(NodegraphError, match=r"study\.json\.gz: created: .*; run the graph again"):
-        crate_metadata(made)
+def test_an_invalid_time_is_reported() -> None:
+    archived = contents()
+    object.__setattr__(archived.study, "created", "odd")
+    with pytest.raises(NodegraphError, match=r"study\.json\.gz: created: "):
+        crate_metadata(archived)

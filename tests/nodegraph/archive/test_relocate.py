@@ -1,4 +1,4 @@
-"""Texts of an archive mean the same elsewhere, and nothing else in them changes."""
+"""Paths of this machine in texts are replaced, and nothing else."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.archive.relocate import Elsewhere, graph_elsewhere, settings_elsewhere
+from nodegraph.archive.relocate import Relocation, relocate_graph, relocate_settings
 from nodegraph.runs.settings import RunSettings
 
-HERE = Elsewhere(
+RELOCATION = Relocation(
     {"/data/old/a.c3d": "inputs/a.c3d"}, {"/data/old", "/data", "/home/anna", "/home/anna/study"}
 )
 
 
 @pytest.mark.parametrize(
-    ("text", "meant"),
+    ("text", "relocated"),
     [
         ("/data/old/a.c3d: frame 3", "inputs/a.c3d: frame 3"),
         ("'/data/old/a.c3d'", "'inputs/a.c3d'"),
@@ -34,34 +34,34 @@ HERE = Elsewhere(
         ("nothing", "nothing"),
     ],
 )
-def test_paths_become_what_is_meant_elsewhere(text: str, meant: str) -> None:
-    assert HERE.text(text) == meant
-    assert HERE.content("a.txt", text.encode()) == meant.encode()
-    assert json.loads(HERE.text(json.dumps({"x": text}))) == {"x": meant}
+def test_paths_of_this_machine_are_replaced(text: str, relocated: str) -> None:
+    assert RELOCATION.text(text) == relocated
+    assert RELOCATION.content("a.txt", text.encode()) == relocated.encode()
+    assert json.loads(RELOCATION.text(json.dumps({"x": text}))) == {"x": relocated}
 
 
-def test_compressed_texts_are_looked_into_and_bytes_left_alone() -> None:
-    packed = HERE.content("study.json.gz", gzip.compress(b'"/data/old/a.c3d"'))
+def test_compressed_texts_are_relocated_and_binary_files_are_not() -> None:
+    packed = RELOCATION.content("study.json.gz", gzip.compress(b'"/data/old/a.c3d"'))
     assert gzip.decompress(packed) == b'"inputs/a.c3d"'
     for content in (b"\xff\xfe /data/old/a.c3d", b"\0 /data/old/a.c3d"):
-        assert HERE.content("a.bin", content) is content
-        assert HERE.still_in(content)
-    assert HERE.content("not.gz", b"/data/old/") == b"/data/old/"
-    assert not HERE.still_in(b"\xff nothing")
+        assert RELOCATION.content("a.bin", content) is content
+        assert RELOCATION.matches(content)
+    assert RELOCATION.content("not.gz", b"/data/old/") == b"/data/old/"
+    assert not RELOCATION.matches(b"\xff nothing")
 
 
-def test_a_graph_leads_to_where_files_lie() -> None:
+def test_a_graph_has_the_paths_of_the_archive() -> None:
     text = 'nodes:  # "/x/far.csv" stays\n  a: {path: far.csv, text: "far.csv"}\n  b: near.csv\n'
-    moved = {"/x/far.csv": "inputs/it's far.csv", "/x/near.csv": "near.csv"}
-    assert graph_elsewhere(text, Path("/x"), "g.yaml", moved) == (
+    names = {"/x/far.csv": "inputs/it's far.csv", "/x/near.csv": "near.csv"}
+    assert relocate_graph(text, Path("/x"), "g.yaml", names) == (
         'nodes:  # "/x/far.csv" stays\n'
         '  a: {path: "inputs/it\'s far.csv", text: "inputs/it\'s far.csv"}\n  b: near.csv\n'
     )
-    assert graph_elsewhere("a: near.csv", Path("/x"), "graphs/g.yaml", moved) == ("a: ../near.csv")
-    assert graph_elsewhere(text, Path("/elsewhere"), "g.yaml", moved) == text
+    assert relocate_graph("a: near.csv", Path("/x"), "graphs/g.yaml", names) == ("a: ../near.csv")
+    assert relocate_graph(text, Path("/elsewhere"), "g.yaml", names) == text
 
 
-def test_the_settings_name_what_is_in_the_archive() -> None:
+def test_settings_have_the_paths_of_the_archive() -> None:
     settings = RunSettings(
         "../g/a.yaml",
         set={"take": "m.csv", "factor": 2},
@@ -71,8 +71,8 @@ def test_the_settings_name_what_is_in_the_archive() -> None:
         store="/s",
         executor="serial",
     )
-    moved = {"m.csv": "inputs/m.csv", "p.py": "plugins/p.py"}
-    assert settings_elsewhere(settings, "a.yaml", moved) == RunSettings(
+    names = {"m.csv": "inputs/m.csv", "p.py": "plugins/p.py"}
+    assert relocate_settings(settings, "a.yaml", names) == RunSettings(
         "a.yaml",
         set={"take": "inputs/m.csv", "factor": 2},
         axis={"takes": ["inputs/m.csv", "n.csv"]},
