@@ -38,12 +38,12 @@ def again(tmp_path: Path) -> Again:
     def run(graph: str, *words: str) -> dict[str, Any]:
         code = [sys.executable, "-m", "nodegraph.cli.main", "run", str(ROOT / "graphs" / graph)]
         environment = {**os.environ, "PYTHONPATH": path}
-        ended = subprocess.run(
+        process = subprocess.run(
             [*code, *words], env=environment, cwd=tmp_path, capture_output=True, check=False
         )
-        assert ended.returncode == 0, ended.stderr.decode()
-        found = json.loads((tmp_path / "runs" / Path(graph).stem / "run.json").read_text())
-        return dict(found)
+        assert process.returncode == 0, process.stderr.decode()
+        record_file = tmp_path / "runs" / Path(graph).stem / "run.json"
+        return dict(json.loads(record_file.read_text()))
 
     return run
 
@@ -59,20 +59,21 @@ def edit(file: Path, old: str, new: str) -> None:
 
 def computed(record: dict[str, Any]) -> set[str]:
     """Return the nodes, with their method where there are several, that were computed."""
-    steps = [one for one in record["steps"] if one["state"] == "done" and not one.get("stored")]
-    return {f"{one['node']} {one['labels'].get('fill', '')}".strip() for one in steps}
+    steps = [step for step in record["steps"] if step["state"] == "done" and not step.get("stored")]
+    return {f"{step['node']} {step['labels'].get('fill', '')}".strip() for step in steps}
 
 
-@pytest.mark.parametrize("name", sorted(one.stem for one in (ROOT / "graphs").glob("*.yaml")))
+@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "graphs").glob("*.yaml")))
 def test_a_second_run_computes_nothing(again: Again, tmp_path: Path, name: str) -> None:
     some = SOME.get(name, [])
     first = again(f"{name}.yaml", *some)
     second = again(f"{name}.yaml", *some)
-    states = Counter(one["state"] for one in second["steps"])
+    states = Counter(step["state"] for step in second["steps"])
     assert second["counts"] == {**second["counts"], "done": 0, "failed": 0, "unneeded": 0}
     assert second["counts"]["stored"] == states["done"] == first["counts"]["done"]
-    assert [one["digests"] for one in first["steps"]] == [one["digests"] for one in second["steps"]]
-    earlier = next(one for one in (tmp_path / "runs").iterdir() if one.name.startswith(f"{name}-"))
+    digests = [[step["digests"] for step in record["steps"]] for record in (first, second)]
+    assert digests[0] == digests[1]
+    [earlier] = (tmp_path / "runs").glob(f"{name}-*")
     for path in earlier.rglob("*"):
         if path.suffix in (".csv", ".tex", ".svg"):
             other = tmp_path / "runs" / name / path.relative_to(earlier)

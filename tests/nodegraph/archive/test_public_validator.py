@@ -1,4 +1,4 @@
-"""What ``archive`` writes passes the public validator of RO-Crates.
+"""Archives pass the public validator of RO-Crates.
 
 Validation reads the vocabularies that a crate names from the network. Here they are served from
 memory, as far as an archive uses them; a term that is not listed fails.
@@ -16,7 +16,7 @@ import pytest
 from rocrate_validator import models, services
 from rocrate_validator.utils import http
 
-# what the validator's own libraries warn of is none of ours
+# warnings of the validator's libraries
 pytestmark = pytest.mark.filterwarnings(
     "ignore::DeprecationWarning:rdflib", "ignore::DeprecationWarning:pyshacl"
 )
@@ -46,8 +46,8 @@ VOCABULARIES = {
 }
 
 
-class Answer:
-    """What the network would have answered."""
+class Response:
+    """A response of the network with a vocabulary."""
 
     status_code, ok = 200, True
 
@@ -61,8 +61,8 @@ class Answer:
 
 @pytest.fixture(autouse=True)
 def _vocabularies(monkeypatch: pytest.MonkeyPatch) -> None:
-    def get(requester: object, url: str, **how: object) -> Answer:
-        return Answer(VOCABULARIES[url])
+    def get(requester: object, url: str, **how: object) -> Response:
+        return Response(VOCABULARIES[url])
 
     monkeypatch.setattr(http.HttpRequester, "get", get, raising=False)
 
@@ -85,9 +85,9 @@ def faults(crate: Path, profile: str) -> list[str]:
         requirement_severity=models.Severity.REQUIRED,
         no_cache=True,
     )
-    found = services.validate(settings)
-    assert found.executed_checks
-    return [str(issue.message) for issue in found.get_issues()]
+    result = services.validate(settings)
+    assert result.executed_checks
+    return [str(issue.message) for issue in result.get_issues()]
 
 
 @pytest.mark.parametrize("profile", PROFILES)
