@@ -1,4 +1,4 @@
-"""Cells and wires arranged: where each cell stands and through which points each wire runs."""
+"""Arrangement of cells in layers and columns, with the points of every wire."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from math import sqrt
 
-from nodegraph.draw.lanes import LANE, bundled, is_crowded, lane_count, lanes
+from nodegraph.draw.lanes import LANE, bundle, is_crowded, lane_count, lanes
 from nodegraph.draw.layers import Cell, Point, Wire, layers_of
 from nodegraph.draw.net import Net, Segment, ends_of, net
-from nodegraph.draw.place import ordered, placed
+from nodegraph.draw.place import order_layers, place_cells
 
-# When a stack of layers is folded into columns: its height, alone and by its width.
+# Least height of a stack of layers that is folded into columns, absolute and by its width.
 _TALL = 2000.0
 _TOO_TALL = 2.2
-# Into how many: the aspect ratio of the drawing and the space between columns.
+# Aspect ratio of the folded drawing, and space between columns.
 _ASPECT = 1.4
 _GUTTER = 70.0
-# Where: how far from even columns, across how many wires, and what the distance costs in wires.
+# Limits of a fold: distance from even columns, wires across it; cost of the distance in wires.
 _REACH = 0.45
 _MOST_WIRES = 24
 _DETOUR = 6.0
@@ -72,7 +72,7 @@ def _cut(bottoms: Sequence[float], wires: Sequence[int], wished: float, high: fl
 
 
 @dataclass(frozen=True, slots=True)
-class Arranged:
+class Arrangement:
     """A layout, measured from its upper left corner.
 
     Attributes
@@ -109,9 +109,9 @@ class _Column:
     bottom: float
 
 
-def arranged(
+def arrange(
     cells: Sequence[Cell], wires: Sequence[Wire], entries: int = 0, exits: int = 0
-) -> Arranged:
+) -> Arrangement:
     """Return a layout in layers, folded into columns where it would be far too tall.
 
     Parameters
@@ -122,11 +122,11 @@ def arranged(
         first of them stands at the left.
     """
     network = net(cells, wires, layers_of(cells, wires, entries, exits))
-    layers = ordered(network)
-    middles = placed(network, layers)
+    layers = order_layers(network)
+    middles = place_cells(network, layers)
     if entries:
         middles[0] = cells[0].width / 2
-    return _Stack(cells, network, layers, middles, bool(entries), bool(exits)).arranged()
+    return _Stack(cells, network, layers, middles, bool(entries), bool(exits)).arrangement()
 
 
 class _Stack:
@@ -145,7 +145,7 @@ class _Stack:
         self._middles = middles
         self._depths = {cell: depth for depth, layer in enumerate(layers) for cell in layer}
         self._heights = [self._height(layer) for layer in layers]
-        self._gaps = self._measured(entered, left)
+        self._gaps = self._measure(entered, left)
         self._tops = [0.0] * len(layers)
         self._columns: list[_Column] = []
         self._cuts: dict[int, Mapping[Segment, int]] = {}
@@ -153,14 +153,14 @@ class _Stack:
         if left and self._columns:
             self._tops[-1] = self._bottom()
 
-    def arranged(self) -> Arranged:
+    def arrangement(self) -> Arrangement:
         corners = [
             (self._middles[cell] - shape.width / 2, self._tops[self._depths[cell]])
             for cell, shape in enumerate(self._cells)
         ]
         routes = [self._route(route) for route in self._net.routes]
         right = max((column.right for column in self._columns), default=0.0)
-        return Arranged(corners, routes, right, self._bottom())
+        return Arrangement(corners, routes, right, self._bottom())
 
     def _height(self, layer: Sequence[int]) -> float:
         return max(
@@ -176,7 +176,7 @@ class _Stack:
         ]
         return max([lowest, *cut])
 
-    def _measured(self, entered: bool, left: bool) -> list[_Gap]:
+    def _measure(self, entered: bool, left: bool) -> list[_Gap]:
         crowded = is_crowded(self._net.gaps, self._middles)
         gaps = []
         for depth, segments in enumerate(self._net.gaps):
@@ -198,7 +198,7 @@ class _Stack:
 
     def _stack(self, entered: bool) -> None:
         """Set the layers below each other, column by column."""
-        counts = [len(bundled(gap.segments)) for gap in self._gaps]
+        counts = [len(bundle(gap.segments)) for gap in self._gaps]
         left, right = self._extent(range(len(self._layers)))
         folded = columns_of(self._heights, [gap.height for gap in self._gaps], counts, right - left)
         for column in folded[:-1]:
@@ -213,7 +213,7 @@ class _Stack:
 
     def _folding(self, segments: Sequence[Segment]) -> dict[Segment, int]:
         """Return the lane, from the inside, of what runs from a column to the next."""
-        bundles = bundled(segments)
+        bundles = bundle(segments)
         bundles.sort(key=lambda many: -max(ends_of(segment, self._middles)[0] for segment in many))
         return {segment: lane for lane, many in enumerate(bundles) for segment in many}
 

@@ -1,4 +1,4 @@
-"""A picture as DOT, for those who have Graphviz."""
+"""Pictures in the DOT language of Graphviz."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from nodegraph.draw.shape import clean, escaped
 def dot(picture: Picture) -> str:
     """Return the picture in the DOT language.
 
-    Boxes whose dotted names begin alike stand in a cluster. Every name is written as a quoted
-    string or as escaped markup; identifiers are numbered.
+    Boxes whose dotted names have a common prefix stand in a cluster. Every name is written
+    as a quoted string or as escaped markup; identifiers are numbered.
     """
     numbers = {box.name: index for index, box in enumerate(picture.boxes)}
     boxes = {box.name: box for box in picture.boxes}
@@ -56,10 +56,10 @@ def _markup(text: str) -> str:
     return escaped(text.replace("\\", "\\\\"))
 
 
-def _table(box: Box, called: str) -> str:
+def _table(box: Box, label: str) -> str:
     span = max(1, len(box.inputs)) * max(1, len(box.outputs))
     cell = f'<TR><TD COLSPAN="{span}">'
-    rows = [f"{cell}<B>{_markup(called)}</B></TD></TR>"]
+    rows = [f"{cell}<B>{_markup(label)}</B></TD></TR>"]
     lines = [*box.lines, " | ".join(box.alternatives), ", ".join(box.axes)]
     rows += [f"{cell}{_markup(line)}</TD></TR>" for line in lines if clean(line)]
     inputs, outputs = _ports(box.inputs, "i", span), _ports(box.outputs, "o", span)

@@ -1,4 +1,4 @@
-"""Frames: boxes whose dotted names begin alike stand in one."""
+"""Frames around boxes whose dotted names have a common prefix."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import takewhile
 import networkx as nx
 
 Frame = str
-"""What the names in a frame have in common: ``clean``, or ``clean.fine`` within it."""
+"""The common prefix of the names in a frame: ``clean``, or ``clean.fine`` within it."""
 
 Path = tuple[Frame, ...]
 """The frames around a box, from the outermost."""
@@ -21,7 +21,7 @@ def frames_of(names: Iterable[str]) -> dict[str, Path]:
     """Return the frames around each box.
 
     The boxes ``clean.despike`` and ``clean.smooth`` stand in the frame ``clean``, and so does
-    the box ``clean`` itself, which hands on what they make.
+    the box ``clean`` itself, which passes their results on.
     """
     names = tuple(names)
     around = {name: _prefixes(name) for name in names}
@@ -30,20 +30,20 @@ def frames_of(names: Iterable[str]) -> dict[str, Path]:
 
 
 def short_name(name: str, path: Path) -> str:
-    """Return what a box is called within its frames."""
+    """Return the name of a box without the prefixes of its frames."""
     shown = [name.removeprefix(f"{frame}.") for frame in path if frame != name]
     return min(shown, key=len, default=name)
 
 
 def last_part(frame: Frame) -> str:
-    """Return what a frame is called within those around it."""
+    """Return the name of a frame without the prefixes of outer frames."""
     return frame.rpartition(".")[2]
 
 
 def outline(paths: Mapping[str, Path]) -> Iterator[tuple[str, str, int]]:
-    """Yield what a text that nests frames says, each with its depth.
+    """Yield the events of a walk through nested frames, each with its depth.
 
-    That is ``("open", frame)`` and ``("close", frame)`` around ``("box", name)``; boxes come in
+    Events are ``("open", frame)``, ``("box", name)`` and ``("close", frame)``. Boxes come in
     their order, those of one frame together.
     """
     first: dict[str, int] = {}
@@ -75,9 +75,9 @@ def _closed(opened: Path, least: int) -> Iterator[tuple[str, str, int]]:
 def without_cycles(
     paths: Mapping[str, Path], arrows: Iterable[tuple[str, str]]
 ) -> Mapping[str, Path]:
-    """Return the paths without the frames that arrows leave and enter again by way of others.
+    """Return the paths without frames that arrows leave and enter again by way of others.
 
-    Such a frame cannot stand below what feeds it and above what it feeds.
+    Such a frame cannot stand both below its sources and above its readers.
     """
     arrows = tuple(dict.fromkeys(arrows))
     pending: list[Frame] = [""]
@@ -95,7 +95,7 @@ def without_cycles(
 
 
 def member(frame: Frame, name: str, path: Path) -> Member | None:
-    """Return what holds a box directly within a frame: a frame, or the box itself."""
+    """Return the member of a frame that contains a box: an inner frame, or the box itself."""
     if frame and frame not in path:
         return None
     inside = _inside(frame, path)

@@ -18,15 +18,15 @@ _LONGEST_LABEL = 16
 
 
 def drawing_for_page(graph: Graph) -> str:
-    """Return a graph as SVG for a page among other things, or nothing if it is too large for one.
+    """Return a graph as SVG for a page, or an empty string if it is too large for one.
 
-    A drawing of thousands of nodes is tens of megabytes, and nobody would find anything in it.
+    A drawing of thousands of nodes takes tens of megabytes and is unreadable.
     """
     return svg(picture_of(graph)) if len(graph.nodes) <= _MOST_ON_A_PAGE else ""
 
 
 def picture_of(graph: Graph) -> Picture:
-    """Return what a drawing of the graph shows."""
+    """Return the picture of a graph."""
     arrows: dict[tuple[str, str, str, str], Arrow] = {}
     for source, target, wire in graph.wires():
         arrows.setdefault(
@@ -48,7 +48,7 @@ def picture_of(graph: Graph) -> Picture:
 
 
 def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
-    """Return an axis's labels where they are few, else how many they are, the first and last."""
+    """Return the labels of an axis if they are short, else their number, the first and the last."""
     short = [shortened(str(label), _LONGEST_LABEL) for label in labels]
     text = ", ".join(short)
     if len(text) <= longest or len(short) < 3:

@@ -1,4 +1,4 @@
-"""Lanes: the heights at which segments run sideways where curves would be too many."""
+"""Lanes between layers, in which segments run sideways where curves would be too crowded."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from nodegraph.draw.net import Segment, ends_of
 LANE = 10.0
 """The distance between lanes."""
 
-# From which width a segment runs sideways, and how far apart two of one lane are.
+# The least width of a segment that runs sideways, and the distance of two in one lane.
 _SIDEWAYS = 16.0
 _APART = 8.0
-# What may run sideways between two layers in curves.
+# Up to so many lanes and segments, curves are drawn.
 _FEW_LANES = 4
 _FEW_SEGMENTS = 10
 
@@ -43,7 +43,7 @@ class _Bundle:
 
 
 def is_crowded(gaps: Sequence[Sequence[Segment]], middles: Sequence[float]) -> bool:
-    """Return whether curves between layers would be too many to be told apart."""
+    """Return whether too many segments run sideways for curves to be distinguishable."""
     for gap in gaps:
         sideways = [segment for segment in gap if _is_sideways(segment, middles)]
         if len(sideways) > _FEW_SEGMENTS or lane_count(lanes(sideways, middles)) > _FEW_LANES:
@@ -54,9 +54,9 @@ def is_crowded(gaps: Sequence[Sequence[Segment]], middles: Sequence[float]) -> b
 def lanes(gap: Sequence[Segment], middles: Sequence[float]) -> dict[Segment, int]:
     """Return the lane, from the top, of each segment that runs far enough sideways.
 
-    Of segments to the right those that begin rightmost run on top, of those to the left the
-    leftmost: so a wire that turns aside crosses none that turned before it. One that comes down
-    where another goes down turns first, or they would look like one.
+    Segments to the right are ordered from the rightmost start, segments to the left from the
+    leftmost, so that a wire crosses none that turned before it. If a segment starts where
+    another ends, it turns first: otherwise the two would look like a single line.
     """
     bundles = sorted(_bundles(gap, middles), key=_turn)
     above = _above(bundles)
@@ -79,7 +79,7 @@ def lane_count(taken: Mapping[Segment, int]) -> int:
 
 
 def _above(bundles: Sequence[_Bundle]) -> list[set[int]]:
-    """Return for each bundle those that come down where it goes down."""
+    """Return for each bundle those that start where it ends, which must turn first."""
     begins = sorted((x, number) for number, bundle in enumerate(bundles) for x in bundle.begins)
     above: list[set[int]] = [set() for _ in bundles]
     for number, bundle in enumerate(bundles):
@@ -91,7 +91,7 @@ def _above(bundles: Sequence[_Bundle]) -> list[set[int]]:
 
 
 def _ordered(above: Sequence[set[int]]) -> Iterator[int]:
-    """Yield the bundles in order, but each after those above it; in circles as they come."""
+    """Yield the bundles in order, each after those above it; cycles are broken at the first."""
     below: list[list[int]] = [[] for _ in above]
     for number, blockers in enumerate(above):
         for other in blockers:
@@ -113,8 +113,8 @@ def _ordered(above: Sequence[set[int]]) -> Iterator[int]:
                         heappush(ready, other)
 
 
-def bundled(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
-    """Return the segments by where they begin, or by where they end if there more of them meet."""
+def bundle(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
+    """Return the segments grouped by start, or by end where more of them meet there."""
     leaving: dict[_End, list[Segment]] = {}
     meeting: dict[_End, list[Segment]] = {}
     for segment in gap:
@@ -131,7 +131,7 @@ def bundled(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
 
 def _bundles(gap: Sequence[Segment], middles: Sequence[float]) -> list[_Bundle]:
     bundles = []
-    for segments in bundled([segment for segment in gap if _is_sideways(segment, middles)]):
+    for segments in bundle([segment for segment in gap if _is_sideways(segment, middles)]):
         begins, ends = zip(*(ends_of(segment, middles) for segment in segments), strict=True)
         bundles.append(_Bundle(segments, frozenset(begins), frozenset(ends)))
     return bundles

@@ -1,7 +1,7 @@
-"""A picture laid out: boxes, frames around boxes, and the points of every arrow.
+"""Layout of a picture: positions of boxes and frames, and the points of every arrow.
 
-What stands in a frame is laid out on its own; outside, the frame is one cell, and an arrow
-passes its edge where it does so inside.
+The contents of a frame are laid out separately; outside, the frame is a single cell, and arrows
+cross its edge at the same places as inside.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import networkx as nx
 
-from nodegraph.draw.arrange import Arranged, arranged
+from nodegraph.draw.arrange import Arrangement, arrange
 from nodegraph.draw.frames import (
     Frame,
     Member,
@@ -36,7 +36,7 @@ _End = tuple[_Slot, Hashable]
 
 @dataclass(frozen=True, slots=True)
 class Passing:
-    """An arrow as it is seen within one frame; an end that lies outside is None."""
+    """The part of an arrow within one frame; an end that lies outside is None."""
 
     number: int
     arrow: Arrow
@@ -65,7 +65,7 @@ class Passing:
 
 @dataclass(slots=True)
 class Level:
-    """A frame's members, and the arrows that are seen within it."""
+    """A frame's members, and the parts of arrows between them."""
 
     frame: Frame
     members: dict[Member, None] = field(default_factory=dict)
@@ -73,13 +73,13 @@ class Level:
 
 
 @dataclass(frozen=True, slots=True)
-class LaidOut:
-    """A frame laid out, measured from its upper left corner.
+class FrameLayout:
+    """The layout of one frame, measured from its upper left corner.
 
     Attributes
     ----------
     cell : Cell
-        The frame as it is seen outside.
+        The frame as a cell of the frame around it.
     corners : mapping of member to point
     routes : mapping of arrow number to points
     """
@@ -89,8 +89,8 @@ class LaidOut:
     routes: Mapping[int, Sequence[Point]]
 
 
-def laid_out(level: Level, cells: Mapping[Member, Cell]) -> LaidOut:
-    """Return a frame laid out, given the cells of its members."""
+def lay_out(level: Level, cells: Mapping[Member, Cell]) -> FrameLayout:
+    """Return the layout of a frame, given the cells of its members."""
     label: list[_Slot] = [("label", level.frame)] if level.frame else []
     entries = _pins(passing.begin for passing in level.arrows if not passing.source)
     exits = _pins(passing.end for passing in level.arrows if not passing.target)
@@ -107,13 +107,13 @@ def laid_out(level: Level, cells: Mapping[Member, Cell]) -> LaidOut:
         passing.number: wires.setdefault(_wire(passing, place), len(wires))
         for passing in level.arrows
     }
-    placed = arranged(shapes, list(wires), len(label) + len(entries), len(exits))
+    arrangement = arrange(shapes, list(wires), len(label) + len(entries), len(exits))
     padding = PADDING if level.frame else 0.0
-    return LaidOut(
-        _seen_outside(placed, place, padding),
-        {member: _moved(placed.corners[place[member]], padding) for member in level.members},
+    return FrameLayout(
+        _cell_of(arrangement, place, padding),
+        {member: _moved(arrangement.corners[place[member]], padding) for member in level.members},
         {
-            number: [_moved(point, padding) for point in placed.routes[wire]]
+            number: [_moved(point, padding) for point in arrangement.routes[wire]]
             for number, wire in wire_of.items()
         },
     )
@@ -133,13 +133,15 @@ def _wire(passing: Passing, place: Mapping[_Slot, int]) -> Wire:
     return Wire(place[source], source_port, place[target], target_port, passing.arrow.truth)
 
 
-def _seen_outside(placed: Arranged, place: Mapping[_Slot, int], padding: float) -> Cell:
+def _cell_of(arrangement: Arrangement, place: Mapping[_Slot, int], padding: float) -> Cell:
     pins: dict[str, dict[Hashable, float]] = {"entry": {}, "exit": {}}
     for (kind, key), number in place.items():
         if kind in pins:
-            pins[kind][key] = placed.corners[number][0] + PIN.width / 2 + padding
+            pins[kind][key] = arrangement.corners[number][0] + PIN.width / 2 + padding
     below = 0.0 if pins["exit"] else padding
-    return Cell(placed.width + 2 * padding, placed.height + below, pins["entry"], pins["exit"])
+    return Cell(
+        arrangement.width + 2 * padding, arrangement.height + below, pins["entry"], pins["exit"]
+    )
 
 
 def _moved(point: Point, right: float) -> Point:
@@ -147,8 +149,8 @@ def _moved(point: Point, right: float) -> Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Framed:
-    """A frame, what it is called within those around it, and where it stands."""
+class FrameBox:
+    """A frame with its label, position and size."""
 
     name: Frame
     label: str
@@ -160,34 +162,34 @@ class Framed:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Where everything stands.
+    """Positions of boxes and frames, and the routes of arrows.
 
     Attributes
     ----------
     boxes : tuple of (Shape, point)
         Each box and its upper left corner, in the picture's order.
-    frames : tuple of Framed
-        Each before those within it.
+    frames : tuple of FrameBox
+        Outer frames first.
     routes : tuple of (tuple of point)
         For each arrow the points between which it runs; see `nodegraph.draw.svg.line`.
     """
 
     boxes: tuple[tuple[Shape, Point], ...]
-    frames: tuple[Framed, ...]
+    frames: tuple[FrameBox, ...]
     routes: tuple[tuple[Point, ...], ...]
     width: float
     height: float
 
 
 def layout(picture: Picture) -> Layout:
-    """Return a picture laid out.
+    """Return the layout of a picture.
 
     Raises
     ------
     ValueError
         If arrows form a cycle.
     """
-    _refuse_cycles(picture)
+    _check_acyclic(picture)
     links = [(arrow.source, arrow.target) for arrow in picture.arrows]
     paths = without_cycles(frames_of(box.name for box in picture.boxes), links)
     shapes = _shapes(picture, paths)
@@ -196,9 +198,9 @@ def layout(picture: Picture) -> Layout:
         for shape in shapes
     }
     levels = _levels(picture, paths)
-    frames: dict[Frame, LaidOut] = {}
-    for frame in reversed(levels):  # what lies within comes first
-        frames[frame] = laid_out(levels[frame], cells)
+    frames: dict[Frame, FrameLayout] = {}
+    for frame in reversed(levels):  # inner frames first
+        frames[frame] = lay_out(levels[frame], cells)
         cells["frame", frame] = frames[frame].cell
     return _put_together(shapes, levels, frames, len(picture.arrows))
 
@@ -206,7 +208,7 @@ def layout(picture: Picture) -> Layout:
 def _put_together(
     shapes: Sequence[Shape],
     levels: Mapping[Frame, Level],
-    frames: Mapping[Frame, LaidOut],
+    frames: Mapping[Frame, FrameLayout],
     arrows: int,
 ) -> Layout:
     corners: dict[Member, Point] = {("frame", ""): (0.0, 0.0)}
@@ -221,7 +223,7 @@ def _put_together(
     root = frames[""].cell
     return Layout(
         tuple((shape, corners["box", shape.box.name]) for shape in shapes),
-        tuple(_framed(frame, corners, frames[frame].cell) for frame in levels if frame),
+        tuple(_frame_box(frame, corners, frames[frame].cell) for frame in levels if frame),
         tuple(tuple(points) for points in routes),
         root.width,
         root.height,
@@ -229,26 +231,26 @@ def _put_together(
 
 
 def _along(levels: Mapping[Frame, Level]) -> list[tuple[Frame, Passing]]:
-    """Return the pieces of all arrows, those of each from its source on."""
+    """Return the parts of all arrows, those of each from its source to its target."""
     passing = [(frame, arrow) for frame, level in levels.items() for arrow in level.arrows]
     leaving = [pair for pair in reversed(passing) if pair[1].target is None]
     return [*leaving, *(pair for pair in passing if pair[1].target is not None)]
 
 
-def _framed(frame: Frame, corners: Mapping[Member, Point], cell: Cell) -> Framed:
+def _frame_box(frame: Frame, corners: Mapping[Member, Point], cell: Cell) -> FrameBox:
     x, y = corners["frame", frame]
-    return Framed(frame, last_part(frame), x, y, cell.width, cell.height)
+    return FrameBox(frame, last_part(frame), x, y, cell.width, cell.height)
 
 
 def _levels(picture: Picture, paths: Mapping[str, Path]) -> dict[Frame, Level]:
-    """Return every frame, each before those within it, with what is seen directly within it."""
+    """Return every frame with its direct contents, outer frames first."""
     frames = {frame: place for path in paths.values() for place, frame in enumerate(path)}
     ordered = ["", *sorted(frames, key=frames.__getitem__)]
     levels = {frame: Level(frame) for frame in ordered}
     for name, path in paths.items():
         for frame in ("", *path):
-            one = member(frame, name, path)
-            levels[frame].members |= {one: None} if one else {}
+            if inner := member(frame, name, path):
+                levels[frame].members[inner] = None
     for number, arrow in enumerate(picture.arrows):
         source, target = paths[arrow.source], paths[arrow.target]
         for frame in dict.fromkeys(("", *source, *target)):
@@ -271,7 +273,7 @@ def _shape(box: Box, ports: Mapping[str, Sequence[str]], path: Path) -> Shape:
     return shape(box, frozenset(ports), ports, short_name(box.name, path))
 
 
-def _refuse_cycles(picture: Picture) -> None:
+def _check_acyclic(picture: Picture) -> None:
     network = nx.DiGraph([(arrow.source, arrow.target) for arrow in picture.arrows])
     if not nx.is_directed_acyclic_graph(network):
         cycle = [source for source, _ in nx.find_cycle(network)]

@@ -1,4 +1,4 @@
-"""A picture as Mermaid, which many pages and editors draw themselves."""
+"""Pictures as Mermaid flowcharts, which many sites and editors render."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _SHAPES = {"node": ('["', '"]'), "input": ('(["', '"])'), "report": ('[["', '"]]
 def mermaid(picture: Picture) -> str:
     """Return the picture as a Mermaid flowchart.
 
-    Truth is dotted, gathering arrows are thick; boxes whose dotted names begin alike stand in a
-    subgraph. Whatever is not a letter, a digit or harmless
-    in a label is written as a Mermaid entity, so that no name can end its label.
+    Truth is dotted, gathering arrows are thick; boxes whose dotted names have a common prefix
+    stand in a subgraph. Characters that are special to Mermaid are written as entities, so that
+    no name can end its label.
     """
     ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
     title = clean(picture.title).replace("<", "&lt;").replace(">", "&gt;")
@@ -53,9 +53,9 @@ def _text(text: str) -> str:
     )
 
 
-def _box(box: Box, called: str) -> str:
+def _box(box: Box, label: str) -> str:
     begin, end = _SHAPES[box.kind]
-    lines = [called, *box.lines]
+    lines = [label, *box.lines]
     lines += [" | ".join(box.alternatives)] if box.alternatives else []
     lines += [", ".join(box.axes)] if box.axes else []
     return begin + "<br/>".join(_text(line) for line in lines) + end

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 
 from nodegraph.draw.layers import BEND_WIDTH, Cell, Wire
 
-# From how many wires on those that end in one port share bends, and from how many on each
-# pulls less.
+# Number of wires into one port from which they share bends, and from which each weighs less.
 _MEET = 4
 _FEW = 3.0
 
@@ -28,7 +27,7 @@ class Segment:
 
 @dataclass
 class Net:
-    """Cells as they were given, then bends.
+    """Cells, then bends, in layers; cells and bends are numbered together.
 
     Attributes
     ----------
@@ -60,8 +59,7 @@ class Net:
 def net(cells: Sequence[Cell], wires: Sequence[Wire], depths: Sequence[int]) -> Net:
     """Return the cells in their layers, with bends.
 
-    Wires that leave one port share their bends; so do those that meet in one port, where they
-    are many.
+    Wires out of one port share their bends; so do wires into one port, if there are many.
     """
     count = max(depths, default=-1) + 1
     network = Net(
@@ -77,7 +75,7 @@ class _Router:
     def __init__(
         self, network: Net, cells: Sequence[Cell], wires: Sequence[Wire], depths: Sequence[int]
     ) -> None:
-        self._made = network
+        self._net = network
         self._cells = cells
         self._wires = wires
         self._depths = depths
@@ -90,20 +88,20 @@ class _Router:
         for wire in self._wires:
             many = self._meeting[_end(wire)]
             together = many >= _MEET and many > self._leaving[_begin(wire)]
-            route = self._joining(wire) if together else self._forking(wire)
-            self._made.routes.append(route)
+            route = self._join(wire) if together else self._fork(wire)
+            self._net.routes.append(route)
         forks = ([segment.lower for segment in chain] for chain in self._forks.values())
         joints = ([segment.upper for segment in reversed(chain)] for chain in self._joints.values())
-        self._made.chains += [chain for chain in (*forks, *joints) if chain]
+        self._net.chains += [chain for chain in (*forks, *joints) if chain]
 
-    def _forking(self, wire: Wire) -> list[Segment]:
-        """Follow the bends of the port that the wire leaves, as far down as it needs."""
+    def _fork(self, wire: Wire) -> list[Segment]:
+        """Route along the bends of the source port, adding bends further down as needed."""
         first, last = self._depths[wire.source], self._depths[wire.target]
         chain = self._forks.setdefault(_begin(wire), [])
         begins = self._cells[wire.source].output_offset(wire.source_port)
         for layer in range(first + 1 + len(chain), last):
             upper = chain[-1].lower if chain else wire.source
-            bend = self._made.bend(layer)
+            bend = self._net.bend(layer)
             weight, offset = (8.0, 0.0) if chain else (2.0, begins)
             chain.append(self._add(layer - 1, upper, bend, offset, 0.0, weight, wire))
         used = chain[: last - first - 1]
@@ -112,14 +110,14 @@ class _Router:
         weight = self._share(wire) * (2.0 if used else 1.0)
         return [*used, self._add(last - 1, upper, wire.target, offset, ends, weight, wire)]
 
-    def _joining(self, wire: Wire) -> list[Segment]:
-        """Go to the bends of the port in which the wire ends, as high up as it needs."""
+    def _join(self, wire: Wire) -> list[Segment]:
+        """Route along the bends of the target port, adding bends further up as needed."""
         first, last = self._depths[wire.source], self._depths[wire.target]
         chain = self._joints.setdefault(_end(wire), [])
         ends = self._cells[wire.target].input_offset(wire.target_port)
         for layer in range(last - 1 - len(chain), first, -1):
             lower = chain[-1].upper if chain else wire.target
-            bend = self._made.bend(layer)
+            bend = self._net.bend(layer)
             weight, offset = (8.0, 0.0) if chain else (2.0, ends)
             chain.append(self._add(layer, bend, lower, 0.0, offset, weight, wire))
         used = chain[: last - first - 1][::-1]
@@ -129,7 +127,7 @@ class _Router:
         return [self._add(first, wire.source, lower, begins, offset, weight, wire), *used]
 
     def _share(self, wire: Wire) -> float:
-        """Return how much a wire pulls: one among many must not bend their common line."""
+        """Return the weight of a wire: one of many must not bend their common line."""
         many = max(self._meeting[_end(wire)], self._leaving[_begin(wire)])
         return min(1.0, (_FEW / many) ** 2)
 
@@ -144,7 +142,7 @@ class _Router:
         wire: Wire,
     ) -> Segment:
         segment = Segment(upper, lower, begins, ends, weight, wire.truth)
-        self._made.gaps[gap].append(segment)
+        self._net.gaps[gap].append(segment)
         return segment
 
 

@@ -1,4 +1,4 @@
-"""What a drawing shows, as plain data: boxes with sockets, and arrows between them."""
+"""Contents of a drawing as plain data: boxes with sockets, and arrows between them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Kind = Literal["node", "input", "report"]
 
 @dataclass(frozen=True, slots=True)
 class Socket:
-    """A port as it is drawn: its name and, small, the text of its type."""
+    """A drawn port: its name, and its type in small print."""
 
     name: str
     type: str = ""
@@ -20,7 +20,7 @@ class Socket:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """One node as it is drawn.
+    """A drawn node.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Box:
     axes : tuple of str
         Axes that begin at this node, with their labels: ``length: 5, 15, 45``.
     kind : {"node", "input", "report"}
-        An input gives what the user brought; a report node is shown in the report.
+        An input reads data of the user; a report node is shown in the report.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """One value on its way from an output of a box to an input of another.
+    """A connection from an output of a box to an input of another.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Arrow:
     gathers : bool
         The target receives the values of several combinations at once.
     truth : bool
-        The value is the answer that methods must not see.
+        The value is the truth, which methods must not see.
     fixed : str
         Axes that the arrow fixes: ``trial=0, length=45``.
     """

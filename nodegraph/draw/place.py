@@ -1,4 +1,4 @@
-"""Where cells stand within their layers: their order, then how far from the left."""
+"""Order and horizontal position of cells within their layers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _Pulls = list[list[tuple[int, float, float]]]
 _Beside = tuple[tuple[int, float] | None, tuple[int, float] | None]
 
 
-def ordered(net: Net) -> list[list[int]]:
+def order_layers(net: Net) -> list[list[int]]:
     """Return the layers, each in the order with the fewest crossings that the sweeps find.
 
     Sweeps sort each layer by the barycentres of its neighbours and exchange adjacent cells
@@ -48,7 +48,7 @@ def ordered(net: Net) -> list[list[int]]:
         if not fewest or idle == _PATIENCE:
             break
         swept = _sweep(net, layers, downwards=sweep % 2 == 0)
-        layers = _exchanged(net, swept, _EXCHANGES // effort)
+        layers = _exchange(net, swept, _EXCHANGES // effort)
         count = crossings(net, layers)
         idle = 0 if count < fewest else idle + 1
         if count < fewest:
@@ -102,19 +102,19 @@ def _sweep(net: Net, layers: Sequence[Sequence[int]], *, downwards: bool) -> lis
                 pulls.setdefault(segment.lower, []).append(_upper(segment, places, net.widths))
             else:
                 pulls.setdefault(segment.upper, []).append(_lower(segment, places, net.widths))
-        swept[number] = _reordered(swept[number], pulls)
+        swept[number] = _reorder(swept[number], pulls)
         places.update({cell: place for place, cell in enumerate(swept[number])})
     return swept
 
 
-def _reordered(layer: Sequence[int], pulls: Mapping[int, Sequence[float]]) -> list[int]:
+def _reorder(layer: Sequence[int], pulls: Mapping[int, Sequence[float]]) -> list[int]:
     """Sort the cells that are pulled among the places they hold; the others stay."""
     means = {cell: sum(pulls[cell]) / len(pulls[cell]) for cell in layer if cell in pulls}
     pulled = iter(sorted(means, key=means.__getitem__))
     return [next(pulled) if cell in means else cell for cell in layer]
 
 
-def _exchanged(net: Net, layers: Sequence[Sequence[int]], rounds: int) -> list[list[int]]:
+def _exchange(net: Net, layers: Sequence[Sequence[int]], rounds: int) -> list[list[int]]:
     """Exchange neighbours in a layer where that saves crossings."""
     better = [list(layer) for layer in layers]
     places = _places(net, better)
@@ -155,7 +155,7 @@ def _saved(left: _Ends, right: _Ends) -> int:
     return saved
 
 
-def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
+def place_cells(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
     """Return the middle of each cell, counted from the leftmost edge.
 
     Layer by layer, down and up in turn, each cell is pulled to its neighbours; within a layer
@@ -165,7 +165,7 @@ def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
     apart = [_distances(layer, net.widths) for layer in layers]
     middles = [0.0] * len(net.widths)
     for layer, distances in zip(layers, apart, strict=True):
-        _set(middles, layer, _centred(distances) if layer else [])
+        _set(middles, layer, _centre(distances) if layer else [])
     above, below = _neighbours(net)
     both = [ups + downs for ups, downs in zip(above, below, strict=True)]
     for number, pulls in [
@@ -181,7 +181,7 @@ def placed(net: Net, layers: Sequence[Sequence[int]]) -> list[float]:
     return [x - left for x in middles]
 
 
-def _centred(apart: Sequence[float]) -> list[float]:
+def _centre(apart: Sequence[float]) -> list[float]:
     """Return places as near to each other as can be, around zero."""
     places = [0.0, *accumulate(apart)]
     return [place - places[-1] / 2 for place in places]
@@ -291,7 +291,7 @@ def straighten(
     ends = _box_ends(net)
     for chain in net.chains:
         free = [_free(cell, beside, middles) for cell in chain]
-        # the end that is one port comes first: at the other many may fork or meet
+        # an end at a single port comes first: at the other end many wires may fork or meet
         joined = sorted((ends[chain[0]], ends[chain[-1]]), key=len)
         wished = [middles[other] + shift for other, shift in joined[0] + joined[1]]
         for begin, end, (low, high) in _runs(free):

@@ -1,4 +1,4 @@
-"""The inside of one box: how large it is and where its texts, chips and ports stand."""
+"""Size of a box, and the positions of its texts, chips and ports."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class _Slot:
 
 
 def shape(
-    box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]], called: str = ""
+    box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]], label: str = ""
 ) -> Shape:
     """Return the box laid out.
 
@@ -148,24 +148,22 @@ def shape(
     wired : frozenset of str
         Ports with an arrow: of a box with many ports, the others are only counted.
     fixed : mapping of input port to texts
-        What the arrows into each port fix.
-    called : str
-        What stands as its name; the name itself if it is empty.
+        Labels that the arrows into each port fix.
+    label : str
+        Shown instead of the name, if not empty.
     """
-    called = called or box.name
+    label = label or box.name
     inputs = _slots(box.inputs, wired, fixed)
     outputs = _slots(box.outputs, wired, {})
     chips = _chip_texts(box)
-    inner = max(
-        _NARROWEST, _heading_width(box, called), _strip_width(inputs), _strip_width(outputs)
-    )
+    inner = max(_NARROWEST, _heading_width(box, label), _strip_width(inputs), _strip_width(outputs))
     flowing = [_flow(group, max(inner, _WIDEST_ROW)) for group in chips]
     inner = max([inner, *(x + chip for row in flowing for x, _, chip in row)])
     top, inputs_height = 6.0, _strip_height(inputs)
     texts, in_places = _strip(inputs, inner, top)
     y = top + inputs_height + (8.0 if inputs else 4.0)
     rules = [top + inputs_height + 4.0] if inputs else []
-    heading, y = _heading(box, called, y)
+    heading, y = _heading(box, label, y)
     drawn, y = _chips(chips, flowing, y)
     y += 8.0
     if outputs:
@@ -236,14 +234,14 @@ def _strip(slots: Sequence[_Slot], inner: float, top: float) -> tuple[list[Text]
     return texts, places
 
 
-def _heading_width(box: Box, called: str) -> float:
+def _heading_width(box: Box, label: str) -> float:
     lines = [width(shortened(line), _SIZES["line"], monospace=True) for line in box.lines]
-    return max([width(shortened(called), _SIZES["name"], bold=True), *lines])
+    return max([width(shortened(label), _SIZES["name"], bold=True), *lines])
 
 
-def _heading(box: Box, called: str, y: float) -> tuple[list[Text], float]:
+def _heading(box: Box, label: str, y: float) -> tuple[list[Text], float]:
     texts = []
-    for style, text in [("name", called), *(("line", line) for line in box.lines)]:
+    for style, text in [("name", label), *(("line", line) for line in box.lines)]:
         y += _LEADING[style]
         hint = clean(text) if shortened(text) != clean(text) else ""
         texts.append(Text(style, shortened(text), PADDING, y - 3.0, hint=hint))

@@ -9,7 +9,7 @@ from itertools import pairwise
 from math import copysign
 
 from nodegraph.draw.layers import Point
-from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Framed, layout
+from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, FrameBox, layout
 from nodegraph.draw.picture import Arrow, Picture
 from nodegraph.draw.shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
 
@@ -48,7 +48,7 @@ def fan(points: Sequence[Point]) -> str:
 
 
 def _beside(points: Sequence[Point], right: float) -> list[Point]:
-    """Return the points moved to one side: to the right of who looks along the way from above."""
+    """Return the points moved sideways, to the right of a line that runs down."""
     moved = []
     ways = [_way(begin, other) for begin, other in pairwise(points)]
     for (x, y), before, after in zip(points, [ways[0], *ways], [*ways, ways[-1]], strict=True):
@@ -161,14 +161,14 @@ def svg(picture: Picture) -> str:
 
     Boxes stand in layers, so that every arrow runs downwards; a tall picture is folded into
     columns, and an arrow to the next column runs around. None runs through a box. Boxes whose
-    dotted names begin alike stand in a frame. Truth is dashed, a gathering arrow is a fan of
-    several lines that meet. Colours follow the reader's light or dark scheme; a page sets
-    ``--picture-paper`` and ``--picture-face`` to fit its own.
+    dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is a
+    fan of several lines that meet. Colours follow the reader's light or dark scheme; a page
+    sets ``--picture-paper`` and ``--picture-face`` to fit its own.
 
     Raises
     ------
     ValueError
-        If arrows run in a circle.
+        If arrows form a cycle.
     """
     drawing = layout(picture)
     meeting = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
@@ -205,7 +205,7 @@ def _description(picture: Picture) -> str:
     return f"Nodes: {boxes}. Arrows: {arrows or 'none'}."
 
 
-def _frame(frame: Framed) -> str:
+def _frame(frame: FrameBox) -> str:
     size = f'width="{number(frame.width)}" height="{number(frame.height)}" rx="12"'
     return (
         f'<g class="around" data-frame="{escaped(frame.name)}"'

@@ -1,4 +1,4 @@
-"""A graph, or a run, as a fragment of HTML that needs nothing else."""
+"""Self-contained HTML of graphs and runs for notebooks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
 
 
 def graph_html(graph: Graph) -> str:
-    """Return a graph for a notebook: its title, its axes, its drawing."""
+    """Return the title, axes and drawing of a graph as HTML."""
     return (
         templates_of("nodegraph.notebook")
         .get_template("graph.html")
@@ -40,7 +40,7 @@ def graph_html(graph: Graph) -> str:
 
 
 def run_html(run: Run) -> str:
-    """Return a run for a notebook: how its steps ended and why, and what its report shows."""
+    """Return the outcome of a run's steps and its report as HTML."""
     graph = run.plan.graph
     study = compose(run, RunSettings(graph.spec.file)).study
     return (
@@ -62,9 +62,9 @@ def run_html(run: Run) -> str:
 
 
 def framed(rendered: Rendered) -> str:
-    """Return a fragment that brings scripts as a page for a frame, apart from the notebook's own.
+    """Return a fragment with scripts as a page of its own, for a frame.
 
-    A notebook shows a cell again and again in one page, where the names of two scripts would meet.
+    A notebook may show a cell several times in one page, where names of scripts would clash.
     """
     styles = "".join(f"<style>{text}</style>" for text in rendered.styles)
     scripts = "".join(f"<script>{text}</script>" for text in rendered.scripts)
@@ -76,9 +76,9 @@ def _axes(graph: Graph) -> dict[str, str]:
 
 
 def _style() -> str:
-    """Return the rules of the fragment, in the drawing's colours.
+    """Return the style sheet of the fragment, with the drawing's colours.
 
-    They follow the reader's light or dark scheme, unless the notebook has a theme of its own.
+    These follow the reader's light or dark scheme, unless the notebook has a theme of its own.
     """
     light, dark = _PALETTE.findall(_text("nodegraph.draw", "picture.css"))
     ours = ":is(.nodegraph-notebook, .nodegraph-picture)"

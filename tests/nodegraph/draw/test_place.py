@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
 from nodegraph.draw.net import Net, Segment
-from nodegraph.draw.place import crossings, ordered, spread
+from nodegraph.draw.place import crossings, order_layers, spread
 
 
 @settings(deadline=None)
@@ -32,12 +32,12 @@ def test_crossings_are_counted_and_never_added(pairs: list[tuple[int, int]]) -> 
     net = Net(layers, [10.0] * 12, [[Segment(a, b) for a, b in pairs], []])
     by_hand = sum((a - c) * (b - d) < 0 for (a, b), (c, d) in combinations(pairs, 2))
     assert crossings(net, layers) == by_hand
-    assert crossings(net, ordered(net)) <= by_hand
-    assert [sorted(layer) for layer in ordered(net)] == layers
+    assert crossings(net, order_layers(net)) <= by_hand
+    assert [sorted(layer) for layer in order_layers(net)] == layers
 
 
 def test_what_need_not_cross_does_not() -> None:
     segments = [Segment(0, 5), Segment(1, 4), Segment(2, 3)]
     net = Net([[0, 1, 2], [3, 4, 5]], [10.0] * 6, [segments, []])
     assert crossings(net, net.layers) == 3
-    assert crossings(net, ordered(net)) == 0
+    assert crossings(net, order_layers(net)) == 0
