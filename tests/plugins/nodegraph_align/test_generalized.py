@@ -133,7 +133,7 @@ def test_landmarks_and_markers_never_seen(
     assert aligned.reference.markers == take.markers
 
 
-def test_a_shape_that_is_still_moving_is_told(
+def test_a_shape_that_is_still_moving_is_reported(
     scans: Trajectories, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_ROUNDS", 1)

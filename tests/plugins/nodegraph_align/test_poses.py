@@ -119,7 +119,7 @@ def test_no_frame_fitted_is_refused(head: Head, moved: Moved) -> None:
         warn(poses, take, reference, [])
 
 
-def test_a_scale_that_there_is_not_is_told_with_what_there_is() -> None:
+def test_a_scale_that_there_is_not_is_reported_with_what_there_is() -> None:
     shape = np.eye(3)
     with pytest.raises(
         ValueError, match=r"no scale 'rsm'; did you mean 'rms'. there is: none, rms"

@@ -100,7 +100,7 @@ def test_a_recording_without_frames_has_no_neutral() -> None:
         from_frames(empty, frames={"smile": 0})
 
 
-def test_shapes_that_are_the_same_or_nothing_are_told() -> None:
+def test_shapes_that_are_the_same_or_nothing_are_reported() -> None:
     with pytest.warns(UserWarning, match="1 pairs of shapes are the same.*: smile and grin"):
         from_frames(FACE, frames={"smile": 5, "grin": 5, "jawOpen": 20})
     with pytest.warns(UserWarning, match="1 of 2 shapes move no marker: rest"):

@@ -58,7 +58,7 @@ def test_a_marker_set_of_another_head_is_an_error() -> None:
         from_head(HEAD, other)
 
 
-def test_a_morph_target_that_the_markers_do_not_see_is_told() -> None:
+def test_a_morph_target_that_the_markers_do_not_see_is_reported() -> None:
     head = replace(HEAD, morphs=HEAD.morphs * np.array([1.0, 0.0, 1.0])[:, None, None])
     with pytest.warns(UserWarning, match="1 of 3 shapes move no marker: mouthSmileLeft"):
         from_head(head)

@@ -45,7 +45,7 @@ def test_markers_are_matched_by_name(node: Callable[..., Trajectories], filled: 
 
 
 @each
-def test_what_was_refused_is_told(node: Callable[..., Trajectories], filled: Filled) -> None:
+def test_what_was_refused_is_reported(node: Callable[..., Trajectories], filled: Filled) -> None:
     fills = filled([1.0, 2.0])
     absent = (Absent({"fill": "pca"}, "refused", "needs one complete frame"),)
     with pytest.warns(UserWarning, match="^2 of 3 recordings are combined: fill=pca was refused$"):

@@ -111,7 +111,7 @@ def test_a_cutoff_beyond_half_the_rate_is_refused(recorded: Callable[..., Trajec
         bilinear(recorded(holed()), cutoff=30.0)
 
 
-def test_ending_early_is_told(
+def test_ending_early_is_reported(
     recorded: Callable[..., Trajectories], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_MOST_ROUNDS", 1)

@@ -38,7 +38,7 @@ def test_nothing_left_is_no_warning(recorded: Callable[..., Trajectories]) -> No
         warn_left(recorded(np.zeros((2, 1, 3))), [], "nothing", stacklevel=1)
 
 
-def test_one_is_not_told_as_many(recorded: Callable[..., Trajectories]) -> None:
+def test_one_is_not_reported_as_many(recorded: Callable[..., Trajectories]) -> None:
     positions = np.full((1, 1, 3), np.nan)
     with pytest.warns(UserWarning, match="^1 sample of 1 marker left missing: lost 1$"):
         warn_left(recorded(positions), [], "lost", stacklevel=1)

@@ -67,7 +67,7 @@ def test_what_never_moves_stays() -> None:
     np.testing.assert_array_equal(LowRank(still, 0.01).rows, 0.0)
 
 
-def test_ending_early_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ending_early_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(low_rank, "_MOST_ROUNDS", 2)
     with pytest.warns(UserWarning, match="has not settled after 2 rounds: the last one still "):
         LowRank(matrix(6), 0.001)

@@ -19,7 +19,7 @@ Positions = NDArray[np.float64]
 NOWHERE = np.full(3, np.nan)
 
 
-def told(recording: Trajectories, seen: int, frame: int, marker: int, k: int) -> Positions:
+def observation(recording: Trajectories, seen: int, frame: int, marker: int, k: int) -> Positions:
     """Where the nearest markers' motion takes a marker, by SciPy's own fit."""
     then, now = recording.positions[seen], recording.positions[frame]
     both = recording.present[seen] & recording.present[frame]
@@ -85,7 +85,7 @@ def test_equals_the_textbooks_filter(
                 measured.append((recording.positions[frame, marker], 0.2**2))
             else:
                 before = max(t for t in range(frame) if present[t]) if start else seen
-                measured.append((told(recording, before, frame, marker, neighbours), 2.0**2))
+                measured.append((observation(recording, before, frame, marker, neighbours), 2.0**2))
         output = filtered(measured, 1 / recording.rate, 500.0)
         for frame, place, (z, _) in zip(frames, output, measured, strict=True):
             if start <= frame < stop:
@@ -150,7 +150,7 @@ def test_turning_the_axes_changes_nothing(recorded: Callable[..., Trajectories])
     np.testing.assert_allclose(turned, plain @ turn.T, rtol=0, atol=1e-9)
 
 
-def test_fewer_than_three_neighbours_are_told(recorded: Callable[..., Trajectories]) -> None:
+def test_fewer_than_three_neighbours_are_reported(recorded: Callable[..., Trajectories]) -> None:
     gappy = moved()[:, :4]
     gappy[10:20, 0] = gappy[15:, 1] = np.nan
     message = "^35 samples of 2 markers left missing: no three neighbours that span a plane 35$"

@@ -62,7 +62,9 @@ def test_a_donor_has_no_hole_in_the_whole_gap(recorded: Callable[..., Trajectori
     np.testing.assert_allclose(filled.positions[2:5, 0], truth[2:5, 0], atol=1e-12)
 
 
-def test_without_a_donor_the_gap_is_left_and_told(recorded: Callable[..., Trajectories]) -> None:
+def test_without_a_donor_the_gap_is_left_and_reported(
+    recorded: Callable[..., Trajectories],
+) -> None:
     positions = np.ones((9, 2, 3))
     positions[3:6, 0] = positions[5, 1] = positions[8, 1] = np.nan
     message = (

@@ -118,7 +118,7 @@ def test_without_a_complete_frame_it_is_refused(
         pca(recorded(gappy), strategy=strategy)
 
 
-def test_a_marker_without_a_complete_frame_is_left_and_told(
+def test_a_marker_without_a_complete_frame_is_left_and_reported(
     recorded: Callable[..., Trajectories],
 ) -> None:
     gappy = take()

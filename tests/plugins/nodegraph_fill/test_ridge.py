@@ -81,7 +81,7 @@ def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories])
     assert np.sqrt((error[np.isnan(gappy[..., 0])] ** 2).mean()) < 0.05
 
 
-def test_where_nothing_can_be_learnt_the_gap_is_left_and_told(
+def test_where_nothing_can_be_learnt_the_gap_is_left_and_reported(
     recorded: Callable[..., Trajectories],
 ) -> None:
     positions = take(frames=6, markers=3)

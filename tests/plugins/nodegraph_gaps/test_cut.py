@@ -154,11 +154,11 @@ def test_only_seed_gaps_and_reference_shape_decide(
     source = recording(frames=30, markers=8)
     positions = np.where((missing > 0.95)[..., None], np.nan, source.positions)
     positions[0] = source.positions[0]
-    elsewhere = 5.0 - 3.0 * positions
-    elsewhere[0] = positions[0]
+    displaced = 5.0 - 3.0 * positions
+    displaced[0] = positions[0]
     first, second = (
         replace(source, positions=held, origin=Trajectories.origin)
-        for held in (positions, elsewhere)
+        for held in (positions, displaced)
     )
     masks: list[str | bytes] = []
     for take in (first, second):

@@ -90,7 +90,7 @@ def test_it_is_seen_from_the_front_or_as_asked_for() -> None:
     assert np.array_equal([seen.right, seen.up], [[0, 0, -1], [1, 0, 0]])
 
 
-def test_too_many_frames_are_thinned_and_that_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_frames_are_thinned_and_that_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     truth, face = recordings()["complete"], recordings()["filled, repaired and with sigma"]
     head = animations()["complete"]
     monkeypatch.setattr(playback_limits, "MOST_SAMPLES", 400)

@@ -65,7 +65,7 @@ def test_a_wide_range_of_positive_numbers_is_logarithmic() -> None:
     assert axis.get_yscale() == "linear"
 
 
-def test_names_that_are_not_there_are_told_with_what_is() -> None:
+def test_names_that_are_not_there_are_reported_with_what_is() -> None:
     with pytest.raises(ValueError, match="no column or axis 'speed'; there are the columns gap"):
         scatter(scores(), x="speed")
     with pytest.raises(ValueError, match="column 'take' holds no numbers"):

@@ -113,7 +113,7 @@ def test_the_frame_is_drawn_that_is_asked_for() -> None:
     assert axis.get_title() == f"a\nD = {apart:.4g}"
 
 
-def test_what_cannot_be_drawn_is_told() -> None:
+def test_what_cannot_be_drawn_is_reported() -> None:
     with pytest.raises(ValueError, match="no frame 3 of a: it has 1 frames"):
         shapes(of(a=flat(X)), of(a=flat(Y)), frame=3)
     whole = made_face.truth()

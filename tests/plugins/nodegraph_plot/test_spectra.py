@@ -57,7 +57,7 @@ def test_gaps_split_a_trajectory_and_runs_weigh_by_their_segments() -> None:
     assert line[:, 1] == pytest.approx(((3 * parts[0] + 3 * parts[1]) / 6)[1:])
 
 
-def test_markers_with_short_runs_only_are_left_out_and_told() -> None:
+def test_markers_with_short_runs_only_are_left_out_and_reported() -> None:
     take = noise(3)
     positions = take.positions.copy()
     positions[::100, 1] = np.nan
@@ -90,7 +90,7 @@ def test_what_has_no_run_is_an_error() -> None:
     assert set(lines(spectra(across(raw=noise(6)), noise(7)))) == {"raw", "truth"}
 
 
-def test_what_is_too_short_or_empty_is_told_by_name() -> None:
+def test_what_is_too_short_or_empty_is_reported_by_name() -> None:
     short = Trajectories(positions=np.ones((7, 1, 3)), markers=("m0",), rate=RATE)
     with pytest.raises(ValueError, match="other is too short: 7 of at least 8 frames"):
         spectra(across(raw=noise(0), other=short))

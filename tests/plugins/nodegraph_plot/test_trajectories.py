@@ -162,7 +162,7 @@ def test_a_sample_between_two_missing_ones_is_a_dot() -> None:
     assert (line.get_marker(), line.get_markevery()) == (".", [10 - 5])
 
 
-def test_what_has_nothing_to_draw_is_told() -> None:
+def test_what_has_nothing_to_draw_is_reported() -> None:
     whole = made_face.truth()
     none = replace(whole, positions=whole.positions[:0], origin=whole.origin[:0])
     with pytest.raises(ValueError, match="b has no frames: there is nothing to draw"):

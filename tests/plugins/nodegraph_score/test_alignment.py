@@ -62,7 +62,7 @@ def captured(offsets: NDArray[np.float64], where: HeadMotion) -> Trajectories:
     return recording(turned + where.translations[:, None])
 
 
-def one(take: Any) -> Across[Any]:
+def single(take: Any) -> Across[Any]:
     return Across((), (({}, take),))
 
 
@@ -88,7 +88,7 @@ def test_ports_are_as_promised() -> None:
 
 
 def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
-    table = alignment(one(captured(0.0 * speech(), motion())), motion(), components=2).table
+    table = alignment(single(captured(0.0 * speech(), motion())), motion(), components=2).table
     assert tuple(table.columns) == COLUMNS
     np.testing.assert_allclose(table["head motion"], 1.0, atol=1e-6)
     np.testing.assert_allclose(table["in all"], 1.0, atol=1e-6)
@@ -102,26 +102,26 @@ def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
 
 def test_a_moving_face_on_a_still_head_is_none() -> None:
     with pytest.warns(UserWarning, match="the head does not move"):
-        table = alignment(one(captured(speech(), still())), still()).table
+        table = alignment(single(captured(speech(), still())), still()).table
     assert (table["head motion"] == 0.0).all()
     assert set(table["finds"]) == {"face"}
     assert table[["R", "by chance", "correlation"]].isna().all(axis=None)
     assert set(table["with"]) == {""}
 
 
-def test_what_the_head_makes_and_what_the_face_makes_are_told_apart() -> None:
+def test_what_the_head_makes_and_what_the_face_makes_are_reported_apart() -> None:
     """A mouth that moves with the head is not moved by it."""
     where = motion(mm=0.0, degrees=0.0)
     along = np.sin(2 * np.pi * SECONDS * 2.1)[:, None] * [4.0, 0.0, 0.0]
     where = replace(where, translations=along)
     take = captured(speech(), where)
-    whole = alignment(one(take), where).table
+    whole = alignment(single(take), where).table
     assert whole["finds"][0] == "head motion"
     # by hand: 12 points shift by 4 mm times a sine, 4 points by 3 mm times each their own
     assert whole["in all"][0] == pytest.approx(12 * 16 / (12 * 16 + 4 * 9), abs=0.02)
     nodding = speech()
     nodding[:, 9:] = 0.0
-    aligned = alignment(one(captured(nodding, still())), where, one(where)).table
+    aligned = alignment(single(captured(nodding, still())), where, single(where)).table
     assert (aligned["in all"] == 0.0).all()
     assert aligned["finds"].tolist() == ["face"]
     assert aligned["R"][0] == pytest.approx(1.0)
@@ -132,9 +132,9 @@ def test_what_an_alignment_has_left_is_found() -> None:
     where = motion()
     shift = replace(where, rotations=still().rotations)
     estimate = recording(captured(speech(), where).positions - where.translations[:, None])
-    table = alignment(one(estimate), where, one(shift)).table
+    table = alignment(single(estimate), where, single(shift)).table
     turned = captured(speech(), replace(where, translations=still().translations))
-    same = alignment(one(turned), replace(where, translations=still().translations)).table
+    same = alignment(single(turned), replace(where, translations=still().translations)).table
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
 
 
@@ -153,7 +153,7 @@ def test_each_recording_has_its_rows_and_is_in_the_answer() -> None:
     )
 
 
-def test_recordings_of_which_the_same_is_said_are_told_together() -> None:
+def test_recordings_of_which_the_same_is_said_are_reported_together() -> None:
     where, take = motion(), captured(speech(), motion())
     takes = of(one=take, other=captured(2.0 * speech(), motion()), still=recording(FACE + speech()))
     table = alignment(takes, where, of(one=still(), other=still(), still=where)).table
@@ -174,7 +174,7 @@ def test_the_order_of_what_was_removed_does_not_matter() -> None:
 
 
 def test_shares_are_of_the_whole_recording() -> None:
-    table = alignment(one(captured(speech(), motion())), motion(), components=4).table
+    table = alignment(single(captured(speech(), motion())), motion(), components=4).table
     flat = captured(speech(), motion()).positions.reshape(FRAMES, -1)
     values = np.linalg.eigvalsh(np.cov(flat.T, bias=True))[::-1]
     np.testing.assert_allclose(table["share"], (values / values.sum())[:4])
@@ -183,7 +183,7 @@ def test_shares_are_of_the_whole_recording() -> None:
 
 def test_the_number_that_goes_best_with_a_component_is_named() -> None:
     where = replace(still(), translations=motion().translations * [0.0, 1.0, 0.0])
-    table = alignment(one(captured(0.0 * speech(), where)), where).table
+    table = alignment(single(captured(0.0 * speech(), where)), where).table
     assert table["with"].tolist() == ["shift y"]
     assert table["correlation"][0] == pytest.approx(1.0)
 
@@ -192,8 +192,8 @@ def test_scans_in_any_order_are_judged_alike() -> None:
     order = np.random.default_rng(0).permutation(FRAMES)
     take, where = captured(speech(), motion()), motion()
     mixed = replace(where, rotations=where.rotations[order], translations=where.translations[order])
-    table = alignment(one(take), where).table
-    other = alignment(one(recording(take.positions[order])), mixed).table
+    table = alignment(single(take), where).table
+    other = alignment(single(recording(take.positions[order])), mixed).table
     same = ["share", "head motion", "in all", "R", "correlation"]
     np.testing.assert_allclose(table[same].to_numpy(), other[same].to_numpy(), atol=1e-9)
     assert (other["by chance"] < table["by chance"]).all()
@@ -203,7 +203,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
     positions = captured(speech(), motion()).positions.copy()
     positions[30:50, 2] = np.nan
     with pytest.warns(UserWarning, match="20 of 400 frames lack samples: left out"):
-        table = alignment(one(recording(positions)), motion()).table
+        table = alignment(single(recording(positions)), motion()).table
     kept = np.r_[0:30, 50:400]
     whole = motion()
     part = HeadMotion(
@@ -211,7 +211,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
         translations=whole.translations[kept],
         scales=whole.scales[kept],
     )
-    same = alignment(one(recording(positions[kept])), part).table
+    same = alignment(single(recording(positions[kept])), part).table
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
     assert list(info_of(table).notes) == ["20 of 400 frames lack samples: left out."]
 
@@ -245,7 +245,7 @@ def test_an_absent_recording_is_no_row() -> None:
 )
 def test_what_has_no_components_is_refused(positions: NDArray[np.float64], message: str) -> None:
     with pytest.raises(Refusal, match=message):
-        alignment(one(recording(positions)), motion(len(positions)))
+        alignment(single(recording(positions)), motion(len(positions)))
 
 
 def test_no_recording_is_refused() -> None:
@@ -261,16 +261,16 @@ def test_too_few_frames_say_nothing_of_correlation() -> None:
         translations=shifts,
     )
     with pytest.warns(UserWarning, match="7 frames are too few"):
-        table = alignment(one(captured(speech(7), where)), where).table
+        table = alignment(single(captured(speech(7), where)), where).table
     assert table["R"].isna().all()
     assert table["head motion"].notna().all()
 
 
-def test_other_frame_counts_are_told() -> None:
+def test_other_frame_counts_are_reported() -> None:
     with pytest.raises(ValueError, match="recording b has 9 frames, the head motion 400"):
         alignment(of(b=captured(speech(9), motion(9))), motion())
     with pytest.raises(ValueError, match="has 400 frames, the head motion removed 9"):
-        alignment(one(captured(speech(), motion())), motion(), one(motion(9)))
+        alignment(single(captured(speech(), motion())), motion(), single(motion(9)))
 
 
 def test_a_recording_has_one_head_motion_that_was_removed() -> None:
@@ -279,16 +279,16 @@ def test_a_recording_has_one_head_motion_that_was_removed() -> None:
         alignment(of(a=take, b=take), motion(), of(a=motion()))
     both = Across.of({"a": motion(), "b": motion()}, axis="other")
     with pytest.raises(ValueError, match="has 2 head motions that were removed"):
-        alignment(one(take), motion(), both)
+        alignment(single(take), motion(), both)
 
 
 def test_mirror_images_are_refused() -> None:
     take = captured(speech(), motion())
     mirrored = replace(motion(), rotations=motion().rotations @ np.diag([1.0, -1.0, 1.0]))
     with pytest.raises(ValueError, match="head motion, frame 0"):
-        alignment(one(take), mirrored)
+        alignment(single(take), mirrored)
     with pytest.raises(ValueError, match="removed of the recording, frame 0"):
-        alignment(one(take), motion(), one(mirrored))
+        alignment(single(take), motion(), single(mirrored))
 
 
 def test_an_axis_cannot_be_called_as_a_column_is() -> None:

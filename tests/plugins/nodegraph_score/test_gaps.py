@@ -126,7 +126,7 @@ def test_markers_are_matched_by_name() -> None:
     assert gaps(estimate.keep(shuffled), truth, moved).equals(expected)
 
 
-def test_a_gap_left_open_in_part_has_no_error_and_is_told() -> None:
+def test_a_gap_left_open_in_part_has_no_error_and_is_reported() -> None:
     truth = recording(1)
     estimate = without(recording(0), [(4, 0)])
     with pytest.warns(UserWarning, match=r"1 of 2 gaps .* \(1 of 5 samples missing\)"):

@@ -37,7 +37,7 @@ def test_ports_are_as_promised() -> None:
     ]
 
 
-def test_each_error_is_told_in_its_unit() -> None:
+def test_each_error_is_reported_in_its_unit() -> None:
     truth = motion()
     angles = np.linspace(0.0, 9.0, 10)
     turns = Rotation.from_rotvec(angles[:, None] * [0.6, 0.0, 0.8], degrees=True).as_matrix()
@@ -59,7 +59,7 @@ def test_the_truth_has_no_error() -> None:
     assert np.abs(table[["rotation", "translation", "scale"]].to_numpy()).max() < 1e-9
 
 
-def test_other_frame_counts_are_told() -> None:
+def test_other_frame_counts_are_reported() -> None:
     with pytest.raises(ValueError, match="estimate has 9 frames, the truth has 10"):
         head_motion(motion(9), motion())
 

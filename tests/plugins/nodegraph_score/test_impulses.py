@@ -17,7 +17,7 @@ from nodegraph_tables import info_of
 NAMES = ("brow", "cheek", "chin")
 
 
-def made(seed: int, frames: int = 12) -> tuple[Trajectories, Trajectories, Mask]:
+def spiked(seed: int, frames: int = 12) -> tuple[Trajectories, Trajectories, Mask]:
     """An estimate with samples of every origin, a truth with some missing, and hits."""
     random = np.random.default_rng(seed)
     shape = (frames, len(NAMES))
@@ -85,7 +85,7 @@ def plainly(
 @settings(max_examples=60, deadline=None)
 @given(seed=st.integers(0, 10_000), frames=st.integers(1, 12))
 def test_every_number_is_the_documented_one(seed: int, frames: int) -> None:
-    values = made(seed, frames)
+    values = spiked(seed, frames)
     take = quietly(*values)
     assert take["marker"].tolist() == ["all"]
     assert take.iloc[0].drop("marker").to_dict() == pytest.approx(
@@ -132,7 +132,7 @@ def test_a_worked_example() -> None:
 
 
 def test_markers_are_matched_by_name() -> None:
-    estimate, truth, mask = made(3, 40)
+    estimate, truth, mask = spiked(3, 40)
     order = ("chin", "brow", "cheek")
     columns = [NAMES.index(name) for name in order]
     turned = Mask(hidden=mask.hidden[:, columns], markers=order)
@@ -141,7 +141,7 @@ def test_markers_are_matched_by_name() -> None:
     assert actual.equals(expected)
 
 
-def test_what_no_impulse_has_hit_is_told() -> None:
+def test_what_no_impulse_has_hit_is_reported() -> None:
     truth = clean()
     with pytest.warns(UserWarning, match="2 of 3 markers have no impulse"):
         table = impulses(truth, truth, hits((3, 0)), per="marker")
@@ -154,7 +154,7 @@ def test_what_no_impulse_has_hit_is_told() -> None:
     assert table["rmse"].tolist() == [0.0]
 
 
-def test_what_is_not_judged_is_told() -> None:
+def test_what_is_not_judged_is_reported() -> None:
     truth = repaired(clean(), [(2, 0)], 0.0)
     positions = truth.positions.copy()
     positions[4, 1] = np.nan

@@ -125,7 +125,7 @@ def absent(truth: Positions) -> Positions:
     ("make", "kept", "message"),
     [(still, 0.0, "2 of 2 markers have no lag"), (absent, np.nan, "2 of 2 markers have no error")],
 )
-def test_what_has_no_value_is_nan_and_told(
+def test_what_has_no_value_is_nan_and_reported(
     make: Callable[[Positions], Positions], kept: float, message: str
 ) -> None:
     truth = recording(moving())

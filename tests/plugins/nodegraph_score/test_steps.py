@@ -102,7 +102,7 @@ def test_what_is_filled_had_no_error_before() -> None:
     assert second["rmse"] == pytest.approx(math.sqrt(4 * 9 / 120))
 
 
-def test_a_step_that_makes_it_worse_is_told_everywhere() -> None:
+def test_a_step_that_makes_it_worse_is_reported_everywhere() -> None:
     with pytest.warns(UserWarning, match=r"smooth makes it worse: 0 mm before and 2 mm after"):
         table = steps(chain(captured=truth(), smooth=off((slice(0, 5), 1), 2.0)), truth())
     assert table["verdict"].tolist() == ["begins", "worse"]
@@ -195,7 +195,7 @@ def test_stages_lie_along_one_axis() -> None:
         steps(Across(("stages", "trial"), entries), truth())
 
 
-def test_recordings_of_something_else_are_told() -> None:
+def test_recordings_of_something_else_are_reported() -> None:
     short = take(truth().positions[:5])
     with pytest.raises(ValueError, match="fill has 5 frames, the truth has 30"):
         steps(chain(captured=truth(), fill=short), truth())

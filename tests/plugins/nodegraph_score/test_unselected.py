@@ -89,7 +89,7 @@ def test_selected_markers_do_not_count() -> None:
     assert unselected(worse, reference, CHOSEN).equals(unselected(estimate, reference, CHOSEN))
 
 
-def test_what_only_one_of_the_two_has_is_left_out_and_told() -> None:
+def test_what_only_one_of_the_two_has_is_left_out_and_reported() -> None:
     reference, estimate = recording("abcde"), recording("abdefgh", seed=1)
     with pytest.warns(UserWarning, match="markers only the") as caught:
         table = unselected(estimate, reference, CHOSEN)

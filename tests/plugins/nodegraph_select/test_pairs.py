@@ -24,7 +24,7 @@ def test_pairs_then_the_midline(face: Trajectories) -> None:
         assert pairs_of(face) == PAIRS
 
 
-def test_neither_in_a_pair_nor_on_the_midline_is_alone_and_told(face: Trajectories) -> None:
+def test_neither_in_a_pair_nor_on_the_midline_is_alone_and_reported(face: Trajectories) -> None:
     known = face.marker_set
     assert known is not None
     some = replace(face, marker_set=replace(known, pairs=known.pairs[1:], midline=("nose",)))

@@ -171,7 +171,9 @@ def test_one_marker_is_chosen(face: Trajectories, quietly: Quietly) -> None:
     assert quietly(pfa, face.keep(["nose"]), k=2, runs=10).chosen == ("nose",)
 
 
-def test_clusters_without_rows_are_dropped_and_told(face: Trajectories, history: History) -> None:
+def test_clusters_without_rows_are_dropped_and_reported(
+    face: Trajectories, history: History
+) -> None:
     positions = face.positions.copy()
     positions[:, :6] = positions[0, :6]
     still = replace(face, positions=positions)

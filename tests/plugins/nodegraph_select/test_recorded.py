@@ -57,7 +57,7 @@ def weights(name: str) -> tuple[Any, tuple[str, ...], float]:
 
 
 @cache
-def found(name: str, k: int) -> tuple[Selection, dict[str, Any]]:
+def recorded_selection(name: str, k: int) -> tuple[Selection, dict[str, Any]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         selection = pfa(take(name), k=k)
@@ -68,7 +68,7 @@ def found(name: str, k: int) -> tuple[Selection, dict[str, Any]]:
 @pytest.mark.parametrize("name", TAKES)
 def test_runs_hardly_ever_agree(name: str) -> None:
     for k in (20, 30):
-        _, history = found(name, k)
+        _, history = recorded_selection(name, k)
         assert history["selection"].max() + 1 > 900
 
 
@@ -76,7 +76,7 @@ def test_runs_hardly_ever_agree(name: str) -> None:
 def test_the_sum_favours_large_selections_the_more_the_larger_k_is(name: str) -> None:
     likeness = []
     for k in (10, 20, 30, 40):
-        _, history = found(name, k)
+        _, history = recorded_selection(name, k)
         likeness.append(np.corrcoef(history["sum"], history["markers"])[0, 1])
         assert np.corrcoef(history["mean"], history["markers"])[0, 1] < likeness[-1]
     assert 0.25 < likeness[0] < 0.75
@@ -86,14 +86,14 @@ def test_the_sum_favours_large_selections_the_more_the_larger_k_is(name: str) ->
 
 @pytest.mark.parametrize("name", TAKES)
 def test_more_clusters_choose_more_markers(name: str) -> None:
-    sizes = [len(found(name, k)[0].chosen) for k in (5, 10, 20, 40)]
+    sizes = [len(recorded_selection(name, k)[0].chosen) for k in (5, 10, 20, 40)]
     assert sizes == sorted(set(sizes))
     assert 2 * 5 >= sizes[0] >= 5
 
 
 @pytest.mark.parametrize("name", ["jaw", "take001"])
 def test_every_run_settles(name: str) -> None:
-    assert found(name, 20)[1]["rounds"].max() < 60
+    assert recorded_selection(name, 20)[1]["rounds"].max() < 60
 
 
 def left(recording: Trajectories, chosen: tuple[str, ...]) -> float:

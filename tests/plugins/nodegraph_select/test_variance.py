@@ -63,7 +63,7 @@ def test_markers_that_move_equally_come_in_the_order_of_names(face: Trajectories
     )  # fmt: skip
 
 
-def test_what_does_not_move_comes_by_name_and_is_told(
+def test_what_does_not_move_comes_by_name_and_is_reported(
     face: Trajectories, rigid: Callable[..., Trajectories]
 ) -> None:
     for seed in range(3):

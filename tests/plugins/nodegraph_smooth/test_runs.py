@@ -80,7 +80,7 @@ def test_nothing_but_short_runs_is_refused(recorded: Callable[..., Trajectories]
         long_enough(Runs.of(recorded(positions)), 6)
 
 
-def test_nothing_present_is_told(recorded: Callable[..., Trajectories]) -> None:
+def test_nothing_present_is_reported(recorded: Callable[..., Trajectories]) -> None:
     recording = recorded(np.full((4, 2, 3), np.nan))
     with pytest.warns(UserWarning, match="^no sample is present: there is nothing to smooth$"):
         smoothed = smooth_runs(recording, np.zeros_like, shortest=2)

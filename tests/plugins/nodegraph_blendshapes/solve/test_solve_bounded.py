@@ -198,7 +198,7 @@ def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_array_equal(solution.weights[7], 0.0)
 
 
-def test_shares_that_cannot_be_told_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_shares_that_cannot_be_determined_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     columns, targets = problem(6, 6, 12, targets=10)
     columns = near(columns, 0.0)
     message = least_squares(columns, targets, 0.0, 1.0)

@@ -101,6 +101,6 @@ def test_from_within_where_a_bound_holds_nothing_back(high: float) -> None:
     np.testing.assert_allclose(solution, weights, rtol=0, atol=1e-8)
 
 
-def test_circles_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_circles_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("nodegraph_blendshapes.solve.chain._ROUNDS", 1)
     assert chain().exchanged(np.full((7, 4), 0.25)) is None

@@ -29,7 +29,7 @@ def test_markers_are_matched_by_name_in_the_model_s_order() -> None:
     )
 
 
-def test_a_marker_that_only_the_recording_has_is_told() -> None:
+def test_a_marker_that_only_the_recording_has_is_reported() -> None:
     model, recording, _ = face(VALUES)
     few = replace(
         model, markers=model.markers[1:], neutral=model.neutral[1:], shapes=model.shapes[:, 1:]

@@ -20,7 +20,7 @@ FRAMES, SHAPES = 12, 4
 VALUES = np.random.default_rng(0).uniform(-0.4, 1.4, (FRAMES, SHAPES))
 
 
-def found(recording: Trajectories, model: BlendshapeModel, **settings: object) -> Matrix:
+def solved(recording: Trajectories, model: BlendshapeModel, **settings: object) -> Matrix:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return solve_weights(recording, model, **settings).weights.values  # type: ignore[arg-type]
@@ -66,7 +66,7 @@ def gappy(recording: Trajectories) -> Trajectories:
 def test_as_one_dense_problem(bounds: Bounds, smoothness: float, ridge: float) -> None:
     model, _, _ = face(VALUES)
     recording = gappy(posed(model, VALUES, noise=0.5))
-    solution = found(recording, model, bounds=bounds, smoothness=smoothness, ridge=ridge)
+    solution = solved(recording, model, bounds=bounds, smoothness=smoothness, ridge=ridge)
     low, high = limits(bounds)
     rows, right = system(recording, model, ridge, smoothness)
     expected = lsq_linear(rows, right, (low, high), "bvls", 1e-15, max_iter=500)
@@ -79,14 +79,14 @@ def test_as_one_dense_problem(bounds: Bounds, smoothness: float, ridge: float) -
 def test_hardly_any_smoothness_is_none_and_much_of_it_is_one_expression() -> None:
     model, _, _ = face(VALUES)
     recording = posed(model, VALUES, noise=0.5)
-    alone = found(recording, model)
-    np.testing.assert_allclose(found(recording, model, smoothness=1e-9), alone, rtol=0, atol=1e-7)
-    still = found(recording, model, smoothness=1e7)
+    alone = solved(recording, model)
+    np.testing.assert_allclose(solved(recording, model, smoothness=1e-9), alone, rtol=0, atol=1e-7)
+    still = solved(recording, model, smoothness=1e7)
     assert np.ptp(still, axis=0).max() < 1e-3
-    middle = found(at(recording, recording.positions.mean(axis=0, keepdims=True)), model)
+    middle = solved(at(recording, recording.positions.mean(axis=0, keepdims=True)), model)
     np.testing.assert_allclose(still, np.broadcast_to(middle, still.shape), rtol=0, atol=1e-3)
     with pytest.raises(Refusal, match="try a larger ridge or less smoothness"):
-        found(recording, model, smoothness=1e12)
+        solved(recording, model, smoothness=1e12)
 
 
 def test_a_frame_without_any_marker_splits_the_take() -> None:
@@ -94,11 +94,11 @@ def test_a_frame_without_any_marker_splits_the_take() -> None:
     recording = posed(model, VALUES, noise=0.5)
     positions = recording.positions.copy()
     positions[5] = np.nan
-    solution = found(at(recording, positions), model, smoothness=4.0)
+    solution = solved(at(recording, positions), model, smoothness=4.0)
     assert np.isnan(solution[5]).all()
     for part in (slice(0, 5), slice(6, FRAMES)):
         alone = at(recording, recording.positions[part])
-        expected = found(alone, model, smoothness=4.0)
+        expected = solved(alone, model, smoothness=4.0)
         np.testing.assert_allclose(solution[part], expected, rtol=0, atol=1e-9)
 
 
@@ -128,7 +128,7 @@ def test_identical_shapes_share() -> None:
         names=(*model.names, "twin"),
     )
     for bounds in ((0.0, 1.0), "nonnegative", "none"):
-        solution = found(recording, twin, bounds=bounds, smoothness=2.0)
+        solution = solved(recording, twin, bounds=bounds, smoothness=2.0)
         np.testing.assert_allclose(solution[:, 0], solution[:, -1], rtol=0, atol=1e-6)
 
 
@@ -139,7 +139,7 @@ def test_more_shapes_than_coordinates(shapes: int) -> None:
     model, recording, _ = face(values, markers=7)
     for bounds in ((0.0, 1.0), "nonnegative"):
         for smoothness in (1e-6, 1e-2, 1e3):
-            solution = found(recording, model, bounds=bounds, smoothness=smoothness)
+            solution = solved(recording, model, bounds=bounds, smoothness=smoothness)
             rows, right = system(recording, model, 0.0, smoothness)
             gradient = (rows.T @ (rows @ solution.ravel() - right)).reshape(solution.shape)
             high = 1.0 if isinstance(bounds, tuple) else INF

@@ -112,7 +112,7 @@ def test_the_table_beside_plain_loops() -> None:
     assert table["at_high"].sum() > 0
 
 
-def test_everything_that_is_left_out_is_told() -> None:
+def test_everything_that_is_left_out_is_reported() -> None:
     model, recording, _ = face(VALUES)
     shapes = model.shapes.copy()
     shapes[1, 1:] = 0.0
@@ -148,7 +148,7 @@ def test_identical_shapes_share_and_ties_have_the_least_norm() -> None:
         assert values @ values == pytest.approx(shortest @ shortest, rel=1e-7)
 
 
-def test_what_could_not_be_found_or_told_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_could_not_be_determined_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     model, _, _ = face(VALUES)
     recording = posed(model, 2.0 * VALUES - 0.5, noise=0.5)
     monkeypatch.setattr(bounded, "_ROUNDS", 1)
