@@ -59,7 +59,7 @@ def head_motion_leads_back(tried: Tried) -> Iterator[str]:
 def what_is_aligned_stays(tried: Tried) -> Iterator[str]:
     """Leave a recording as it is that is aligned already."""
     for _, aligned in promises.before_and_after(tried):
-        again = promises.made_again(tried, aligned)
+        again = promises.output_again(tried, aligned)
         if again is None:
             yield "declines the recording that it has aligned"
         else:
@@ -73,7 +73,7 @@ def where_the_head_is_does_not_matter(tried: Tried) -> Iterator[str]:
         turns = np.stack([promises.TURN, promises.TURN if alone else promises.SWAP])
         turns = turns[np.arange(before.frames) % 2]
         moved = replace(before, positions=before.positions @ turns + promises.SHIFT)
-        again = promises.made_again(tried, moved)
+        again = promises.output_again(tried, moved)
         if again is None:
             yield "declines the recording of a head elsewhere"
         else:

@@ -235,8 +235,8 @@ def _labels(parameters: Parameters) -> list[str]:
     """Return POINT:LABELS, LABELS2, ... as one list."""
     labels: list[str] = []
     name, number = "LABELS", 2
-    while found := parameters.get(("POINT", name)):
-        labels += found.texts
+    while parameter := parameters.get(("POINT", name)):
+        labels += parameter.texts
         name, number = f"LABELS{number}", number + 1
     return labels
 

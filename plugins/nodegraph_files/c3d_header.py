@@ -107,14 +107,16 @@ def read_parameters(content: bytes, start: int) -> Parameters:
     """
     processor = Processor(content[start + 3])
     groups: dict[int, str] = {}
-    found: dict[tuple[int, str], Parameter] = {}
+    parameters: dict[tuple[int, str], Parameter] = {}
     for place, number, name, body in _entries(content, start + 4, processor):
         if number < 0:
             groups[-number] = name
         else:
-            found[number, name] = _parameter(body, place, processor)
+            parameters[number, name] = _parameter(body, place, processor)
     return {
-        (groups[number], name): value for (number, name), value in found.items() if number in groups
+        (groups[number], name): value
+        for (number, name), value in parameters.items()
+        if number in groups
     }
 
 
@@ -260,15 +262,15 @@ def _header(content: bytes, processor: Processor) -> _Header:
 def _accounts(header: _Header, parameters: Parameters) -> Iterable[Layout]:
     """Yield every combination of what header and parameters say, the parameters' first."""
 
-    def told(group: str, name: str, also: float) -> list[float]:
+    def claimed(group: str, name: str, also: float) -> list[float]:
         return _unlike(_number(parameters, group, name), also)
 
     claims = itertools.product(
         _frames(header, parameters),
-        told("POINT", "USED", header.points),
+        claimed("POINT", "USED", header.points),
         _unlike(_analog_values(parameters), header.values),
-        told("POINT", "DATA_START", header.start_block),
-        _unlike(*(_width(scale) for scale in told("POINT", "SCALE", header.scale))),
+        claimed("POINT", "DATA_START", header.start_block),
+        _unlike(*(_width(scale) for scale in claimed("POINT", "SCALE", header.scale))),
     )
     for frames, points, values, block, width in claims:
         start = (int(block) - 1) * BLOCK
@@ -282,11 +284,11 @@ def _frames(header: _Header, parameters: Parameters) -> list[float]:
     trial = last - first + 1 if first is not None and last is not None else None
     longer = _number(parameters, "POINT", "LONG_FRAMES")
     counted = _number(parameters, "POINT", "FRAMES")
-    told = _unlike(longer, trial, counted, header.frames)
-    if max(told) > LARGEST_COUNT:
+    counts = _unlike(longer, trial, counted, header.frames)
+    if max(counts) > LARGEST_COUNT:
         # The old counters cannot hold so many; that they are full is no disagreement.
-        told = [count for count in told if count != LARGEST_COUNT]
-    return [count for count in told if 0 <= count < 2**31] or [0]
+        counts = [count for count in counts if count != LARGEST_COUNT]
+    return [count for count in counts if 0 <= count < 2**31] or [0]
 
 
 def _analog_values(parameters: Parameters) -> float:
@@ -302,12 +304,12 @@ def _settle(accounts: list[Layout], size: int) -> Layout:
         raise ValueError("it does not say where its samples start")
     if len(accounts) == 1:
         return _checked(accounts[0], size)
-    fitting = [one for one in accounts if 0 <= size - one.end < BLOCK]
-    exact = [one for one in fitting if one.end == size] or fitting
+    fitting = [account for account in accounts if 0 <= size - account.end < BLOCK]
+    exact = [account for account in fitting if account.end == size] or fitting
     if not exact:
-        told = "; ".join(str(one) for one in (accounts[0], accounts[-1]))
+        claims = "; ".join(str(account) for account in (accounts[0], accounts[-1]))
         raise ValueError(
-            f"its header and its parameters disagree ({told}), and its {size} bytes do not "
+            f"its header and its parameters disagree ({claims}), and its {size} bytes do not "
             "show which is right: it was cut short, or is damaged"
         )
     warnings.warn(
@@ -340,34 +342,34 @@ def _rate(header: _Header, parameters: Parameters) -> float:
 
 def _scale(header: _Header, parameters: Parameters) -> float:
     """Return what integers are multiplied by; a negative number stands for no integers."""
-    told = _number(parameters, "POINT", "SCALE") or 0.0
-    scale = _either("scale", max(told, 0.0), header.scale)
+    stated = _number(parameters, "POINT", "SCALE") or 0.0
+    scale = _either("scale", max(stated, 0.0), header.scale)
     if not (np.isfinite(scale) and scale > 0):
         raise ValueError(f"its samples are integers, and their scale is {scale}")
     return scale
 
 
-def _either(what: str, told: float, also: float) -> float:
+def _either(what: str, parameter: float, header: float) -> float:
     """Return what the parameters tell, or the header where they tell nothing (0)."""
-    if told and also > 0 and not math.isclose(told, also, rel_tol=1e-6):
+    if parameter and header > 0 and not math.isclose(parameter, header, rel_tol=1e-6):
         warnings.warn(
-            f"the file's parameters give a {what} of {told:g}, its header {also:g}; the parameters "
-            "count",
+            f"the file's parameters give a {what} of {parameter:g}, its header {header:g}; the "
+            "parameters count",
             stacklevel=5,
         )
-    return told or also
+    return parameter or header
 
 
 def _number(parameters: Parameters, group: str, name: str) -> float | None:
-    found = parameters.get((group, name))
-    numbers = found.numbers if found else ()
+    parameter = parameters.get((group, name))
+    numbers = parameter.numbers if parameter else ()
     return numbers[0] if numbers and np.isfinite(numbers[0]) else None
 
 
 def _whole(parameters: Parameters, group: str, name: str) -> float | None:
     """Return a count that is stored as two 16-bit words, the lower first."""
-    found = parameters.get((group, name))
-    numbers = found.numbers if found else ()
+    parameter = parameters.get((group, name))
+    numbers = parameter.numbers if parameter else ()
     return numbers[0] + 65536 * numbers[1] if len(numbers) == 2 else None
 
 

@@ -90,7 +90,7 @@ def unit_of_mesh(path: Path, extent: float, *, assumed: str, stated: bool) -> st
     """
     unit = assumed
     if not (stated or _plausible(extent, assumed)):
-        unit = next((one for one in _USUAL if _plausible(extent, one)), assumed)
+        unit = next((usual for usual in _USUAL if _plausible(extent, usual)), assumed)
     size = f"{extent * MILLIMETRES[unit]:.4g} mm"
     if not _plausible(extent, unit):
         _warn(path, f"the mesh is {size} long in {unit}, which no head is; set `unit`?")
@@ -104,8 +104,8 @@ def _plausible(extent: float, unit: str) -> bool:
     return _LEAST <= extent * MILLIMETRES[unit] <= _MOST
 
 
-def _warn(path: Path, said: str) -> None:
-    warnings.warn(f"{path}: {said}", stacklevel=5)
+def _warn(path: Path, message: str) -> None:
+    warnings.warn(f"{path}: {message}", stacklevel=5)
 
 
 def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
@@ -132,7 +132,7 @@ def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
         no such vertex.
     """
     rows = csv.reader(text_lines(path), strict=True)
-    found: dict[str, int] = {}
+    vertex_of: dict[str, int] = {}
     try:
         header = [cell.strip().lower() for cell in next(rows, [])]
         if header != _COLUMNS:
@@ -140,21 +140,21 @@ def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
         for row in rows:
             cells = [cell.strip() for cell in row]
             if any(cells):
-                _add(found, cells, vertices)
+                _add(vertex_of, cells, vertices)
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{path}:{rows.line_num}: {error}") from None
-    return found
+    return vertex_of
 
 
-def _add(found: dict[str, int], cells: list[str], vertices: int) -> None:
+def _add(vertex_of: dict[str, int], cells: list[str], vertices: int) -> None:
     if len(cells) != 2 or not cells[0]:
         raise ValueError(f"a marker and its vertex are needed, not {','.join(cells)!r}")
     marker, written = cells
-    if marker in found:
+    if marker in vertex_of:
         raise ValueError(f"marker {marker!r} again")
     if not (written.isascii() and written.isdecimal()):
         raise ValueError(f"{written!r} is not the number of a vertex")
     vertex = int(written)
     if vertex >= vertices:
         raise ValueError(f"marker {marker!r}: no vertex {vertex}; the mesh has {vertices}, from 0")
-    found[marker] = vertex
+    vertex_of[marker] = vertex

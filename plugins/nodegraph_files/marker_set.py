@@ -48,7 +48,7 @@ def _check_keys(node: Any) -> None:
             raise ValueError(f"line {line}: {key.value!r} again, after line {lines[key.value]}")
 
 
-def marker_set_of(found: Any) -> MarkerSet:
+def marker_set_of(data: Any) -> MarkerSet:
     """Return the marker set that plain data describe.
 
     Raises
@@ -56,21 +56,21 @@ def marker_set_of(found: Any) -> MarkerSet:
     ValueError
         If they are not of its form.
     """
-    if not isinstance(found, Mapping) or "markers" not in found:
+    if not isinstance(data, Mapping) or "markers" not in data:
         raise ValueError(
             f"it must be a mapping with 'markers', and may have {', '.join(PARTS[1:])}"
         )
-    unknown = [str(key) for key in found if key not in PARTS]
+    unknown = [str(key) for key in data if key not in PARTS]
     if unknown:
         raise ValueError(f"unknown key {unknown[0]!r}; there is {', '.join(PARTS)}")
-    return MarkerSet(**{part: _part(part, found[part]) for part in PARTS if part in found})
+    return MarkerSet(**{part: _part(part, data[part]) for part in PARTS if part in data})
 
 
 def plain_marker_set(marker_set: MarkerSet) -> dict[str, list[Any]]:
     """Return a marker set as plain data, empty parts left out."""
     parts = {part: getattr(marker_set, part) for part in PARTS}
     return {
-        part: [list(one) if part in _COUPLES else one for one in items]
+        part: [list(item) if part in _COUPLES else item for item in items]
         for part, items in parts.items()
         if items or part == "markers"
     }
@@ -90,7 +90,9 @@ def marker_set_text(marker_set: MarkerSet) -> str:
 
 def _printable(text: str) -> str:
     """Escape what YAML, unlike JSON, does not let stand between quotes."""
-    return "".join(one if one.isprintable() else f"\\U{ord(one):08X}" for one in text)
+    return "".join(
+        character if character.isprintable() else f"\\U{ord(character):08X}" for character in text
+    )
 
 
 def _part(part: str, items: Any) -> tuple[Any, ...]:
@@ -99,8 +101,8 @@ def _part(part: str, items: Any) -> tuple[Any, ...]:
     if not isinstance(items, list):
         raise ValueError(f"{part!r} must be a list")
     if part in _COUPLES:
-        return tuple(_couple(part, one) for one in items)
-    bad = [one for one in items if not isinstance(one, str) or not one]
+        return tuple(_couple(part, item) for item in items)
+    bad = [item for item in items if not isinstance(item, str) or not item]
     if bad:
         raise ValueError(f"{part!r} must be a list of names, not {reprlib.repr(bad[0])}")
     return tuple(items)

@@ -55,19 +55,21 @@ def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) ->
 
     try:
         with ZipFile(path) as archive:
-            found = {one.filename.removesuffix(".npy"): one for one in archive.infolist()}
-            _check_names(found, required)
-            wanted = [name for name in kinds if name in found]
-            return {name: _array(archive, name, found[name], kinds[name]) for name in wanted}
+            members = {
+                member.filename.removesuffix(".npy"): member for member in archive.infolist()
+            }
+            _check_names(members, required)
+            wanted = [name for name in kinds if name in members]
+            return {name: _array(archive, name, members[name], kinds[name]) for name in wanted}
     except Exception as error:
         # zipfile, zlib and NumPy's header parser each have errors of their own for bad bytes.
         raise ValueError(str(error) or type(error).__name__) from None
 
 
-def _check_names(found: Mapping[str, ZipInfo], required: Sequence[str]) -> None:
-    lacking = [name for name in required if name not in found]
+def _check_names(members: Mapping[str, ZipInfo], required: Sequence[str]) -> None:
+    lacking = [name for name in required if name not in members]
     if lacking:
-        there = ", ".join(found) or "nothing"
+        there = ", ".join(members) or "nothing"
         raise ValueError(f"no array {', '.join(lacking)}; there is {there}")
 
 

@@ -94,12 +94,12 @@ def _statements(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield the words of each statement, without comment, and the line where it ends."""
     # names and comments may be of any encoding; numbers are ASCII in all of them
     text = path.read_text(encoding="utf-8-sig", errors="replace")
-    kept = ""
+    continued = ""
     for number, line in enumerate(text.split("\n"), 1):
-        whole = kept + line.partition("#")[0].rstrip()
-        kept = whole[:-1] + " " if whole.endswith("\\") else ""
+        whole = continued + line.partition("#")[0].rstrip()
+        continued = whole[:-1] + " " if whole.endswith("\\") else ""
         words = whole.split()
-        if words and not kept:
+        if words and not continued:
             yield number, words
 
 

@@ -48,19 +48,19 @@ def find_file(path: Path | str, wanted: tuple[str, ...]) -> Path:
         If there is no such file, or it is empty.
     """
     text = str(path)
-    found = sample_folder(text.removeprefix(_SCHEME)) if text.startswith(_SCHEME) else Path(path)
-    if found.is_dir():
-        found = _from_folder(found, wanted)
-    if not found.is_file():
+    file = sample_folder(text.removeprefix(_SCHEME)) if text.startswith(_SCHEME) else Path(path)
+    if file.is_dir():
+        file = _from_folder(file, wanted)
+    if not file.is_file():
         raise ValueError(f"{path}: no such file")
-    if not found.stat().st_size:
+    if not file.stat().st_size:
         raise ValueError(f"{path}: the file is empty")
-    return found
+    return file
 
 
 def _from_folder(folder: Path, wanted: tuple[str, ...]) -> Path:
     for name in wanted:
         if (folder / name).is_file():
             return folder / name
-    there = ", ".join(sorted(one.name for one in folder.iterdir())) or "nothing"
+    there = ", ".join(sorted(file.name for file in folder.iterdir())) or "nothing"
     raise ValueError(f"{folder}: the folder holds no {' or '.join(wanted)}; there is {there}")

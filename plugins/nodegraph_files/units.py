@@ -38,7 +38,9 @@ def to_millimetres(unit: str) -> float:
     """Return how many millimetres a unit is; an unknown one is taken for mm, with a warning."""
     factor = millimetres_in(unit)
     if factor is None:
-        said = f"unit of length {unit!r} is unknown" if unit.strip() else "no unit of length given"
-        warnings.warn(f"{said}; millimetres are assumed", stacklevel=3)
+        problem = (
+            f"unit of length {unit!r} is unknown" if unit.strip() else "no unit of length given"
+        )
+        warnings.warn(f"{problem}; millimetres are assumed", stacklevel=3)
         return 1.0
     return factor

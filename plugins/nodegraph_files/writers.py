@@ -48,7 +48,7 @@ def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
     ValueError
         If the form cannot hold the recording: too many frames, too long names.
     """
-    return _file(name, ".c3d", _told(recording, c3d_bytes(recording)))
+    return _file(name, ".c3d", _checked(recording, c3d_bytes(recording)))
 
 
 @node("write.trc")
@@ -74,7 +74,7 @@ def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
     ValueError
         If the form cannot hold a marker's name.
     """
-    return _file(name, ".trc", _told(recording, trc_bytes(recording)))
+    return _file(name, ".trc", _checked(recording, trc_bytes(recording)))
 
 
 @node("write.csv")
@@ -100,7 +100,7 @@ def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
     ValueError
         If the form cannot hold a marker's name.
     """
-    return _file(name, ".csv", _told(recording, csv_bytes(recording)))
+    return _file(name, ".csv", _checked(recording, csv_bytes(recording)))
 
 
 @node("write.npz")
@@ -164,10 +164,14 @@ def _file(name: str, suffix: str, content: bytes) -> Files:
     return Files({name if name.lower().endswith(suffix) else name + suffix: content})
 
 
-def _told(recording: Trajectories, content: bytes) -> bytes:
+def _checked(recording: Trajectories, content: bytes) -> bytes:
     """Return the content; say what of the recording it cannot keep."""
-    made = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED))
-    lost = [f"which {np.count_nonzero(made)} samples are filled or repaired"] if made.any() else []
+    estimated = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED))
+    lost = (
+        [f"which {np.count_nonzero(estimated)} samples are filled or repaired"]
+        if estimated.any()
+        else []
+    )
     lost += ["sigma"] if recording.sigma is not None else []
     if lost:
         warnings.warn(

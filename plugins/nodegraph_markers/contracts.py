@@ -16,28 +16,30 @@ if TYPE_CHECKING:
 
 def gives_a_recording_of_the_same_frames(tried: Tried) -> Iterator[str]:
     """Take `recording`, and give a recording of as many frames and that rate first."""
-    given, made = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
-    if not isinstance(given, Trajectories):
+    recording, output = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
+    if not isinstance(recording, Trajectories):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the recording `recording`"
-    elif not isinstance(made, Trajectories):
+    elif not isinstance(output, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
         for what in ("frames", "rate"):
-            if getattr(given, what) != getattr(made, what):
-                yield f"{what} went in as {getattr(given, what)}, came out as {getattr(made, what)}"
+            before, after = getattr(recording, what), getattr(output, what)
+            if before != after:
+                yield f"{what} went in as {before}, came out as {after}"
 
 
 def moves_no_sample(tried: Tried) -> Iterator[str]:
     """Give samples of the same frame only, bit for bit with their origin, none of them twice."""
     if any(gives_a_recording_of_the_same_frames(tried)):
         return
-    given, made = tried.inputs["recording"], next(iter(tried.outputs.values()))
-    there, how_many = np.unique(_samples(given), axis=0, return_counts=True)
-    every = np.concatenate([there, _samples(made)])
-    found, index = np.unique(every, axis=0, return_inverse=True)
+    recording, output = tried.inputs["recording"], next(iter(tried.outputs.values()))
+    there, how_many = np.unique(_samples(recording), axis=0, return_counts=True)
+    every = np.concatenate([there, _samples(output)])
+    distinct, index = np.unique(every, axis=0, return_inverse=True)
     used = np.bincount(index.ravel()[len(there) :], minlength=len(there))
-    if len(found) > len(there):
-        yield f"{len(found) - len(there)} samples are none of their frame, or their origin changed"
+    if len(distinct) > len(there):
+        count = len(distinct) - len(there)
+        yield f"{count} samples are none of their frame, or their origin changed"
     elif np.any(used > how_many):
         yield f"{np.count_nonzero(used > how_many)} samples are used more than once"
 

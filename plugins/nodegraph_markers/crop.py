@@ -44,10 +44,10 @@ def crop(recording: Trajectories, *, first: Frame = 0, last: Frame | None = None
         )
     if end < first:
         raise ValueError(f"the last frame, {end}, comes before the first, {first}")
-    kept = slice(first, end + 1)
+    frames = slice(first, end + 1)
     return replace(
         recording,
-        positions=recording.positions[kept],
-        origin=recording.origin[kept],
-        sigma=None if recording.sigma is None else recording.sigma[kept],
+        positions=recording.positions[frames],
+        origin=recording.origin[frames],
+        sigma=None if recording.sigma is None else recording.sigma[frames],
     )

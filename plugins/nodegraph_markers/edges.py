@@ -33,9 +33,9 @@ def edges_of(plane: NDArray[np.float64]) -> list[tuple[int, int]]:
 
     triangles = Delaunay(plane).simplices
     radius = _circumradius(plane[triangles])
-    kept = triangles[radius <= _WIDEST * np.median(radius)]
-    sides = np.sort(np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]], kept[:, [0, 2]]]))
-    return [(one, other) for one, other in np.unique(sides, axis=0).tolist()]
+    compact = triangles[radius <= _WIDEST * np.median(radius)]
+    sides = np.sort(np.concatenate([compact[:, [0, 1]], compact[:, [1, 2]], compact[:, [0, 2]]]))
+    return [(first, second) for first, second in np.unique(sides, axis=0).tolist()]
 
 
 def _circumradius(corners: NDArray[np.float64]) -> NDArray[np.float64]:

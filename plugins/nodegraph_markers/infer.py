@@ -14,7 +14,7 @@ from nodegraph_markers.edges import edges_of
 from nodegraph_markers.landmarks import still_landmarks
 from nodegraph_markers.mirror import ALONE, Mirror, find_mirror, partners
 from nodegraph_markers.rigid import spacing
-from nodegraph_markers.sides import Axes, face_axes, told_side
+from nodegraph_markers.sides import Axes, face_axes, side_by_name
 from nodegraph_markers.stillness import head_frame
 from nodegraph_mocap import MarkerSet, Trajectories
 
@@ -44,14 +44,14 @@ class Inferred(NamedTuple):
     marker_set: MarkerSet
 
 
-class _Found(NamedTuple):
-    """Numbers of markers, and what to tell the user."""
+class _Proposal(NamedTuple):
+    """Numbers of markers, and messages to the user."""
 
     pairs: list[tuple[int, int]]
     midline: list[int]
     stable: list[int]
     edges: list[tuple[int, int]]
-    told: list[str]
+    messages: list[str]
 
 
 @node("markers.infer", cite=("combes2008", "kabsch1976"))
@@ -116,19 +116,21 @@ def infer(
     shape, motion = head_frame(recording)
     _check_solid(shape[known])
     names = [recording.markers[column] for column in known]
-    found = _found(shape[known], None if motion is None else motion[known], names, tolerance)
+    proposal = _propose(shape[known], None if motion is None else motion[known], names, tolerance)
     unseen = len(recording.markers) - len(known)
-    told = [f"{unseen} markers are never present and in no part of the set"] if unseen else []
-    told += found.told
-    told += [f"the marker set does not say it, so proposed: {', '.join(lacking)}"] if keep else []
-    if told:
-        warnings.warn("; ".join(told), stacklevel=2)
+    messages = [f"{unseen} markers are never present and in no part of the set"] if unseen else []
+    messages += proposal.messages
+    messages += (
+        [f"the marker set does not say it, so proposed: {', '.join(lacking)}"] if keep else []
+    )
+    if messages:
+        warnings.warn("; ".join(messages), stacklevel=2)
     marker_set = MarkerSet(
         markers=recording.markers,
-        pairs=tuple((names[one], names[other]) for one, other in found.pairs),
-        midline=tuple(names[one] for one in found.midline),
-        stable=tuple(names[one] for one in found.stable),
-        edges=tuple((names[one], names[other]) for one, other in found.edges),
+        pairs=tuple((names[first], names[second]) for first, second in proposal.pairs),
+        midline=tuple(names[marker] for marker in proposal.midline),
+        stable=tuple(names[marker] for marker in proposal.stable),
+        edges=tuple((names[first], names[second]) for first, second in proposal.edges),
     )
     if own:
         marker_set = _joined(own, marker_set, lacking)
@@ -137,12 +139,12 @@ def infer(
 
 def _lacking(own: MarkerSet | None) -> list[str]:
     """Return the parts of which a marker set says nothing."""
-    said = {
+    parts = {
         _SIDES: own and (own.pairs or own.midline),
         _STABLE: own and own.stable,
         _EDGES: own and own.edges,
     }
-    return [part for part, names in said.items() if not names]
+    return [part for part, names in parts.items() if not names]
 
 
 def _joined(own: MarkerSet, proposed: MarkerSet, lacking: list[str]) -> MarkerSet:
@@ -166,26 +168,28 @@ def _check_solid(shape: NDArray[np.float64]) -> None:
             )
 
 
-def _found(
+def _propose(
     shape: NDArray[np.float64],
     motion: NDArray[np.float64] | None,
     names: list[str],
     tolerance: float | None,
-) -> _Found:
+) -> _Proposal:
     width = _NEAR * spacing(shape) if tolerance is None else tolerance
     mirror = find_mirror(shape, width)
     partner = partners(shape, mirror, width)
     axes = face_axes(shape, mirror.normal, motion)
     numbers = np.arange(len(shape))
-    couples = [(one, int(partner[one])) for one in numbers.tolist() if one < partner[one]]
-    pairs, told = _sided(couples, mirror, shape, axes, names)
+    couples = [
+        (marker, int(partner[marker])) for marker in numbers.tolist() if marker < partner[marker]
+    ]
+    pairs, messages = _sided(couples, mirror, shape, axes, names)
     front = shape @ np.stack([mirror.normal, axes.up], axis=1)
-    return _Found(
+    return _Proposal(
         pairs=pairs,
         midline=np.flatnonzero(partner == numbers).tolist(),
         stable=[] if motion is None else still_landmarks(shape, motion, partner),
         edges=edges_of(front),
-        told=[*_symmetry(shape, mirror, partner, names, width), *told],
+        messages=[*_symmetry(shape, mirror, partner, names, width), *messages],
     )
 
 
@@ -197,20 +201,30 @@ def _sided(
     names: list[str],
 ) -> tuple[list[tuple[int, int]], list[str]]:
     """Return the couples with the left one first, and what there is to say about that."""
-    said = np.array([told_side(names[one], names[other]) for one, other in couples], dtype=int)
-    side = np.array([mirror.signed(shape[one]) - mirror.signed(shape[two]) for one, two in couples])
-    vote = float(said @ np.sign(side))
+    by_name = np.array(
+        [side_by_name(names[first], names[second]) for first, second in couples], dtype=int
+    )
+    side = np.array(
+        [mirror.signed(shape[first]) - mirror.signed(shape[second]) for first, second in couples]
+    )
+    vote = float(by_name @ np.sign(side))
     left = vote if vote else float(mirror.normal @ axes.left)
     by_place = np.where(side * left > 0, 1, -1)
-    sign = np.where(said == 0, by_place, said)
-    pairs = [pair if one > 0 else pair[::-1] for pair, one in zip(couples, sign, strict=True)]
-    told = []
+    sign = np.where(by_name == 0, by_place, by_name)
+    pairs = [
+        pair if direction > 0 else pair[::-1] for pair, direction in zip(couples, sign, strict=True)
+    ]
+    messages = []
     if couples and not vote:
-        told.append("no name tells left from right: guessed from shape and movement, look at it")
-    crossed = [names[one] for (one, _), bad in zip(pairs, sign != by_place, strict=True) if bad]
+        messages.append(
+            "no name tells left from right: guessed from shape and movement, look at it"
+        )
+    crossed = [names[left] for (left, _), bad in zip(pairs, sign != by_place, strict=True) if bad]
     if crossed:
-        told.append(f"{len(crossed)} pairs lie the other way round than named: {listed(crossed)}")
-    return pairs, told
+        messages.append(
+            f"{len(crossed)} pairs lie the other way round than named: {listed(crossed)}"
+        )
+    return pairs, messages
 
 
 def _symmetry(
@@ -220,7 +234,7 @@ def _symmetry(
     names: list[str],
     width: float,
 ) -> list[str]:
-    alone = [names[one] for one in np.flatnonzero(partner == ALONE)]
+    alone = [names[marker] for marker in np.flatnonzero(partner == ALONE)]
     if not alone:
         return []
     residual = float(np.median(mirror.distances(shape).min(axis=1)))

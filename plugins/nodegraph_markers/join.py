@@ -59,14 +59,18 @@ def join(recording: Trajectories, following: Trajectories) -> Trajectories:
     markers = (*recording.markers, *new)
     takes = (recording, following)
     return Trajectories(
-        positions=np.concatenate([_spread(one, one.positions, markers, np.nan) for one in takes]),
+        positions=np.concatenate(
+            [_spread(take, take.positions, markers, np.nan) for take in takes]
+        ),
         markers=markers,
         rate=recording.rate,
         marker_set=recording.marker_set,
-        origin=np.concatenate([_spread(one, one.origin, markers, Origin.MISSING) for one in takes]),
+        origin=np.concatenate(
+            [_spread(take, take.origin, markers, Origin.MISSING) for take in takes]
+        ),
         sigma=None
         if recording.sigma is following.sigma is None
-        else np.concatenate([_spread(one, _sigma(one), markers, np.nan) for one in takes]),
+        else np.concatenate([_spread(take, _sigma(take), markers, np.nan) for take in takes]),
     )
 
 
@@ -86,11 +90,11 @@ def _sigma(take: Trajectories) -> NDArray[np.float64]:
 
 def _warn(lost: list[str], new: list[str]) -> None:
     sides = (("following", lost), ("first", new))
-    told = [
+    messages = [
         f"{len(names)} markers are missing in the {which} take, which does not have them: "
         f"{listed(names)}"
         for which, names in sides
         if names
     ]
-    if told:
-        warnings.warn("; ".join(told), stacklevel=3)
+    if messages:
+        warnings.warn("; ".join(messages), stacklevel=3)

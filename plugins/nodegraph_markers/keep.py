@@ -40,9 +40,9 @@ def keep(
         none, or the recording lacks it (the message says which is nearest).
     """
     if (selection is None) == (names is None):
-        given = "neither" if selection is None else "both"
-        raise ValueError(f"give either a selection or names of markers, got {given}")
-    chosen = list(selection.chosen if selection else names or ())
-    if not chosen:
+        count = "neither" if selection is None else "both"
+        raise ValueError(f"give either a selection or names of markers, got {count}")
+    markers = list(selection.chosen if selection else names or ())
+    if not markers:
         raise ValueError("no marker is chosen; a recording of none is of no use")
-    return recording.keep(chosen)
+    return recording.keep(markers)

@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import Refusal, Unit, listed, node
 from nodegraph_markers.naming import ENOUGH, names, track_distances
 from nodegraph_markers.rigid import on_a_line, spacing
-from nodegraph_markers.switches import cut, kept
+from nodegraph_markers.switches import cut, nearest_samples
 from nodegraph_markers.tracks import UNNAMED, Tracks
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
@@ -97,9 +97,12 @@ def label(
     left = np.flatnonzero((recording.present & (place == UNNAMED)).any(axis=0))
     behind = len(reference.markers) + np.searchsorted(left, np.arange(len(recording.markers)))
     markers = (*reference.markers, *_free_names(len(left), reference.markers))
-    told = [*_told(recording, reference.markers, np.where(place < 0, place, known[place])), *doubt]
-    if told:
-        warnings.warn("; ".join(told), stacklevel=2)
+    messages = [
+        *_messages(recording, reference.markers, np.where(place < 0, place, known[place])),
+        *doubt,
+    ]
+    if messages:
+        warnings.warn("; ".join(messages), stacklevel=2)
     column = np.where(place == UNNAMED, behind, known[place])
     return _moved(recording, column, markers, reference.marker_set)
 
@@ -114,11 +117,11 @@ def _places(tracks: Tracks) -> tuple[NDArray[np.intp], list[str]]:
             "it is turned"
         )
     pieces, owner = cut(tracks, named)
-    found = names(pieces) if len(owner) > len(named) else named
-    frame, piece = np.nonzero(kept(pieces, found))
+    marker_of = names(pieces) if len(owner) > len(named) else named
+    frame, piece = np.nonzero(nearest_samples(pieces, marker_of))
     place = np.full(tracks.present.shape, UNNAMED)
-    place[frame, owner[piece]] = found[piece]
-    return place, _doubt(pieces, found)
+    place[frame, owner[piece]] = marker_of[piece]
+    return place, _doubt(pieces, marker_of)
 
 
 def _doubt(tracks: Tracks, named: NDArray[np.intp]) -> list[str]:
@@ -167,7 +170,7 @@ def _free_names(count: int, taken: tuple[str, ...]) -> list[str]:
     return [name for name in numbered if name not in taken][:count]
 
 
-def _told(
+def _messages(
     recording: Trajectories, markers: tuple[str, ...], marker: NDArray[np.intp]
 ) -> Iterator[str]:
     left = recording.present & (marker == UNNAMED)

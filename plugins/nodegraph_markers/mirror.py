@@ -81,12 +81,12 @@ def partners(points: NDArray[np.float64], mirror: Mirror, tolerance: float) -> N
     own = np.minimum(np.diagonal(distances), tolerance) ** 2
     gain = own[:, np.newaxis] + own - 2.0 * distances**2
     graph: nx.Graph[int] = nx.Graph()
-    for one, other in np.argwhere(np.triu((distances <= tolerance) & (gain > 0), 1)).tolist():
-        graph.add_edge(one, other, weight=float(gain[one, other]))
-    found = np.where(np.diagonal(distances) <= tolerance, np.arange(len(points)), ALONE)
-    for one, other in nx.max_weight_matching(graph):
-        found[one], found[other] = other, one
-    return found
+    for first, second in np.argwhere(np.triu((distances <= tolerance) & (gain > 0), 1)).tolist():
+        graph.add_edge(first, second, weight=float(gain[first, second]))
+    partner = np.where(np.diagonal(distances) <= tolerance, np.arange(len(points)), ALONE)
+    for first, second in nx.max_weight_matching(graph):
+        partner[first], partner[second] = second, first
+    return partner
 
 
 def _planes(points: NDArray[np.float64]) -> list[Mirror]:

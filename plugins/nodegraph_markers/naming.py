@@ -46,12 +46,12 @@ def track_distances(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.float
     Over up to 24 frames of a track, evenly spread among those that have a pose; infinite where
     none has.
     """
-    found = tracks.expectation(named)
-    frames, seen = _sampled(tracks, found.poses.known)
+    expectation = tracks.expectation(named)
+    frames, seen = _sampled(tracks, expectation.poses.known)
     columns = np.flatnonzero(seen)
     distances = np.full((len(seen), len(tracks.shape)), np.inf)
     if len(columns):
-        every = [tracks.distances(found, frame, columns) for frame in frames[columns].T]
+        every = [tracks.distances(expectation, frame, columns) for frame in frames[columns].T]
         distances[columns] = np.median(every, axis=0)
     return distances
 
@@ -80,12 +80,12 @@ def _start(tracks: Tracks, allowed: NDArray[np.bool_]) -> tuple[int, Match] | No
     match = register(_points(tracks, full), tracks.shape, tracks.gate)
     if match is None:
         return None
-    found = [(full, match), *_elsewhere(tracks, full, match, counts)]
-    frame, best = min(found, key=lambda one: one[1].cost)
+    candidates = [(full, match), *_later_matches(tracks, full, match, counts)]
+    frame, best = min(candidates, key=lambda candidate: candidate[1].cost)
     return (frame, best) if len(best.point) >= enough else None
 
 
-def _elsewhere(
+def _later_matches(
     tracks: Tracks, full: int, match: Match, counts: NDArray[np.intp]
 ) -> Iterator[tuple[int, Match]]:
     """Yield other full frames, and how they fit in the pose to which the tracks lead."""
@@ -103,8 +103,8 @@ def _elsewhere(
         rotation = match.rotation @ way.rotations[number]
         translation = match.rotation @ way.translations[number] + match.translation
         points = _points(tracks, int(frames[number]))
-        found = closest(points, tracks.shape, rotation, translation, tracks.gate)
-        yield int(frames[number]), found
+        later = closest(points, tracks.shape, rotation, translation, tracks.gate)
+        yield int(frames[number]), later
 
 
 def _points(tracks: Tracks, frame: int) -> NDArray[np.float64]:

@@ -65,11 +65,11 @@ def register(points: NDArray[np.float64], shape: NDArray[np.float64], width: flo
     """
     poses = _poses(points, shape, width)
     best = np.argsort(_rates(poses, points, shape, width), kind="stable")[:_REFINED]
-    found = [
-        closest(points, shape, poses.rotations[one], poses.translations[one], width, widest=2.0)
-        for one in best
+    matches = [
+        closest(points, shape, poses.rotations[pose], poses.translations[pose], width, widest=2.0)
+        for pose in best
     ]
-    return min(found, key=lambda match: match.cost, default=None)
+    return min(matches, key=lambda match: match.cost, default=None)
 
 
 def closest(
@@ -176,10 +176,12 @@ def _alike(
     triangle: NDArray[np.float64], apart: NDArray[np.float64], width: float
 ) -> NDArray[np.intp]:
     """Return (N, 3): which places, in this order, make a triangle with sides as long."""
-    one, two, three = np.linalg.norm(triangle - np.roll(triangle, -1, axis=0), axis=1)
-    first, second = np.nonzero((np.abs(apart - one) < width) & ~np.eye(len(apart), dtype=np.bool_))
+    first_side, two, three = np.linalg.norm(triangle - np.roll(triangle, -1, axis=0), axis=1)
+    first, second = np.nonzero(
+        (np.abs(apart - first_side) < width) & ~np.eye(len(apart), dtype=np.bool_)
+    )
     errors = np.maximum(np.abs(apart[second] - two), np.abs(apart[first] - three))
-    errors = np.maximum(errors, np.abs(apart[first, second] - one)[:, np.newaxis])
+    errors = np.maximum(errors, np.abs(apart[first, second] - first_side)[:, np.newaxis])
     row, third = np.nonzero(errors < width)
     best = np.argsort(errors[row, third], kind="stable")[:_ALIKE]
     return np.stack([first[row], second[row], third], axis=1)[best]

@@ -51,8 +51,8 @@ def _renamed(markers: Iterable[str], names: Mapping[str, str], where: str) -> tu
     for old in markers:
         new = names.get(old, old)
         if new in old_by_new:
-            one = old_by_new[new]
-            raise ValueError(f"{where}: {one!r} and {old!r} would both be called {new!r}")
+            first = old_by_new[new]
+            raise ValueError(f"{where}: {first!r} and {old!r} would both be called {new!r}")
         old_by_new[new] = old
     return tuple(old_by_new)
 
@@ -63,8 +63,13 @@ def _renamed_set(marker_set: MarkerSet, names: Mapping[str, str]) -> MarkerSet:
 
     return MarkerSet(
         markers=_renamed(marker_set.markers, names, "marker set"),
-        pairs=tuple((names.get(one, one), names.get(two, two)) for one, two in marker_set.pairs),
+        pairs=tuple(
+            (names.get(left, left), names.get(right, right)) for left, right in marker_set.pairs
+        ),
         midline=also(marker_set.midline),
         stable=also(marker_set.stable),
-        edges=tuple((names.get(one, one), names.get(two, two)) for one, two in marker_set.edges),
+        edges=tuple(
+            (names.get(first, first), names.get(second, second))
+            for first, second in marker_set.edges
+        ),
     )

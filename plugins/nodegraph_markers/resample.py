@@ -105,18 +105,18 @@ def _between(
 
     positions = np.full((*there.shape, 3), np.nan)
     for (start, stop), markers in _runs(recording.present).items():
-        asked = slice(*np.searchsorted(places, [start, stop - 1 + _SAME]))
-        if stop - start > 1 and asked.start < asked.stop:
+        inside = slice(*np.searchsorted(places, [start, stop - 1 + _SAME]))
+        if stop - start > 1 and inside.start < inside.stop:
             spline = CubicSpline(np.arange(start, stop), recording.positions[start:stop, markers])
-            positions[asked, markers] = spline(places[asked])
+            positions[inside, markers] = spline(places[inside])
     return positions
 
 
 def _runs(present: NDArray[np.bool_]) -> dict[tuple[int, int], list[int]]:
     """Return, for each run of present samples, first frame and end, which markers have it."""
     runs: dict[tuple[int, int], list[int]] = {}
-    for one, first, end in zip(*(part.tolist() for part in runs_of(present)), strict=True):
-        runs.setdefault((first, end), []).append(one)
+    for marker, first, end in zip(*(part.tolist() for part in runs_of(present)), strict=True):
+        runs.setdefault((first, end), []).append(marker)
     return runs
 
 

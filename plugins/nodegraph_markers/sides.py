@@ -41,7 +41,7 @@ class Axes(NamedTuple):
         return np.cross(self.up, self.front)
 
 
-def told_side(one: str, other: str) -> int:
+def side_by_name(name: str, other: str) -> int:
     """Return what the names of a pair tell: 1 if the first is the left one, -1 if the second is.
 
     Two names tell when one becomes the other by putting ``left`` for ``right``, or l for r, in
@@ -49,12 +49,12 @@ def told_side(one: str, other: str) -> int:
     ``Chin_L1`` and ``Chin_R1``); else where one bears such a word or letter by itself, and the
     other bears the opposite or none (``L_brow2`` and ``R_brow3``). 0 where they do not tell.
     """
-    small, other_small = one.lower(), other.lower()
+    small, other_small = name.lower(), other.lower()
     if _becomes(small, other_small):
         return 1
     if _becomes(other_small, small):
         return -1
-    return int(np.sign(_side(one) - _side(other)))
+    return int(np.sign(_side(name) - _side(other)))
 
 
 def face_axes(
@@ -90,9 +90,9 @@ def face_axes(
 
 def _becomes(left: str, right: str) -> bool:
     return any(
-        left[: found.start()] + replacement + left[found.end() :] == right
+        left[: match.start()] + replacement + left[match.end() :] == right
         for word, replacement in _WORDS.items()
-        for found in re.finditer(word, left)
+        for match in re.finditer(word, left)
     )
 
 

@@ -23,9 +23,9 @@ def far_apart(points: NDArray[np.float64], count: int) -> list[int]:
         How many; all of them, if there are fewer.
     """
     nearest = np.linalg.norm(points - points.mean(axis=0), axis=1)
-    chosen: list[int] = []
-    while len(chosen) < min(count, len(points)):
-        chosen.append(int(np.argmax(nearest)))
-        away = np.linalg.norm(points - points[chosen[-1]], axis=1)
-        nearest = away if len(chosen) == 1 else np.minimum(nearest, away)
-    return chosen
+    selected: list[int] = []
+    while len(selected) < min(count, len(points)):
+        selected.append(int(np.argmax(nearest)))
+        away = np.linalg.norm(points - points[selected[-1]], axis=1)
+        nearest = away if len(selected) == 1 else np.minimum(nearest, away)
+    return selected

@@ -82,8 +82,10 @@ def _upright(shape: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(centred @ axes.T)
 
 
-def _alike(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    return bool(np.nanmax(np.abs(one - other)) <= _SETTLED * np.nanmax(np.nanstd(other, axis=0)))
+def _alike(first: NDArray[np.float64], second: NDArray[np.float64]) -> bool:
+    return bool(
+        np.nanmax(np.abs(first - second)) <= _SETTLED * np.nanmax(np.nanstd(second, axis=0))
+    )
 
 
 def _median_and_motion(

@@ -30,32 +30,32 @@ def cut(tracks: Tracks, named: NDArray[np.intp]) -> tuple[Tracks, NDArray[np.int
     named
         (K,), the place that each track is, or -1.
     """
-    found = tracks.expectation(named)
-    places = [_places(tracks, found, track, own) for track, own in enumerate(named.tolist())]
+    expectation = tracks.expectation(named)
+    places = [_places(tracks, expectation, track, own) for track, own in enumerate(named.tolist())]
     home = np.zeros((len(tracks.present), len(tracks.shape)), dtype=np.bool_)
     for frames, place, own in zip(tracks.frames, places, named.tolist(), strict=True):
         home[frames[place == own], own] |= own != UNNAMED
     owner: list[int] = []
     pieces: list[NDArray[np.intp]] = []
     for track, (frames, place) in enumerate(zip(tracks.frames, places, strict=True)):
-        for one in _parts(frames, place, int(named[track]), home):
+        for part in _parts(frames, place, int(named[track]), home):
             owner.append(track)
-            pieces.append(one)
+            pieces.append(part)
     return _taken_apart(tracks, owner, pieces), np.array(owner, dtype=np.intp)
 
 
-def kept(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.bool_]:
+def nearest_samples(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Return which samples stay under their track's name, (T, K).
 
     Of several tracks of a marker, in a frame that they share, the one that is nearer to where
     the marker is expected keeps its sample; the earlier one, where there is no telling.
     """
-    found = tracks.expectation(named)
+    expectation = tracks.expectation(named)
     nearest = np.full((len(tracks.present), len(tracks.shape)), np.inf)
     holder = np.full(nearest.shape, UNNAMED)
     for track in np.flatnonzero(named != UNNAMED).tolist():
         frames, place = tracks.frames[track], named[track]
-        apart = _apart(tracks, found, track)[:, place]
+        apart = _apart(tracks, expectation, track)[:, place]
         better = (apart < nearest[frames, place]) | (holder[frames, place] == UNNAMED)
         nearest[frames[better], place] = apart[better]
         holder[frames[better], place] = track
@@ -65,16 +65,16 @@ def kept(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.bool_]:
     return stays
 
 
-def _places(tracks: Tracks, found: Expectation, track: int, own: int) -> NDArray[np.intp]:
+def _places(tracks: Tracks, expectation: Expectation, track: int, own: int) -> NDArray[np.intp]:
     """Return which marker a track's samples are at, (n,)."""
     frames = tracks.frames[track]
     if own == UNNAMED:
         return np.full(len(frames), UNNAMED)
-    apart = _apart(tracks, found, track)
+    apart = _apart(tracks, expectation, track)
     nearest = apart.argmin(axis=1)
     least = apart[np.arange(len(apart)), nearest]
     away = (apart[:, own] > 0.5 * tracks.gate) & (least < 0.5 * apart[:, own])
-    place = np.where(away & found.poses.known[frames], nearest, own)
+    place = np.where(away & expectation.poses.known[frames], nearest, own)
     run = np.cumsum(np.diff(place, prepend=place[:1]) != 0)
     return np.where(np.bincount(run)[run] < _SHORTEST, own, place)
 
@@ -83,11 +83,11 @@ def _parts(
     frames: NDArray[np.intp], place: NDArray[np.intp], own: int, home: NDArray[np.bool_]
 ) -> list[NDArray[np.intp]]:
     """Return the frames of each piece of a track, those at its own place first (or none)."""
-    others = {int(one): frames[place == one] for one in np.unique(place[place != own])}
+    visits = {int(other): frames[place == other] for other in np.unique(place[place != own])}
     cut_out = [
         part
-        for one, part in others.items()
-        if home[:, one].any() and 2 * np.count_nonzero(home[part, one]) < len(part)
+        for other, part in visits.items()
+        if home[:, other].any() and 2 * np.count_nonzero(home[part, other]) < len(part)
     ]
     rest = np.setdiff1d(frames, np.concatenate([np.empty(0, np.intp), *cut_out]))
     return [rest, *cut_out]
@@ -101,6 +101,6 @@ def _taken_apart(tracks: Tracks, owner: list[int], pieces: list[NDArray[np.intp]
     return Tracks(positions, present, tracks.shape, tracks.gate)
 
 
-def _apart(tracks: Tracks, found: Expectation, track: int) -> NDArray[np.float64]:
+def _apart(tracks: Tracks, expectation: Expectation, track: int) -> NDArray[np.float64]:
     frames = tracks.frames[track]
-    return tracks.distances(found, frames, np.full(len(frames), track))
+    return tracks.distances(expectation, frames, np.full(len(frames), track))

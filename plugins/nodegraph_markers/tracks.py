@@ -107,7 +107,7 @@ class Tracks:
         return Expectation(poses, self.shape + total / weight[..., np.newaxis])
 
     def distances(
-        self, found: Expectation, frame: NDArray[np.intp], track: NDArray[np.intp] | int
+        self, expectation: Expectation, frame: NDArray[np.intp], track: NDArray[np.intp] | int
     ) -> NDArray[np.float64]:
         """Return how far samples are from where each marker is expected, (N, M).
 
@@ -118,10 +118,10 @@ class Tracks:
         frame, track
             (N,), the samples, which are present in frames that have a pose.
         """
-        rotations, translations, _ = found.poses
+        rotations, translations, _ = expectation.poses
         turned = (rotations[frame] @ self.positions[frame, track][..., np.newaxis])[..., 0]
         onto = (turned + translations[frame])[:, np.newaxis]
-        return np.asarray(np.linalg.norm(onto - found.places[frame], axis=2))
+        return np.asarray(np.linalg.norm(onto - expectation.places[frame], axis=2))
 
     def _poses(self, marked: NDArray[np.float64]) -> Poses:
         there = ~np.isnan(marked[..., 0])

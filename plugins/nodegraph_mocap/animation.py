@@ -48,8 +48,8 @@ class Animation(Value):
             raise ValueError(
                 f"the weights have {self.frames} frames, the head motion {motion.frames}"
             )
-        found = matched(self.weights.names, self.head.names)
-        without = [name for name in self.weights.names if name not in found]
+        target_of = matched(self.weights.names, self.head.names)
+        without = [name for name in self.weights.names if name not in target_of]
         if without:
             raise ValueError(
                 f"the head has no morph target for the weights {listed(without)}; it has "
@@ -69,8 +69,8 @@ class Animation(Value):
     @property
     def morph_weights(self) -> NDArray[np.float64]:
         """(T, K) weights in the order of the head's morph targets; 0 for one without weights."""
-        found = matched(self.weights.names, self.head.names)
-        columns = [self.head.names.index(found[name]) for name in self.weights.names]
+        target_of = matched(self.weights.names, self.head.names)
+        columns = [self.head.names.index(target_of[name]) for name in self.weights.names]
         ordered = np.zeros((self.frames, len(self.head.names)))
         ordered[:, columns] = self.weights.values
         return ordered

@@ -59,15 +59,15 @@ def indices(
     what: str, array: ArrayLike, shape: Sequence[int | str], *, count: int
 ) -> NDArray[np.int64]:
     """Return the array as whole numbers from 0 to `count` - 1."""
-    given = np.asarray(array)
-    _check_shape(what, given.shape, shape)
-    if given.size and not np.issubdtype(given.dtype, np.integer):
-        raise ValueError(f"{what}: must be whole numbers, got {given.dtype}")
-    if given.size and (given.min() < 0 or given.max() >= count):
+    values = np.asarray(array)
+    _check_shape(what, values.shape, shape)
+    if values.size and not np.issubdtype(values.dtype, np.integer):
+        raise ValueError(f"{what}: must be whole numbers, got {values.dtype}")
+    if values.size and (values.min() < 0 or values.max() >= count):
         raise ValueError(
-            f"{what}: must lie in 0 to {count - 1}, got {given.min()} to {given.max()}"
+            f"{what}: must lie in 0 to {count - 1}, got {values.min()} to {values.max()}"
         )
-    return given.astype(np.int64)
+    return values.astype(np.int64)
 
 
 def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
@@ -88,8 +88,7 @@ def positive_rate(rate: float) -> float:
 
 def _check_shape(what: str, got: tuple[int, ...], wanted: Sequence[int | str]) -> None:
     fits = len(got) == len(wanted) and all(
-        isinstance(length, str) or length == found
-        for length, found in zip(wanted, got, strict=True)
+        isinstance(length, str) or length == size for length, size in zip(wanted, got, strict=True)
     )
     if not fits:
         text = ", ".join(str(length) for length in wanted)

@@ -29,26 +29,26 @@ def comparisons() -> tuple[Comparison, ...]:
     )
 
 
-def compare_recordings(one: Trajectories, other: Trajectories) -> Iterator[str]:
+def compare_recordings(first: Trajectories, second: Trajectories) -> Iterator[str]:
     """Yield what differs: length and markers, then samples with their frames and markers."""
-    if one.rate != other.rate:
-        yield f"rate was {one.rate:g} Hz, now {other.rate:g} Hz"
-    if one.frames != other.frames:
-        yield f"had {one.frames} frames, now {other.frames}"
-    if one.markers != other.markers:
-        yield from name_differences("markers", one.markers, other.markers)
-    if one.frames != other.frames or set(one.markers) != set(other.markers):
+    if first.rate != second.rate:
+        yield f"rate was {first.rate:g} Hz, now {second.rate:g} Hz"
+    if first.frames != second.frames:
+        yield f"had {first.frames} frames, now {second.frames}"
+    if first.markers != second.markers:
+        yield from name_differences("markers", first.markers, second.markers)
+    if first.frames != second.frames or set(first.markers) != set(second.markers):
         return
-    other = other.keep(one.markers)
-    lone = one.present != other.present
+    second = second.keep(first.markers)
+    lone = first.present != second.present
     if lone.any():
-        yield f"{_samples(lone, one.markers)} present in one and missing in the other"
-    apart = np.nan_to_num(np.linalg.norm(one.positions - other.positions, axis=2))
+        yield f"{_samples(lone, first.markers)} present in one and missing in the other"
+    apart = np.nan_to_num(np.linalg.norm(first.positions - second.positions, axis=2))
     if apart.any():
-        yield f"{_samples(apart > 0, one.markers)} moved, {_most(apart, one.markers)}"
-    relabelled = (one.origin != other.origin) & ~lone
+        yield f"{_samples(apart > 0, first.markers)} moved, {_most(apart, first.markers)}"
+    relabelled = (first.origin != second.origin) & ~lone
     if relabelled.any():
-        yield f"{_samples(relabelled, one.markers)} of another origin"
+        yield f"{_samples(relabelled, first.markers)} of another origin"
 
 
 def recording_parts(recording: Trajectories) -> dict[str, tuple[tuple[str, tuple[str, ...]], ...]]:
@@ -56,30 +56,30 @@ def recording_parts(recording: Trajectories) -> dict[str, tuple[tuple[str, tuple
     return {"positions": (("frame", ()), ("marker", recording.markers))}
 
 
-def compare_masks(one: Mask, other: Mask) -> Iterator[str]:
+def compare_masks(first: Mask, second: Mask) -> Iterator[str]:
     """Yield which samples only one of the masks has."""
-    if one.markers != other.markers or one.hidden.shape != other.hidden.shape:
-        yield from name_differences("markers", one.markers, other.markers)
+    if first.markers != second.markers or first.hidden.shape != second.hidden.shape:
+        yield from name_differences("markers", first.markers, second.markers)
         return
-    lone = one.hidden != other.hidden
+    lone = first.hidden != second.hidden
     if lone.any():
-        yield f"{_samples(lone, one.markers)} in one mask only"
+        yield f"{_samples(lone, first.markers)} in one mask only"
 
 
-def compare_weights(one: Weights, other: Weights) -> Iterator[str]:
+def compare_weights(first: Weights, second: Weights) -> Iterator[str]:
     """Yield what differs: length and shapes, then weights with their frames and shapes."""
-    if one.names != other.names:
-        yield from name_differences("shapes", one.names, other.names)
-    if len(one.values) != len(other.values):
-        yield f"had {len(one.values)} frames, now {len(other.values)}"
-    if one.names != other.names or len(one.values) != len(other.values):
+    if first.names != second.names:
+        yield from name_differences("shapes", first.names, second.names)
+    if len(first.values) != len(second.values):
+        yield f"had {len(first.values)} frames, now {len(second.values)}"
+    if first.names != second.names or len(first.values) != len(second.values):
         return
-    differs = differences(one.values, other.values)
+    differs = differences(first.values, second.values)
     if differs.any():
-        apart = np.nan_to_num(np.abs(one.values - other.values))
+        apart = np.nan_to_num(np.abs(first.values - second.values))
         frame, column = divmod(int(np.argmax(apart)), apart.shape[1])
-        most = f"by up to {apart[frame, column]:.3g} (frame {frame}, {one.names[column]})"
-        yield f"{_samples(differs, one.names)} of another weight, {most}"
+        most = f"by up to {apart[frame, column]:.3g} (frame {frame}, {first.names[column]})"
+        yield f"{_samples(differs, first.names)} of another weight, {most}"
 
 
 def weight_parts(weights: Weights) -> dict[str, tuple[tuple[str, tuple[str, ...]], ...]]:

@@ -50,14 +50,14 @@ class MarkerSet(Value):
 
     def keep(self, names: Iterable[str]) -> MarkerSet:
         """Return the set with these markers only; what names another is left out."""
-        chosen = tuple(names)
-        kept = set(chosen)
+        markers = tuple(names)
+        known = set(markers)
         return MarkerSet(
-            markers=chosen,
-            pairs=tuple(pair for pair in self.pairs if kept.issuperset(pair)),
-            midline=tuple(name for name in self.midline if name in kept),
-            stable=tuple(name for name in self.stable if name in kept),
-            edges=tuple(edge for edge in self.edges if kept.issuperset(edge)),
+            markers=markers,
+            pairs=tuple(pair for pair in self.pairs if known.issuperset(pair)),
+            midline=tuple(name for name in self.midline if name in known),
+            stable=tuple(name for name in self.stable if name in known),
+            edges=tuple(edge for edge in self.edges if known.issuperset(edge)),
         )
 
     def _named(self) -> tuple[tuple[str, tuple[str, ...]], ...]:

@@ -44,50 +44,51 @@ TOLERANCE = 1e-6
 
 def takes_and_gives_a_recording(tried: Tried) -> Iterator[str]:
     """Take one port, `recording`, and give a recording with the same markers first."""
-    given, made = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
-    if not isinstance(given, Trajectories):
+    recording, output = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
+    if not isinstance(recording, Trajectories):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the recording `recording`"
-    elif not isinstance(made, Trajectories):
+    elif not isinstance(output, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
         for what in ("markers", "rate", "frames", "marker_set"):
-            if getattr(given, what) != getattr(made, what):
-                yield f"{what} went in as {getattr(given, what)}, came out as {getattr(made, what)}"
+            before, after = getattr(recording, what), getattr(output, what)
+            if before != after:
+                yield f"{what} went in as {before}, came out as {after}"
 
 
 def moves_with_the_face(tried: Tried) -> Iterator[str]:
     """Do with a recording that is shifted as a whole what is done with the one that is not."""
-    for given, made in before_and_after(tried):
-        again = made_again(tried, replace(given, positions=given.positions + SHIFT))
+    for recording, output in before_and_after(tried):
+        again = output_again(tried, replace(recording, positions=recording.positions + SHIFT))
         if again is None:
             yield "declines the shifted recording"
         else:
-            yield from differences(made, again, again.positions - SHIFT)
+            yield from differences(output, again, again.positions - SHIFT)
 
 
 def turns_with_the_face(tried: Tried) -> Iterator[str]:
     """Do with a turned recording what is done with the other, or say "depends on the axes"."""
     # whoever works coordinate by coordinate still gives the same when axes only change places
     turn = SWAP if says(tried, DEPENDS_ON_AXES) else TURN
-    for given, made in before_and_after(tried):
-        again = made_again(tried, replace(given, positions=given.positions @ turn.T))
+    for recording, output in before_and_after(tried):
+        again = output_again(tried, replace(recording, positions=recording.positions @ turn.T))
         if again is None:
             yield "declines the turned recording"
         else:
-            yield from differences(made, again, again.positions @ turn)
+            yield from differences(output, again, again.positions @ turn)
 
 
 def scales_with_the_face(tried: Tried) -> Iterator[str]:
     """Do with a face twice as large, and settings in mm twice as large, what is done with it."""
     settings = _changed(tried, SCALE, _power)
-    for given, made in before_and_after(tried):
-        sigma = None if given.sigma is None else given.sigma * SCALE
-        larger = replace(given, positions=given.positions * SCALE, sigma=sigma)
-        again = made_again(tried, larger, settings)
+    for recording, output in before_and_after(tried):
+        sigma = None if recording.sigma is None else recording.sigma * SCALE
+        larger = replace(recording, positions=recording.positions * SCALE, sigma=sigma)
+        again = output_again(tried, larger, settings)
         if again is None:
             yield "declines the recording of a larger face"
         else:
-            yield from differences(made, again, again.positions / SCALE)
+            yield from differences(output, again, again.positions / SCALE)
 
 
 def runs_with_the_clock(tried: Tried) -> Iterator[str]:
@@ -98,12 +99,12 @@ def runs_with_the_clock(tried: Tried) -> Iterator[str]:
     if says(tried, DEPENDS_ON_RATE):
         return
     settings = _changed(tried, 1.0 / FASTER, _power_of_seconds)
-    for given, made in before_and_after(tried):
-        again = made_again(tried, replace(given, rate=given.rate * FASTER), settings)
+    for recording, output in before_and_after(tried):
+        again = output_again(tried, replace(recording, rate=recording.rate * FASTER), settings)
         if again is None:
             yield "declines the recording that plays faster"
         else:
-            yield from differences(made, again, again.positions)
+            yield from differences(output, again, again.positions)
 
 
 def gives_millimetres(tried: Tried) -> Iterator[str]:
@@ -111,27 +112,27 @@ def gives_millimetres(tried: Tried) -> Iterator[str]:
     for name, unit in tried.units.items():
         if unit.replace("/", " ").replace("^", " ").split(" ")[0] in _OTHER_LENGTHS:
             yield f"setting {name!r} is in {unit}: let it be in mm, as positions are"
-    for given, made in before_and_after(tried):
-        written = made.present & np.any(given.positions != made.positions, axis=2)
-        if not written.any() or not given.present.any():
+    for recording, output in before_and_after(tried):
+        written = output.present & np.any(recording.positions != output.positions, axis=2)
+        if not written.any() or not recording.present.any():
             continue
-        ratio = _usual_distance(made, written) / _usual_distance(given, given.present)
+        ratio = _usual_distance(output, written) / _usual_distance(recording, recording.present)
         if not 1.0 / MISPLACED < ratio < MISPLACED:
             yield (
-                f"{spots(made, written)} come out {ratio:.2g} times as far from the origin as what "
-                "went in: are they in metres? positions are in millimetres"
+                f"{spots(output, written)} come out {ratio:.2g} times as far from the origin as "
+                "what went in: are they in metres? positions are in millimetres"
             )
 
 
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Do the same with markers in another order."""
-    for given, made in before_and_after(tried):
-        again = made_again(tried, given.keep(given.markers[::-1]))
+    for recording, output in before_and_after(tried):
+        again = output_again(tried, recording.keep(recording.markers[::-1]))
         if again is None:
             yield "declines the recording whose markers are in another order"
         else:
-            again = again.keep(given.markers)
-            yield from differences(made, again, again.positions)
+            again = again.keep(recording.markers)
+            yield from differences(output, again, again.positions)
 
 
 def says(tried: Tried, words: str) -> bool:
@@ -141,32 +142,32 @@ def says(tried: Tried, words: str) -> bool:
 
 def before_and_after(tried: Tried) -> Iterator[tuple[Trajectories, Trajectories]]:
     """Yield what went in and what came out, if they can be compared at all."""
-    given, made = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
-    if not isinstance(given, Trajectories) or not isinstance(made, Trajectories):
+    recording, output = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
+    if not isinstance(recording, Trajectories) or not isinstance(output, Trajectories):
         return
-    if given.origin.shape == made.origin.shape:
-        yield given, made
+    if recording.origin.shape == output.origin.shape:
+        yield recording, output
 
 
-def made_again(
+def output_again(
     tried: Tried, recording: Trajectories, settings: dict[str, Any] | None = None
 ) -> Trajectories | None:
     """Return what comes out of another recording; None where it is declined."""
     outputs = tried.again(settings or {}, recording=recording)
-    made = None if outputs is None else next(iter(outputs.values()))
-    return made if isinstance(made, Trajectories) else None
+    output = None if outputs is None else next(iter(outputs.values()))
+    return output if isinstance(output, Trajectories) else None
 
 
 def differences(
-    made: Trajectories, again: Trajectories, back: NDArray[np.float64]
+    output: Trajectories, again: Trajectories, back: NDArray[np.float64]
 ) -> Iterator[str]:
     """Yield where a result differs from one that was moved back."""
-    fickle = made.present != again.present
+    fickle = output.present != again.present
     if fickle.any():
-        yield f"{spots(made, fickle)} present in one and missing in the other"
-    apart = np.nan_to_num(np.linalg.norm(back - made.positions, axis=2))
+        yield f"{spots(output, fickle)} present in one and missing in the other"
+    apart = np.nan_to_num(np.linalg.norm(back - output.positions, axis=2))
     if np.any(apart > TOLERANCE):
-        yield f"{spots(made, apart > TOLERANCE)} differ, by up to {apart.max():.3g} mm"
+        yield f"{spots(output, apart > TOLERANCE)} differ, by up to {apart.max():.3g} mm"
 
 
 def spots(recording: Trajectories, where: NDArray[np.bool_]) -> str:

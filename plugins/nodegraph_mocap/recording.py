@@ -132,8 +132,8 @@ class Trajectories(Value):
         """
         marked = np.where(changed, np.uint8(origin), self.origin)
         marked[np.isnan(positions[..., 0])] = Origin.MISSING
-        kept = self.sigma if sigma is None else sigma
-        return replace(self, positions=positions, origin=marked, sigma=kept)
+        deviation = self.sigma if sigma is None else sigma
+        return replace(self, positions=positions, origin=marked, sigma=deviation)
 
     def keep(self, names: Iterable[str]) -> Trajectories:
         """Return the recording with these markers only, in this order.

@@ -45,15 +45,15 @@ class Selection(Value):
     history: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
-        chosen = distinct("chosen markers", self.chosen)
+        markers = distinct("chosen markers", self.chosen)
         pairs = tuple(tuple(pair) for pair in self.pairs)
         known = distinct("pairs", (name for pair in pairs for name in pair))
         if not all(pairs):
             raise ValueError(f"pairs: number {pairs.index(())} holds no marker")
-        apart = [name for name in chosen if name not in known] if pairs else []
+        apart = [name for name in markers if name not in known] if pairs else []
         if apart:
             raise ValueError(f"chosen, but in no pair: {', '.join(apart)}")
-        set_fields(self, chosen=chosen, pairs=pairs, columns=distinct("columns", self.columns))
+        set_fields(self, chosen=markers, pairs=pairs, columns=distinct("columns", self.columns))
         self._check_numbers()
 
     def _check_numbers(self) -> None:

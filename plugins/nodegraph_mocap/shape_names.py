@@ -38,7 +38,7 @@ def matched(names: Iterable[str], others: Iterable[str]) -> Mapping[str, str]:
     alike = defaultdict(list)
     for other in known:
         alike[_plain(other)].append(other)
-    found: dict[str, str] = {}
+    matches: dict[str, str] = {}
     taken: dict[str, str] = {}
     for name in names:
         meant = [name] if name in known else alike.get(_plain(name), [])
@@ -47,8 +47,8 @@ def matched(names: Iterable[str], others: Iterable[str]) -> Mapping[str, str]:
         for other in meant:
             if other in taken:
                 raise ValueError(f"shapes {taken[other]!r} and {name!r} both mean {other!r}")
-            found[name], taken[other] = other, name
-    return found
+            matches[name], taken[other] = other, name
+    return matches
 
 
 def _plain(name: str) -> str:

@@ -48,7 +48,9 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
         Head: heads,
         Weights: weights,
         Animation: animations,
-        HeadMotion: lambda: {name: _still(one.frames) for name, one in recordings().items()},
+        HeadMotion: lambda: {
+            name: _still(recording.frames) for name, recording in recordings().items()
+        },
     }
 
 
@@ -82,12 +84,12 @@ def recordings() -> dict[str, Trajectories]:
 
 def masks() -> dict[str, Mask]:
     """Return a mask for each recording; it hides every fifth present sample of each marker."""
-    made = {}
+    specimens = {}
     for name, recording in recordings().items():
         frame = np.arange(recording.frames)[:, None]
         hidden = recording.present & ((frame + np.arange(len(recording.markers))) % 5 == 1)
-        made[name] = Mask(hidden=hidden, markers=recording.markers)
-    return made
+        specimens[name] = Mask(hidden=hidden, markers=recording.markers)
+    return specimens
 
 
 def marker_sets() -> dict[str, MarkerSet]:
@@ -99,27 +101,27 @@ def selections() -> dict[str, Selection]:
     """Return some of the face's markers with all that a search tells, and one marker alone."""
     marker_set = _marker_set()
     pairs = (*marker_set.pairs, *((name,) for name in marker_set.midline))
-    found = Selection(
+    selection = Selection(
         chosen=(*marker_set.pairs[2], *marker_set.pairs[0], "nose"),
         pairs=pairs,
         frequencies=np.array([0.9, 0.25, 1.0, 0.0, 0.75, 0.5]),
         columns=("k", "markers", "stability"),
         history=np.array([[5.0, 5.0, 2.65], [10.0, 8.0, np.nan]]),
     )
-    return {"complete": found, "one marker": Selection(chosen=("nose",))}
+    return {"complete": selection, "one marker": Selection(chosen=("nose",))}
 
 
 def detections() -> dict[str, Detections]:
     """Return the present samples of each recording without their names."""
-    made = {}
+    specimens = {}
     for name, recording in recordings().items():
         counts = recording.present.sum(axis=1)
-        made[name] = Detections(
+        specimens[name] = Detections(
             points=recording.positions[recording.present],
             offsets=np.concatenate([[0], np.cumsum(counts)]),
             rate=recording.rate,
         )
-    return made
+    return specimens
 
 
 def heads() -> dict[str, Head]:

@@ -35,7 +35,7 @@ def shifts_nothing_in_time(tried: Tried) -> Iterator[str]:
     """Shift nothing in time, unless it looks at no frame ahead: then it cannot but lag."""
     for before, _ in promises.before_and_after(tried):
         nod = _nod(before)
-        after = promises.made_again(tried, nod)
+        after = promises.output_again(tried, nod)
         lag = 0.0 if after is None else _lag(nod, after)
         if after is not None and abs(lag) > _LAG and not _is_causal(tried, nod, after):
             yield (
@@ -96,7 +96,7 @@ def _is_causal(tried: Tried, nod: Trajectories, after: Trajectories) -> bool:
     """Return whether the first frames come out the same without those after them."""
     count = len(nod.positions) // 2
     start = replace(nod, positions=nod.positions[:count], origin=nod.origin[:count])
-    again = promises.made_again(tried, start)
+    again = promises.output_again(tried, start)
     if again is None or again.frames != count:
         return False
     return bool(

@@ -40,10 +40,10 @@ def truth_is_the_recording(tried: Tried) -> Iterator[str]:
 
 def keeps_what_is_missing(tried: Tried) -> Iterator[str]:
     """Leave missing samples missing, present ones present, and every sample's origin."""
-    recording, made = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
-    if not isinstance(recording, Trajectories) or not isinstance(made, Trajectories):
+    recording, output = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
+    if not isinstance(recording, Trajectories) or not isinstance(output, Trajectories):
         return
-    if not _kept(recording, made):
+    if not _kept(recording, output):
         yield "markers, rate, frames or origins differ from the recording's"
 
 
@@ -79,12 +79,12 @@ def _wrong_ports(tried: Tried, first: str) -> Iterator[str]:
         yield f"the first output is {next(iter(tried.outputs))!r}, not {first!r}"
 
 
-def _kept(one: Trajectories, other: Trajectories) -> bool:
-    return (one.markers, one.rate) == (other.markers, other.rate) and np.array_equal(
-        one.origin, other.origin
+def _kept(first: Trajectories, second: Trajectories) -> bool:
+    return (first.markers, first.rate) == (second.markers, second.rate) and np.array_equal(
+        first.origin, second.origin
     )
 
 
-def _changed(one: Trajectories, other: Trajectories) -> NDArray[np.bool_]:
-    same = (one.positions == other.positions) | ~one.present[..., None]
+def _changed(first: Trajectories, second: Trajectories) -> NDArray[np.bool_]:
+    same = (first.positions == second.positions) | ~first.present[..., None]
     return np.asarray(~same.all(axis=2))

@@ -98,9 +98,9 @@ def lone_samples(
     single[1:-1] = (keys[1:-1] < keys[:-2]) & (keys[1:-1] < keys[2:]) & allowed[1:-1]
     possible = np.flatnonzero(single)
     # in C order whatever the order of `allowed`, as `flatnonzero` counts
-    chosen = np.zeros(allowed.size, dtype=np.bool_)
-    chosen[possible[np.argsort(keys.ravel()[possible])[:wanted]]] = True
-    return chosen.reshape(allowed.shape)
+    selected = np.zeros(allowed.size, dtype=np.bool_)
+    selected[possible[np.argsort(keys.ravel()[possible])[:wanted]]] = True
+    return selected.reshape(allowed.shape)
 
 
 def offsets(random: np.random.Generator, lengths: NDArray[np.float64]) -> NDArray[np.float64]:

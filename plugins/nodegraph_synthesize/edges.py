@@ -34,10 +34,12 @@ def edges_between(marker_set: MarkerSet, points: NDArray[np.float64]) -> MarkerS
     lines = lines[lengths <= _LONGEST_EDGE * np.median(lengths)]
     # A line without its mirror is one of two equally good diagonals, taken by rounding.
     mirror = _mirror(marker_set)
-    known = {(int(one), int(other)) for one, other in lines}
-    kept = [line for line in sorted(known) if _mirrored(line, mirror) in known]
+    known = {(int(first), int(second)) for first, second in lines}
+    symmetric = [line for line in sorted(known) if _mirrored(line, mirror) in known]
     names = marker_set.markers
-    return replace(marker_set, edges=tuple((names[one], names[other]) for one, other in kept))
+    return replace(
+        marker_set, edges=tuple((names[first], names[second]) for first, second in symmetric)
+    )
 
 
 def _mirror(marker_set: MarkerSet) -> list[int]:
@@ -47,5 +49,5 @@ def _mirror(marker_set: MarkerSet) -> list[int]:
 
 
 def _mirrored(line: tuple[int, int], mirror: list[int]) -> tuple[int, int]:
-    one, other = sorted(mirror[end] for end in line)
-    return one, other
+    first, second = sorted(mirror[end] for end in line)
+    return first, second

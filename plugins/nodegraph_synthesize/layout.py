@@ -65,9 +65,9 @@ def _thinned(count: int) -> tuple[list[Spot], list[Spot]]:
     on_midline = odd + 2 * round((len(MIDLINE) * count / _USUAL - odd) / 2)
     places = np.array([spot.place for spot in PAIRS])
     taken = np.array([spot.place for spot in MIDLINE[:on_midline]] + [*places[:2].tolist()])
-    chosen = _spread(places, taken, (count - on_midline) // 2 - 2)
-    kept = sorted({0, 1, *chosen})
-    return list(MIDLINE[:on_midline]), [PAIRS[index] for index in kept]
+    spread = _spread(places, taken, (count - on_midline) // 2 - 2)
+    numbers = sorted({0, 1, *spread})
+    return list(MIDLINE[:on_midline]), [PAIRS[index] for index in numbers]
 
 
 def _denser(count: int, places: NDArray[np.float64]) -> tuple[list[Spot], list[Spot]]:
@@ -90,12 +90,12 @@ def _free(places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.
 def _spread(candidates: NDArray[np.float64], taken: NDArray[np.float64], count: int) -> list[int]:
     """Return `count` candidates, each the farthest from all that were taken before it."""
     nearest = np.linalg.norm(candidates[:, None] - taken[None], axis=2).min(axis=1)
-    chosen = []
+    selected = []
     for _ in range(count):
         index = int(np.argmax(nearest))
-        chosen.append(index)
+        selected.append(index)
         nearest = np.minimum(nearest, np.linalg.norm(candidates - candidates[index], axis=1))
-    return chosen
+    return selected
 
 
 def _like_nearest(places: NDArray[np.float64]) -> list[Spot]:
@@ -112,8 +112,8 @@ def _named(midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]) 
     middle = [f"M_{name}" for name in _numbered(midline, MIDLINE)]
     left, right = ([f"{side}_{name}" for name in _numbered(pairs, PAIRS)] for side in "LR")
     stable = [name for name, spot in zip(middle, midline, strict=True) if spot.stable]
-    for one, other, spot in zip(left, right, pairs, strict=True):
-        stable += [one, other] if spot.stable else []
+    for left_name, right_name, spot in zip(left, right, pairs, strict=True):
+        stable += [left_name, right_name] if spot.stable else []
     names = (*middle, *(name for pair in zip(left, right, strict=True) for name in pair))
     marker_set = MarkerSet(
         markers=names,

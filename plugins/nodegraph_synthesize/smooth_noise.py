@@ -31,11 +31,11 @@ def smooth_noise(
     lowest = np.asarray(cutoffs, dtype=np.float64)
     span = _power_of_two(frames + 2.0 * rate / lowest.min())
     frequencies = np.fft.rfftfreq(span, 1.0 / rate)
-    kept = np.exp(-((frequencies[:, None] / lowest) ** 2))
+    gain = np.exp(-((frequencies[:, None] / lowest) ** 2))
     spectrum = random.standard_normal((2, len(frequencies), len(lowest)))
-    curves = np.fft.irfft((spectrum[0] + 1j * spectrum[1]) * kept, n=span, axis=0)
+    curves = np.fft.irfft((spectrum[0] + 1j * spectrum[1]) * gain, n=span, axis=0)
     # The expected deviation, not this curve's own: a short piece of a slow curve is nearly flat.
-    power = 4.0 * np.sum(kept[1:-1] ** 2, axis=0) + kept[0] ** 2 + kept[-1] ** 2
+    power = 4.0 * np.sum(gain[1:-1] ** 2, axis=0) + gain[0] ** 2 + gain[-1] ** 2
     return np.asarray(curves[:frames] * (span / np.sqrt(power)))
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_files.glb.document import Accessor, Document, Sparse, found
+from nodegraph_files.glb.document import Accessor, Document, Sparse, entry_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -87,12 +87,12 @@ class Accessors:
 
     def count(self, index: int, where: str) -> int:
         """Return how many values an accessor says it has."""
-        return found(self._document.accessors, index, "accessor", where).count
+        return entry_at(self._document.accessors, index, "accessor", where).count
 
     def _accessor(
         self, index: int, where: str, kind: str, count: int | None
     ) -> tuple[Accessor, str]:
-        accessor = found(self._document.accessors, index, "accessor", where)
+        accessor = entry_at(self._document.accessors, index, "accessor", where)
         at = f"{where}: accessor {index}"
         if accessor.type != kind:
             raise ValueError(f"{at}: must be {kind}, not {accessor.type}")
@@ -130,7 +130,7 @@ class Accessors:
         self, index: int, offset: int, component: np.dtype[Any], shape: tuple[int, int], at: str
     ) -> NDArray[Any]:
         """Return values of a buffer view, without a copy."""
-        view = found(self._document.buffer_views, index, "buffer view", at)
+        view = entry_at(self._document.buffer_views, index, "buffer view", at)
         count, width = shape
         size = width * component.itemsize
         stride = view.byte_stride or size
@@ -147,7 +147,7 @@ class Accessors:
 
     def _check_buffer(self, buffer: int, stop: int, view: int) -> None:
         at = f"buffer view {view}"
-        if found(self._document.buffers, buffer, "buffer", at).uri is not None or buffer:
+        if entry_at(self._document.buffers, buffer, "buffer", at).uri is not None or buffer:
             raise ValueError(f"{at}: buffer {buffer} lies outside the file; export one GLB file")
         if stop > len(self._binary):
             raise ValueError(f"{at}: ends at byte {stop} of data that has {len(self._binary)}")
@@ -255,15 +255,15 @@ def _chunk(data: bytes, place: int, stop: int, kind: bytes) -> tuple[bytes, int]
     start = place + _CHUNK.size
     if start > stop:
         raise ValueError(f"it is cut short: it ends within the head of a chunk, at byte {place}")
-    length, found = _CHUNK.unpack_from(data, place)
+    length, name = _CHUNK.unpack_from(data, place)
     if start + length > stop:
         raise ValueError(
             f"the chunk at byte {place} says that it has {length} bytes, but {stop - start} follow"
         )
-    if found == kind:
+    if name == kind:
         return data[start : start + length], start + length
     if kind == _JSON:
-        raise ValueError(f"the first chunk is {found!r}, not JSON")
+        raise ValueError(f"the first chunk is {name!r}, not JSON")
     return b"", start + length
 
 

@@ -158,7 +158,7 @@ def read_document(text: bytes) -> Document:
     try:
         document = Document.model_validate_json(text)
     except ValidationError as error:
-        raise ValueError(f"its JSON is wrong: {_told(error)}") from None
+        raise ValueError(f"its JSON is wrong: {_problems(error)}") from None
     for name in (*document.extensions_used, *document.extensions_required):
         if name in _COMPRESSED:
             raise ValueError(f"its meshes are compressed ({name}); export it without compression")
@@ -168,7 +168,7 @@ def read_document(text: bytes) -> Document:
     return document
 
 
-def found(items: list[_Item], index: int, what: str, where: str) -> _Item:
+def entry_at(items: list[_Item], index: int, what: str, where: str) -> _Item:
     """Return an item of a list of the document.
 
     Raises
@@ -181,11 +181,11 @@ def found(items: list[_Item], index: int, what: str, where: str) -> _Item:
     return items[index]
 
 
-def _told(error: ValidationError) -> str:
+def _problems(error: ValidationError) -> str:
     faults = error.errors(include_url=False, include_context=False, include_input=False)
-    told = [
+    problems = [
         f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}" if fault["loc"] else fault["msg"]
         for fault in faults[:_SHOWN]
     ]
     more = [f"and {len(faults) - _SHOWN} more"] if len(faults) > _SHOWN else []
-    return "; ".join(told + more)
+    return "; ".join(problems + more)

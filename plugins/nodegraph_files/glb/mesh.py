@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph_files.glb.buffers import MARKER_VERTICES, TARGET_NAMES, Accessors
-from nodegraph_files.glb.document import Document, Mesh, Node, Primitive, found
+from nodegraph_files.glb.document import Document, Mesh, Node, Primitive, entry_at
 from nodegraph_mocap.checks import distinct
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def _tree(document: Document) -> Iterator[tuple[int, NDArray[np.float64]]]:
     seen: set[int] = set()
     while todo:
         index, parent = todo.pop()
-        node = found(document.nodes, index, "node", "the scene")
+        node = entry_at(document.nodes, index, "node", "the scene")
         if index in seen:
             raise ValueError(f"node {index} is in the scene twice")
         seen.add(index)
@@ -93,7 +93,7 @@ def _tree(document: Document) -> Iterator[tuple[int, NDArray[np.float64]]]:
 
 def _roots(document: Document) -> list[int]:
     if document.scenes:
-        return found(document.scenes, document.scene, "scene", "the file").nodes
+        return entry_at(document.scenes, document.scene, "scene", "the file").nodes
     below = {child for node in document.nodes for child in node.children}
     return [index for index in range(len(document.nodes)) if index not in below]
 
@@ -128,7 +128,7 @@ def _placed(
     if node.skin is None:
         return Placed(mesh, index, places[index])
     where = f"skin {node.skin}"
-    skin = found(document.skins, node.skin, "skin", f"node {index}")
+    skin = entry_at(document.skins, node.skin, "skin", f"node {index}")
     absent = [joint for joint in skin.joints if joint not in places]
     if absent:
         raise ValueError(f"{where}: its joint, node {absent[0]}, is not in the scene")
@@ -212,9 +212,10 @@ def check_sizes(meshes: list[Mesh], accessors: Accessors) -> None:
     primitives = [primitive for mesh in meshes for primitive in mesh.primitives]
     _check_size(
         sum(
-            (1 + len(one.targets)) * accessors.count(one.attributes["POSITION"], "a primitive")
-            for one in primitives
-            if "POSITION" in one.attributes
+            (1 + len(primitive.targets))
+            * accessors.count(primitive.attributes["POSITION"], "a primitive")
+            for primitive in primitives
+            if "POSITION" in primitive.attributes
         )
     )
 
@@ -277,28 +278,28 @@ def _faces(
 
 def _target_names(mesh: Mesh, where: str) -> tuple[str, ...]:
     count = len(mesh.primitives[0].targets)
-    given = mesh.extras.get(TARGET_NAMES) if isinstance(mesh.extras, dict) else None
-    if given is None:
+    names = mesh.extras.get(TARGET_NAMES) if isinstance(mesh.extras, dict) else None
+    if names is None:
         if count:
             warnings.warn(f"{where}: its {count} morph targets have no names", stacklevel=3)
         return tuple(f"morph_{number}" for number in range(1, count + 1))
-    if not isinstance(given, list) or not all(isinstance(name, str) and name for name in given):
+    if not isinstance(names, list) or not all(isinstance(name, str) and name for name in names):
         raise ValueError(f"{where}: extras.{TARGET_NAMES} must be a list of names")
-    if len(given) != count:
-        raise ValueError(f"{where}: {len(given)} names for {count} morph targets")
-    return distinct(f"{where}, morph targets", given)
+    if len(names) != count:
+        raise ValueError(f"{where}: {len(names)} names for {count} morph targets")
+    return distinct(f"{where}, morph targets", names)
 
 
 def _markers(mesh: Mesh, where: str, vertices: int) -> Mapping[str, int]:
-    given = mesh.extras.get(MARKER_VERTICES, {}) if isinstance(mesh.extras, dict) else {}
-    good = isinstance(given, dict) and all(
-        type(vertex) is int and 0 <= vertex < vertices for vertex in given.values()
+    markers = mesh.extras.get(MARKER_VERTICES, {}) if isinstance(mesh.extras, dict) else {}
+    good = isinstance(markers, dict) and all(
+        type(vertex) is int and 0 <= vertex < vertices for vertex in markers.values()
     )
     if not good:
         raise ValueError(
             f"{where}: extras.{MARKER_VERTICES} must give each marker one of {vertices} vertices"
         )
-    return dict(given)
+    return dict(markers)
 
 
 _AHEAD = np.array([0.0, 0.0, 1.0])

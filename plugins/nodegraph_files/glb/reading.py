@@ -7,7 +7,7 @@ from pathlib import Path
 
 from nodegraph import Format
 from nodegraph_files.glb.buffers import MAGIC, UNIT, Accessors, split_glb
-from nodegraph_files.glb.document import Document, found, read_document
+from nodegraph_files.glb.document import Document, entry_at, read_document
 from nodegraph_files.glb.mesh import Placed, check_sizes, joined_parts, placed_meshes, read_mesh
 from nodegraph_files.head import RawHead
 
@@ -38,8 +38,8 @@ def read_glb(path: Path) -> RawHead:
 
 def _head(document: Document, accessors: Accessors) -> RawHead:
     placed = _of_the_head(document, placed_meshes(document, accessors))
-    check_sizes([document.meshes[one.mesh] for one in placed], accessors)
-    parts = [read_mesh(document.meshes[one.mesh], one, accessors) for one in placed]
+    check_sizes([document.meshes[mesh.mesh] for mesh in placed], accessors)
+    parts = [read_mesh(document.meshes[mesh.mesh], mesh, accessors) for mesh in placed]
     head = joined_parts(parts)
     if not len(head.faces):
         raise ValueError("it shows no mesh")
@@ -58,26 +58,27 @@ def _head(document: Document, accessors: Accessors) -> RawHead:
 
 def _of_the_head(document: Document, placed: list[Placed]) -> list[Placed]:
     meshes = {
-        one.mesh: found(document.meshes, one.mesh, "mesh", f"node {one.node}") for one in placed
+        part.mesh: entry_at(document.meshes, part.mesh, "mesh", f"node {part.node}")
+        for part in placed
     }
-    moving = [one for one in placed if meshes[one.mesh].primitives[0].targets]
-    chosen = moving or placed
-    rest = [meshes[one.mesh].name or f"mesh {one.mesh}" for one in placed if one not in chosen]
+    moving = [part for part in placed if meshes[part.mesh].primitives[0].targets]
+    parts = moving or placed
+    rest = [meshes[part.mesh].name or f"mesh {part.mesh}" for part in placed if part not in parts]
     if rest:
         warnings.warn(
             f"{len(rest)} meshes without morph targets are left out: {', '.join(rest)}",
             stacklevel=4,
         )
-    _tell_raised(document, chosen)
-    return chosen
+    _tell_raised(document, parts)
+    return parts
 
 
-def _tell_raised(document: Document, chosen: list[Placed]) -> None:
+def _tell_raised(document: Document, parts: list[Placed]) -> None:
     """Tell of morph targets that the file shows from the start."""
     raised = 0
-    for one in chosen:
-        node = document.nodes[one.node].weights if document.nodes else []
-        raised += sum(weight != 0 for weight in node or document.meshes[one.mesh].weights)
+    for part in parts:
+        node = document.nodes[part.node].weights if document.nodes else []
+        raised += sum(weight != 0 for weight in node or document.meshes[part.mesh].weights)
     if raised:
         warnings.warn(
             f"{raised} morph targets have a weight from the start; the head at rest is without",

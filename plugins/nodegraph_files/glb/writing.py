@@ -58,9 +58,9 @@ def quaternions(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
             f"head motion: frame {frame} is a reflection ({np.count_nonzero(reflected)} such "
             "frames), and a GLB file holds rotations only"
         )
-    found = Rotation.from_matrix(rotations).as_quat()
-    nearer = np.where(np.einsum("ti,ti->t", found[1:], found[:-1]) < 0, -1.0, 1.0)
-    return np.asarray(found * np.cumprod([1.0, *nearer])[:, None])
+    rotated = Rotation.from_matrix(rotations).as_quat()
+    nearer = np.where(np.einsum("ti,ti->t", rotated[1:], rotated[:-1]) < 0, -1.0, 1.0)
+    return np.asarray(rotated * np.cumprod([1.0, *nearer])[:, None])
 
 
 def _tell(animation: Animation, known: NDArray[np.bool_], never: NDArray[np.bool_]) -> None:

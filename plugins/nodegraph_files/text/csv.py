@@ -30,8 +30,8 @@ from nodegraph_files.text.table_recording import (
     is_number,
     known_rate,
     recording_of,
+    stated_scale,
     tell_irregular,
-    told_scale,
     whole_steps,
 )
 from nodegraph_files.text.vicon import is_vicon, read_vicon
@@ -104,8 +104,8 @@ def is_frame(name: str) -> bool:
 
 def seconds_in(name: str) -> float | None:
     """Return how many seconds the unit of a column of times is, or None if it holds none."""
-    found = _TIME.fullmatch(name.strip())
-    return _SECONDS.get(found[1].lower()) if found else None
+    match = _TIME.fullmatch(name.strip())
+    return _SECONDS.get(match[1].lower()) if match else None
 
 
 def read_columns(columns: Columns, *, zeros_missing: bool) -> Trajectories:
@@ -131,8 +131,8 @@ def read_columns(columns: Columns, *, zeros_missing: bool) -> Trajectories:
     return recording_of(
         _taken(cells, [places[column] for column in order]),
         list(columns.markers),
-        rate=_rate(columns, {one: cells[:, places[one]] for one in columns.counters}),
-        millimetres=told_scale(table),
+        rate=_rate(columns, {counter: cells[:, places[counter]] for counter in columns.counters}),
+        millimetres=stated_scale(table),
         zeros_missing=zeros_missing,
     )
 
@@ -166,7 +166,7 @@ def check_axes(columns: Columns) -> None:
 def tell_left_out(columns: Columns) -> None:
     """Warn of columns that are neither coordinates nor frame numbers nor times."""
     if columns.left_out:
-        shown = [columns.names[one] or f"column {one + 1}" for one in columns.left_out]
+        shown = [columns.names[column] or f"column {column + 1}" for column in columns.left_out]
         warnings.warn(
             f"{len(columns.left_out)} columns are no coordinates and were left out: "
             f"{listed(shown, _LISTED)}",
@@ -203,11 +203,11 @@ def read_wide(table: Table, *, zeros_missing: bool) -> Trajectories:
     header = table.opening[0]
     columns = Columns(table, header, header.cells)
     for place, name in enumerate(header.cells):
-        found = _COLUMN.fullmatch(name)
-        if found is None:
+        match = _COLUMN.fullmatch(name)
+        if match is None:
             columns.add_other(place)
         else:
-            columns.add_coordinate(found[1], found[2], place)
+            columns.add_coordinate(match[1], match[2], place)
     if not columns.markers:
         shown = ", ".join(header.cells[:_SHOWN])
         raise ValueError(
@@ -263,7 +263,7 @@ def read_long(table: Table, *, zeros_missing: bool) -> Trajectories:
         positions.reshape(len(positions), -1),
         list(names),
         rate=known_rate(table, _times(columns, read)),
-        millimetres=told_scale(table),
+        millimetres=stated_scale(table),
         zeros_missing=zeros_missing,
     )
 
@@ -391,8 +391,8 @@ def read_levels(table: Table, *, zeros_missing: bool) -> Trajectories:
     width, leading = filled_width(axes.cells), _leading(axes)
     header, index = _index(table, axes, leading)
     labels = _labels(table, levels, leading, width)
-    spoken = [f"{label} {axis}" for label, axis in zip(labels, axes.cells[leading:], strict=False)]
-    columns = Columns(table, header, [*index, *spoken])
+    names = [f"{label} {axis}" for label, axis in zip(labels, axes.cells[leading:], strict=False)]
+    columns = Columns(table, header, [*index, *names])
     for column in range(leading):
         columns.add_other(column)
     for column, label in enumerate(labels, leading):

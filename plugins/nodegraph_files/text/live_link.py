@@ -145,7 +145,7 @@ def _tell_count(counted: set[str], columns: int) -> None:
     wrong = sorted(counted - {str(columns)})
     if wrong:
         warnings.warn(
-            f"BlendShapeCount says {', '.join(one or 'nothing' for one in wrong[:5])}, but "
+            f"BlendShapeCount says {', '.join(cell or 'nothing' for cell in wrong[:5])}, but "
             f"{columns} columns follow it; the columns count",
             stacklevel=4,
         )
@@ -166,10 +166,10 @@ def _tell_missing(values: NDArray[np.float64], faceless: list[int]) -> None:
 def _times(path: Path, rows: list[tuple[int, list[str]]]) -> _Times:
     parts = []
     for line, cells in rows:
-        found = _TIMECODE.fullmatch(cells[0])
-        if found is None:
+        match = _TIMECODE.fullmatch(cells[0])
+        if match is None:
             raise ValueError(f"{path}:{line}:1: {cells[0]!r} is no timecode hh:mm:ss:ff.fff")
-        hours, minutes, seconds, counts = (float(part) for part in found.groups())
+        hours, minutes, seconds, counts = (float(part) for part in match.groups())
         parts.append((3600 * hours + 60 * minutes + seconds, counts))
     seconds_of, counts_of = np.array(parts).T
     lines = [line for line, _ in rows]
@@ -213,9 +213,9 @@ def _counts_per_second(times: _Times) -> int:
     passing = _steps(times.seconds, _DAY)
     steps = np.diff(times.counts)
     if (passing == 0).any() and (passing == 1).any():
-        told = np.median(steps[passing == 0]) - np.median(steps[passing == 1])
-        nearest = min(_COUNTS_PER_SECOND, key=lambda one: abs(one - told))
-        if abs(nearest - told) < 0.5 and nearest > times.counts.max():
+        measured = np.median(steps[passing == 0]) - np.median(steps[passing == 1])
+        nearest = min(_COUNTS_PER_SECOND, key=lambda count: abs(count - measured))
+        if abs(nearest - measured) < 0.5 and nearest > times.counts.max():
             return nearest
     if times.counts.max() >= _USUAL:
         raise ValueError(

@@ -16,10 +16,10 @@ from nodegraph_files.text.table import Row, Table, filled, read_rows
 from nodegraph_files.text.table_recording import (
     positive_number,
     recording_of,
+    stated_rate,
     tell_count,
     tell_other_rate,
     tell_skipped,
-    told_rate,
 )
 from nodegraph_files.units import MILLIMETRES, millimetres_in
 from nodegraph_mocap.recording import Trajectories
@@ -94,26 +94,26 @@ def _fact(table: Table, name: str) -> tuple[str, str]:
 
 
 def _rate(table: Table) -> float:
-    told = told_rate(table)
-    if told is not None:
-        return told
+    stated = stated_rate(table)
+    if stated is not None:
+        return stated
     for name in _RATES:
-        said, place = _fact(table, name)
-        rate = positive_number(said)
+        written, place = _fact(table, name)
+        rate = positive_number(written)
         if rate is not None:
             return rate
-        if said:
-            raise ValueError(f"{place}: {name} {said!r} is not a positive number")
+        if written:
+            raise ValueError(f"{place}: {name} {written!r} is not a positive number")
     raise ValueError(f"{table.path}: no {' or '.join(_RATES)}; add a line '# rate: 60'")
 
 
 def _millimetres(table: Table) -> float:
-    said, place = _fact(table, "Length Units")
-    factor = millimetres_in(said)
+    written, place = _fact(table, "Length Units")
+    factor = millimetres_in(written)
     if factor is not None:
         return factor
-    if said:
-        raise ValueError(f"{place}: Length Units {said!r}; there is {', '.join(MILLIMETRES)}")
+    if written:
+        raise ValueError(f"{place}: Length Units {written!r}; there is {', '.join(MILLIMETRES)}")
     warnings.warn("no Length Units in the header; metres are assumed", stacklevel=3)
     return _METRES
 
@@ -123,31 +123,31 @@ def _header(table: Table) -> _Header:
     above: list[Row] = []
     for row in table.rows(start.end, start.line + 1):
         if row.cells[0].lower() == "frame":
-            return _told(table, above, row)
+            return _header_below(table, above, row)
         above.append(row)
         if len(above) > _ROWS:
             break
     raise ValueError(f"{table.path}: no row 'Frame, Time (Seconds), X, Y, Z' follows the header")
 
 
-def _told(table: Table, above: Sequence[Row], axes: Row) -> _Header:
+def _header_below(table: Table, above: Sequence[Row], axes: Row) -> _Header:
     """Tell the rows apart by the word that begins them, or by what they hold."""
-    found: dict[str, Row] = {}
+    rows: dict[str, Row] = {}
     for row in above:
         small = {cell.lower() for cell in row.cells[2:] if cell}
         word = "".join(row.cells[1:2]).lower()
         if word in ("type", "name", "id", "parent"):
-            found[word] = row
+            rows[word] = row
         elif small & {"position", "rotation"}:
-            found["kind"] = row
+            rows["kind"] = row
         elif small & _TYPES:
-            found["type"] = row
+            rows["type"] = row
         else:
-            found.setdefault("name", row)
-    if "name" not in found:
+            rows.setdefault("name", row)
+    if "name" not in rows:
         raise ValueError(f"{table.path}:{axes.line}: no row of names above the axes")
     types, names, kinds = (
-        _as_wide(found.get(word), len(axes.cells)) for word in ("type", "name", "kind")
+        _as_wide(rows.get(word), len(axes.cells)) for word in ("type", "name", "kind")
     )
     return _Header(types, names, kinds, axes)
 
@@ -164,38 +164,38 @@ def _triples(table: Table, header: _Header) -> list[int]:
     }
     typed = any(kind.lower() in _TYPES for kind in header.types)
     axes = header.axes.cells
-    found = [
+    columns = [
         column
         for column in range(2, len(axes))
         if axes[column] == "X"
         and header.kinds[column] in ("Position", "")
         and (header.types[column] == "Marker" if typed else header.names[column] not in rotated)
     ]
-    for column in found:
+    for column in columns:
         if axes[column : column + 3] != ["X", "Y", "Z"]:
             raise ValueError(
                 f"{table.place(header.axes, column)}: the columns of marker "
                 f"{header.names[column]!r} are not X, Y, Z"
             )
-    if not found:
+    if not columns:
         there = sorted({kind for kind in header.types[2:] if kind})
         raise ValueError(
             f"{table.path}:{header.axes.line}: no columns of type Marker; there is "
             f"{', '.join(there) or 'no type'}"
         )
-    return found
+    return columns
 
 
 def _tell_left_out(header: _Header, columns: Sequence[int]) -> None:
-    kept = {0, 1, *columns}
+    used = {0, 1, *columns}
     other = Counter(
         header.types[column] or header.axes.cells[column] or "empty"
         for column in range(len(header.types))
-        if column not in kept
+        if column not in used
     )
     if other:
-        told = ", ".join(f"{count} of {kind}" for kind, count in other.items())
+        counts = ", ".join(f"{count} of {kind}" for kind, count in other.items())
         warnings.warn(
-            f"{other.total()} columns hold no measured marker and were left out: {told}",
+            f"{other.total()} columns hold no measured marker and were left out: {counts}",
             stacklevel=3,
         )

@@ -17,10 +17,10 @@ from nodegraph_files.text.table_recording import (
     is_number,
     positive_number,
     recording_of,
+    stated_rate,
     tell_count,
     tell_other_rate,
     tell_skipped,
-    told_rate,
 )
 from nodegraph_mocap.recording import Trajectories
 
@@ -97,17 +97,17 @@ def _check_kind(table: Table, facts: Mapping[str, Row]) -> None:
 
 
 def _rate(table: Table, facts: Mapping[str, Row]) -> float:
-    rate = told_rate(table)
+    rate = stated_rate(table)
     if rate is not None:
         return rate
     row = facts.get("FREQUENCY")
     if row is None:
         raise ValueError(f"{table.path}: no FREQUENCY in the header; add a line '# rate: 60'")
-    said = "".join(row.cells[1:2])
-    rate = positive_number(said)
+    written = "".join(row.cells[1:2])
+    rate = positive_number(written)
     if rate is None:
         raise ValueError(
-            f"{table.place(row, 1)}: FREQUENCY {said!r} is not a positive number; add a line "
+            f"{table.place(row, 1)}: FREQUENCY {written!r} is not a positive number; add a line "
             "'# rate: 60'"
         )
     return rate
@@ -147,14 +147,14 @@ def _tell_facts(facts: Mapping[str, Row], frames: int, markers: int) -> None:
 
 
 def _tell_types(types: Sequence[str], labels: Sequence[str]) -> None:
-    made = [
+    computed = [
         f"{label} ({kind})"
         for label, kind in zip(labels, types, strict=False)
         if kind and not kind.lower().startswith("measured")
     ]
-    if made:
+    if computed:
         warnings.warn(
-            f"{len(made)} trajectories are not wholly measured, by TRAJECTORY_TYPES; their samples "
-            f"count as measured all the same: {', '.join(made)}",
+            f"{len(computed)} trajectories are not wholly measured, by TRAJECTORY_TYPES; their "
+            f"samples count as measured all the same: {', '.join(computed)}",
             stacklevel=4,
         )

@@ -87,11 +87,11 @@ def cell_numbers(
             return [float(cell or "nan") for cell in cells]
     except ValueError:
         pass  # one of them is special, or wrong
-    said = [f" (column {name})" for name in names] or [""] * len(cells)
+    suffixes = [f" (column {name})" for name in names] or [""] * len(cells)
     return [
         _number(f"{path}:{line}:{column}", cell, where)
         for column, cell, where in zip(
-            columns or range(1, len(cells) + 1), cells, said, strict=True
+            columns or range(1, len(cells) + 1), cells, suffixes, strict=True
         )
     ]
 
@@ -190,14 +190,14 @@ def _at_once(rows: Rows) -> NDArray[np.float64] | None:
     numbers = _parsed(rows, None if len(columns) == width else columns)
     if numbers is None or not _all_as_wide(rows, width, numbers):
         return None
-    kept = len(rows.wanted)
-    return numbers[:, :kept] if np.isnan(numbers[:, kept:]).all() else None
+    count = len(rows.wanted)
+    return numbers[:, :count] if np.isnan(numbers[:, count:]).all() else None
 
 
 def _is_special(rows: Rows) -> bool:
     """Return whether there are comments or decimal commas among the rows."""
     special = "#" * rows.text.commented + "," * (rows.separator != ",")
-    return any(rows.text.content.find(one.encode(), rows.start) >= 0 for one in special)
+    return any(rows.text.content.find(word.encode(), rows.start) >= 0 for word in special)
 
 
 def _parsed(rows: Rows, columns: list[int] | None) -> NDArray[np.float64] | None:
@@ -205,8 +205,8 @@ def _parsed(rows: Rows, columns: list[int] | None) -> NDArray[np.float64] | None
     from packaging.version import Version
 
     # From 3.1 on, pandas rounds correctly anyway, and warns where it is asked to.
-    asked = Version(pandas.__version__) < Version("3.1")
-    exact: dict[str, Any] = {"float_precision": "round_trip"} if asked else {}
+    is_old = Version(pandas.__version__) < Version("3.1")
+    exact: dict[str, Any] = {"float_precision": "round_trip"} if is_old else {}
     stream = BytesIO(rows.text.content)
     stream.seek(rows.start)
     # Pandas reads a file, but no stream, in several threads.
@@ -260,8 +260,8 @@ def _cell_by_cell(rows: Rows) -> NDArray[np.float64]:
     names = [rows.names[column] for column in rows.wanted] if rows.names else ()
     numbers = np.empty((len(table), len(columns)))
     for row, (line, cells) in enumerate(table):
-        chosen = [cells[column] for column in rows.wanted]
-        numbers[row] = cell_numbers(rows.text.path, line, chosen, columns=columns, names=names)
+        wanted = [cells[column] for column in rows.wanted]
+        numbers[row] = cell_numbers(rows.text.path, line, wanted, columns=columns, names=names)
     return numbers
 
 
@@ -296,26 +296,26 @@ def _commas_are_points(rows: Rows, table: list[tuple[int, list[str]]]) -> bool:
     ValueError
         If there are dots as well, or every comma may separate thousands.
     """
-    found = [
+    commas = [
         (f"{rows.text.path}:{line}:{column + 1}", cells[column].strip())
         for line, cells in table
         for column in rows.wanted
         if "," in cells[column]
     ]
-    if not found:
+    if not commas:
         return False
-    _check_commas(rows, table, found)
+    _check_commas(rows, table, commas)
     warnings.warn(
-        f"commas count as decimal points, in {len(found)} cells; the first is {found[0][1]!r}",
+        f"commas count as decimal points, in {len(commas)} cells; the first is {commas[0][1]!r}",
         stacklevel=5,
     )
     return True
 
 
 def _check_commas(
-    rows: Rows, table: list[tuple[int, list[str]]], found: list[tuple[str, str]]
+    rows: Rows, table: list[tuple[int, list[str]]], commas: list[tuple[str, str]]
 ) -> None:
-    for place, cell in found:
+    for place, cell in commas:
         if not _COMMA.fullmatch(cell):
             raise ValueError(f"{place}: {cell[:40]!r} is not a number")
     for line, cells in table:
@@ -323,12 +323,12 @@ def _check_commas(
             if "." in cells[column]:
                 raise ValueError(
                     f"{rows.text.path}:{line}:{column + 1}: {cells[column]!r} has a dot, but "
-                    f"{found[0][1]!r} ({found[0][0]}) a comma: only one can separate decimals"
+                    f"{commas[0][1]!r} ({commas[0][0]}) a comma: only one can separate decimals"
                 )
-    if all(_THOUSANDS.fullmatch(cell) for _, cell in found):
+    if all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
         raise ValueError(
-            f"{found[0][0]}: {found[0][1]!r} may be {found[0][1].replace(',', '.')} or "
-            f"{found[0][1].replace(',', '')}: write decimals after a dot, and thousands without "
+            f"{commas[0][0]}: {commas[0][1]!r} may be {commas[0][1].replace(',', '.')} or "
+            f"{commas[0][1].replace(',', '')}: write decimals after a dot, and thousands without "
             "a separator"
         )
 
@@ -417,7 +417,7 @@ def read_table(path: Path) -> Table:
     """
     text = replace(read_text_file(path), commented=True)
     first = [
-        line.text for line in islice((one for one in text.lines() if one.text.strip()), _OPENING)
+        line.text for line in islice((line for line in text.lines() if line.text.strip()), _OPENING)
     ]
     separated = next((line for line in first if set(line) & set(SEPARATORS)), "")
     separator = separator_of(separated)
@@ -428,11 +428,11 @@ def read_table(path: Path) -> Table:
 
 
 def _rows(text: TextFile, separator: str, start: int, line: int, *, quoted: bool) -> Iterator[Row]:
-    for found in text.lines(start, line):
-        split = split_cells(found.text, separator) if quoted else found.text.split(separator)
+    for source in text.lines(start, line):
+        split = split_cells(source.text, separator) if quoted else source.text.split(separator)
         cells = [cell.strip() for cell in split]
         if any(cells):
-            yield Row(found.number, cells, found.start, found.end)
+            yield Row(source.number, cells, source.start, source.end)
 
 
 def filled_width(cells: Sequence[str]) -> int:

@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 _DIGITS = 9
 
 
-def is_number(said: str) -> bool:
+def is_number(text: str) -> bool:
     """Return whether a text says a number."""
     try:
-        float(said.replace("_", "?").replace(",", "."))
+        float(text.replace("_", "?").replace(",", "."))
     except ValueError:
         return False
     return True
 
 
-def positive_number(said: str) -> float | None:
+def positive_number(text: str) -> float | None:
     """Return the number that a text says, or None if it says no positive, finite one."""
     try:
-        number = float(said.replace("_", "?"))
+        number = float(text.replace("_", "?"))
     except ValueError:
         return None
     return number if 0 < number < float("inf") else None
@@ -74,7 +74,9 @@ def rate_of_times(times: NDArray[np.float64]) -> float | None:
     rate = float(counts.sum()) / lasts
     unsure = max(float(np.abs(steps - counts * lasts / counts.sum()).max()) / lasts, 10.0**-_DIGITS)
     rounded = (float(f"{rate:.{digits}g}") for digits in range(1, 17))
-    return next((one for one in rounded if abs(one - rate) <= unsure * rate), rate)
+    return next(
+        (candidate for candidate in rounded if abs(candidate - rate) <= unsure * rate), rate
+    )
 
 
 def tell_irregular(name: str, values: NDArray[np.float64]) -> None:
@@ -119,11 +121,11 @@ def tell_other_rate(times: NDArray[np.float64], rate: float, fact: str) -> None:
         )
 
 
-def tell_count(what: str, said: str, there: int) -> None:
+def tell_count(what: str, stated: str, there: int) -> None:
     """Warn of a number in a file's header that is not what the file holds."""
-    if said not in (str(there), f"{there}.0"):
+    if stated not in (str(there), f"{there}.0"):
         warnings.warn(
-            f"the header says {said or 'no number of'} {what}, the file holds {there}; what it "
+            f"the header says {stated or 'no number of'} {what}, the file holds {there}; what it "
             "holds counts",
             stacklevel=4,
         )
@@ -165,7 +167,7 @@ def recording_of(
     )
 
 
-def told_scale(table: Table) -> float:
+def stated_scale(table: Table) -> float:
     """Return how many millimetres the unit of a comment ``# unit: m`` is, by default 1.
 
     Raises
@@ -173,18 +175,19 @@ def told_scale(table: Table) -> float:
     ValueError
         If the unit is unknown.
     """
-    told = table.comments.get("unit") or table.comments.get("units")
-    if told is None:
+    comment = table.comments.get("unit") or table.comments.get("units")
+    if comment is None:
         return 1.0
-    factor = millimetres_in(told.value)
+    factor = millimetres_in(comment.value)
     if factor is None:
         raise ValueError(
-            f"{table.path}:{told.line}: unit {told.value!r}; there is {', '.join(MILLIMETRES)}"
+            f"{table.path}:{comment.line}: unit {comment.value!r}; there is "
+            f"{', '.join(MILLIMETRES)}"
         )
     return factor
 
 
-def told_rate(table: Table) -> float | None:
+def stated_rate(table: Table) -> float | None:
     """Return the rate of a comment ``# rate: 60``, or None if there is none.
 
     Raises
@@ -192,12 +195,14 @@ def told_rate(table: Table) -> float | None:
     ValueError
         If it is no positive number.
     """
-    told = table.comments.get("rate")
-    if told is None:
+    comment = table.comments.get("rate")
+    if comment is None:
         return None
-    rate = positive_number(told.value)
+    rate = positive_number(comment.value)
     if rate is None:
-        raise ValueError(f"{table.path}:{told.line}: rate {told.value!r} is not a positive number")
+        raise ValueError(
+            f"{table.path}:{comment.line}: rate {comment.value!r} is not a positive number"
+        )
     return rate
 
 
@@ -209,7 +214,7 @@ def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
     ValueError
         If neither tells one.
     """
-    rate = told_rate(table)
+    rate = stated_rate(table)
     even = times is not None and whole_steps(times) is not None
     if rate is not None and times is not None and even:
         tell_other_rate(times, rate, "the line '# rate'")

@@ -67,16 +67,16 @@ class TextFile:
 
     def comments(self) -> dict[str, Comment]:
         """Return what lines ``# name: value`` say, by name in small letters."""
-        said, at, line = {}, 0, 1
+        comments, at, line = {}, 0, 1
         while (hit := self.content.find(b"#", at)) >= 0:
             start = max(self.content.rfind(b"\n", at, hit) + 1, at)
             line += self.content.count(b"\n", at, start)
             end = self.content.find(b"\n", hit)
             at = end if end >= 0 else len(self.content)
             text = self.content[start:at].decode(errors="replace").strip()
-            if found := _COMMENT.fullmatch(text):
-                said[found[1].lower()] = Comment(found[2], line)
-        return said
+            if match := _COMMENT.fullmatch(text):
+                comments[match[1].lower()] = Comment(match[2], line)
+        return comments
 
     def _decoded(self, number: int, raw: bytes) -> str:
         try:
@@ -126,4 +126,4 @@ def _in_utf8(path: Path, content: bytes) -> bytes:
 
 def _mark(content: bytes) -> tuple[bytes, str]:
     """Return the byte order mark that the content begins with, and what it is in."""
-    return next((one for one in _MARKS if content.startswith(one[0])), (b"", "utf-8"))
+    return next((mark for mark in _MARKS if content.startswith(mark[0])), (b"", "utf-8"))

@@ -65,8 +65,8 @@ def read_trc(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     width = LEADING + 3 * markers
     cells = filled(read_rows(table.below(axes, width, range(width), lenient=True)))
     if not len(cells):
-        said = facts.get("numframes") or "none"
-        raise ValueError(f"{path}: no frames follow the header, whose NumFrames says {said}")
+        stated = facts.get("numframes") or "none"
+        raise ValueError(f"{path}: no frames follow the header, whose NumFrames says {stated}")
     tell_count("frames", facts.get("numframes", str(len(cells))), len(cells))
     tell_count("markers", facts.get("nummarkers", str(markers)), markers)
     tell_skipped("Frame#", cells[:, 0])
@@ -150,12 +150,12 @@ def _header(table: Table) -> list[Row]:
 
 
 def _rate(path: Path, facts: Mapping[str, str]) -> float:
-    said = facts.get("datarate", "")
-    rate = positive_number(said)
+    written = facts.get("datarate", "")
+    rate = positive_number(written)
     if rate is None:
         raise ValueError(
             f"{path}: DataRate must be a positive number of frames per second, the header says "
-            f"{said or 'none'}"
+            f"{written or 'none'}"
         )
     return rate
 

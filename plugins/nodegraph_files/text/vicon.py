@@ -53,8 +53,8 @@ def count_triples(path: Path, line: int, cells: Sequence[str]) -> int:
     for column, cell in enumerate(cells[:last], 1):
         place = column - 1 - LEADING
         wanted = f"{'XYZ'[place % 3]}{place // 3 + 1}" if place >= 0 else ""
-        found = _COORDINATE.fullmatch(cell)
-        if (found[1].upper() if found else cell) != wanted[:1]:
+        match = _COORDINATE.fullmatch(cell)
+        if (match[1].upper() if match else cell) != wanted[:1]:
             raise ValueError(
                 f"{path}:{line}:{column}: {cell!r} where {wanted or 'an empty cell'} is expected"
             )
@@ -119,11 +119,11 @@ def read_vicon(table: Table, *, zeros_missing: bool) -> Trajectories:
 def _section(table: Table) -> list[Row]:
     """Return the rows of the header of the section Trajectories."""
     there = list(_NAME.finditer(table.text.content))
-    for found in there:
-        if found[1] == b"Trajectories":
-            line = table.text.content.count(b"\n", 0, found.end()) + 2
-            return list(islice(table.rows(found.end() + 1, line), _HEADER))
-    names = ", ".join(found[1].decode() for found in there)
+    for match in there:
+        if match[1] == b"Trajectories":
+            line = table.text.content.count(b"\n", 0, match.end()) + 2
+            return list(islice(table.rows(match.end() + 1, line), _HEADER))
+    names = ", ".join(match[1].decode() for match in there)
     raise ValueError(f"{table.path}: no section Trajectories; there is {names}")
 
 
@@ -137,12 +137,12 @@ def _until_empty(table: Table, units: Row) -> Table:
 
 
 def _millimetres(table: Table, units: Row, width: int) -> float:
-    first, *_ = said = units.cells[LEADING:width]
+    first, *_ = names = units.cells[LEADING:width]
     factor = millimetres_in(first)
-    if factor is None or set(said) != {first}:
-        wrong = next((place for place, unit in enumerate(said) if unit != first), 0)
+    if factor is None or set(names) != {first}:
+        wrong = next((place for place, unit in enumerate(names) if unit != first), 0)
         raise ValueError(
-            f"{table.place(units, LEADING + wrong)}: unit {said[wrong]!r}, where one unit of all "
+            f"{table.place(units, LEADING + wrong)}: unit {names[wrong]!r}, where one unit of all "
             f"columns is expected; there is {', '.join(MILLIMETRES)}"
         )
     return factor

@@ -65,8 +65,8 @@ class Blob:
             How the head names the array, and its steps.
         """
         whole = np.rint(held(values) / step).astype(np.int32)
-        told = np.diff(whole if like is None else whole - like, axis=1, prepend=np.int32(0))
-        planes = np.ascontiguousarray(told.astype("<i4")).view(np.uint8).reshape(-1, 4).T
+        differences = np.diff(whole if like is None else whole - like, axis=1, prepend=np.int32(0))
+        planes = np.ascontiguousarray(differences.astype("<i4")).view(np.uint8).reshape(-1, 4).T
         place = self._add(planes.tobytes())
         return {"at": place, "rows": whole.shape[0], "length": whole.shape[1], "step": step}, whole
 
@@ -132,16 +132,19 @@ def error_scale(playback: Playback) -> float:
 
     Of all samples where none was made; 1 where nothing can be compared.
     """
-    recordings = [one.shown for one in playback.panels if isinstance(one.shown, Trajectories)]
+    recordings = [panel.shown for panel in playback.panels if isinstance(panel.shown, Trajectories)]
     truth = _truth_of(playback)
     if truth is None:
         return 1.0
-    errors = [_errors(one, truth) for one in recordings]
-    made = [
-        one[shown.origin > Origin.MEASURED] for one, shown in zip(errors, recordings, strict=True)
+    errors = [_errors(recording, truth) for recording in recordings]
+    estimated = [
+        distances[shown.origin > Origin.MEASURED]
+        for distances, shown in zip(errors, recordings, strict=True)
     ]
-    for found in (made, errors):
-        every = np.concatenate([np.empty(0), *(one[np.isfinite(one)] for one in found)])
+    for parts in (estimated, errors):
+        every = np.concatenate(
+            [np.empty(0), *(distances[np.isfinite(distances)] for distances in parts)]
+        )
         largest = float(np.percentile(every, _MOST_ERRORS)) if len(every) else 0.0
         if largest > 0:
             return _rounded_up(largest)
@@ -165,7 +168,7 @@ def _errors(recording: Trajectories, truth: Trajectories) -> NDArray[np.float64]
 
 def _rounded_up(value: float) -> float:
     power = 10.0 ** np.floor(np.log10(value))
-    return float(power * min(one for one in _ROUND if one * power >= value * (1 - 1e-9)))
+    return float(power * min(digit for digit in _ROUND if digit * power >= value * (1 - 1e-9)))
 
 
 class _Packing:
@@ -177,14 +180,14 @@ class _Packing:
         self.panels = [*((playback.truth,) if playback.truth else ()), *playback.panels]
         self.step = step_of(self.panels)
         self._heads: dict[str, int] = {}
-        self._told_heads: list[dict[str, Any]] = []
+        self._head_entries: list[dict[str, Any]] = []
         self._alike: dict[tuple[Any, ...], tuple[int, NDArray[np.int32]]] = {}
 
     def packed(self) -> bytes:
         panels = [self._panel(place, panel) for place, panel in enumerate(self.panels)]
         head = {
             "panels": panels,
-            "heads": self._told_heads,
+            "heads": self._head_entries,
             "truth": 0 if self.playback.truth else None,
             "errors": error_scale(self.playback),
             "every": self.playback.every,
@@ -194,7 +197,7 @@ class _Packing:
 
     def _panel(self, place: int, panel: Panel) -> dict[str, Any]:
         shown = panel.shown
-        told = {
+        entry = {
             "label": panel.label,
             "frames": shown.frames,
             "rate": shown.rate,
@@ -204,22 +207,22 @@ class _Packing:
             "radius": panel.radius,
         }
         if isinstance(shown, Animation):
-            return told | self._animation(shown)
-        return told | self._recording(place, shown)
+            return entry | self._animation(shown)
+        return entry | self._recording(place, shown)
 
     def _recording(self, place: int, recording: Trajectories) -> dict[str, Any]:
         origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)
         positions = np.where(origin[..., None] == Origin.MISSING, np.nan, recording.positions)
         rows = positions.reshape(recording.frames, 3 * len(recording.markers)).T
         first, like = self._alike.get((recording.markers, rows.shape), (None, None))
-        told, steps = self.blob.steps(rows, self.step, like)
+        entry, steps = self.blob.steps(rows, self.step, like)
         self._alike.setdefault((recording.markers, rows.shape), (place, steps))
         known = _truth_of(self.playback)
         return {
             "kind": "markers",
             "markers": recording.markers,
             "edges": _edges(recording),
-            "positions": told,
+            "positions": entry,
             "like": first,
             "origin": self.blob.small(origin.T.astype(np.uint8)),
             "truth": columns_in(known, recording) if known and place > 0 else None,
@@ -228,7 +231,7 @@ class _Packing:
     def _animation(self, animation: Animation) -> dict[str, Any]:
         weights = animation.morph_weights
         motion = animation.head_motion
-        told, _ = self.blob.steps(weights.T, _WEIGHT_STEP)
+        entry, _ = self.blob.steps(weights.T, _WEIGHT_STEP)
         turned = None
         if motion is not None:
             scaled = motion.scales[:, None, None] * motion.rotations
@@ -238,7 +241,7 @@ class _Packing:
         return {
             "kind": "mesh",
             "head": self._head(animation.head),
-            "weights": told,
+            "weights": entry,
             "known": self.blob.small(np.asarray(np.isfinite(weights).all(axis=1), dtype=np.uint8)),
             "motion": turned,
         }
@@ -247,9 +250,9 @@ class _Packing:
         mark = hashlib.sha256()
         for array in (head.vertices, head.morphs, head.faces):
             mark.update(array.tobytes())
-        found = self._heads.setdefault(mark.hexdigest(), len(self._heads))
-        if found == len(self._told_heads):
-            self._told_heads.append(
+        number = self._heads.setdefault(mark.hexdigest(), len(self._heads))
+        if number == len(self._head_entries):
+            self._head_entries.append(
                 {
                     "vertices": self._flat(head.vertices, self.step),
                     "morphs": self._flat(head.morphs, self.step),
@@ -257,7 +260,7 @@ class _Packing:
                     "count": len(head.vertices),
                 }
             )
-        return found
+        return number
 
     def _flat(self, values: NDArray[np.float64], step: float) -> dict[str, Any]:
         return self.blob.steps(values.reshape(-1, 1), step)[0]
@@ -278,10 +281,14 @@ def _telling_second(playback: Playback) -> float:
     truth = _truth_of(playback)
     for panel in playback.panels:
         if isinstance(panel.shown, Trajectories):
-            made = panel.shown.origin > Origin.MEASURED
-            known = made & np.isfinite(_errors(panel.shown, truth)) if truth else made & False
-            counts = list(zip(known.sum(axis=1).tolist(), made.sum(axis=1).tolist(), strict=True))
-            frame = max(range(len(counts)), key=lambda one: counts[one])
+            estimated = panel.shown.origin > Origin.MEASURED
+            known = (
+                estimated & np.isfinite(_errors(panel.shown, truth)) if truth else estimated & False
+            )
+            counts = list(
+                zip(known.sum(axis=1).tolist(), estimated.sum(axis=1).tolist(), strict=True)
+            )
+            frame = max(range(len(counts)), key=lambda frame: counts[frame])
             if counts[frame] > most:
                 most, seconds = counts[frame], frame / panel.shown.rate
     return seconds if most[1] else _most_moved(playback)

@@ -57,9 +57,9 @@ def render_playback(playback: Playback, title: str) -> Rendered:
     """
     from nodegraph_mocap.player.data import packed, step_of
 
-    said = [_told(panel) for panel in _panels(playback)]
+    contents = [_content(panel) for panel in _panels(playback)]
     rounded = f"Positions are rounded to {step_of(_panels(playback)):g} mm."
-    notes = [*said, *playback.notes, rounded]
+    notes = [*contents, *playback.notes, rounded]
     data = base64.b64encode(packed(playback)).decode()
     html = (
         f'<figure class="playback" aria-label="{escape(title, quote=True)}">'
@@ -81,7 +81,7 @@ def _panels(playback: Playback) -> list[Panel]:
     return [*((playback.truth,) if playback.truth else ()), *playback.panels]
 
 
-def _told(panel: Panel) -> str:
+def _content(panel: Panel) -> str:
     shown = panel.shown
     what = (
         f"{len(shown.markers)} markers"

@@ -49,8 +49,10 @@ def runs(draw: DrawFn, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     from hypothesis import strategies as st
 
     frames, members = shape
-    one = st.tuples(st.integers(0, members - 1), st.integers(0, frames - 1), st.integers(1, frames))
+    events = st.tuples(
+        st.integers(0, members - 1), st.integers(0, frames - 1), st.integers(1, frames)
+    )
     where = np.zeros(shape, dtype=np.bool_)
-    for member, start, length in draw(st.lists(one, max_size=MOST_EVENTS)):
+    for member, start, length in draw(st.lists(events, max_size=MOST_EVENTS)):
         where[start : start + length, member] = True
     return where

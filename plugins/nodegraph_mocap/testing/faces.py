@@ -35,9 +35,9 @@ def marker_sets(names: Iterable[str] = NAMES) -> SearchStrategy[MarkerSet]:
     from hypothesis import strategies as st
 
     there = tuple(names)
-    stems = [one.removesuffix(_SIDES[0]) for one in there if one.endswith(_SIDES[0])]
+    stems = [name.removesuffix(_SIDES[0]) for name in there if name.endswith(_SIDES[0])]
     pairs = [(stem + _SIDES[0], stem + _SIDES[1]) for stem in stems if stem + _SIDES[1] in there]
-    midline = [one for one in there if not one.endswith(_SIDES)]
+    midline = [name for name in there if not name.endswith(_SIDES)]
 
     @st.composite
     def marker_set(draw: DrawFn) -> MarkerSet:
@@ -97,7 +97,7 @@ def models(
         count = draw(st.integers(*shapes))
         moved = np.random.default_rng(draw(seeds())).normal(0.0, 4.0, (count, len(names), 3))
         like = draw(st.lists(st.integers(-1, count - 1), min_size=count, max_size=count))
-        moved = np.stack([moved[one] if one >= 0 else np.zeros_like(moved[0]) for one in like])
+        moved = np.stack([moved[twin] if twin >= 0 else np.zeros_like(moved[0]) for twin in like])
         return BlendshapeModel(
             neutral=at_rest(len(names)), shapes=moved, names=SHAPES[:count], markers=names
         )

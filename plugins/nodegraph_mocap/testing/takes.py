@@ -133,8 +133,8 @@ def _moving(
     shape = (count, len(names), 3)
     chance = np.random.default_rng(draw(seeds()))
     motion = draw(st.sampled_from([_still, _smooth, _jumping]))(shape, chance)
-    elsewhere = st.floats(-500.0, 500.0, allow_subnormal=False, width=32)
-    off = draw(arrays(np.float64, shape, elements=elsewhere, fill=st.just(0.0)))
+    offsets = st.floats(-500.0, 500.0, allow_subnormal=False, width=32)
+    off = draw(arrays(np.float64, shape, elements=offsets, fill=st.just(0.0)))
     return at_rest(len(names)) + motion + off, names
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nodegraph_markers.sides import face_axes, told_side
+from nodegraph_markers.sides import face_axes, side_by_name
 
 
 @pytest.mark.parametrize(
@@ -28,8 +28,8 @@ from nodegraph_markers.sides import face_axes, told_side
     ],
 )
 def test_names_that_tell(left: str, right: str) -> None:
-    assert told_side(left, right) == 1
-    assert told_side(right, left) == -1
+    assert side_by_name(left, right) == 1
+    assert side_by_name(right, left) == -1
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_names_that_tell(left: str, right: str) -> None:
     ],
 )
 def test_names_that_do_not_tell(one: str, other: str) -> None:
-    assert told_side(one, other) == 0
+    assert side_by_name(one, other) == 0
 
 
 def test_up_and_front_are_found_from_movement_in_any_pose() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_markers.switches import cut, kept
+from nodegraph_markers.switches import cut, nearest_samples
 from nodegraph_markers.tracks import UNNAMED, Tracks
 
 FRAMES = 40
@@ -73,8 +73,8 @@ def test_of_two_tracks_the_nearer_keeps_its_sample(still: NDArray[np.float64]) -
     both[15:20, 6] += [0.0, 0.0, 5.0]
     both[35:, 6] = np.nan
     tracks = of(both)
-    stays = kept(tracks, np.append(NAMED, 6))
+    stays = nearest_samples(tracks, np.append(NAMED, 6))
     assert np.array_equal(np.flatnonzero(stays[:, 20]), np.arange(15, 20))
     assert np.array_equal(stays[:, 6], tracks.present[:, 6] & ~stays[:, 20])
     assert np.array_equal(np.delete(stays, [6, 20], axis=1), np.ones((FRAMES, 19), dtype=bool))
-    assert not kept(replace(tracks), np.append(NAMED, UNNAMED))[:, 20].any()
+    assert not nearest_samples(replace(tracks), np.append(NAMED, UNNAMED))[:, 20].any()

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph_files.glb.document import found, read_document
+from nodegraph_files.glb.document import entry_at, read_document
 
 
 def read(**parts: Any) -> Any:
@@ -74,6 +74,6 @@ def test_an_unknown_extension_is_refused_only_if_the_file_needs_it() -> None:
 
 
 def test_what_is_named_but_not_there_is_told() -> None:
-    assert found(["a"], 0, "mesh", "node 3") == "a"
+    assert entry_at(["a"], 0, "mesh", "node 3") == "a"
     with pytest.raises(ValueError, match="node 3: there is no mesh 1; the file has 1"):
-        found(["a"], 1, "mesh", "node 3")
+        entry_at(["a"], 1, "mesh", "node 3")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from nodegraph_files.text.table import read_table
-from nodegraph_files.text.table_recording import known_rate, recording_of, told_rate, told_scale
+from nodegraph_files.text.table_recording import known_rate, recording_of, stated_rate, stated_scale
 
 Written = Callable[[str], Path]
 
@@ -23,15 +23,15 @@ def test_coordinates_become_positions_of_markers() -> None:
 
 def test_what_comments_tell(written: Written) -> None:
     table = read_table(written("# rate: 50\n# units: cm\na,b\n"))
-    assert (told_rate(table), told_scale(table)) == (50, 10)
+    assert (stated_rate(table), stated_scale(table)) == (50, 10)
     bare = read_table(written("a,b\n"))
-    assert (told_rate(bare), told_scale(bare)) == (None, 1)
+    assert (stated_rate(bare), stated_scale(bare)) == (None, 1)
 
 
 @pytest.mark.parametrize("said", ["0", "-5", "nan", "fast"])
 def test_a_rate_that_is_none_is_refused_with_its_line(written: Written, said: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv:2: rate '{said}' is not a positive"):
-        told_rate(read_table(written(f"a,b\n# rate: {said}\n")))
+        stated_rate(read_table(written(f"a,b\n# rate: {said}\n")))
 
 
 def test_a_rate_of_uneven_times_is_told(written: Written) -> None:
