@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_markers.rigid import Poses, fit, fit_robustly
-from nodegraph_markers.spread import far_apart
+from nodegraph_markers.rigid import Poses, far_apart, fit, fit_robustly
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nodegraph_markers.rigid import fit, fit_robustly, on_a_line, spacing
+from nodegraph_markers.rigid import far_apart, fit, fit_robustly, on_a_line, spacing
 
 RANDOM = np.random.default_rng(1)
 SHAPE = RANDOM.normal(0.0, 40.0, (8, 3))
@@ -71,3 +71,17 @@ def test_spacing_is_the_median_distance_to_the_nearest() -> None:
 def test_what_lies_on_a_line() -> None:
     assert on_a_line(np.linspace([0.0, 0, 0], [10.0, 20, 30], 5))
     assert not on_a_line(SHAPE)
+
+
+def test_each_point_far_apart_is_the_farthest_from_those_before() -> None:
+    points = np.random.default_rng(0).normal(0.0, 40.0, (50, 3))
+    numbers = far_apart(points, 6)
+    assert len(set(numbers)) == 6
+    assert numbers[0] == np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1))
+    for count in range(1, 6):
+        apart = np.linalg.norm(points[:, None] - points[numbers[:count]], axis=2).min(axis=1)
+        assert numbers[count] == np.argmax(apart)
+
+
+def test_of_few_points_all_are_far_apart() -> None:
+    assert sorted(far_apart(np.eye(3), 6)) == [0, 1, 2]
