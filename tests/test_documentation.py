@@ -81,8 +81,12 @@ def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixt
         with (tmp_path / code.partition("\n")[0].removeprefix("# ")).open("a") as file:
             file.write(code)  # a later block goes on where an earlier one ended
     files = {path.name for path in tmp_path.iterdir()}
-    assert files == {"my_nodes.py", "test_my_nodes.py", "my_table.py", "my_command.py"}
+    assert files == {
+        *("my_nodes.py", "test_my_nodes.py", "my_table.py", "my_format.py", "my_command.py")
+    }
     runpy.run_path(str(tmp_path / "my_table.py"))
+    assert main(["nodes", "read", "--plugin", str(tmp_path / "my_format.py")]) == 0
+    assert "read.recording" in capsys.readouterr().out
     assert main(["lips", "take.c3d", "--plugin", str(tmp_path / "my_command.py")]) == 0
     assert capsys.readouterr().out == "Two lips in take.c3d\n"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error"]

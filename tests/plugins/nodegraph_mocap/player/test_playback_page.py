@@ -70,7 +70,7 @@ def test_all_of_the_player_comes_once_and_with_no_way_out() -> None:
     assert one.scripts == other.scripts
     assert one.styles == other.styles
     (script,) = one.scripts
-    folder = Path(page.__file__).with_name("player")
+    folder = Path(page.__file__).with_name("web")
     sources = sorted(folder.glob("*.js"))
     assert {source.stem for source in sources} == set(page._SCRIPTS)
     assert all(source.read_text(encoding="utf-8") in script for source in sources)
