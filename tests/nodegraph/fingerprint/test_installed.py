@@ -18,7 +18,14 @@ from nodegraph.plugin.registry import Registry, default_registry
 ROOT = Path(__file__).parents[3]
 MACHINE = {
     f"nodegraph.{name}"
-    for name in ("errors", "kernels", "node.ports", "node.values", "plugin.hook_types")
+    for name in (
+        "errors",
+        "kernels",
+        "node.ports",
+        "node.values",
+        "plugin.formats",
+        "plugin.hook_types",
+    )
 }
 
 

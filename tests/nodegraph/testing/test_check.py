@@ -22,6 +22,7 @@ import nodegraph_fill
 import nodegraph_mocap
 import nodegraph_score
 import nodegraph_smooth
+import nodegraph_tables
 from nodegraph import (
     Across,
     Columns,
@@ -45,7 +46,14 @@ Function = Callable[..., Any]
 Pair = tuple[Function, Function]
 """A broken node, and the mended one."""
 
-PACKAGES = (nodegraph_despike, nodegraph_fill, nodegraph_mocap, nodegraph_score, nodegraph_smooth)
+PACKAGES = (
+    nodegraph_despike,
+    nodegraph_fill,
+    nodegraph_mocap,
+    nodegraph_score,
+    nodegraph_smooth,
+    nodegraph_tables,
+)
 REGISTRY = Registry(loaded=[Plugin(package.__name__, package) for package in PACKAGES])
 PAIRS: dict[str, tuple[Callable[[], Pair], tuple[str, ...]]] = {}
 
