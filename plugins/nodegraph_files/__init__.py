@@ -48,6 +48,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
 
     return (
         readers.read_recording,
+        readers.read_truth,
         readers.read_marker_set,
         readers.read_weights,
         readers.read_head,

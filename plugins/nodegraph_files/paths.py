@@ -6,7 +6,8 @@ from pathlib import Path
 
 from nodegraph import NodegraphError, nearest
 
-_FOLDER = Path(__file__).parent / "samples"
+SAMPLES = Path(__file__).parent / "samples"
+"""A folder for each sample."""
 
 
 def sample_folder(name: str) -> Path:
@@ -15,17 +16,18 @@ def sample_folder(name: str) -> Path:
     Parameters
     ----------
     name
-        ``face`` (ten seconds with noise, gaps and impulses), or ``actor_a``, ``actor_b``,
-        ``actor_c`` (three other faces, complete and without impulses).
+        ``face`` (ten seconds with noise, gaps and impulses), ``face_1`` to ``face_8`` (eight other
+        faces, damaged alike, eight seconds each), or ``actor_a``, ``actor_b``, ``actor_c`` (three
+        more, complete and without impulses).
 
     Raises
     ------
     NodegraphError
         If there is no such sample; the message lists those that there are.
     """
-    known = sorted(folder.name for folder in _FOLDER.glob("*/"))
+    known = sorted(folder.name for folder in SAMPLES.glob("*/"))
     if name in known:
-        return _FOLDER / name
+        return SAMPLES / name
     raise NodegraphError(f"no sample {name!r}; {nearest(name, known)}")
 
 

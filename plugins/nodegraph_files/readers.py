@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from nodegraph import InputFile, formats, node
+from nodegraph import Format, InputFile, Truth, formats, node
 from nodegraph_files.formats import file_names, format_of
 from nodegraph_files.head import RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
@@ -36,7 +37,7 @@ def read_recording(
     Parameters
     ----------
     path
-        A file, a folder that holds ``recording.c3d``, or ``sample:NAME``.
+        A file, a folder that holds ``recording.c3d`` (or another format), or ``sample:NAME``.
     marker_set
         A marker-set file (YAML). By default the recording's own, or ``markers.yaml`` of the
         folder, or none.
@@ -55,12 +56,65 @@ def read_recording(
     """
     known = formats(Trajectories)
     file = find_file(path, file_names("recording", known))
+    return _read(path, file, known, marker_set, zeros_missing=zeros_missing)
+
+
+def _read(
+    path: Path,
+    file: Path,
+    known: Sequence[Format],
+    marker_set: Path | None,
+    *,
+    zeros_missing: bool,
+) -> Trajectories:
     recording: Trajectories = format_of(file, known).read(file, zeros_missing=zeros_missing)
     if not recording.frames or not recording.markers:
         raise ValueError(f"{path}: the recording holds no samples")
     if not recording.present.any():
-        warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=2)
+        warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=3)
     return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
+
+
+@node("read.truth")
+def read_truth(
+    *, path: InputFile, marker_set: InputFile | None = None, zeros_missing: bool = True
+) -> Truth[Trajectories]:
+    """Read the noise-free recording beside a recording, or else the recording itself.
+
+    What methods are given is read from the same path by `read.recording`. A recording of which
+    the truth is not known is its own: then errors are measured to samples that carry the noise
+    and the impulses of the measurement, which a warning says.
+
+    Parameters
+    ----------
+    path
+        A folder that holds ``truth.npz`` (or another format) beside ``recording.npz``,
+        ``sample:NAME``, or a recording of which no truth is known.
+    marker_set
+        As of `read.recording`.
+    zeros_missing
+        As of `read.recording`.
+
+    Returns
+    -------
+    Trajectories
+        In millimetres.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, holds no samples, or lacks a marker that the set names.
+    """
+    known = formats(Trajectories)
+    recording_names, truth_names = (file_names(stem, known) for stem in ("recording", "truth"))
+    file = find_file(path, truth_names + recording_names)
+    if file.name not in truth_names or Path(path) == file:
+        warnings.warn(
+            f"{path}: no noise-free truth, errors are measured to the captured samples, which "
+            "carry noise and impulses of their own",
+            stacklevel=2,
+        )
+    return _read(path, file, known, marker_set, zeros_missing=zeros_missing)
 
 
 @node("read.weights")

@@ -1,49 +1,72 @@
 """Write the recordings that come with the package: ``python -m nodegraph_synthesize.make_samples``.
 
-Each sample is a folder with a recording (C3D), its marker set (YAML) and the blendshape model of
-the actor (NPZ), from which each reader takes its file.
+Each sample is a folder with a recording (C3D or NPZ), the same without noise, impulses and gaps
+(``truth.npz``), its marker set (YAML) and the blendshape model of the actor (NPZ), from which each
+reader takes its file.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import nodegraph_mocap
-from nodegraph_files import model_bytes
+import numpy as np
+
+from nodegraph_files import model_bytes, npz_bytes
 from nodegraph_files.c3d import write_c3d
 from nodegraph_files.marker_set import marker_set_text
+from nodegraph_files.paths import SAMPLES
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
 
-FOLDER = Path(nodegraph_mocap.__file__).parent / "samples"
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from nodegraph_mocap import Trajectories
+
+FACES = 8
+"""Of the studies over faces: ``face_1`` and so on."""
+_SECONDS = 8.0
+_FIRST_SEED = 11
+GRID = 1.0 / 256.0
+"""mm, of the positions in NPZ: trailing zero bits compress."""
+
+_complete = partial(synthesize_face, noise=0.05, missing=0.0, impulses=0.0)
+
+SAMPLE_FACES: Mapping[str, Callable[[], SyntheticFace]] = {
+    "face": synthesize_face,
+    **{f"actor_{name}": partial(_complete, seed=seed) for seed, name in enumerate("abc", start=1)},
+    **{
+        f"face_{number}": partial(synthesize_face, seconds=_SECONDS, seed=_FIRST_SEED + number - 1)
+        for number in range(1, FACES + 1)
+    },
+}
+"""What makes each sample: a damaged face, three complete ones, and the eight of the studies."""
 
 
-def made_samples() -> dict[str, SyntheticFace]:
-    """Return what each sample is made from: a damaged face, and three complete actors."""
-    return {
-        "face": synthesize_face(),
-        "actor_a": _complete(seed=1),
-        "actor_b": _complete(seed=2),
-        "actor_c": _complete(seed=3),
-    }
-
-
-def write_sample(folder: Path, face: SyntheticFace) -> None:
-    """Write one sample's files into a folder, which is made if need be."""
+def write_sample(folder: Path, face: SyntheticFace, *, c3d: bool) -> None:
+    """Write one sample's files into a folder, which is created if need be."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_c3d(face.captured, folder / "recording.c3d")
+    if c3d:
+        write_c3d(face.captured, folder / "recording.c3d")
+    else:
+        (folder / "recording.npz").write_bytes(npz_bytes(_on_grid(face.captured)))
+    (folder / "truth.npz").write_bytes(npz_bytes(_on_grid(face.truth)))
     (folder / "markers.yaml").write_text(marker_set_text(face.marker_set), encoding="utf-8")
     (folder / "model.npz").write_bytes(model_bytes(face.model))
 
 
 def main() -> None:
     """Write every sample."""
-    for name, face in made_samples().items():
-        write_sample(FOLDER / name, face)
-        print(f"{name}: {FOLDER / name}")
+    for name, synthesize in SAMPLE_FACES.items():
+        write_sample(SAMPLES / name, synthesize(), c3d=not name.startswith("face_"))
+        print(f"{name}: {SAMPLES / name}")
 
 
-def _complete(*, seed: int) -> SyntheticFace:
-    return synthesize_face(noise=0.05, missing=0.0, impulses=0.0, seed=seed)
+def _on_grid(recording: Trajectories) -> Trajectories:
+    return replace(recording, positions=np.round(recording.positions / GRID) * GRID)
 
 
 if __name__ == "__main__":
