@@ -74,15 +74,12 @@ class Parts:
         Parameters
         ----------
         other
-            Of the same shape and with as many parts.
+            Of the same shape; an axis that has another number of parts is not compared.
         least
             Smaller differences do not count.
         """
-        return tuple(
-            list(_spans(np.abs(sums - now), np.maximum(least, _ROUNDING * np.abs(sums)), members))
-            for sums, now, members in zip(self.sums, other.sums, self.shape, strict=False)
-            if sums.size == now.size
-        )
+        axes = zip(self.sums, other.sums, self.shape, strict=False)
+        return tuple(list(_spans(was, now, least, members)) for was, now, members in axes)
 
 
 @dataclass(frozen=True)
@@ -129,9 +126,14 @@ def _starts(members: int, parts: int) -> list[int]:
     return [part * members // parts for part in range(parts)]
 
 
-def _spans(sizes: NDArray[np.float64], least: NDArray[np.float64], members: int) -> Iterator[Span]:
+def _spans(
+    was: NDArray[np.float64], now: NDArray[np.float64], least: float, members: int
+) -> Iterator[Span]:
     """Yield the members that differ, with neighbours merged."""
-    differ = np.flatnonzero(sizes > least)
+    if was.size != now.size:
+        return
+    sizes = np.abs(was - now)
+    differ = np.flatnonzero(sizes > np.maximum(least, _ROUNDING * np.abs(was)))
     if not differ.size:
         return
     clear = sizes > _CLEARLY * sizes.max()
@@ -144,15 +146,16 @@ def _spans(sizes: NDArray[np.float64], least: NDArray[np.float64], members: int)
 
 
 def part_difference(was: Parts, now: Parts, axes: Axes, least: float) -> str:
-    """Return how the shape or which members of the axes differ; empty if none do."""
+    """Return how the shape or which members of the axes differ; empty if none do.
+
+    A difference may be within the rounding of the sums of one axis and not of another.
+    """
     if was.shape != now.shape:
         shapes = [" x ".join(map(str, parts.shape)) for parts in (was, now)]
         return f"had the shape {shapes[0]}, now {shapes[1]}"
-    spans = was.differing(now, least)
-    if not any(spans):
-        return ""
-    members = zip(spans, axes, was.shape, strict=False)
-    return "differs in " + ", of ".join(_with_largest(*axis) for axis in members)
+    members = zip(was.differing(now, least), axes, was.shape, strict=False)
+    places = ", of ".join(_with_largest(*axis) for axis in members if axis[0])
+    return f"differs in {places}" if places else ""
 
 
 def _with_largest(spans: list[Span], axis: tuple[str, tuple[str, ...]], members: int) -> str:

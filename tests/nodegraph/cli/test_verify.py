@@ -22,8 +22,8 @@ def shift(sheet: float) -> float: return sheet
 @node("toy.cut")
 def cut(sheet: float) -> float: return sheet
 """
-# far beyond the tolerance between any two calls, and too little to turn the order of the means
-ANYTHING = "np.random.default_rng().random() / 1e3"
+# beyond the tolerance between any two calls, and too little to turn the order of the means
+VARYING = "os.path.getsize('calls.txt') / 1e6"
 Verified = Callable[..., tuple[int, str, str]]
 STORE = ("--store", "kept", "--executor", "serial")
 SHIFTED = "fill(length=2, fill=shift) and 1 more of fill=shift"
@@ -122,7 +122,7 @@ def test_a_conclusion_that_rounding_changes_is_in_the_verdict(
 
 
 def test_a_node_that_varies_in_an_audit_is_named(verified: Verified) -> None:
-    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {ANYTHING} +")
+    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
     assert main(["audit", "study.yaml", "--plugin", "study.py", *STORE]) == 1
     verified()
     lock_again()
