@@ -1,16 +1,20 @@
 """The leak check: no method may see the truth that it is scored against.
 
-Let a node Q have a required truth port that is fed, at any distance, by a node H that hides
-samples (it has a truth output). What lies upstream of H, and H's truth outputs, must not reach
-a plain port of Q by a way that does not pass H's plain outputs. The same file read twice is the
-same source. Ports that only draw, which are optional, are exempt, and no way leads through what
-the graph declares as known. A pass-through node is neither H nor Q: its outputs come from where
-its inputs come from.
+Let a node Q have a required truth port, and let H be the first damaging node (it has a truth
+output) on a way back from that port; farther ones are upstream of it and decide nothing. What
+lies upstream of H, and H's truth outputs, must not reach the estimate of Q by a way that does
+not pass H's plain outputs. The same file read twice is the same source. Ports that only draw,
+which are optional, are exempt, and no way leads through what the graph declares as known. A
+damaging node is no Q, and a pass-through node is neither H nor Q: its outputs come from where its
+inputs come from.
+
+The estimate of Q is every plain port of the type of one of its truth ports, or of a type derived
+from it or the reverse; where there is none, every plain port.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import networkx as nx
@@ -18,25 +22,110 @@ import networkx as nx
 from nodegraph.errors import Place, Problems
 from nodegraph.graph.model import Graph, GraphNode, Method, sources_of
 from nodegraph.graph.pass_through import PassThrough
+from nodegraph.graphfile.spec import Reference
 from nodegraph.node.ports import Port
 
 
 def check_leaks(graph: Graph, problems: Problems) -> None:
-    """Record every wire by which the truth reaches a node that is scored against it."""
-    hiding = {name: _truth_outputs(node) for name, node in graph.nodes.items()}
-    hiding = {name: outputs for name, outputs in hiding.items() if outputs}
-    if not hiding:
+    """Record every wire by which the truth reaches a node that is scored against it.
+
+    Entries of ``known`` that cannot change this are recorded as well.
+    """
+    damaging = {name for name, node in graph.nodes.items() if _truth_outputs(node)}
+    if not damaging:
         return
-    flows = _flows(graph)
+    origins = _output_origins(graph)
+    flows = _flows(graph, origins)
     network = _network(graph, flows)
+    scored: dict[str, list[GraphNode]] = {}
+    for node in graph.nodes.values():
+        for name in _deciding(node, damaging, network):
+            scored.setdefault(name, []).append(node)
     unknown = _network(graph, (flow for flow in flows if not flow.is_known))
-    for name, outputs in hiding.items():
-        fed = nx.descendants(network, name) | {name}
-        scored = [node for node in graph.nodes.values() if _is_scored(node, fed, network)]
-        if scored:
-            truth = _Truth(name, outputs, unknown)
-            for node in scored:
-                truth.check(node, problems)
+    for name, nodes in scored.items():
+        truth = _Truth(graph.nodes[name], graph.nodes, unknown)
+        for node in nodes:
+            truth.check(node, problems)
+    if scored and not graph.left_out:
+        _check_known(graph, [graph.nodes[name] for name in scored], origins, network, problems)
+
+
+def _deciding(
+    node: GraphNode, damaging: Collection[str], network: nx.MultiDiGraph[str]
+) -> Iterator[str]:
+    """Yield the first damaging node on each way back from the required truth ports of a node."""
+    if node.name in damaging:
+        return
+    ways = [
+        flow.source
+        for flow in _flows_into(node.name, network)
+        if any(port.truth and not port.optional for port in _ports(node, flow.port))
+    ]
+    passed: set[str] = set()
+    while ways:
+        source = ways.pop()
+        if source in passed:
+            continue
+        passed.add(source)
+        if source in damaging:
+            yield source
+        else:
+            ways.extend(network.predecessors(source))
+
+
+def _check_known(
+    graph: Graph,
+    damaging: Collection[GraphNode],
+    origins: _Origins,
+    network: nx.MultiDiGraph[str],
+    problems: Problems,
+) -> None:
+    """Record entries of ``known`` that come from the plain outputs of damaging nodes alone.
+
+    What a node without inputs gives, such as a made face and its model, may be listed.
+    """
+    free = [_free_of(node, network) for node in damaging]
+    entries: dict[Place, list[Reference]] = {}  # one, or one per output of a used graph
+    for reference in graph.spec.known:
+        if reference.place.file == graph.spec.file:  # a used graph loads wherever it is used
+            entries.setdefault(reference.place, []).append(reference)
+    for place, references in entries.items():
+        named = {
+            (origin.node, origin.output)
+            for (node, output), several in origins.items()
+            if any(node == known.node and known.port in ("", output) for known in references)
+            for origin in several
+        }
+        if not any(is_free(*output) for output in named for is_free in free):
+            names = " and ".join(sorted(node.name for node in damaging))
+            problems.add(
+                place,
+                f"known: {references[0]} comes from nothing but what {names} leaves to be seen, "
+                "so that this changes nothing",
+                "leave it out: methods may know that in any case",
+            )
+
+
+def _free_of(node: GraphNode, network: nx.MultiDiGraph[str]) -> Callable[[str, str], bool]:
+    """Return a function that says whether an output has a source besides a node's plain outputs."""
+    truths = _truth_outputs(node)
+    has_inputs = any(method.inputs for method in node.methods.values())
+    roots = {name for name, degree in network.in_degree() if not degree}
+    around: nx.DiGraph[str] = nx.DiGraph()
+    around.add_nodes_from(network)
+    around.add_edges_from(
+        (source, target)
+        for source, target, edge in network.edges(data=True)
+        if source != node.name or edge["flow"].output in truths
+    )
+    reached = roots.union(*(nx.descendants(around, root) for root in roots))
+
+    def is_free(name: str, output: str) -> bool:
+        if name == node.name and has_inputs:
+            return output in truths
+        return name in reached
+
+    return is_free
 
 
 class _Flow(NamedTuple):
@@ -61,6 +150,10 @@ class _Origin(NamedTuple):
     is_known: bool
 
 
+_Origins = Mapping[tuple[str, str], Collection[_Origin]]
+"""Node and output -> the outputs that it comes from."""
+
+
 def _network(graph: Graph, flows: Iterable[_Flow]) -> nx.MultiDiGraph[str]:
     network: nx.MultiDiGraph[str] = nx.MultiDiGraph()
     network.add_nodes_from(graph.nodes)
@@ -73,11 +166,10 @@ def _flows_into(name: str, network: nx.MultiDiGraph[str]) -> Iterator[_Flow]:
     return (edge["flow"] for _, _, edge in network.in_edges(name, data=True))
 
 
-def _flows(graph: Graph) -> list[_Flow]:
-    """Return the wires between nodes that compute, past pass-through nodes, and the files read."""
+def _output_origins(graph: Graph) -> _Origins:
+    """Return where each output is computed, past pass-through nodes."""
     known = {(reference.node, reference.port) for reference in graph.spec.known}
     origins: dict[tuple[str, str], dict[_Origin, None]] = {}
-    flows: dict[_Flow, None] = {}
     for node in graph.nodes.values():
         for output in {port.name for m in node.methods.values() for port in m.node.outputs}:
             is_known = not known.isdisjoint({(node.name, output), (node.name, "")})
@@ -86,6 +178,13 @@ def _flows(graph: Graph) -> list[_Flow]:
                 for method in node.methods.values()
                 for origin in _origins(graph, node, method, output, origins)
             }
+    return origins
+
+
+def _flows(graph: Graph, origins: _Origins) -> list[_Flow]:
+    """Return the wires between nodes that compute, past pass-through nodes, and the files read."""
+    flows: dict[_Flow, None] = {}
+    for node in graph.nodes.values():
         for method in _computing(node):
             for port, feed in method.inputs.items():
                 for source in sources_of(feed):
@@ -101,7 +200,7 @@ def _origins(
     node: GraphNode,
     method: Method,
     output: str,
-    origins: Mapping[tuple[str, str], Collection[_Origin]],
+    origins: _Origins,
 ) -> Iterator[_Origin]:
     """Yield where an output of a method comes from: itself, or the outputs that it passes on."""
     if not isinstance(method.node, PassThrough):
@@ -121,33 +220,46 @@ class _Truth:
     ----------
     hiding
         The node.
-    outputs
-        Its truth outputs.
+    nodes
+        All nodes.
     network
         Without what is declared as known.
     """
 
     def __init__(
-        self, hiding: str, outputs: Collection[str], network: nx.MultiDiGraph[str]
+        self, hiding: GraphNode, nodes: Mapping[str, GraphNode], network: nx.MultiDiGraph[str]
     ) -> None:
-        self._hiding = hiding
-        self._outputs = outputs
+        self._hiding = hiding.name
+        self._nodes = nodes
+        self._outputs = _truth_outputs(hiding)
         self._network = network
-        sources = nx.ancestors(network, hiding) | {hiding}
+        sources = nx.ancestors(network, hiding.name) | {hiding.name}
         # in wires, from what lies upstream or from a truth output
         self._distance = nx.multi_source_dijkstra_path_length(network, sources, weight=self._length)
 
     def check(self, node: GraphNode, problems: Problems) -> None:
-        """Record the plain ports of a scored node that the truth reaches."""
+        """Record the estimates of a scored node that the truth reaches."""
+        estimates = _estimates(node)
         for flow in self._carriers(node.name):
-            if not any(port.truth for port in _ports(node, flow.port)):
+            if flow.port in estimates:
+                way = self._way(flow)
+                path = " -> ".join([*map(str, way), f"{flow.target}.{flow.port}"])
                 problems.add(
                     flow.place,
                     f"{node.name} is scored against what {self._hiding} hides, and can see it: "
-                    f"{self._path(flow)}",
-                    f"feed it from {self._hiding}'s other outputs, "
-                    "or declare under 'known' what a method may know",
+                    f"{path}",
+                    self._instead(way),
                 )
+
+    def _instead(self, way: Sequence[_Flow]) -> str:
+        """Return what to write: the truth of a node that damages it on the way, or another feed."""
+        for flow in reversed(way):
+            truths = _truth_outputs(self._nodes[flow.source]) if flow.output else set()
+            if way[0].source == self._hiding != flow.source and truths - {flow.output}:
+                return f"score it against {_any_of(flow.source, truths)}, the truth of what it sees"
+        plain = set(self._nodes[self._hiding].outputs) - self._outputs
+        outputs = _any_of(self._hiding, plain)
+        return f"feed it from {outputs}, or declare under 'known' what a method may know"
 
     def _length(self, source: str, target: str, edges: Mapping[Any, Any]) -> float | None:
         """Return None for edges that do not carry the truth: networkx ignores them."""
@@ -167,22 +279,32 @@ class _Truth:
             elif flow.source in self._distance:
                 yield flow
 
-    def _path(self, last: _Flow) -> str:
+    def _way(self, last: _Flow) -> list[_Flow]:
         """Return the shortest way of the truth that ends with a flow."""
         way = [last]
         while steps := self._distance[way[0].source]:
             before = self._carriers(way[0].source)
             way.insert(0, next(flow for flow in before if self._distance[flow.source] < steps))
-        return " -> ".join([*map(str, way), f"{last.target}.{last.port}"])
+        return way
 
 
-def _is_scored(node: GraphNode, fed: Collection[str], network: nx.MultiDiGraph[str]) -> bool:
-    """Whether a node is among these, and one of them feeds a required truth port of it."""
-    return node.name in fed and any(
-        flow.source in fed
-        and any(port.truth and not port.optional for port in _ports(node, flow.port))
-        for flow in _flows_into(node.name, network)
-    )
+def _any_of(node: str, outputs: Iterable[str]) -> str:
+    return " or ".join(f"{node}.{output}" for output in sorted(outputs))
+
+
+def _estimates(node: GraphNode) -> set[str]:
+    """Return the ports that must not see the truth: of a type that a truth port has, else all."""
+    estimates: set[str] = set()
+    for method in _computing(node):
+        truths = [port.type for port in method.node.inputs if port.truth]
+        plain = [port for port in method.node.inputs if not port.truth]
+        alike = [
+            port
+            for port in plain
+            if any(issubclass(port.type, kind) or issubclass(kind, port.type) for kind in truths)
+        ]
+        estimates |= {port.name for port in alike or plain}
+    return estimates
 
 
 def _computing(node: GraphNode) -> Iterator[Method]:

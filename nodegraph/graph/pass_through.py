@@ -47,6 +47,11 @@ class PassThrough(Node):
         return self.target_ports
 
     @cached_property
+    def damages(self) -> bool:
+        """It does not: the truth that it returns is the truth that it takes."""
+        return False
+
+    @cached_property
     def settings(self) -> Mapping[str, Setting]:
         """Nothing can be set."""
         return {}

@@ -129,6 +129,7 @@ def _readers(name: str, graph: Graph) -> Iterator[tuple[Port, bool]]:
             for port_name, feed in method.inputs.items():
                 port = method.node.port(port_name)
                 if port is not None and any(name == source.node for source in sources_of(feed)):
+                    port = replace(port, truth=port.truth or method.node.damages)
                     yield port, not (isinstance(feed, Gather) and feed.axis)
 
 

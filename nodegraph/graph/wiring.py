@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import networkx as nx
 
@@ -39,8 +40,9 @@ class WireChecker:
         for name, feed in method.wiring.items():
             port = self._port(where, name, node, feed.place)
             sources = dict(labelled(feed))
+            target = port and replace(port, truth=port.truth or node.damages)
             for reference in sources.values():
-                self.check(reference, port, where)
+                self.check(reference, target, where)
             if port is None:
                 continue
             if isinstance(feed, Reference):
@@ -89,7 +91,10 @@ class WireChecker:
                 hint = nearest(name, public_outputs(node))
                 self._problems.add(reference.place, message, hint)
             elif target is not None and (reason := mismatch(output, target)):
-                self._problems.add(reference.place, f"{where}: {source}: {reason}")
+                instead = (
+                    "" if target.truth or not output.truth else _instead_of_truth(reference, node)
+                )
+                self._problems.add(reference.place, f"{where}: {source}: {reason}", instead)
 
     def _port(self, where: str, name: str, node: Node, place: Place) -> Port | None:
         port = node.port(name) if name else next(iter(node.inputs), None)
@@ -106,6 +111,15 @@ class WireChecker:
             if not port.optional and port.name not in wired:
                 message = f"{where}: port {port} of {node.name} is not fed"
                 self._problems.add(method.place, message, f"write in: {{{port.name}: node}}")
+
+
+def _instead_of_truth(reference: Reference, node: Node) -> str:
+    plain = [f"{reference.node}.{port.name}" for port in node.outputs if not port.truth]
+    outputs = f"{', '.join(plain)}; " if plain else ""
+    return (
+        f"{outputs}the truth feeds truth ports, and plain ports of nodes that damage it "
+        "(which have a truth output of their own)"
+    )
 
 
 def typed_network(nodes: Mapping[str, GraphNode]) -> nx.MultiDiGraph[str]:

@@ -189,6 +189,11 @@ class Node:
         return tuple(_output_port(self.name, name, hints[name]) for name in _field_names(record))
 
     @cached_property
+    def damages(self) -> bool:
+        """Whether it damages what it takes and gives the truth beside it; it may take the truth."""
+        return any(port.truth for port in self.outputs)
+
+    @cached_property
     def settings(self) -> Mapping[str, Setting]:
         """Settings by name."""
         return {

@@ -78,7 +78,10 @@ class FileMark:
 
 
 Truth = Annotated[T, TruthMark()]
-"""A port that takes or gives the truth. A plain value may feed it, but not the reverse."""
+"""A port that takes or gives the truth. A plain value may feed it.
+
+The truth feeds a plain port only of a node that damages it: one with a truth output of its own.
+"""
 
 InputFile = Annotated[Path, FileMark()]
 """A setting that names a file to read; in a graph file, relative to that file."""

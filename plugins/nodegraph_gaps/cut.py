@@ -14,6 +14,7 @@ from nodegraph_gaps.places import free_places, place_events
 from nodegraph_gaps.transplant import transplanted
 from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
+from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Cut(NamedTuple):
     gappy : Trajectories
         The recording without the hidden samples.
     truth : Trajectories
-        The recording as it came.
+        What errors are measured to: the truth that was put in, else the recording as it came.
     hidden : Mask
         The samples that were hidden.
     """
@@ -43,6 +44,7 @@ class Cut(NamedTuple):
 def cut(
     recording: Trajectories,
     pattern_from: Trajectories | None = None,
+    truth: Truth[Trajectories] | None = None,
     *,
     length: Annotated[int, Field(ge=1), Unit("frames")] = 15,
     count: Annotated[int, Field(ge=1), Unit("gap events")] = 20,
@@ -87,6 +89,9 @@ def cut(
         Trajectories, with or without gaps of their own.
     pattern_from
         A recording with gaps, whose pattern is taken; its markers may be of any kind.
+    truth
+        The recording that errors are measured to, the same frames and markers without noise;
+        `recording` itself if left open. It has no influence on what is hidden.
     length
         Frames that an event hides.
     count
@@ -111,7 +116,8 @@ def cut(
     ------
     ValueError
         If the events do not fit; the message says how many do. With `pattern_from`: if it has
-        no gap, or another setting than `seed` is given.
+        no gap, or another setting than `seed` is given. With `truth`: if its frames, rate or
+        markers are not those of the recording, or it lacks a sample that is hidden.
     """
     random = np.random.default_rng(seed)
     if pattern_from is None:
@@ -120,7 +126,9 @@ def cut(
         _refuse(length=length, count=count, simultaneous=simultaneous, pattern=pattern)
         hidden = transplanted(recording, pattern_from, random)
     return Cut(
-        _without(recording, hidden), recording, Mask(hidden=hidden, markers=recording.markers)
+        _without(recording, hidden),
+        truth_of(recording, truth, hidden),
+        Mask(hidden=hidden, markers=recording.markers),
     )
 
 

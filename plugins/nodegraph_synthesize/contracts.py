@@ -30,12 +30,13 @@ def gives_spiky_truth_and_impulses(tried: Tried) -> Iterator[str]:
 
 
 def truth_is_the_recording(tried: Tried) -> Iterator[str]:
-    """Give the recording itself as the truth."""
-    recording, truth = tried.inputs.get("recording"), tried.outputs.get("truth")
-    if not isinstance(recording, Trajectories) or not isinstance(truth, Trajectories):
+    """Give as the truth what port `truth` has, or else the recording itself."""
+    source = "truth" if isinstance(tried.inputs.get("truth"), Trajectories) else "recording"
+    expected, truth = tried.inputs.get(source), tried.outputs.get("truth")
+    if not isinstance(expected, Trajectories) or not isinstance(truth, Trajectories):
         return
-    if not _kept(recording, truth) or _changed(recording, truth).any():
-        yield "the truth differs from the recording: return the recording as it came"
+    if not _kept(expected, truth) or _changed(expected, truth).any():
+        yield f"the truth differs from the input {source!r}: return it as it came"
 
 
 def keeps_what_is_missing(tried: Tried) -> Iterator[str]:

@@ -12,6 +12,7 @@ from pydantic import Field
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Mask, Trajectories
 from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.truth import truth_of
 from nodegraph_synthesize.damage import lone_samples, offsets
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class Spiky(NamedTuple):
     spiky : Trajectories
         The recording with impulses.
     truth : Trajectories
-        The recording as it came.
+        What errors are measured to: the truth that was put in, else the recording as it came.
     impulses : Mask
         The samples that an impulse has hit.
     """
@@ -39,6 +40,7 @@ class Spiky(NamedTuple):
 @node("impulses.add")
 def add(
     recording: Trajectories,
+    truth: Truth[Trajectories] | None = None,
     *,
     share: Annotated[float, Field(ge=0.0, le=0.2), Unit("share")] = 0.005,
     size: Annotated[float, Field(gt=0.0, le=1000.0), Unit("mm")] = 5.0,
@@ -62,6 +64,9 @@ def add(
     ----------
     recording
         Trajectories, with or without gaps.
+    truth
+        The recording that errors are measured to, the same frames and markers without noise;
+        `recording` itself if left open. It has no influence on what is hit.
     share
         Of the present samples, the number that are hit, to the nearest whole one.
     size
@@ -77,7 +82,8 @@ def add(
     Raises
     ------
     ValueError
-        If the impulses do not fit; the message says how many do.
+        If the impulses do not fit; the message says how many do. If the frames, rate or markers
+        of `truth` are not those of the recording, or it lacks a sample that is hit.
     """
     present = recording.present
     random = random_for("impulses.add", seed)
@@ -89,7 +95,7 @@ def add(
     positions = np.where(hit[..., None], recording.positions + jumps, recording.positions)
     return Spiky(
         replace(recording, positions=positions),
-        recording,
+        truth_of(recording, truth, hit),
         Mask(hidden=hit, markers=recording.markers),
     )
 

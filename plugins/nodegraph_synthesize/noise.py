@@ -1,4 +1,4 @@
-"""Measurement noise on a recording, whose truth is the recording itself."""
+"""Measurement noise on a recording, whose truth is known."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pydantic import Field
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.truth import truth_of
 
 
 class Noisy(NamedTuple):
@@ -21,7 +22,7 @@ class Noisy(NamedTuple):
     noisy : Trajectories
         The recording with noise on every present sample.
     truth : Trajectories
-        The recording as it came.
+        What errors are measured to: the truth that was put in, else the recording as it came.
     """
 
     noisy: Trajectories
@@ -31,13 +32,14 @@ class Noisy(NamedTuple):
 @node("noise.add")
 def add(
     recording: Trajectories,
+    truth: Truth[Trajectories] | None = None,
     *,
     sigma: Annotated[float, Field(ge=0.0, le=100.0), Unit("mm")] = 0.1,
     seed: Annotated[int, Field(ge=0)] = 0,
 ) -> Noisy:
     """Add white Gaussian noise to every present sample.
 
-    ``noisy = truth + sigma g``, with g three independent standard normal numbers per sample:
+    ``noisy = recording + sigma g``, with g three independent standard normal numbers per sample:
     isotropic, independent from frame to frame and from marker to marker. Missing samples stay
     missing, and `origin` stays as it is: the samples are as measured as before. Where the
     recording states its own `sigma`, the two combine as independent errors do, to
@@ -51,9 +53,12 @@ def add(
     ----------
     recording
         Trajectories, with or without gaps.
+    truth
+        The recording that errors are measured to, the same frames and markers without noise;
+        `recording` itself if left open. It has no influence on what is added.
     sigma
-        Standard deviation of each coordinate; the distance from the truth is ``sqrt(3)`` of it,
-        root mean square.
+        Standard deviation of each coordinate; the distance from the recording is ``sqrt(3)`` of
+        it, root mean square.
     seed
         Same seed, same noise.
 
@@ -61,6 +66,11 @@ def add(
     -------
     Noisy
         noisy, truth.
+
+    Raises
+    ------
+    ValueError
+        If the frames, rate or markers of `truth` are not those of the recording.
     """
     shaken = sigma * random_for("noise.add", seed).standard_normal(recording.positions.shape)
     own = recording.sigma
@@ -69,4 +79,4 @@ def add(
         positions=recording.positions + shaken,
         sigma=None if own is None else np.hypot(own, sigma),
     )
-    return Noisy(noisy, recording)
+    return Noisy(noisy, truth_of(recording, truth))

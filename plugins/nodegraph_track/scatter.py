@@ -10,6 +10,7 @@ from pydantic import Field
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Detections, Trajectories
 from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,7 +27,7 @@ class Scattered(NamedTuple):
     detections : Detections
         The points that were kept, and ghosts, in random order within each frame.
     truth : Trajectories
-        The recording as it came.
+        What errors are measured to: the truth that was put in, else the recording as it came.
     """
 
     detections: Detections
@@ -36,6 +37,7 @@ class Scattered(NamedTuple):
 @node("points.scatter")
 def scatter(
     recording: Trajectories,
+    truth: Truth[Trajectories] | None = None,
     *,
     dropout: Annotated[float, Field(ge=0.0, lt=1.0), Unit("share")] = 0.0,
     ghosts: Annotated[float, Field(ge=0.0), Unit("share")] = 0.0,
@@ -53,6 +55,9 @@ def scatter(
     ----------
     recording
         Trajectories, with or without gaps.
+    truth
+        The recording that errors are measured to, the same frames and markers without noise;
+        `recording` itself if left open. It has no influence on what is dropped or added.
     dropout
         Share of the present samples that are dropped.
     ghosts
@@ -64,6 +69,11 @@ def scatter(
     -------
     Scattered
         detections, truth.
+
+    Raises
+    ------
+    ValueError
+        If the frames, rate or markers of `truth` are not those of the recording.
     """
     frame, marker = np.nonzero(recording.present)
     kept = np.ones(len(frame), dtype=np.bool_)
@@ -77,7 +87,7 @@ def scatter(
             recording,
             random_for("order", seed),
         ),
-        recording,
+        truth_of(recording, truth),
     )
 
 

@@ -41,7 +41,27 @@ def read_pair(*, first: Path, second: Path) -> float:
     return 0.0
 
 
-MORE = (face, two, peek)
+class Noisy(NamedTuple):
+    noisy: float
+    truth: Truth[float]
+
+
+@node("noise.add")
+def noise(recording: float, truth: Truth[float] | None = None) -> Noisy:
+    return Noisy(recording, recording if truth is None else truth)
+
+
+@node("score.speech")
+def speech(estimate: float, truth: Truth[float], phonemes: str) -> float:
+    return 0.0
+
+
+@node("score.by_text")
+def by_text(estimate: str, truth: Truth[float]) -> float:
+    return 0.0
+
+
+MORE = (face, two, peek, noise, speech, by_text)
 TEXT = """
 axes: {k: [1, 2]}
 nodes:
@@ -110,7 +130,7 @@ def test_a_port_that_only_draws_is_exempt(problems_of: ProblemsOf) -> None:
         ("[capture]", False),
         ("[capture.output]", False),
         ("[near]", False),  # what comes from it alone is no secret either
-        ("[gaps]", True),
+        ("[gaps.truth]", True),
         ("[capture, near]", False),
     ],
 )
@@ -141,7 +161,7 @@ def test_one_output_of_a_node_may_be_known(
     (problem,) = problems_of(FACE, more=MORE)
     assert problem.message.endswith("face.neutral -> again.output -> error.estimate")
     assert graph_of(FACE.replace("@@", "") + "known: [face.neutral]\n", more=MORE)
-    problems_of(FACE + "known: [gaps]\n", more=MORE)
+    problems_of(FACE + "known: [gaps.truth]\n", more=MORE)
 
 
 FILES = """
@@ -192,3 +212,131 @@ def test_a_graph_that_hides_nothing_has_no_leak(graph_of: Callable[..., Graph]) 
           e: {use: score.gaps, in: {estimate: a, truth: a, hidden: n.hidden}}
         """
     )
+
+
+CLEAN = """
+nodes:
+  face: {use: synthesize.face}
+  noise: {use: noise.add, in: {recording: face.captured, truth: face.truth}}
+  gaps: {use: noise.add, in: {recording: noise.noisy, truth: noise.truth}}
+  fill: {use: fill.hold, in: FILL}
+  error: {use: score.gaps, in: {estimate: fill, truth: TRUTH, hidden: text}}
+  text: {use: text.count}
+"""
+
+
+@node("text.count")
+def count() -> int:
+    return 1
+
+
+@pytest.mark.parametrize(
+    ("fill", "truth", "way"),
+    [
+        ("gaps.noisy", "gaps.truth", ""),
+        ("noise.noisy", "noise.truth", ""),
+        ("face.captured", "face.truth", ""),
+        ("face.captured", "noise.truth", "face.captured -> fill.output"),
+        ("noise.noisy", "gaps.truth", "noise.noisy -> fill.output"),
+        ("face.captured", "gaps.truth", "face.captured -> fill.output"),
+    ],
+)
+def test_the_nearest_damaging_node_decides(
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf, fill: str, truth: str, way: str
+) -> None:
+    written = CLEAN.replace("FILL", fill).replace("TRUTH", truth)
+    if not way:
+        assert graph_of(written, more=(*MORE, count))
+        return
+    (problem,) = problems_of(written.replace("estimate: ", "estimate: @@"), more=(*MORE, count))
+    assert problem.message.endswith(f"{way} -> error.estimate")
+    assert f"{truth.partition('.')[0]}.noisy" in problem.instead
+
+
+@pytest.mark.parametrize("recording", ["face.truth", "noise.noisy"])
+def test_the_truth_of_what_is_damaged_is_named(problems_of: ProblemsOf, recording: str) -> None:
+    written = CLEAN.replace("FILL", "gaps.noisy").replace("TRUTH", "face.truth")
+    written = written.replace("recording: noise.noisy", f"recording: {recording}")
+    (problem,) = problems_of(written.replace("estimate: ", "estimate: @@"), more=(*MORE, count))
+    assert "gaps.noisy -> fill.output -> error.estimate" in problem.message
+    assert "gaps.truth" in problem.instead
+
+
+def test_only_a_node_that_damages_it_takes_the_truth_at_a_plain_port(
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
+) -> None:
+    written = """
+        nodes:
+          face: {use: synthesize.face}
+          gaps: {use: gaps.cut, in: face.truth}
+          fill: {use: fill.hold, in: SOURCE}
+          error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
+        """
+    assert graph_of(written.replace("SOURCE", "gaps.gappy"), more=MORE)
+    for source in ("face.truth", "gaps.truth"):
+        problem, *_ = problems_of(written.replace("SOURCE", f"@@{source}"), more=MORE)
+        assert "must not see it" in problem.message
+        assert source.replace("truth", "captured" if "face" in source else "gappy") in (
+            problem.instead
+        )
+
+
+def test_a_port_of_a_score_other_than_its_estimate_may_come_from_anywhere(
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf
+) -> None:
+    written = """
+        nodes:
+          spoken: {use: text.write, with: {text: a}}
+          capture: {use: strict.spoken, in: spoken}
+          gaps: {use: gaps.cut, in: capture}
+          error: {use: score.speech, in: {estimate: SEEN, truth: gaps.truth, phonemes: spoken}}
+          other: {use: score.by_text, in: {estimate: TEXT, truth: gaps.truth}}
+          shown: {use: text.shown, in: gaps.gappy}
+        """
+
+    @node("strict.spoken")
+    def spoken(words: str) -> float:
+        return 1.0
+
+    @node("text.shown")
+    def shown(number: float) -> str:
+        return str(number)
+
+    more = (*MORE, spoken, shown)
+    assert graph_of(written.replace("SEEN", "gaps.gappy").replace("TEXT", "shown"), more=more)
+    problems_of(written.replace("SEEN", "@@capture").replace("TEXT", "shown"), more=more)
+    problems_of(written.replace("SEEN", "gaps.gappy").replace("TEXT", "@@spoken"), more=more)
+
+
+@pytest.mark.parametrize(
+    ("known", "follows"),
+    [
+        ("fill", False),
+        ("gaps.gappy", False),
+        ("gaps.hidden", False),
+        ("face.neutral", True),
+        ("face.captured", True),
+        ("gaps.truth", True),
+        ("unrelated", True),
+        ("mixed", True),
+    ],
+)
+def test_known_must_name_what_the_check_can_follow(
+    graph_of: Callable[..., Graph], problems_of: ProblemsOf, known: str, follows: bool
+) -> None:
+    written = f"""
+        nodes:
+          face: {{use: synthesize.face}}
+          unrelated: {{use: read.number}}
+          gaps: {{use: gaps.cut, in: face.captured}}
+          fill: {{use: fill.hold, in: gaps.gappy}}
+          mixed: {{use: fill.two, in: {{recording: gaps.gappy, reference: unrelated}}}}
+          error: {{use: score.gaps, in: {{estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}}}
+        known: [@@{known}]
+        """
+    if follows:
+        assert graph_of(written.replace("@@", ""), more=MORE)
+    else:
+        (problem,) = problems_of(written, more=MORE)
+        assert known in problem.message
+        assert "gaps" in problem.message

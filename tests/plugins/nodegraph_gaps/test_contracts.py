@@ -83,8 +83,8 @@ def test_a_good_cut_passes() -> None:
 @pytest.mark.parametrize(
     ("spoil", "text"),
     [
-        (other_truth, "return the recording as it came"),
-        (other_origin, "return the recording as it came"),
+        (other_truth, "return it as it came"),
+        (other_origin, "return it as it came"),
         (other_samples, "samples that are not hidden differ"),
         (still_there, "hidden samples are still there"),
         (missing_before, "hidden samples were missing before"),

@@ -43,7 +43,7 @@ def says_repaired(made: Noisy) -> Noisy:
 @pytest.mark.parametrize(
     ("spoil", "text"),
     [
-        (other_truth, "return the recording as it came"),
+        (other_truth, "return it as it came"),
         (fills, "origins differ from the recording's"),
         (says_repaired, "origins differ from the recording's"),
     ],

@@ -26,7 +26,10 @@ def recording(frames: int = 400, markers: int = 15, *, missing: float = 0.1) -> 
 def test_ports_and_settings_are_as_promised() -> None:
     found = node_of(add)
     assert found is not None
-    assert [str(port) for port in found.inputs] == ["recording: Trajectories"]
+    assert [str(port) for port in found.inputs] == [
+        "recording: Trajectories",
+        "truth: Truth[Trajectories] | None",
+    ]
     assert [str(port) for port in found.outputs] == [
         "noisy: Trajectories",
         "truth: Truth[Trajectories]",
