@@ -22,7 +22,12 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def show(arguments: Namespace) -> int:
     """Print the description of a node."""
-    from nodegraph.node.description import describe_settings, has_example, without_parameters
+    from nodegraph.node.description import (
+        describe_declaration,
+        describe_settings,
+        has_example,
+        without_parameters,
+    )
     from nodegraph.plugin.bibliography import references
     from nodegraph.plugin.registry import Registry
 
@@ -39,6 +44,8 @@ def show(arguments: Namespace) -> int:
         head = ("setting", "default", "unit", "is", "meaning")
         rows = [(row.name, row.default, row.unit, row.kind, row.meaning) for row in settings]
         parts.append(columns([head, *rows]))
+    if declared := describe_declaration(node):
+        parts.append("\n".join(declared))
     parts.append(without_parameters(node.doc))
     if not has_example(node):
         parts.append(_example(entry, registry))

@@ -10,7 +10,7 @@ from functools import cached_property
 from nodegraph.graphfile.definitions import Schema, fixed_or, one_of, ref
 from nodegraph.graphfile.settings_schema import settings_schema
 from nodegraph.node.decorator import Node
-from nodegraph.node.description import meanings
+from nodegraph.node.description import describe_declaration, meanings
 from nodegraph.node.ports import Port
 from nodegraph.plugin.registry import Registered, Registry
 
@@ -119,6 +119,8 @@ def _lines(registered: Registered) -> Iterator[str]:
     if node.inputs:
         yield f"In: {', '.join(map(str, node.inputs))}."
     yield f"Out: {', '.join(map(str, node.outputs))}."
+    if declared := "; ".join(describe_declaration(node)):
+        yield f"{declared[0].upper()}{declared[1:]}."
     yield f"Plugin: {registered.plugin}. Cite: {', '.join(node.cite) or 'nothing'}."
 
 

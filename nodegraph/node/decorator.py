@@ -21,6 +21,7 @@ from typing import (
 )
 
 from nodegraph.errors import NodeError
+from nodegraph.node.declaration import UNDECLARED, Declaration, Ends, LookAhead, Undeclared
 from nodegraph.node.ports import (
     Across,
     ColumnOf,
@@ -46,7 +47,13 @@ _NO_DEFAULT = inspect.Parameter.empty
 
 
 def node(
-    name: str, *, cite: str | tuple[str, ...] = "none", deprecated: str = ""
+    name: str,
+    *,
+    cite: str | tuple[str, ...] = "none",
+    adapted: str = "",
+    lookahead: LookAhead = UNDECLARED,
+    ends: Ends = None,
+    deprecated: str = "",
 ) -> Callable[[F], F]:
     """Make a function a node; it stays callable as it is.
 
@@ -59,6 +66,17 @@ def node(
         ``family.method``, in lower case.
     cite
         Keys of BibTeX entries that the plugin ships, or ``"none"``.
+    adapted
+        What the method is taken from and what differs: ``"from Burke and Lasenby 2016: ..."``.
+        Without it, a method that declares its look-ahead is as published.
+    lookahead
+        How many frames after a frame its result depends on: a number, None for the whole take or
+        any number that the settings do not bound, or a function of the settings that returns one
+        of these: ``lookahead=lambda settings: settings["order"] // 2``. Omitted by nodes that
+        are no method: readers, scores, figures.
+    ends
+        For a family that bridges gaps: whether the result is continuous with the samples at both
+        ends of a gap; or a function of the settings that returns it.
     deprecated
         What to use instead, for a node that another replaces: ``"use fill.new"``. The node works
         as before; graphs that use it get a notice, and ``family.*`` leaves it out.
@@ -66,7 +84,8 @@ def node(
     Raises
     ------
     NodeError
-        If the name is not of that form. The signature is checked when the node is first used.
+        If the name is not of that form. The signature and what is declared are checked when the
+        node is first used.
 
     Examples
     --------
@@ -82,7 +101,9 @@ def node(
 
     def decorate(function: F) -> F:
         cited = tuple(key for key in keys if key != "none")
-        setattr(function, _ATTRIBUTE, Node(name, function, cited, deprecated=deprecated))
+        declaration = Declaration(adapted, lookahead, ends)
+        described = Node(name, function, cited, declaration=declaration, deprecated=deprecated)
+        setattr(function, _ATTRIBUTE, described)
         return function
 
     return decorate
@@ -140,6 +161,8 @@ class Node:
         The function itself, unchanged.
     cite : tuple of str
         Keys of BibTeX entries that its plugin ships.
+    declaration : Declaration
+        What a fair comparison needs to know of a method.
     deprecated : str
         What to use instead, for a node that another replaces.
     """
@@ -147,6 +170,7 @@ class Node:
     name: str
     function: Callable[..., Any]
     cite: tuple[str, ...]
+    declaration: Declaration = field(default=Declaration(), kw_only=True)
     deprecated: str = field(default="", kw_only=True)
 
     @property
@@ -236,7 +260,71 @@ class Node:
         for name in (*(port.name for port in self.inputs), *self.settings):
             if name.startswith("_"):
                 raise NodeError(f"{self.name}: {name!r} begins with an underscore; users write it")
+        defaults = self.defaults
+        if len(defaults) == len(self.settings):
+            self.lookahead(defaults)
+            self.meets_ends(defaults)
         return self
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """The defaults of those settings that have one."""
+        return {
+            setting.name: setting.default
+            for setting in self.settings.values()
+            if not setting.required
+        }
+
+    def lookahead(self, settings: Mapping[str, Any]) -> int | Undeclared | None:
+        """Return how many frames ahead the result depends on; None if nothing bounds them.
+
+        Parameters
+        ----------
+        settings
+            All of them, defaults included.
+
+        Raises
+        ------
+        NodeError
+            If the declared function fails, or what is declared is not a number of frames.
+        """
+        declared = self._declared("lookahead", self.declaration.lookahead, settings)
+        if declared is None or declared is UNDECLARED:
+            return declared
+        if isinstance(declared, int) and not isinstance(declared, bool) and declared >= 0:
+            return declared
+        raise NodeError(
+            f"{self.name}: lookahead is {declared!r}; it must be a number of frames, or None for "
+            "the whole take"
+        )
+
+    def meets_ends(self, settings: Mapping[str, Any]) -> bool | None:
+        """Return whether the result meets both ends of a gap; None if that is not declared.
+
+        Parameters
+        ----------
+        settings
+            All of them, defaults included.
+
+        Raises
+        ------
+        NodeError
+            If the declared function fails, or what is declared is neither true nor false.
+        """
+        declared = self._declared("ends", self.declaration.ends, settings)
+        if declared is None or isinstance(declared, bool):
+            return declared
+        raise NodeError(f"{self.name}: ends is {declared!r}; it must be True or False")
+
+    def _declared(self, what: str, value: Any, settings: Mapping[str, Any]) -> Any:
+        if not callable(value):
+            return value
+        try:
+            return value(settings)
+        except Exception as error:
+            raise NodeError(
+                f"{self.name}: the function given as {what} failed: {type(error).__name__}: {error}"
+            ) from error
 
     def port(self, name: str) -> Port | None:
         """Return the input port of that name, if there is one."""

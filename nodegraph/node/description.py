@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from nodegraph.errors import NodeError
+from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, Setting
 
 FILE, COLUMN, TEXT, NAME = "FILE", "COLUMN", "TEXT", "NAME"
@@ -61,6 +63,57 @@ def describe_settings(node: Node) -> tuple[SettingText, ...]:
 def summary_of(node: Node) -> str:
     """Return a node's first line, which begins with what replaces it, if anything does."""
     return _with_deprecation(node.deprecated, node.summary)
+
+
+def describe_declaration(
+    node: Node, settings: Iterable[Mapping[str, Any]] | None = None
+) -> tuple[str, ...]:
+    """Return what a method declares, a phrase each: its source, its look-ahead, its ends.
+
+    Parameters
+    ----------
+    node
+    settings
+        The settings at which it was used, each with defaults included. By default the node's
+        own defaults.
+    """
+    phrases = []
+    if node.declaration.adapted:
+        phrases.append(f"adapted {node.declaration.adapted}")
+    elif node.cite and node.declaration.lookahead is not UNDECLARED:
+        phrases.append("as published")
+    by_default = settings is None and len(node.settings) > 0
+    used = [node.defaults] if settings is None else list(settings)
+    if used and all(len(each) == len(node.settings) for each in used):
+        frames = dict.fromkeys(_frames_text(node, each) for each in used)
+        ends = dict.fromkeys(_ends_text(node, each) for each in used)
+        varies = by_default and callable(node.declaration.lookahead)
+        phrases += _phrase("look-ahead", frames, varies=varies)
+        varies = by_default and callable(node.declaration.ends)
+        phrases += _phrase("ends of gaps", ends, varies=varies)
+    return tuple(phrases)
+
+
+def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:
+    joined = " or ".join(filter(None, texts))
+    return [f"{what} {joined}{' by default' if varies else ''}"] if joined else []
+
+
+def _frames_text(node: Node, settings: Mapping[str, Any]) -> str:
+    try:
+        frames = node.lookahead(settings)
+    except NodeError:
+        return "unknown"
+    if frames is UNDECLARED:
+        return ""
+    return "unbounded" if frames is None else f"{frames} frame{'' if frames == 1 else 's'}"
+
+
+def _ends_text(node: Node, settings: Mapping[str, Any]) -> str:
+    try:
+        return {None: "", True: "met", False: "not met"}[node.meets_ends(settings)]
+    except NodeError:
+        return "unknown"
 
 
 def setting_kind(node: Node, name: str) -> str:

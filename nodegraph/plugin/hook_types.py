@@ -305,6 +305,10 @@ class Tried:
         Of those settings that have one: ``mm``.
     doc : str
         The node's documentation, which may exempt the node from a promise.
+    lookahead : int or None
+        How many frames ahead the node's result may depend on; None if any.
+    meets_ends : bool
+        Whether the node declares that its result meets both ends of a gap.
     again : callable
         Calls the node again with other inputs, ``again(recording=moved)``, and other settings,
         ``again({"gate": 4.0}, recording=moved)``; returns its outputs, or None if the node
@@ -316,6 +320,8 @@ class Tried:
     settings: Mapping[str, Any]
     units: Mapping[str, str]
     doc: str
+    lookahead: int | None
+    meets_ends: bool
     again: Callable[..., Mapping[str, Any] | None]
 
 

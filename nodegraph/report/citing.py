@@ -104,7 +104,8 @@ def _method(method: MethodRow, form: _Form) -> str:
         if not setting.default
     )
     source = form.cite(method.keys) if method.keys and method.citation else ""
-    return f"{label}{form.code(method.use)}{source}" + (f" ({settings})" if settings else "")
+    details = ", ".join([*map(form.plain, method.declared), *filter(None, [settings])])
+    return f"{label}{form.code(method.use)}{source}" + (f" ({details})" if details else "")
 
 
 def _printed(setting: SettingRow) -> str:

@@ -10,7 +10,12 @@ from typing import Any
 
 from nodegraph.execute import Run
 from nodegraph.graph import GraphNode, Method
-from nodegraph.node.description import SettingText, describe_settings, value_text
+from nodegraph.node.description import (
+    SettingText,
+    describe_declaration,
+    describe_settings,
+    value_text,
+)
 from nodegraph.plan import Combination
 from nodegraph.plugin.bibliography import bibtex_of, references
 from nodegraph.report.study import MethodRow, SettingRow, WithoutResult
@@ -117,6 +122,7 @@ def _row(used: _MethodRun, texts: Mapping[str, str]) -> MethodRow:
         citation="\n".join(texts[key] for key in method.node.cite),
         plugin=method.distribution or method.plugin,
         keys=tuple(method.node.cite),
+        declared=describe_declaration(method.node, _settings(used)),
     )
 
 
@@ -133,10 +139,15 @@ def _setting(used: _MethodRun, setting: SettingText) -> SettingRow:
     )
 
 
+def _settings(used: _MethodRun) -> list[Mapping[str, Any]]:
+    """Return the settings for which there is a result."""
+    shown = used.method.settings.shown.items()
+    return [settings for at, settings in shown if at in used.settings]
+
+
 def _values(used: _MethodRun, name: str) -> list[Any]:
     """Return the different values of a setting for which there is a result."""
-    shown = used.method.settings.shown.items()
-    values = (settings.get(name) for at, settings in shown if at in used.settings)
+    values = (settings.get(name) for settings in _settings(used))
     return list({value_text(value): value for value in values}.values())
 
 

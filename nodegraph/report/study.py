@@ -81,6 +81,8 @@ class MethodRow:
         The node in the graph, the alternative's label if it is one, the method's full name.
     summary : str
         The first sentence of the method's documentation.
+    declared : tuple of str
+        What it is taken from, how far it looks ahead, whether it meets the ends of gaps.
     settings : tuple of SettingRow
         Their values are those at which there is a result.
     citation : str
@@ -99,6 +101,7 @@ class MethodRow:
     citation: str = ""
     plugin: str = ""
     keys: tuple[str, ...] = ()
+    declared: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from nodegraph.errors import NodeError, nearest
+from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
@@ -123,7 +124,7 @@ def _declaration_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str
 def _value_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str]:
     from pydantic import ValidationError
 
-    defaults = _defaults(node)
+    defaults = node.defaults
     try:
         node.model.model_validate({**defaults, **settings})
     except ValidationError as errors:
@@ -244,12 +245,16 @@ def _check_contract(
     name = getattr(contract, "__name__", repr(contract))
     promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
     node = trial.node
+    settings = {**node.defaults, **trial.settings}
+    lookahead = node.lookahead(settings)
     tried = Tried(
         inputs=trial.inputs,
         outputs=outputs,
-        settings={**_defaults(node), **trial.settings},
+        settings=settings,
         units={name: setting.unit for name, setting in node.settings.items() if setting.unit},
         doc=node.doc,
+        lookahead=None if lookahead is UNDECLARED else lookahead,
+        meets_ends=bool(node.meets_ends(settings)),
         again=trial.again,
     )
     try:
@@ -258,9 +263,3 @@ def _check_contract(
         violations = [source.failure(name, error)]
     for violation in violations:
         trial.add_fault(f"breaks what every {node.family}.* node promises: {promise}", violation)
-
-
-def _defaults(node: Node) -> dict[str, Any]:
-    return {
-        name: setting.default for name, setting in node.settings.items() if not setting.required
-    }

@@ -26,7 +26,7 @@ _SETTLED = 1e-11
 """Movement of the mean shape in a round, relative to its size, below which it is found."""
 
 
-@node("align.generalized", cite="gower1975")
+@node("align.generalized", cite="gower1975", lookahead=None)
 def generalized(
     recording: Trajectories,
     *,

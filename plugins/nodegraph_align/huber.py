@@ -19,7 +19,7 @@ _SETTLED = 1e-9
 """Change of weights from one round to the next, below which a frame is done."""
 
 
-@node("align.huber", cite=("huber1964", "verboon_heiser1992"))
+@node("align.huber", cite=("huber1964", "verboon_heiser1992"), lookahead=0)
 def huber(
     recording: Trajectories,
     reference: Trajectories | None = None,

@@ -31,7 +31,7 @@ def _as_pydantic_says_it(steps: tuple[Step, ...]) -> tuple[Step, ...]:
 Steps = Annotated[tuple[Step, ...], AfterValidator(_as_pydantic_says_it)]
 
 
-@node("align.procrustes", cite=("krzanowski2000", "kabsch1978"))
+@node("align.procrustes", cite=("krzanowski2000", "kabsch1978"), lookahead=0)
 def procrustes(
     recording: Trajectories,
     reference: Trajectories | None = None,

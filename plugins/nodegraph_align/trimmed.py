@@ -25,7 +25,7 @@ _FIRST, _ROUNDS = 2, 50
 """Fits from each start, and from the best of them at most."""
 
 
-@node("align.trimmed", cite=("rousseeuw_vandriessen2006", "verboon_heiser1992"))
+@node("align.trimmed", cite=("rousseeuw_vandriessen2006", "verboon_heiser1992"), lookahead=0)
 def trimmed(
     recording: Trajectories,
     reference: Trajectories | None = None,

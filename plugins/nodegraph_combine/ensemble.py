@@ -19,7 +19,12 @@ _LEAST_SPREAD = 1e-3
 """How little, relative to itself, a distance is taken to vary."""
 
 
-@node("combine.ensemble", cite="tits2018")
+@node(
+    "combine.ensemble",
+    cite="tits2018",
+    adapted="from Tits et al. 2018: plausibility comes from distances to neighbours alone",
+    lookahead=None,
+)
 def ensemble(
     recordings: Across[Trajectories], *, neighbours: Annotated[int, Field(ge=1)] = 5
 ) -> Trajectories:

@@ -9,7 +9,7 @@ from nodegraph_combine.recording_stack import stack_recordings
 from nodegraph_mocap import Trajectories
 
 
-@node("combine.mean")
+@node("combine.mean", lookahead=0)
 def mean(recordings: Across[Trajectories]) -> Trajectories:
     """Take the mean of several recordings of one take, sample by sample.
 

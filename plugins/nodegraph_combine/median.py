@@ -9,7 +9,7 @@ from nodegraph_combine.recording_stack import stack_recordings
 from nodegraph_mocap import Trajectories
 
 
-@node("combine.median")
+@node("combine.median", lookahead=0)
 def median(recordings: Across[Trajectories]) -> Trajectories:
     """Take the median of several recordings of one take, coordinate by coordinate.
 

@@ -15,7 +15,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("despike.acceleration", cite="qualisys_spikes")
+@node(
+    "despike.acceleration",
+    cite="qualisys_spikes",
+    adapted=(
+        "from Qualisys Track Manager: a spike is put on a straight line, which its user does by"
+        " hand"
+    ),
+    lookahead=None,
+)
 def acceleration(
     recording: Trajectories,
     *,

@@ -59,6 +59,7 @@ CONTRACTS = (
     repaired_samples_are_marked,
     sigma_belongs_to_its_sample,
     promises.gives_millimetres,
+    promises.looks_ahead_as_declared,
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,

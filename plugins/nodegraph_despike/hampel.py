@@ -16,7 +16,15 @@ _NORMAL = 1.4826
 """The standard deviation of a normal variable over its median absolute deviation."""
 
 
-@node("despike.hampel", cite=("pearson2016", "astola1990"))
+@node(
+    "despike.hampel",
+    cite=("pearson2016", "astola1990"),
+    adapted=(
+        "from Pearson et al. 2016: the vector median and Euclidean lengths take the place of "
+        "the median and absolute values"
+    ),
+    lookahead=lambda settings: settings["reach"],
+)
 def hampel(
     recording: Trajectories,
     *,

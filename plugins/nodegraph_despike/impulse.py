@@ -14,7 +14,7 @@ from nodegraph_mocap import Trajectories
 Order = Literal["simultaneous", "in_place", "redetect"]
 
 
-@node("despike.impulse", cite="zhang_scattered")
+@node("despike.impulse", cite="zhang_scattered", lookahead=None)
 def impulse(
     recording: Trajectories,
     *,

@@ -13,7 +13,12 @@ from nodegraph_despike.vector_median import Reach, running_median
 from nodegraph_mocap import Trajectories
 
 
-@node("despike.median", cite="astola1990")
+@node(
+    "despike.median",
+    cite="astola1990",
+    adapted="from Astola et al. 1990: only samples beyond a threshold are replaced",
+    lookahead=lambda settings: settings["reach"],
+)
 def median(
     recording: Trajectories,
     *,

@@ -25,7 +25,15 @@ _ROUNDING = 1e-9
 """Of a run's size: what is less is rounding."""
 
 
-@node("despike.wavelet", cite=("hsieh_kuo2007", "cohen1992", "donoho1994", "zhang_scattered"))
+@node(
+    "despike.wavelet",
+    cite=("hsieh_kuo2007", "cohen1992", "donoho1994", "zhang_scattered"),
+    adapted=(
+        "from Hsieh and Kuo 2007, known from Zhang et al. alone: threshold, test for peaks and "
+        "repair are chosen here"
+    ),
+    lookahead=None,
+)
 def wavelet(
     recording: Trajectories,
     *,

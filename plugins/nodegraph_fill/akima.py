@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.akima", cite="akima1970")
+@node("fill.akima", cite="akima1970", lookahead=None, ends=True)
 def akima(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     """Fill gaps with a curve of local slopes that hardly overshoots (Akima, 1970).
 

@@ -29,7 +29,16 @@ _SLIGHT = 1e-9
 """So that a cosine of the very frequency of the cut-off is kept, however that was rounded."""
 
 
-@node("fill.bilinear", cite="akhter2012")
+@node(
+    "fill.bilinear",
+    cite="akhter2012",
+    adapted=(
+        "from Akhter et al. 2012: the basis of shapes is learnt from the take itself, and a "
+        "small weight on straight lines decides what the model leaves open"
+    ),
+    lookahead=None,
+    ends=lambda settings: settings["bend"],
+)
 def bilinear(
     recording: Trajectories,
     *,

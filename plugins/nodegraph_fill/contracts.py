@@ -44,6 +44,7 @@ CONTRACTS = (
     present_samples_stay,
     written_samples_are_marked,
     promises.gives_millimetres,
+    promises.looks_ahead_as_declared,
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.cubic", cite="deboor1978")
+@node("fill.cubic", cite="deboor1978", lookahead=None, ends=True)
 def cubic(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     """Fill gaps with a cubic spline through all samples of the marker (de Boor).
 

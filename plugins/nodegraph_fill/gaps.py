@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -20,6 +20,22 @@ if TYPE_CHECKING:
 
 MaxGap = Annotated[int | None, Field(ge=1), Unit("frames")]
 """The setting ``max_gap``: longer gaps stay missing; None fills gaps of any length."""
+
+
+def to_gap_end(settings: Mapping[str, Any]) -> int | None:
+    """Return the look-ahead of a fill that needs the sample after a gap."""
+    max_gap: int | None = settings["max_gap"]
+    return max_gap
+
+
+def to_limit(settings: Mapping[str, Any]) -> int:
+    """Return the look-ahead of a fill that goes forward in time.
+
+    Only a limit makes it look ahead: whether a gap is longer must be known before its first
+    sample is filled. Gaps at the start of a take do not count.
+    """
+    return settings["max_gap"] or 0
+
 
 LONG = "longer than max_gap"
 NEVER = "never measured"

@@ -8,11 +8,11 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise
+from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.guenter", cite=("guenter1998", "zhang_scattered"))
+@node("fill.guenter", cite=("guenter1998", "zhang_scattered"), lookahead=lookahead, ends=ends)
 def guenter(
     recording: Trajectories,
     *,

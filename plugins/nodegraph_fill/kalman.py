@@ -25,7 +25,16 @@ _AT_ONCE = 4096
 """Samples whose variance is computed together, so that memory does not grow with the take."""
 
 
-@node("fill.kalman", cite="burke_lasenby2016")
+@node(
+    "fill.kalman",
+    cite="burke_lasenby2016",
+    adapted=(
+        "from Burke and Lasenby 2016: the subspace and the steps are learnt from the take as "
+        "soft-impute completes it, and each coordinate has its own noise"
+    ),
+    lookahead=None,
+    ends=lambda settings: settings["bend"],
+)
 def kalman(
     recording: Trajectories,
     *,

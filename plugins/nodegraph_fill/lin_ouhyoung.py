@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
 from nodegraph_fill.one_ring import one_ring
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise
+from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.lin_ouhyoung", cite=("lin_ouhyoung2005", "zhang_scattered"))
+def _lookahead(settings: Mapping[str, Any]) -> int | None:
+    # the ring is that of the most complete frame
+    return None if settings["neighbours"] == "one_ring" else lookahead(settings)
+
+
+@node(
+    "fill.lin_ouhyoung",
+    cite=("lin_ouhyoung2005", "zhang_scattered"),
+    adapted=(
+        "from Lin and Ouhyoung 2005: by the equations of Zhang et al., the original could not "
+        "be checked"
+    ),
+    lookahead=_lookahead,
+    ends=ends,
+)
 def lin_ouhyoung(
     recording: Trajectories,
     *,

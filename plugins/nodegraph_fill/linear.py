@@ -8,14 +8,14 @@ import numpy as np
 
 from nodegraph import node
 from nodegraph_fill.along_time import bridge
-from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.linear")
+@node("fill.linear", lookahead=to_gap_end, ends=True)
 def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     """Fill each gap with a straight line between its two ends.
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise
+from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.muscle", cite="zhang_scattered")
+@node("fill.muscle", cite="zhang_scattered", lookahead=lookahead, ends=ends)
 def muscle(
     recording: Trajectories,
     *,

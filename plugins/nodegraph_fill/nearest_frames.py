@@ -19,7 +19,13 @@ _MOST_FRAMES = 4000
 """Frames to choose among, evenly spread over the take."""
 
 
-@node("fill.nearest_frames", cite="troyanskaya2001")
+@node(
+    "fill.nearest_frames",
+    cite="troyanskaya2001",
+    adapted="from Troyanskaya et al. 2001: frames take the place of genes",
+    lookahead=None,
+    ends=False,
+)
 def nearest_frames(
     recording: Trajectories,
     *,

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.gaps import Gaps, MaxGap, to_limit
 from nodegraph_fill.rigid_motion import carried
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
@@ -19,7 +19,16 @@ if TYPE_CHECKING:
 Noise = Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")]
 
 
-@node("fill.neighbour_kalman", cite="aristidou2008")
+@node(
+    "fill.neighbour_kalman",
+    cite="aristidou2008",
+    adapted=(
+        "from Aristidou et al. 2008: the nearest markers take the place of those of a limb, "
+        "three at least"
+    ),
+    lookahead=to_limit,
+    ends=False,
+)
 def neighbour_kalman(
     recording: Trajectories,
     *,

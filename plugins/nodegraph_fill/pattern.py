@@ -8,14 +8,20 @@ import numpy as np
 
 from nodegraph import node
 from nodegraph_fill.along_time import bridge
-from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.pattern", cite="vicon_nexus")
+@node(
+    "fill.pattern",
+    cite="vicon_nexus",
+    adapted="from Vicon Nexus: the donor is the nearest marker, not one that the user picks",
+    lookahead=to_gap_end,
+    ends=True,
+)
 def pattern(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     """Fill each gap with the movement of the nearest marker, bent to meet both ends (Vicon).
 

@@ -24,7 +24,13 @@ _FAR = 0.5
 """Of the mean distance to all markers: beyond it, a marker that has gaps itself is no predictor."""
 
 
-@node("fill.pca", cite="gloersen_federolf2016")
+@node(
+    "fill.pca",
+    cite="gloersen_federolf2016",
+    adapted="from Gloersen and Federolf 2016: B0' B where their code multiplies by B' B0",
+    lookahead=None,
+    ends=lambda settings: settings["bend"],
+)
 def pca(
     recording: Trajectories,
     *,

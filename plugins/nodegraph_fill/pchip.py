@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.pchip", cite="fritsch_butland1984")
+@node("fill.pchip", cite="fritsch_butland1984", lookahead=None, ends=True)
 def pchip(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     """Fill gaps with a monotone piecewise cubic curve (Fritsch & Butland, 1984).
 

@@ -20,7 +20,13 @@ _MOST_FRAMES = 5000
 """Frames to learn from, evenly spread over what there is: more hardly improve the fit."""
 
 
-@node("fill.ridge", cite="hoerl_kennard1970")
+@node(
+    "fill.ridge",
+    cite="hoerl_kennard1970",
+    adapted="from Hoerl and Kennard 1970: applied to each gap, from the nearest markers",
+    lookahead=None,
+    ends=lambda settings: settings["bend"],
+)
 def ridge(
     recording: Trajectories,
     *,

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.rigid_motion import carried
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
@@ -17,7 +17,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.rigid", cite="vicon_nexus")
+@node(
+    "fill.rigid",
+    cite="vicon_nexus",
+    adapted="from Vicon Nexus: the body is the nearest markers, fitted from both ends of the gap",
+    lookahead=to_gap_end,
+    ends=True,
+)
 def rigid(
     recording: Trajectories,
     *,

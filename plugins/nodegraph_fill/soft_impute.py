@@ -13,7 +13,9 @@ from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.soft_impute", cite="mazumder2010")
+@node(
+    "fill.soft_impute", cite="mazumder2010", lookahead=None, ends=lambda settings: settings["bend"]
+)
 def soft_impute(
     recording: Trajectories,
     *,

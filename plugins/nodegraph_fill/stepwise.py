@@ -15,12 +15,13 @@ filled by the same rule backward in time, from the marker's first sample.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph_fill.gaps import LONG, NEVER, Gaps, to_gap_end, to_limit, warn_left
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -34,6 +35,16 @@ its mismatch e is spread, ``e j / (L + 1)`` at the j-th of L frames, where both 
 prediction are there. ``blend``: a forward and a backward pass, each by itself, cross-faded
 linearly; where one is missing, the other.
 """
+
+
+def lookahead(settings: Mapping[str, Any]) -> int | None:
+    """Return the look-ahead of a step-wise fill."""
+    return to_limit(settings) if settings["close_gap"] == "none" else to_gap_end(settings)
+
+
+def ends(settings: Mapping[str, Any]) -> bool:
+    """Return whether a step-wise fill meets both ends of a gap."""
+    return bool(settings["close_gap"] != "none")
 
 
 @dataclass(frozen=True, kw_only=True)

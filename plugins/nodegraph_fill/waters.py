@@ -8,11 +8,20 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise
+from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.waters", cite=("waters1987", "zhang_scattered"))
+@node(
+    "fill.waters",
+    cite=("waters1987", "zhang_scattered"),
+    adapted=(
+        "from Waters 1987: the distance is that of the nearest neighbour, not of the muscle's "
+        "attachment"
+    ),
+    lookahead=lookahead,
+    ends=ends,
+)
 def waters(
     recording: Trajectories,
     *,

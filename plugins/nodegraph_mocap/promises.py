@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Tried
-from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.recording import Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -105,6 +105,34 @@ def runs_with_the_clock(tried: Tried) -> Iterator[str]:
             yield "declines the recording that plays faster"
         else:
             yield from differences(output, again, again.positions)
+
+
+def looks_ahead_as_declared(tried: Tried) -> Iterator[str]:
+    """Let the result in a frame depend on no more frames ahead than the node declares.
+
+    Samples before a marker's first one are exempt: there is nothing before them to go on from.
+    """
+    if tried.lookahead is None:
+        return
+    for recording, output in before_and_after(tried):
+        now = recording.frames // 2
+        later = now + 1 + tried.lookahead
+        positions = recording.positions.copy()
+        positions[later:] += SHIFT / 10.0
+        positions[later:, ::2] = np.nan
+        origin = np.where(np.isnan(positions[..., 0]), Origin.MISSING, recording.origin)
+        changed = replace(recording, positions=positions, origin=origin)
+        again = output_again(tried, changed)
+        if again is None or later >= recording.frames:
+            continue
+        begun = np.maximum.accumulate(recording.present, axis=0)[: now + 1]
+        known, other = (each.positions[: now + 1] for each in (output, again))
+        apart = begun & ~np.all((known == other) | (np.isnan(known) & np.isnan(other)), axis=2)
+        if apart.any():
+            yield (
+                f"{spots(recording, apart)} changed with frames from {later} on: declare a "
+                f"look-ahead of more than {tried.lookahead}, or None"
+            )
 
 
 def gives_millimetres(tried: Tried) -> Iterator[str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, get_args
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import numpy as np
 from pydantic import Field
@@ -18,7 +19,12 @@ if TYPE_CHECKING:
 HIGHEST = 9
 
 
-@node("smooth.bspline", cite="zhang_scattered")
+def _lookahead(settings: Mapping[str, Any]) -> int:
+    order: int = settings["order"]
+    return 2 * order - 2 if settings["ends"] == "clamped" else order // 2
+
+
+@node("smooth.bspline", cite="zhang_scattered", lookahead=_lookahead)
 def bspline(
     recording: Trajectories,
     *,

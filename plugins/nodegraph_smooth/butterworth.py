@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("smooth.butterworth", cite="butterworth1930")
+@node(
+    "smooth.butterworth",
+    cite="butterworth1930",
+    adapted=(
+        "from Butterworth 1930: digital, run forward and backward, ends continued by reflection"
+    ),
+    lookahead=None,
+)
 def butterworth(
     recording: Trajectories,
     *,

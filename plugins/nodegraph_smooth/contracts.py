@@ -59,6 +59,7 @@ CONTRACTS = (
     promises.takes_and_gives_a_recording,
     adds_no_gap_and_fills_none,
     promises.gives_millimetres,
+    promises.looks_ahead_as_declared,
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,

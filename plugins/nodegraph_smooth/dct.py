@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("smooth.dct", cite="edge_fragments")
+@node(
+    "smooth.dct",
+    cite="edge_fragments",
+    adapted="from Edge et al., known from Zhang et al. alone: it reduces noise and fills nothing",
+    lookahead=None,
+)
 def dct(recording: Trajectories, *, cutoff: Cutoff = 10.0) -> Trajectories:
     """Smooth by keeping the slow coefficients of the discrete cosine transform.
 

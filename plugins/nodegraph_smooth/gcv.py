@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SHORTEST = 5
 
 
-@node("smooth.gcv", cite=("craven_wahba1979", "woltring1986"))
+@node("smooth.gcv", cite=("craven_wahba1979", "woltring1986"), lookahead=None)
 def gcv(recording: Trajectories) -> Trajectories:
     """Smooth by the cubic smoothing spline that generalised cross-validation chooses (Woltring).
 

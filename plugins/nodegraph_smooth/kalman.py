@@ -18,7 +18,7 @@ from nodegraph_smooth.runs import Runs, long_enough
 Motion = Literal["velocity", "acceleration"]
 
 
-@node("smooth.kalman", cite=("rauch1965", "bar_shalom2001"))
+@node("smooth.kalman", cite=("rauch1965", "bar_shalom2001"), lookahead=None)
 def kalman(
     recording: Trajectories,
     *,

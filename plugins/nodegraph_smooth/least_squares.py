@@ -11,7 +11,7 @@ from nodegraph_smooth.runs import smooth_runs
 DEGREE = 3
 
 
-@node("smooth.least_squares", cite="deboor1978")
+@node("smooth.least_squares", cite="deboor1978", lookahead=None)
 def least_squares(recording: Trajectories, *, spacing: Seconds = 0.05) -> Trajectories:
     """Smooth by the cubic spline on evenly spaced knots that fits best in the least squares.
 

@@ -17,7 +17,15 @@ if TYPE_CHECKING:
 Frequency = Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("Hz")]
 
 
-@node("smooth.one_euro", cite="casiez2012")
+@node(
+    "smooth.one_euro",
+    cite="casiez2012",
+    adapted=(
+        "from Casiez et al. 2012: one cut-off for all three coordinates, by the length of the "
+        "velocity"
+    ),
+    lookahead=0,
+)
 def one_euro(
     recording: Trajectories,
     *,

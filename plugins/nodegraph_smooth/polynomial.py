@@ -13,7 +13,15 @@ from nodegraph_smooth.knots import fit
 from nodegraph_smooth.runs import smooth_runs
 
 
-@node("smooth.polynomial", cite="liu2004")
+@node(
+    "smooth.polynomial",
+    cite="liu2004",
+    adapted=(
+        "from Liu et al. 2004, known from Zhang et al. alone: segments of equal length that "
+        "meet in value and slope"
+    ),
+    lookahead=None,
+)
 def polynomial(
     recording: Trajectories,
     *,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("smooth.savgol", cite="savitzky_golay1964")
+@node("smooth.savgol", cite="savitzky_golay1964", lookahead=None)
 def savgol(
     recording: Trajectories,
     *,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("smooth.whittaker", cite="eilers2003")
+@node("smooth.whittaker", cite="eilers2003", lookahead=None)
 def whittaker(
     recording: Trajectories,
     *,

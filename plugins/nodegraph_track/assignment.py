@@ -8,7 +8,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow
+from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow, lookahead
 from nodegraph_track.linking import assign
 
 if TYPE_CHECKING:
@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("track.assignment", cite=("crocker_grier1996", "crouse2016", "gardner_mckenzie1985"))
+@node(
+    "track.assignment",
+    cite=("crocker_grier1996", "crouse2016", "gardner_mckenzie1985"),
+    adapted=(
+        "from Crocker and Grier 1996: distances are to positions predicted by a damped velocity"
+    ),
+    lookahead=lookahead,
+)
 def assignment(
     detections: Detections,
     *,
@@ -47,8 +54,8 @@ def assignment(
     for is missing. Nothing depends on the order of the points within a frame, unless points
     coincide.
 
-    Looks ahead 0 frames to link a frame's points, and to the take's end to drop short tracks
-    (and for a `gate` made from the data).
+    Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
+    and to the take's end for a `gate` made from the data.
 
     Parameters
     ----------

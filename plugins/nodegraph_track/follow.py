@@ -10,7 +10,8 @@ that end with fewer than `shortest` points are dropped as ghosts.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, NamedTuple, Protocol
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -24,6 +25,12 @@ if TYPE_CHECKING:
 Gate = Annotated[float, Field(gt=0.0), Unit("mm")] | None
 Patience = Annotated[int, Field(ge=0), Unit("frames")]
 Shortest = Annotated[int, Field(ge=1), Unit("frames")]
+
+
+def lookahead(settings: Mapping[str, Any]) -> int | None:
+    """Return the look-ahead of a tracker: what makes a point a ghost lies ahead of it."""
+    # a gate that is not set is made from points of the whole take
+    return None if settings["gate"] is None else int(settings["shortest"]) - 1
 
 
 class OpenTracks(NamedTuple):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow
+from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow, lookahead
 from nodegraph_track.linking import take_nearest
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("track.nearest")
+@node("track.nearest", lookahead=lookahead)
 def nearest(
     detections: Detections, *, gate: Gate = None, patience: Patience = 60, shortest: Shortest = 3
 ) -> Trajectories:
@@ -29,8 +29,8 @@ def nearest(
     for is missing. Nothing depends on the order of the points within a frame, unless points
     coincide.
 
-    Looks ahead 0 frames to link a frame's points, and to the take's end to drop short tracks
-    (and for a `gate` made from the data).
+    Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
+    and to the take's end for a `gate` made from the data.
 
     Parameters
     ----------

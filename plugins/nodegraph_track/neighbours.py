@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow
+from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow, lookahead
 from nodegraph_track.linking import assign
 
 if TYPE_CHECKING:
@@ -21,7 +21,15 @@ MOST_ROUNDS = 8
 """How often motion and links are found from each other; two rounds nearly always settle them."""
 
 
-@node("track.neighbours", cite=("guenter1998", "crocker_grier1996", "crouse2016"))
+@node(
+    "track.neighbours",
+    cite=("guenter1998", "crocker_grier1996", "crouse2016"),
+    adapted=(
+        "from Crocker and Grier 1996: distances are to positions predicted by the neighbours' "
+        "motion, after Guenter et al. 1998"
+    ),
+    lookahead=lookahead,
+)
 def neighbours(
     detections: Detections,
     *,
@@ -61,8 +69,8 @@ def neighbours(
     for is missing. Nothing depends on the order of the points within a frame, unless points
     coincide.
 
-    Looks ahead 0 frames to link a frame's points, and to the take's end to drop short tracks
-    (and for a `gate` made from the data).
+    Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
+    and to the take's end for a `gate` made from the data.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ def cut(x: float, *, length: Annotated[int, Field(ge=1), Unit("frames")] = 3) ->
     '''
     return Cut(x - length, x)
 
-@node("fill.hold", cite="hold2001")
+@node("fill.hold", cite="hold2001", lookahead=0, ends=False)
 def hold(x: float) -> float:
     '''Hold on.'''
     return x

@@ -38,7 +38,9 @@ def test_a_node_is_shown(command: Command) -> None:
     assert "truth: Truth[float]" in out
     assert "length   3        frames  whole number >= 1  Of the gap." in out
     assert out.endswith("cite: nothing\n")
-    assert "hold2001 (no BibTeX entry is installed)" in command("show", "fill.hold")[1]
+    hold = command("show", "fill.hold")[1]
+    assert "\n\nas published\nlook-ahead 0 frames\nends of gaps not met\n\n" in hold
+    assert "hold2001 (no BibTeX entry is installed)" in hold
     assert command("show", "toys:toy.cut")[1] == out
     status, _, err = command("show", "toy.cutt")
     assert status == 2

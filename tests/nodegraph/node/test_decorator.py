@@ -8,7 +8,9 @@ import pytest
 from pydantic import Field, ValidationError
 
 from nodegraph import Across, InputFile, NodeError, Truth, Unit, Value, node
+from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, node_of
+from nodegraph.node.description import describe_declaration
 from nodegraph.node.ports import Port
 
 
@@ -250,3 +252,52 @@ def test_what_a_signature_lacks_is_named_with_the_node(
 
 def test_an_undecorated_function_is_no_node() -> None:
     assert node_of(len) is None
+
+
+def test_what_is_declared_depends_on_the_settings() -> None:
+    @node(
+        "toy.window",
+        cite="one2001",
+        adapted="from One 2001: two-sided",
+        lookahead=lambda settings: settings["reach"],
+        ends=True,
+    )
+    def window(x: float, *, reach: int | None = 3) -> float:
+        return x
+
+    found = described(window)
+    assert found.lookahead({"reach": 5}) == 5
+    assert found.lookahead({"reach": None}) is None
+    assert found.meets_ends({"reach": 5}) is True
+    assert describe_declaration(found) == (
+        "adapted from One 2001: two-sided",
+        "look-ahead 3 frames by default",
+        "ends of gaps met",
+    )
+    used: list[dict[str, int | None]] = [{"reach": 1}, {"reach": None}]
+    assert "look-ahead 1 frame or unbounded" in describe_declaration(found, used)
+
+
+def test_a_node_that_declares_nothing_is_no_method() -> None:
+    found = described(every)
+    assert found.lookahead({}) is UNDECLARED
+    assert found.meets_ends({}) is None
+    assert describe_declaration(found) == ()
+
+
+@pytest.mark.parametrize(
+    ("declared", "named"),
+    [
+        ({"lookahead": -1}, "lookahead is -1"),
+        ({"lookahead": lambda settings: 0.5}, "lookahead is 0.5"),
+        ({"lookahead": lambda settings: settings["order"]}, "lookahead failed: KeyError: 'order'"),
+        ({"ends": lambda settings: "met"}, "ends is 'met'"),
+    ],
+)
+def test_a_wrong_declaration_is_named(declared: dict[str, Any], named: str) -> None:
+    @node("toy.wrong", **declared)
+    def wrong(x: float, *, reach: int = 1) -> float:
+        return x
+
+    with pytest.raises(NodeError, match=named):
+        described(wrong)

@@ -14,7 +14,13 @@ STUDY = Study(
         MethodRow(
             "fill", "fill.muscle", label="muscle", citation="Zhang", keys=("zhang", "waters")
         ),
-        MethodRow("fill", "fill.lin_ouhyoung", label="lin|2", settings=(DEFAULT,)),
+        MethodRow(
+            "fill",
+            "fill.lin_ouhyoung",
+            label="lin|2",
+            settings=(LENGTH, DEFAULT),
+            declared=("as published", "look-ahead 0 frames"),
+        ),
     ),
     bibtex="@article{zhang,}",
     versions=(("python", "3.11"), ("nodegraph", "0.1"), ("numpy", "2.4"), ("numba", "1")),
@@ -25,7 +31,8 @@ def test_the_paragraph_names_methods_sources_and_what_differs_from_the_defaults(
     assert cited(STUDY)["methods.md"] == (
         "Step `gaps` used `gaps.cut` (`length` 5, 15 frames). "
         "Step `fill` compared 2 methods: `muscle`: `fill.muscle` [@zhang; @waters]; "
-        "`lin|2`: `fill.lin_ouhyoung`. "
+        "`lin|2`: `fill.lin_ouhyoung` (as published, look-ahead 0 frames, "
+        "`length` 5, 15 frames). "
         "All of it ran in nodegraph 0.1 (python 3.11, numpy 2.4); settings that are not named had "
         "their defaults.\n"
     )
@@ -42,11 +49,12 @@ def test_the_tables_hold_every_setting_with_its_unit() -> None:
     assert lines[2:] == [
         "| gaps | gaps.cut | length | 5, 15 | frames |",
         "| gaps | gaps.cut | close_gap | none |  |",
+        r"| fill | fill.lin_ouhyoung (lin\|2) | length | 5, 15 | frames |",
         r"| fill | fill.lin_ouhyoung (lin\|2) | close_gap | none |  |",
     ]
     latex = cited(STUDY)["settings.tex"]
     assert r"fill & fill.lin\_ouhyoung (lin|2) & close\_gap & none &  \\" in latex
-    assert latex.count(r"\\") == 4
+    assert latex.count(r"\\") == 5
 
 
 def test_signs_of_latex_are_shown_and_none_is_obeyed() -> None:

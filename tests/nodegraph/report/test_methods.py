@@ -90,3 +90,17 @@ def test_of_several_runs_each_says_what_gave_no_result(run_of: Callable[..., Run
         "after (fill.hold): 2 left out (one)",
         "fill=hold (fill.hold): 4 left out (two)",
     ]
+
+
+def test_what_a_method_declares_holds_for_its_settings(run_of: Callable[..., Run]) -> None:
+    @node("toy.window", cite="one2001", lookahead=lambda settings: settings["reach"])
+    def window(x: float, *, reach: int = 1) -> float:
+        return x
+
+    text = TEXT.replace(
+        "skip:", "  wide: {use: toy.window, in: capture, with: {reach: $length}}\n    skip:"
+    )
+    rows = Methods(run_of(text, more=[window])).rows()
+    assert {row.node: row.declared for row in rows if row.declared} == {
+        "wide": ("as published", "look-ahead 1 frame or 15 frames")
+    }

@@ -139,7 +139,17 @@ def test_all_of_a_study_is_in_its_page() -> None:
         ),
         inputs=(SettingRow("recording", "sample:face"),),
         known=("face.neutral",),
-        methods=(MethodRow("gaps", "gaps.cut", "Hide samples.", "", settings, "Nobody (2001)."),),
+        methods=(
+            MethodRow(
+                "gaps",
+                "gaps.cut",
+                "Hide samples.",
+                "",
+                settings,
+                "Nobody (2001).",
+                declared=("adapted from Nobody 2001: less", "look-ahead 3 frames"),
+            ),
+        ),
         notes=refusals(3),
         timings=timings(),
         seconds=131.0,
@@ -155,6 +165,7 @@ def test_all_of_a_study_is_in_its_page() -> None:
     read = Page(html)
     texts = [*whole.answer, "4 steps done in 2 min 11 s", "3 refused", "Errors", "drawn"]
     texts += ["sample:face", "0 \u2026 99", "3, 5", "face.neutral", "Hide samples."]
+    texts += ["Adapted from Nobody 2001: less; look-ahead 3 frames."]
     texts += ["5, 15 frames", "How long a gap is.", "Nobody (2001).", "numpy", "2.1.3", "0, 1"]
     texts += [whole.command, whole.graph_text, whole.graph_file, whole.created, whole.machine]
     for text in texts:

@@ -21,6 +21,7 @@ COMMON = (
     promises.moves_with_the_face,
     promises.turns_with_the_face,
     promises.scales_with_the_face,
+    promises.looks_ahead_as_declared,
     promises.does_not_depend_on_the_order_of_markers,
 )
 
@@ -135,3 +136,21 @@ def test_settings_are_scaled_by_their_unit(unit: str, power: int) -> None:
     watch.__annotations__["size"] = Annotated[float, Unit(unit)]
     check(node("toy.seen")(watch))
     assert set(seen) == {3.0, 3.0 * 2.0**power}
+
+
+def test_more_frames_ahead_than_are_declared_are_found() -> None:
+    def later(recording: Trajectories, frames: int) -> Trajectories:
+        return moved(recording, 0.1 * (recording.positions[-1] - recording.positions[0]) * frames)
+
+    @node("toy.causal", lookahead=0)
+    def causal(recording: Trajectories) -> Trajectories:
+        """Move every sample by a share of how far the marker has come in the end."""
+        return later(recording, 1)
+
+    @node("toy.honest", lookahead=None)
+    def honest(recording: Trajectories) -> Trajectories:
+        """Move every sample by a share of how far the marker has come in the end."""
+        return later(recording, 1)
+
+    assert "declare a look-ahead of more than 0, or None" in broken_promises(causal)
+    check(honest)

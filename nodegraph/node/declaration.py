@@ -1,0 +1,43 @@
+"""What a method declares beside its ports and settings, so that comparisons are fair."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Final, Literal
+
+
+class Undeclared(Enum):
+    """The type of `UNDECLARED`, which is not None: None is the whole take."""
+
+    UNDECLARED = "undeclared"
+
+
+UNDECLARED: Final = Undeclared.UNDECLARED
+"""The look-ahead of a node that declares none, as one that is no method."""
+
+LookAhead = int | None | Literal[Undeclared.UNDECLARED] | Callable[[Mapping[str, Any]], int | None]
+"""Frames, None for the whole take, or what returns one of these for settings."""
+
+Ends = bool | None | Callable[[Mapping[str, Any]], bool]
+"""Whether both ends of a gap are met, or what returns it for settings; None: not declared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """What a fair comparison needs to know of a method; see `nodegraph.node` for the meanings.
+
+    `nodegraph.node.decorator.Node` evaluates it for settings.
+
+    Attributes
+    ----------
+    adapted : str
+        Empty for a method that is as published.
+    lookahead : LookAhead
+    ends : Ends
+    """
+
+    adapted: str = ""
+    lookahead: LookAhead = UNDECLARED
+    ends: Ends = None
