@@ -26,23 +26,23 @@ from nodegraph.node.ports import (
     Unit,
 )
 from nodegraph.node.values import Files, Value, read_only
-from nodegraph.plugin.hook_types import (
-    Command,
-    Comparison,
-    Conclusion,
-    Contract,
-    Format,
-    Rendered,
-    Renderer,
-    Storage,
-    Tried,
-)
-from nodegraph.plugin.hooks import hookimpl
 
 if TYPE_CHECKING:
     from nodegraph.api import load, run
     from nodegraph.kernels import kernel
     from nodegraph.plugin.formats import formats
+    from nodegraph.plugin.hook_types import (
+        Command,
+        Comparison,
+        Conclusion,
+        Contract,
+        Format,
+        Rendered,
+        Renderer,
+        Storage,
+        Tried,
+    )
+    from nodegraph.plugin.hooks import hookimpl
     from nodegraph.plugin.registry import get_node
 
 __all__ = [
@@ -89,14 +89,15 @@ _LATE = {
     "run": "nodegraph.api",
     "formats": "nodegraph.plugin.formats",
     "get_node": "nodegraph.plugin.registry",
+    "hookimpl": "nodegraph.plugin.hooks",
     "kernel": "nodegraph.kernels",
 }
 
 
 def __getattr__(name: str) -> Any:
-    # plugins import this package for the decorator alone
-    if name not in _LATE:
+    # every command imports this package, and few need more of it than the errors
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(_LATE[name]), name)
+    return getattr(import_module(_LATE.get(name, "nodegraph.plugin.hook_types")), name)

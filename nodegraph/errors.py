@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 
-class Place(NamedTuple):  # which is created faster than a frozen dataclass
+class Place(NamedTuple):
     """A file, with a line and a column counted from 1; or a command-line option."""
 
     file: str
@@ -19,8 +17,7 @@ class Place(NamedTuple):  # which is created faster than a frozen dataclass
         return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
 
 
-@dataclass(frozen=True, slots=True)
-class Problem:
+class Problem(NamedTuple):
     """One error in a graph: its place, what is wrong, and what there is instead."""
 
     place: Place
@@ -113,6 +110,8 @@ def nearest(name: object, known: Iterable[object], *, what: str = "there is") ->
 
 def closest(name: object, known: Iterable[object]) -> str:
     """Return the known name that is most similar, in any case; empty if none is similar."""
+    import difflib
+
     by_lower = {str(each).lower(): str(each) for each in known}
     close = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.6)
     return by_lower[close[0]] if close else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
@@ -53,6 +52,6 @@ def _copy(path: Path, folder: Path) -> None:
     for name in names:
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path.parent / name, target)
+        target.write_bytes((path.parent / name).read_bytes())
     first = folder / path.name
     print(f"wrote {first}; run it with: nodegraph run {first}")

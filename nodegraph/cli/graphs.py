@@ -5,11 +5,10 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from nodegraph.api import Run, run_graph
 from nodegraph.cli.arguments import input_values, pairs
 from nodegraph.cli.output import say
-from nodegraph.cli.progress import progress
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import HowToRun, Listener, open_store
 from nodegraph.filenames import portable_name
@@ -18,6 +17,9 @@ from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.settings import read_labels
 from nodegraph.store import Store
+
+if TYPE_CHECKING:
+    from nodegraph.api import Run
 
 
 def graph_of(arguments: Namespace) -> Graph:
@@ -93,6 +95,9 @@ def run_of(
     until, listeners
         As in `nodegraph.api.run`.
     """
+    from nodegraph.api import run_graph
+    from nodegraph.cli.progress import progress
+
     for line in left_out_lines(graph):
         say(line)
     with progress() as display:

@@ -10,22 +10,27 @@ import gc
 import os
 import sys
 import warnings
-from argparse import SUPPRESS, Action, ArgumentParser
-from collections.abc import Mapping, Sequence
-from importlib import import_module, metadata
+from argparse import SUPPRESS, Action, ArgumentParser, Namespace
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
 from nodegraph.errors import NodegraphError
-from nodegraph.plugin.hook_types import Command
 
 COMMANDS = (
     "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
     "audit", "export", "report", "cite", "archive", "cache", "schema",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
+
+
+class _Command(NamedTuple):
+    help: str
+    add_arguments: Callable[[ArgumentParser], None]
+    call: Callable[[Namespace], int]
 
 
 def program() -> int:
@@ -50,7 +55,7 @@ def main(words: Sequence[str] | None = None) -> int:
             commands = _commands(words)
             if words[:1] == ["help"]:
                 words = [*words[1:], "--help"]
-            arguments = _parser(commands).parse_args(words)
+            arguments = _parser(commands, words).parse_args(words)
             status = int(commands[arguments.command].call(arguments))
             sys.stdout.flush()
             return status
@@ -69,7 +74,7 @@ def main(words: Sequence[str] | None = None) -> int:
             return 1
 
 
-def _commands(words: Sequence[str]) -> Mapping[str, Command]:
+def _commands(words: Sequence[str]) -> Mapping[str, _Command]:
     """Return the commands among which the first word chooses.
 
     For a word that is a built-in command that is this one alone, so that nothing else is
@@ -88,15 +93,20 @@ def _commands(words: Sequence[str]) -> Mapping[str, Command]:
     added = Registry.installed(options.parse_known_args(words)[0].plugin).hooks.commands
     for name in added.keys() & commands.keys():
         warnings.warn(f"command {name!r} of a plugin is left out: it is built in", stacklevel=2)
-    return {**commands, **{name: added[name] for name in added if name not in commands}}
+    return commands | {
+        name: _Command(command.help, command.add_arguments, command.call)
+        for name, command in added.items()
+        if name not in commands
+    }
 
 
-def _built_in(name: str) -> Command:
+def _built_in(name: str) -> _Command:
     module = import_module(f"nodegraph.cli.{name}")
-    return Command(module.HELP, module.add_arguments, getattr(module, name))
+    return _Command(module.HELP, module.add_arguments, getattr(module, name))
 
 
-def _parser(commands: Mapping[str, Command]) -> ArgumentParser:
+def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentParser:
+    """Return the parser of all commands, with the arguments of those that the words name."""
     parser = ArgumentParser(
         prog="nodegraph",
         description="Compare methods that process facial motion capture.",
@@ -123,10 +133,11 @@ def _parser(commands: Mapping[str, Command]) -> ArgumentParser:
             allow_abbrev=False,
             add_help=False,
         )
-        _add_help(choice)
-        if name not in COMMANDS:
-            add_plugin(choice)
-        command.add_arguments(choice)
+        if name in words:
+            _add_help(choice)
+            if name not in COMMANDS:
+                add_plugin(choice)
+            command.add_arguments(choice)
     return parser
 
 
@@ -138,6 +149,8 @@ class _Version(Action):
     """Print the version, which is looked up only then."""
 
     def __call__(self, parser: ArgumentParser, *rest: Any) -> None:
+        from importlib import metadata
+
         print(f"nodegraph {metadata.version('nodegraph')}")
         parser.exit()
 

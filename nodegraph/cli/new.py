@@ -6,7 +6,6 @@ import re
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Collection
-from importlib import metadata
 from importlib.machinery import PathFinder
 from keyword import iskeyword
 from pathlib import Path
@@ -103,6 +102,8 @@ def _owner(name: str, registry: Registry) -> str:
             return f"the package of the plugin {plugin.name!r}"
     if name in sys.stdlib_module_names:
         return "a module of Python"
+    from importlib import metadata
+
     try:
         return f"the installed package {_with_version(name)}"
     except metadata.PackageNotFoundError:
@@ -125,8 +126,10 @@ def _is_importable(name: str) -> bool:
 
 
 def _with_version(package: str) -> str:
-    distribution = metadata.distribution(package)
-    return f"{distribution.name} {distribution.version}"
+    from importlib.metadata import distribution
+
+    installed = distribution(package)
+    return f"{installed.name} {installed.version}"
 
 
 def _files(folder: Path, name: str) -> dict[Path, str]:

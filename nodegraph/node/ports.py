@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, NamedTuple, TypeVar
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -14,15 +14,13 @@ Label = str | int | float | bool
 """A label on an axis. The empty text stands where a gathered value does not have the axis."""
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(NamedTuple):
     """The unit of a setting, shown wherever the setting is: ``Annotated[float, Unit("mm")]``."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class Deprecated:
+class Deprecated(NamedTuple):
     """Marks a setting that another replaces, with what to use instead.
 
     ``Annotated[int | None, Deprecated("use max_gap")] = None``. It works as before; graphs that
@@ -43,8 +41,7 @@ class Columns:
         self.names = names
 
 
-@dataclass(frozen=True, slots=True)
-class ColumnOf:
+class ColumnOf(NamedTuple):
     """Marks a setting that names a column of the tables at a port, or several.
 
     ``Annotated[str | None, ColumnOf("scores")]``. With `or_axis`, it may also name an axis that
@@ -55,8 +52,7 @@ class ColumnOf:
     or_axis: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class LabelOf:
+class LabelOf(NamedTuple):
     """Marks a setting that names a label of an axis that a port gathers.
 
     ``Annotated[str | None, LabelOf("scores", axis="compare")]``: of the axis that the setting
@@ -67,12 +63,10 @@ class LabelOf:
     axis: str
 
 
-@dataclass(frozen=True, slots=True)
 class TruthMark:
     """Marks a port that takes or gives the truth."""
 
 
-@dataclass(frozen=True, slots=True)
 class FileMark:
     """Marks a setting that names a file to read."""
 

@@ -9,7 +9,8 @@ import sys
 import time
 from collections.abc import Container, Iterable
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, entry_points
+from functools import cache
+from importlib.metadata import Distribution, entry_points
 from pathlib import Path
 from traceback import walk_tb
 from typing import Any
@@ -78,7 +79,8 @@ def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
     broken: list[BrokenPlugin] = []
     for entry in sorted(entry_points(group=hooks.GROUP), key=lambda entry: entry.name):
         try:
-            plugins.append(Plugin(entry.name, entry.load(), _distribution(entry)))
+            module = entry.load()
+            plugins.append(Plugin(entry.name, module, _name_and_version(entry.dist)))
         except (Exception, SystemExit) as error:
             reason = f"{entry.value}: {error_text(error, _top_package(entry.module))}"
             broken.append(BrokenPlugin(entry.name, reason))
@@ -172,8 +174,9 @@ def _add_nodes_hook(module: Any, known: Container[Node]) -> None:
     module.nodegraph_nodes = nodegraph_nodes
 
 
-def _distribution(entry: EntryPoint) -> str:
-    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
+@cache  # most plugins are of one distribution, whose metadata is parsed at each look
+def _name_and_version(distribution: Distribution | None) -> str:
+    return f"{distribution.name} {distribution.version}" if distribution else ""
 
 
 def _last_line(error: BaseException, package: str) -> tuple[str, int]:

@@ -89,7 +89,7 @@ class Entry(BaseModel):
         SHA-256 and size for a blob.
     """
 
-    model_config = ConfigDict(strict=True, frozen=True)
+    model_config = ConfigDict(strict=True, frozen=True, defer_build=True)
 
     key: _Sum
     node: str

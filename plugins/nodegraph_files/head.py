@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_files.text.table import text_lines
 from nodegraph_files.units import MILLIMETRES
 from nodegraph_mocap.head import Head
 
@@ -23,6 +21,9 @@ _LEAST, _MOST = 100.0, 500.0
 
 _USUAL = ("m", "cm", "mm")
 """At most one of them gives a plausible size, as they lie further apart than its bounds."""
+
+NEUTRAL = "neutral.obj"
+"""The head at rest in a folder with an OBJ file per morph target."""
 
 _COLUMNS = ["marker", "vertex"]
 
@@ -131,6 +132,10 @@ def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
         With file and line, if a row is not of that form, a marker is there twice, or the mesh has
         no such vertex.
     """
+    import csv
+
+    from nodegraph_files.text.table import text_lines
+
     rows = csv.reader(text_lines(path), strict=True)
     vertex_of: dict[str, int] = {}
     try:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Format
-from nodegraph_files.head import RawHead
+from nodegraph_files.head import NEUTRAL, RawHead
 from nodegraph_files.text.table import cell_numbers
 
 if TYPE_CHECKING:
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 UNIT = "mm"
 """An OBJ file tells none; this one is assumed."""
-
-NEUTRAL = "neutral.obj"
-"""The head at rest in a folder with an OBJ file per morph target."""
 
 _CORNER = re.compile(r"(-?[0-9]{1,18})(/.*)?")
 

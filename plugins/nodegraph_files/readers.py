@@ -12,9 +12,8 @@ import numpy as np
 
 from nodegraph import Format, InputFile, Truth, formats, node
 from nodegraph_files.formats import file_names, format_of
-from nodegraph_files.head import RawHead, read_marker_vertices, unit_of_mesh
+from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
-from nodegraph_files.obj import NEUTRAL
 from nodegraph_files.paths import find_file
 from nodegraph_files.units import MILLIMETRES
 from nodegraph_mocap.face_model import BlendshapeModel, Weights

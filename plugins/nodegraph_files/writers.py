@@ -9,13 +9,6 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Files, node
-from nodegraph_files.c3d import c3d_bytes
-from nodegraph_files.glb.writing import animation_bytes, head_bytes
-from nodegraph_files.marker_set import marker_set_text
-from nodegraph_files.model import model_bytes
-from nodegraph_files.npz import npz_bytes
-from nodegraph_files.text.csv import csv_bytes
-from nodegraph_files.text.trc import trc_bytes
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_model import BlendshapeModel
 from nodegraph_mocap.head import Head
@@ -48,6 +41,8 @@ def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
     ValueError
         If the form cannot hold the recording: too many frames, too long names.
     """
+    from nodegraph_files.c3d import c3d_bytes
+
     return _file(name, ".c3d", _checked(recording, c3d_bytes(recording)))
 
 
@@ -74,6 +69,8 @@ def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
     ValueError
         If the form cannot hold a marker's name.
     """
+    from nodegraph_files.text.trc import trc_bytes
+
     return _file(name, ".trc", _checked(recording, trc_bytes(recording)))
 
 
@@ -100,6 +97,8 @@ def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
     ValueError
         If the form cannot hold a marker's name.
     """
+    from nodegraph_files.text.csv import csv_bytes
+
     return _file(name, ".csv", _checked(recording, csv_bytes(recording)))
 
 
@@ -119,6 +118,8 @@ def write_npz(recording: Trajectories, *, name: Name = "recording") -> Files:
     Files
         One file.
     """
+    from nodegraph_files.npz import npz_bytes
+
     return _file(name, ".npz", npz_bytes(recording))
 
 
@@ -138,6 +139,8 @@ def write_marker_set(marker_set: MarkerSet, *, name: Name = "markers") -> Files:
     Files
         One file.
     """
+    from nodegraph_files.marker_set import marker_set_text
+
     return _file(name, ".yaml", marker_set_text(marker_set).encode())
 
 
@@ -157,6 +160,8 @@ def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
     Files
         One file.
     """
+    from nodegraph_files.model import model_bytes
+
     return _file(name, ".npz", model_bytes(model))
 
 
@@ -204,6 +209,8 @@ def write_glb(animation: Animation | None = None, head: Head | None = None) -> F
         If neither is fed, a head has no faces, or an animation has no frames or a frame that is a
         reflection.
     """
+    from nodegraph_files.glb.writing import animation_bytes, head_bytes
+
     files = {}
     if animation is not None:
         files["animation.glb"] = animation_bytes(animation)

@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from nodegraph.cli import check
-from nodegraph.lock.lockfile import _HEAD
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
 
@@ -51,7 +50,6 @@ Command = Callable[..., tuple[int, str, str]]
         (["toy.yaml", "--plugin", "raises.py"], "raises.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "exits.py"], "exits.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "hook.py"], "hook.py:4: nodegraph_nodes raised KeyError: 'lost'"),
-        (["toy.lock"], "toy.lock: this is a lock; use `nodegraph verify toy.lock`"),
         (["toy.yaml", "--sett", "a=1"], "unrecognized arguments"),
         ([], "GRAPH"),
     ],
@@ -62,12 +60,18 @@ def test_an_invalid_command_ends_with_2_before_anything_runs(
     Path("raises.py").write_text("1 / 0")
     Path("exits.py").write_text("raise SystemExit(0)")
     Path("hook.py").write_text(HOOK)
-    Path("toy.lock").write_text(_HEAD)
     status, out, err = command(name, *words)
     assert status == 2
     assert reason in err
     assert out == ""
     assert not Path("runs").exists()
+
+
+def test_a_lock_is_no_graph_to_run(command: Command) -> None:
+    command("lock", "toy.yaml")
+    status, out, err = command("check", "toy.lock")
+    assert (status, out) == (2, "")
+    assert "`nodegraph verify toy.lock`" in err
 
 
 @pytest.mark.parametrize("words", [[], ["chekc", "toy.yaml"], ["--nothing"]])
@@ -176,6 +180,21 @@ def test_plugins_are_not_imported_for_built_in_words(
 ) -> None:
     command(*words, nodes=False)
     assert not greeting
+
+
+def test_help_imports_only_the_commands() -> None:
+    """The time until it appears is that of its imports."""
+    code = (
+        "import sys\nfrom nodegraph.cli.main import main\n"
+        "try: main(['--help'])\nexcept SystemExit: print(*sys.modules, file=sys.stderr)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    process = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    packages = {name.partition(".")[0] for name in process.stderr.split()}
+    assert "nodegraph" in packages
+    assert not packages & {"email", "networkx", "numpy", "pydantic", "yaml"}
 
 
 def started(*words: str, **more: str) -> subprocess.CompletedProcess[bytes]:
