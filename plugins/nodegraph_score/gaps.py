@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Table, Trajectories
+from nodegraph_score.suspect import impulses
 from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ BETTER: dict[str, BetterEnd] = {"start": "none", "frames": "none", "filled": "hi
 @node("score.gaps")
 def gaps(
     estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask
-) -> Annotated[Table, Columns("gap", "marker", *UNITS)]:
+) -> Annotated[Table, Columns("gap", "marker", *UNITS, "suspect")]:
     """Errors of an estimate in the gaps that a mask has hidden, a row per gap.
 
     A gap is a run of hidden frames of one marker. With the frames ``a`` to ``b`` of a gap, the
@@ -54,6 +55,8 @@ def gaps(
     acceleration mm/frame^2, root mean square of ``|e[t+1] - 2 e[t] + e[t-1]|`` over
                  ``t = a-1 .. b+1``: every second difference that has a sample in the gap
     filled       share of the gap's samples that the estimate has
+    suspect      what is wrong with the truth in the gap, empty where nothing is: the frames of its
+                 impulses, with their distances in mm
     ============ =========================================================================
 
     Differences that reach beyond the take, or to a sample beside the gap that the estimate or
@@ -62,6 +65,11 @@ def gaps(
     A gap that is not wholly filled has no error: its six errors are NaN, whatever samples it
     has, so that a method does not gain by leaving difficult samples missing. How many gaps that
     concerns is in a warning and in the table's notes.
+
+    Where the truth has an impulse in the gap, errors say how far the estimate is from that, and
+    the better one is worse. An impulse is a sample off the midpoint of its two neighbours by more
+    than 8 times the marker's median, against which both neighbours are off in the other direction;
+    one that lasts two frames or more is not recognized. How many gaps have one is in the notes.
 
     Markers are matched by name.
 
@@ -89,7 +97,10 @@ def gaps(
     estimated = estimate.positions[:, _columns(estimate.markers, truth.markers)].transpose(1, 0, 2)
     error = estimated - truth.positions.transpose(1, 0, 2)
     _check_truth(truth, mask)
-    return _table(_find(mask), error, np.isfinite(estimated[..., 0]), truth.markers)
+    jumps = np.zeros(mask.shape)
+    markers = mask.any(axis=1)
+    jumps[markers] = impulses(truth.positions[:, markers]).T
+    return _table(_find(mask), error, np.isfinite(estimated[..., 0]), jumps, truth.markers)
 
 
 @dataclass(frozen=True)
@@ -120,6 +131,7 @@ def _table(
     gaps: _Gaps,
     error: NDArray[np.float64],
     has: NDArray[np.bool_],
+    jumps: NDArray[np.float64],
     markers: tuple[str, ...],
 ) -> Table:
     from pandas import DataFrame
@@ -130,6 +142,7 @@ def _table(
     errors = {
         name: np.where(whole, values, np.nan) for name, values in _errors(gaps, error).items()
     }
+    suspect = _suspect(jumps, gaps)
     table = DataFrame(
         {
             "gap": np.arange(len(frames)),
@@ -138,12 +151,32 @@ def _table(
             "frames": frames,
             **errors,
             "filled": present / frames,
+            "suspect": np.array(suspect, dtype=object),
         }
     )
-    notes = tuple(_notes(whole, int(frames.sum() - present.sum()), int(frames.sum())))
+    notes = _notes(whole, int(frames.sum() - present.sum()), int(frames.sum()))
+    if any(suspect):
+        notes.append(
+            f"In {sum(map(bool, suspect))} of {len(suspect)} gaps the truth itself has an impulse "
+            "(column 'suspect'): there the errors are no measure of the estimate."
+        )
     return with_info(
-        table, TableInfo(title="Errors in gaps", notes=notes, units=UNITS, better=BETTER)
+        table, TableInfo(title="Errors in gaps", notes=tuple(notes), units=UNITS, better=BETTER)
     )
+
+
+def _suspect(jumps: NDArray[np.float64], gaps: _Gaps) -> list[str]:
+    """Return the impulses of the truth in each gap; `jumps` is (M, T)."""
+    texts = []
+    for marker, first, last in zip(gaps.marker, gaps.first, gaps.last, strict=True):
+        inside = jumps[marker, first : last + 1]
+        texts.append(
+            ", ".join(
+                f"impulse in frame {first + frame} ({inside[frame]:.1f} mm)"
+                for frame in np.flatnonzero(inside)
+            )
+        )
+    return texts
 
 
 def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

@@ -114,7 +114,7 @@ def test_gaps_are_numbered_by_first_frame_then_marker() -> None:
 def test_the_first_column_of_floats_is_the_rmse() -> None:
     table = gaps(recording(0), recording(1), mask((0, 3, 4)))
     assert next(name for name in table if table[name].dtype.kind == "f") == "rmse"
-    assert set(info_of(table).units) == set(table.columns) - {"gap", "marker"}
+    assert set(info_of(table).units) == set(table.columns) - {"gap", "marker", "suspect"}
 
 
 def test_markers_are_matched_by_name() -> None:
