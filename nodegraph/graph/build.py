@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from nodegraph.errors import GraphError, Problems
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph.model import Choices, Graph
@@ -23,6 +25,7 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
     from nodegraph.graph.builder import Builder
     from nodegraph.graph.graph_files import GraphFiles
     from nodegraph.graph.leaks import check_leaks
+    from nodegraph.graph.mixing import mixing_notices
     from nodegraph.graph.settings import check_names_in_settings
 
     written = spec.written or spec
@@ -41,4 +44,4 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
     check_names_in_settings(graph, problems)
     check_leaks(graph, problems)
     problems.raise_any()
-    return graph
+    return replace(graph, notices=(*graph.notices, *mixing_notices(graph)))

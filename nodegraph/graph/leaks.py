@@ -15,6 +15,7 @@ from it or the reverse; where there is none, every plain port.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import networkx as nx
@@ -258,8 +259,8 @@ class _Truth:
             if way[0].source == self._hiding != flow.source and truths - {flow.output}:
                 return f"score it against {_any_of(flow.source, truths)}, the truth of what it sees"
         plain = set(self._nodes[self._hiding].outputs) - self._outputs
-        outputs = _any_of(self._hiding, plain)
-        return f"feed it from {outputs}, or declare under 'known' what a method may know"
+        feed = f"feed it from {_any_of(self._hiding, plain)}, or " if plain else ""
+        return f"{feed}declare under 'known' what a method may know"
 
     def _length(self, source: str, target: str, edges: Mapping[Any, Any]) -> float | None:
         """Return None for edges that do not carry the truth: networkx ignores them."""
@@ -324,10 +325,17 @@ def _ports(node: GraphNode, name: str) -> list[Port]:
 
 
 def _files(node: GraphNode) -> set[str]:
+    """Return the files that a node reads, and the folders, of which it takes a file.
+
+    A folder from which a node reads nothing but the truth is left out: what methods may see is in
+    another file of it.
+    """
+    truth_alone = all(port.truth for method in _computing(node) for port in method.node.outputs)
     return {
         str(values[name])
         for method in node.methods.values()
         for values in method.settings.values.values()
         for name, setting in method.node.settings.items()
         if setting.is_file and values.get(name) is not None
+        if not (truth_alone and Path(values[name]).is_dir())
     }

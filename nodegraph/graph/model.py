@@ -244,7 +244,7 @@ class Graph:
     choices : Choices
     left_out : tuple of LeftOut
     notices : tuple of Problem
-        Uses of what is deprecated.
+        Uses of what is deprecated, and methods that look ahead before samples are hidden.
 
     Examples
     --------

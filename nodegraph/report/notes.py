@@ -37,7 +37,7 @@ def step_notes(run: Run, settings: RunSettings) -> tuple[StepNote, ...]:
         *_settled(run, settings),
         *_left_out_by_plan(run),
         *_left_out_by_command(run),
-        *_deprecated(run),
+        *_noticed(run),
         *_warned(run),
     )
 
@@ -69,7 +69,7 @@ def _left_out_by_command(run: Run) -> Iterable[StepNote]:
     )
 
 
-def _deprecated(run: Run) -> Iterable[StepNote]:
+def _noticed(run: Run) -> Iterable[StepNote]:
     return (
         StepNote(str(notice.place), "", f"{notice.message}: {notice.instead}", "warning")
         for notice in run.plan.graph.notices

@@ -84,6 +84,15 @@ class LeftOut:
 
 
 @dataclass(frozen=True, slots=True)
+class Notice:
+    """A warning of the graph, which holds whatever its steps give."""
+
+    place: str
+    message: str
+    instead: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Cell:
     """A combination of a node."""
 
@@ -227,6 +236,7 @@ class Record:
     versions: dict[str, str]
     not_shown: list[NotShown] = field(default_factory=list)
     not_written: list[NotWritten] = field(default_factory=list)
+    notices: list[Notice] = field(default_factory=list)
 
     def method(self, step: RecordedStep) -> RecordedMethod:
         """Return the method of a step."""
@@ -270,6 +280,9 @@ def record(run: Run, settings: RunSettings) -> Record:
             for labels, reason in run.plan.skipped[name].items()
         ],
         versions=versions(graph),
+        notices=[
+            Notice(str(notice.place), notice.message, notice.instead) for notice in graph.notices
+        ],
     )
 
 

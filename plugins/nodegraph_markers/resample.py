@@ -21,7 +21,7 @@ _SAME = 1e-6
 """Frames: instants that are nearer than this are the same."""
 
 
-@node("recording.resample", cite="deboor1978")
+@node("recording.resample", cite="deboor1978", lookahead=None)
 def resample(
     recording: Trajectories,
     *,

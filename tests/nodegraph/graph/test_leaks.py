@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import pytest
 
-from nodegraph import Truth, node
+from nodegraph import InputFile, Truth, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
@@ -340,3 +340,34 @@ def test_known_must_name_what_the_check_can_follow(
         (problem,) = problems_of(written, more=MORE)
         assert known in problem.message
         assert "gaps" in problem.message
+
+
+@node("read.answer")
+def read_answer(*, path: InputFile) -> Truth[float]:
+    return 0.0
+
+
+@pytest.mark.parametrize(("path", "leaks"), [("take", False), ("take/a.txt", True)])
+def test_the_truth_may_lie_in_the_folder_from_which_methods_read(
+    graph_of: Callable[..., Graph],
+    problems_of: ProblemsOf,
+    tmp_path: Path,
+    path: str,
+    *,
+    leaks: bool,
+) -> None:
+    (tmp_path / "take").mkdir()
+    (tmp_path / "take" / "a.txt").write_text("1")
+    written = f"""
+        nodes:
+          answer: {{use: read.answer, with: {{path: {path}}}}}
+          capture: {{use: read.file, with: {{path: {path}}}}}
+          error: {{use: score.gaps, in: {{estimate: @@capture, truth: answer, hidden: text}}}}
+          text: {{use: text.count}}
+        """
+    more = (*MORE, count, read_answer)
+    if leaks:
+        (problem,) = problems_of(written, more=more)
+        assert "take/a.txt -> capture.output -> error.estimate" in problem.message
+    else:
+        assert graph_of(written.replace("@@", ""), more=more)
