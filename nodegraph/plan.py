@@ -39,12 +39,15 @@ class Gathered:
     absent : tuple of (labels, reason)
     known : tuple of labels per axis
         Every label that the graph has there, whether or not it is among the entries.
+    sources : tuple of str
+        Those of the axes along which the data themselves differ; see `Graph.source_axes`.
     """
 
     axes: tuple[str, ...]
     entries: tuple[tuple[Combination, Output], ...]
     absent: tuple[tuple[Combination, str], ...]
     known: tuple[tuple[Label, ...], ...]
+    sources: tuple[str, ...]
 
     def skipped(self) -> tuple[Absent, ...]:
         """Return the combinations left out as a node sees them."""
@@ -171,6 +174,7 @@ class _Planner:
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
         self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}
+        self._source_axes: dict[str, frozenset[str]] = {}
 
     def add(self, node: GraphNode) -> None:
         """Add the steps of a node; those of the nodes that feed it must be there."""
@@ -257,7 +261,22 @@ class _Planner:
             self._labels_like(tuple(feed.sources)) if axis == feed.axis else self._labels(axis)
             for axis in axes
         )
-        return Gathered(names, tuple(entries), tuple(absent), known)
+        sources = tuple(
+            name for name, axis in zip(names, axes, strict=True) if self._feeds_source(axis, feed)
+        )
+        return Gathered(names, tuple(entries), tuple(absent), known, sources)
+
+    def _feeds_source(self, axis: str, feed: Gather) -> bool:
+        """Whether the data differ along a gathered axis, or among a port's own labels."""
+        nodes = [source.node for source in feed.sources.values()]
+        if axis == feed.axis:
+            return len({self._graph.sources(node) for node in nodes}) > 1
+        return any(axis in self._axes_of_sources(node) for node in nodes)
+
+    def _axes_of_sources(self, node: str) -> frozenset[str]:
+        if node not in self._source_axes:  # needed for every combination of a node
+            self._source_axes[node] = self._graph.source_axes(node)
+        return self._source_axes[node]
 
     def _output(self, source: Reference, labels: Mapping[str, Label]) -> Output | str:
         node = self._graph.nodes[source.node]

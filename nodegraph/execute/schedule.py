@@ -272,7 +272,7 @@ class Schedule:
             else:
                 absent.append(Absent(labels, outcome.root.value, outcome.reason))
         known = dict(zip(source.axes, source.known, strict=True))
-        return Across(source.axes, tuple(entries), tuple(absent), known)
+        return Across(source.axes, tuple(entries), tuple(absent), known, source.sources)
 
     def _lend(self, output: Output) -> Any:
         return self.packer.lend(self.values[output.step][output.position])

@@ -274,6 +274,27 @@ class Graph:
         for source, target, edge in self.network.in_edges(data=True):
             yield source, target, edge["record"]
 
+    def sources(self, name: str) -> frozenset[str]:
+        """Return the nodes without inputs that a node is computed from; itself, if it is one."""
+        import networkx as nx
+
+        needed = nx.ancestors(self.network, name) | {name}
+        return frozenset(node for node in needed if not self.network.in_degree(node))
+
+    def source_axes(self, name: str) -> frozenset[str]:
+        """Return the axes on which the sources of a node depend: along them the data differ.
+
+        They are those of the settings of its sources, and sources that are axes themselves, since
+        they have alternatives. Along any other axis, the same data are treated in several ways.
+
+        Examples
+        --------
+        >>> graph.source_axes("error")
+        frozenset({'actor'})
+        """
+        sources = [self.nodes[source] for source in self.sources(name)]
+        return frozenset(axis for source in sources for axis in source.axes)
+
     @property
     def title(self) -> str:
         """The title of the file, or its name."""

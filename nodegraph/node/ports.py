@@ -104,17 +104,25 @@ class Across(Generic[T_co]):
         Combinations that were refused, failed or skipped.
     known : mapping of axis to labels
         Every label that the graph has, including those that were not selected; see `labels`.
+    sources : tuple of str or None
+        The gathered axes along which the data themselves differ: they choose what a node without
+        inputs reads or makes. Along the others, the same data are treated in several ways. None
+        where that is not known.
     """
 
     axes: tuple[str, ...]
     entries: tuple[tuple[Mapping[str, Label], T_co], ...]
     absent: tuple[Absent, ...] = ()
     known: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
+    sources: tuple[str, ...] | None = None
 
     @staticmethod
-    def of(values: Mapping[Any, T], *, axis: str) -> Across[T]:
+    def of(
+        values: Mapping[Any, T], *, axis: str, sources: tuple[str, ...] | None = None
+    ) -> Across[T]:
         """Gather values along one axis by hand, to call a node directly."""
-        return Across((axis,), tuple(({axis: label}, value) for label, value in values.items()))
+        entries = tuple(({axis: label}, value) for label, value in values.items())
+        return Across((axis,), entries, sources=sources)
 
     def __len__(self) -> int:
         return len(self.entries)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -38,6 +39,15 @@ class Group:
         Share of the method's rows without a finite number; NaN for a method without rows.
     refused : (K,) array of float64
         Share of the method's combinations that were refused or failed.
+    cluster, draw : (B,) arrays of int
+        Which cluster each block is in, and which repetition on the same data.
+    draws : int
+        Number of repetitions that the graph has; 1 where it repeats nothing.
+    start, frames : (B,) arrays of float64
+        Where each block begins in its recording, and how long it is; NaN where the tables do not
+        say so, or a block is no single stretch of time.
+    first : (B,) array of int
+        The first row of each block.
     """
 
     labels: tuple[Label, ...]
@@ -45,6 +55,12 @@ class Group:
     values: NDArray[np.float64]
     missing: NDArray[np.float64]
     refused: NDArray[np.float64]
+    cluster: NDArray[np.intp]
+    draw: NDArray[np.intp]
+    draws: int
+    start: NDArray[np.float64]
+    frames: NDArray[np.float64]
+    first: NDArray[np.intp]
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -93,7 +109,11 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
     """Return the groups of the gathered tables, in the order of the labels of `within`."""
     within = columns_of(scores, question.within)
     compare = columns_of(scores, question.compared)
-    block = columns_of(scores, question.blocks).combined()
+    block = columns_of(scores, question.identity).combined()
+    cluster = columns_of(scores, question.clusters).combined()
+    drawn = columns_of(scores, question.drawn)
+    draw, draws = drawn.combined(), math.prod(map(len, drawn.labels))
+    times = [_times(scores, name) for name in ("start", "frames")]
     value = values_of(scores, question.metric)
     rows_of = _split(within.combined())
     methods = compare.combined()
@@ -105,10 +125,27 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
         kinds = sorted({*methods[rows].tolist(), *empty.get(number, ())})
         labels, names = within.decoded(number), [compare.decoded(kind) for kind in kinds]
         place = np.searchsorted(kinds, methods[rows])
-        values, missing = _block_means(block[rows], place, value[rows], len(kinds))
+        blocks, of = np.unique(block[rows], return_inverse=True)
+        values, missing = _block_means(of, place, value[rows], len(blocks), len(kinds))
+        first = np.full(len(blocks), len(block), dtype=np.intp)
+        np.minimum.at(first, of, rows)
+        start, frames = (_common(time[rows], of, time[first]) for time in times)
         refused = np.array([shares.of(labels + name) for name in names])
         names_of_methods = tuple((*name, "")[0] for name in names)
-        result.append(Group(labels, names_of_methods, tied(values), missing, refused))
+        group = Group(
+            labels,
+            names_of_methods,
+            tied(values),
+            missing,
+            refused,
+            cluster[first],
+            draw[first],
+            draws,
+            start,
+            frames,
+            first,
+        )
+        result.append(group)
     return tuple(result)
 
 
@@ -147,6 +184,25 @@ def values_of(scores: Across[Table], metric: str) -> NDArray[np.float64]:
     return np.where(np.isfinite(joined), joined, np.nan)
 
 
+def _times(scores: Across[Table], name: str) -> NDArray[np.float64]:
+    """Return a column of frames of all rows; NaN where a table has none."""
+    parts = [
+        table[name].to_numpy(dtype=np.float64)
+        if name in table and table[name].dtype.kind in "iuf"
+        else np.full(len(table), np.nan)
+        for table in scores.values()
+    ]
+    return np.concatenate([*parts, np.empty(0)])
+
+
+def _common(
+    time: NDArray[np.float64], block: NDArray[np.intp], first: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the time of each block, that of its first row; NaN unless all its rows have it."""
+    differs = np.bincount(block, time != first[block], len(first)) > 0
+    return np.where(differs, np.nan, first)
+
+
 def _split(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
     """Return, for each number that occurs, the rows in which it does."""
     order = np.argsort(numbers, kind="stable")
@@ -155,11 +211,14 @@ def _split(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
 
 
 def _block_means(
-    block: NDArray[np.intp], method: NDArray[np.intp], value: NDArray[np.float64], methods: int
+    block: NDArray[np.intp],
+    method: NDArray[np.intp],
+    value: NDArray[np.float64],
+    blocks: int,
+    methods: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the (B, K) means of the rows of each block and the (K,) shares without a number."""
-    blocks, place = np.unique(block, return_inverse=True)
-    cell, size = place * methods + method, len(blocks) * methods
+    cell, size = block * methods + method, blocks * methods
     count = np.bincount(cell, minlength=size).reshape(-1, methods)
     total = np.bincount(cell, weights=value, minlength=size).reshape(-1, methods)
     missing = np.bincount(method, weights=np.isnan(value), minlength=methods)

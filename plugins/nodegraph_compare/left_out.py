@@ -26,8 +26,6 @@ _LISTED = 8
 _REASONS = 2
 _NOTED = 40
 _MOST_LACKING = 3
-_NARROW = 0.25
-"""Share of the blocks that may be left out before the answer itself mentions it."""
 
 
 def left_out(
@@ -74,18 +72,18 @@ def numberless(group: Group) -> str:
 
 
 def narrowed(group: Group, blocks: str) -> str:
-    """Return how many blocks are left, and who lacks most; empty unless over a quarter is gone.
+    """Return how many blocks are left, and who lacks most; empty where none is gone.
 
     ``10 of 40 gaps: mean_pose lacks 30``, with `blocks` the name of several blocks.
     """
     total, count = len(group.values), np.count_nonzero(group.complete)
-    if not group.usable.any() or (total - count) <= _NARROW * total:
+    if not group.usable.any() or count == total:
         return ""
     lacking = sorted(_lacking(group), key=lambda method: -method[1])
     clauses = [f"{name} lacks {count}" for name, count in lacking[:_MOST_LACKING]]
     more = len(lacking) - len(clauses)
     rest = f" and {more} more lack some" if more else ""
-    return f"{count} of {total} {blocks}: {', '.join(clauses)}{rest}"
+    return f"{count} of {total} {blocks}, the rest left out: {', '.join(clauses)}{rest}"
 
 
 def _lacking(group: Group) -> list[tuple[Label, int]]:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from nodegraph import Across, ColumnOf, LabelOf, listed, nearest
+from pydantic import AfterValidator
+
+from nodegraph import Across, ColumnOf, Label, LabelOf, listed, nearest
 from nodegraph_tables import BetterEnd, info_of
 
 if TYPE_CHECKING:
@@ -18,6 +23,60 @@ OneColumn = Annotated[str | None, ColumnOf("scores")]
 OneName = Annotated[str | None, ColumnOf("scores", or_axis=True)]
 OneLabel = Annotated[str | None, LabelOf("scores", axis="compare")]
 Names = Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True)]
+
+
+@dataclass(frozen=True)
+class Margin:
+    """Within which methods count as equal: a factor, or a difference in some unit.
+
+    Attributes
+    ----------
+    size : float
+        Above 1 for a factor, above 0 for a difference.
+    unit : str
+        Empty for a factor.
+    """
+
+    size: float
+    unit: str = ""
+
+    @property
+    def ratio(self) -> bool:
+        """Whether it is a factor."""
+        return not self.unit
+
+    def __str__(self) -> str:
+        return f"{self.size:g} {self.unit}".rstrip()
+
+
+_MARGIN = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([^\s\d.].*?)\s*")
+
+
+def margin_of(equivalent: float | str) -> Margin:
+    """Return the margin that a setting states.
+
+    Raises
+    ------
+    ValueError
+        If it is neither a factor above 1 nor a number above 0 with its unit.
+    """
+    if not isinstance(equivalent, str):
+        if not 1.0 < equivalent < math.inf:
+            raise ValueError("a ratio must be above 1; write a difference with its unit: 0.05 mm")
+        return Margin(float(equivalent))
+    match = _MARGIN.fullmatch(equivalent)
+    if match is None or not float(match[1]) > 0.0:
+        raise ValueError("must be a ratio above 1, or a difference above 0 with its unit: 0.05 mm")
+    return Margin(float(match[1]), match[2])
+
+
+def _checked(equivalent: float | str) -> float | str:
+    margin_of(equivalent)
+    return equivalent
+
+
+Equivalent = Annotated[float | str, AfterValidator(_checked)]
+"""A factor, ``1.1``, or a difference in the metric's unit, ``0.05 mm``."""
 
 
 def check_known(scores: Across[Table], name: str, *, what: str = "axis or column") -> None:
@@ -100,8 +159,14 @@ class Question:
         A column of numbers.
     compare : str or None
     within, blocks : tuple of str
+    clusters : tuple of str
+        Their combinations are the independent units; without any, all blocks are of one recording.
+    identity : tuple of str
+        What distinguishes blocks: `blocks`, and every axis along which the data differ.
     averaged : tuple of str
         Gathered axes that are none of these: a block's value is the mean over them.
+    drawn : tuple of str
+        Gathered axes among the blocks that are no clusters: repetitions on the same data.
     better : str
         Which end of the metric is better: ``lower``, ``higher`` or ``none``.
     """
@@ -110,7 +175,10 @@ class Question:
     compare: str | None
     within: tuple[str, ...]
     blocks: tuple[str, ...]
+    clusters: tuple[str, ...]
+    identity: tuple[str, ...]
     averaged: tuple[str, ...]
+    drawn: tuple[str, ...]
     better: BetterEnd = "lower"
 
     @property
@@ -126,6 +194,7 @@ def ask(
     compare: str | None,
     within: tuple[str, ...],
     blocks: tuple[str, ...],
+    clusters: tuple[str, ...] = (),
     better: Better = "declared",
 ) -> Question:
     """Return the question with its defaults filled in and every name checked.
@@ -143,14 +212,18 @@ def ask(
     blocks
         Default: the other gathered axes, and the first column where it identifies the unit of a
         row.
+    clusters
+        Default: the gathered axes along which the data differ, but for those in `compare` and
+        `within`.
     better
         Which end of the metric is the better one; ``declared``: see `better_end`.
 
     Raises
     ------
     ValueError
-        If there is no table, a name is unknown or is used twice, a block is a frame, the metric
-        is no number, or the tables do not agree on its better end.
+        If there is no table, a name is unknown or is used twice, a block is a frame, clusters are
+        not independent of each other, the metric is no number, or the tables do not agree on its
+        better end.
     """
     if not len(scores):
         raise ValueError("there is no table to compare")
@@ -161,10 +234,17 @@ def ask(
     named = (*within, *filter(None, [compared]), *units)
     _check_names(scores, named)
     _check_blocks(units)
-    averaged = tuple(axis for axis in scores.axes if axis not in named)
+    taken = (*within, *filter(None, [compared]))
+    sources = tuple(axis for axis in scores.sources or () if axis not in taken)
+    if clusters:
+        check_clusters(scores, clusters, taken, sources)
+    clusters = clusters or sources
+    identity = tuple(dict.fromkeys((*units, *clusters, *sources)))
+    averaged = tuple(axis for axis in scores.axes if axis not in (*named, *identity))
+    drawn = tuple(name for name in units if name in scores.axes and name not in clusters)
     value = _metric(scores, metric)
     end = better_end(scores, value, better)
-    return Question(value, compared, tuple(within), units, averaged, end)
+    return Question(value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
 
 
 def unit_of(scores: Across[Table], metric: str) -> str:
@@ -195,6 +275,50 @@ def _check_names(scores: Across[Table], named: tuple[str, ...]) -> None:
         raise ValueError(f"compare, within and blocks share a name: {', '.join(repeated)}")
     for name in named:
         check_known(scores, name)
+
+
+def check_clusters(
+    scores: Across[Table],
+    clusters: tuple[str, ...],
+    taken: tuple[str, ...],
+    sources: tuple[str, ...],
+) -> None:
+    """Check that clusters hold different data, each recording being in one of them."""
+    repeated = sorted({name for name in clusters if name in taken or clusters.count(name) > 1})
+    if repeated:
+        raise ValueError(f"compare, within and clusters share a name: {', '.join(repeated)}")
+    for name in clusters:
+        check_known(scores, name)
+        labels = _labels_of(scores, name)
+        if len(labels) == 1:
+            raise ValueError(
+                f"clusters: {name!r} has one label, {listed(labels)}; without `clusters`, the "
+                "result is for this recording alone"
+            )
+    if scores.sources is None:
+        return
+    there = f"axes along which they differ: {listed(sources)}" if sources else "they never differ"
+    of: dict[tuple[Label, ...], tuple[Label, ...]] = {}
+    for at, table in scores:
+        recording = tuple(at.get(axis, "") for axis in sources)
+        columns = (
+            [at.get(name, "")] if name in scores.axes else table[name].unique().tolist()
+            for name in clusters
+        )
+        for cluster in product(*columns):
+            if of.setdefault(recording, cluster) != cluster:
+                raise ValueError(
+                    f"clusters: the same data stand behind {listed(clusters)} "
+                    f"{listed(of[recording])} and {listed(cluster)}, so that these are not "
+                    f"independent; {there}"
+                )
+
+
+def _labels_of(scores: Across[Table], name: str) -> tuple[Label, ...]:
+    if name in scores.axes:
+        return scores.labels(name)
+    columns = (table[name].unique().tolist() for table in scores.values())
+    return tuple(dict.fromkeys(label for column in columns for label in column))
 
 
 def _check_blocks(blocks: tuple[str, ...]) -> None:

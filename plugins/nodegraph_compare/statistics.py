@@ -1,48 +1,19 @@
-"""Tests of paired differences and Holm's correction."""
+"""Wilcoxon's test of paired differences, its effect size, and Holm's correction."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
-Test = Literal["wilcoxon", "t", "sign", "none"]
-LEVEL = 0.05
 TEST_NAMES = {
-    "wilcoxon": "Wilcoxon's signed-rank test",
-    "t": "the paired t-test",
-    "sign": "the sign test",
     "nemenyi": "Nemenyi's test",
     "wilcoxon_holm": "Wilcoxon's test with Holm's correction",
 }
 _MOST_SIGNS = 13
-
-
-def p_values(differences: NDArray[np.float64], test: Test) -> NDArray[np.float64]:
-    """Return the two-sided p of each column of paired differences; NaN for the test ``none``.
-
-    Parameters
-    ----------
-    differences
-        (B, K) without missing values, a row per block.
-    test
-        See `signed_rank`, `student` and `sign`.
-
-    Returns
-    -------
-    (K,) array of float64
-    """
-    tests: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]]
-    tests = {"wilcoxon": signed_rank, "t": student, "sign": sign}
-    if test == "none" or not len(differences):
-        return np.full(differences.shape[1], np.nan)
-    return tests[test](differences)
 
 
 def signed_rank(differences: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -64,35 +35,6 @@ def signed_rank(differences: NDArray[np.float64]) -> NDArray[np.float64]:
         column = differences[:, place]
         p[place] = _exact(column) if few else wilcoxon(column).pvalue
     return p
-
-
-def student(differences: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the p of the paired t-test of each column.
-
-    Columns of equal differences have p 0, or 1 where they are all zero; a single block has NaN.
-    """
-    from scipy.stats import t
-
-    blocks = len(differences)
-    if blocks < 2:
-        return np.full(differences.shape[1], np.nan)
-    mean = differences.mean(axis=0)
-    error = differences.std(axis=0, ddof=1) / np.sqrt(blocks)
-    varied = np.ptp(differences, axis=0) > 0.0
-    ratio = mean / np.where(varied, error, 1.0)
-    return np.asarray(
-        np.where(varied, 2 * t.sf(np.abs(ratio), blocks - 1), np.where(mean == 0.0, 1.0, 0.0))
-    )
-
-
-def sign(differences: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the p of the exact sign test of each column; zeros are dropped."""
-    from scipy.stats import binom
-
-    above = np.count_nonzero(differences > 0.0, axis=0)
-    below = np.count_nonzero(differences < 0.0, axis=0)
-    tail = binom.cdf(np.minimum(above, below), above + below, 0.5)
-    return np.asarray(np.minimum(2 * tail, 1.0))
 
 
 def rank_biserial(differences: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -122,17 +64,6 @@ def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
     factors = np.arange(len(order), 0, -1)
     adjusted[order] = np.minimum(np.maximum.accumulate(factors * p[order]), 1.0)
     return adjusted
-
-
-@lru_cache(maxsize=256)
-def range_quantile(methods: int, freedom: float) -> float:
-    """Return how many standard errors apart two of k means must be (Tukey 1949), 5 % over all.
-
-    The 95 % quantile of the studentised range, over sqrt(2): of two means, Student's quantile.
-    """
-    from scipy.stats import studentized_range
-
-    return float(studentized_range.ppf(1 - LEVEL, methods, freedom) / np.sqrt(2))
 
 
 def _exact(differences: NDArray[np.float64]) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import networkx as nx
+import pytest
 
 from nodegraph.graph import Graph
 from nodegraph.plan import Gathered, Output, Plan
@@ -144,6 +145,40 @@ def test_a_gathering_port_knows_every_label_of_its_axes(graph_of: Callable[..., 
     assert known["some"] == {"length": (5, 15), "fill": ("hold", "scale", "pass")}
     assert known["two"] == {"scores": ("hold", "scale", "pass")}
     assert known["own"] == {"scores": ("mine", "hold")}
+
+
+@pytest.mark.parametrize(
+    ("capture", "scores", "sources"),
+    [
+        ("with: {start: $actor}", "error", ("actor",)),
+        ("alternatives: {a: read.number, b: {use: read.number, with: {start: 2}}}", "error",
+         ("capture",)),
+        ("with: {start: 3}", "error", ()),
+        ("with: {start: 3}", "{mine: error, other: again}", ("scores", "actor")),
+        ("with: {start: 3}", "{mine: error, gappy: gaps.gappy}", ()),
+    ],
+)  # fmt: skip
+def test_a_gathering_port_knows_along_which_axes_the_data_differ(
+    graph_of: Callable[..., Graph], capture: str, scores: str, sources: tuple[str, ...]
+) -> None:
+    use = "" if "alternatives" in capture else "use: read.number, "
+    plan = make_plan(
+        graph_of(
+            f"""
+            axes: {{actor: [1.0, 2.0], trial: {{count: 2}}}}
+            nodes:
+              capture: {{{use}{capture}}}
+              gaps: {{use: gaps.cut, in: capture, with: {{seed: $trial, length: 1}}}}
+              fill: {{in: gaps, alternatives: {{hold: fill.hold, scale: fill.scale}}}}
+              error: {{use: strict.positive, in: fill}}
+              again: {{use: read.number, with: {{start: $actor}}}}
+              table: {{use: compare.table, in: {{scores: {scores}}}}}
+            """
+        )
+    )
+    fed = plan.steps[next(iter(plan.cells["table"].values()))].inputs["scores"]
+    assert isinstance(fed, Gathered)
+    assert fed.sources == sources
 
 
 def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> None:

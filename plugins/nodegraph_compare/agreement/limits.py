@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.bootstrap import CONFIDENCE
+from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.ties import apart, differ
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from nodegraph import Across, node
 from nodegraph_compare.agreement.limits import Pair, pairs_of
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.bootstrap import CONFIDENCE
+from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.labels import compared_labels, named_label
 from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
 from nodegraph_compare.question import Names, OneColumn, OneLabel, OneName, Question, ask, unit_of

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.blocks import unsuccessful
-from nodegraph_compare.bootstrap import CONFIDENCE, RESAMPLES
+from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.left_out import absences, start_text
 from nodegraph_compare.ties import at_most
 
@@ -72,7 +72,9 @@ def verdict(marked: Marks, axes: Axes, mark: Mark, tolerance: float) -> str:
     return f"minimum shared at {marked.shared:g} {axes.x}"
 
 
-def notes(axes: Axes, marked: Marks, level: Mapping[Label, float] | None, seed: int) -> list[str]:
+def notes(
+    axes: Axes, marked: Marks, level: Mapping[Label, float] | None, units: tuple[str, ...]
+) -> list[str]:
     """Return what the columns of the table mean.
 
     Parameters
@@ -81,15 +83,19 @@ def notes(axes: Axes, marked: Marks, level: Mapping[Label, float] | None, seed: 
         The names, and the places with a mark.
     level
         The noise floor of each label; None where there is no floor.
-    seed
-        Of the bootstrap.
+    units
+        What distinguishes independent units.
     """
     if axes.blocks:
         text = (
             f"{axes.metric}: mean over blocks, a block being one combination of "
-            f"{', '.join(axes.blocks)}; low, high: its {CONFIDENCE:.0%} bootstrap interval "
-            f"({RESAMPLES} resamples, seed {seed})."
+            f"{', '.join(axes.blocks)}; low, high: "
         )
+        if units:
+            further = "" if units == axes.clusters else " of the same recording"
+            text += f"its {CONFIDENCE:.0%} interval for further {' and '.join(units)}{further}."
+        else:
+            text += "none, as all blocks are of one recording."
     else:
         text = f"{axes.metric}: of one row, or the mean where rows says that there are more."
     sentences = [f"{text} Lower is better."]

@@ -12,9 +12,17 @@ from pydantic import Field
 from nodegraph import Across, ColumnOf, Label, listed, node
 from nodegraph_compare.curve.answer import answer, losses, notes
 from nodegraph_compare.curve.marks import Mark, marks
-from nodegraph_compare.curve.points import Axes, floors, points
+from nodegraph_compare.curve.points import Axes, floors, points, unit_names
 from nodegraph_compare.curve.scale import scale_of
-from nodegraph_compare.question import Names, OneColumn, OneName, check_known, placed, unit_of
+from nodegraph_compare.question import (
+    Names,
+    OneColumn,
+    OneName,
+    check_clusters,
+    check_known,
+    placed,
+    unit_of,
+)
 from nodegraph_compare.ties import at_most
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
@@ -36,6 +44,7 @@ def axes_of(
     metric: str | None,
     compare: str | None,
     blocks: tuple[str, ...],
+    clusters: tuple[str, ...],
     lowest: bool | None,
 ) -> Axes:
     """Return what is drawn.
@@ -52,6 +61,9 @@ def axes_of(
         Default: the last gathered axis that is not `x` or in `blocks`.
     blocks
         Axes, or columns, whose combinations are repeats.
+    clusters
+        Axes, or columns, whose combinations are independent. Default: the axes along which the
+        data differ, but for `x` and `compare`.
     lowest
         Whether the curve takes the lowest of several points at one x. Default: where `x` is a
         column.
@@ -66,6 +78,14 @@ def axes_of(
         raise ValueError("there is no table to draw a curve of")
     free = [axis for axis in scores.axes if axis not in (x, *blocks)]
     compare = compare if compare is not None or not free else free[-1]
+    apart = x not in scores.axes if lowest is None else lowest
+    sources = tuple(axis for axis in scores.sources or () if axis not in (x, compare))
+    if clusters:
+        check_clusters(scores, clusters, (x, *filter(None, [compare])), sources)
+    else:
+        clusters = tuple(axis for axis in sources if not (apart and axis in free))
+    blocks = blocks or clusters
+    free = [axis for axis in free if axis not in blocks]
     metric = _first_number(scores, x) if metric is None else metric
     named = (x, metric, *filter(None, [compare]), *blocks)
     _check_once((*named, *(axis for axis in free if axis not in named)))
@@ -74,9 +94,8 @@ def axes_of(
     _check_x(scores, x)
     _check_numbers(scores, metric, "metric")
     rest = tuple(axis for axis in free if axis != compare)
-    apart = x not in scores.axes if lowest is None else lowest
     every = scores.labels(compare) if compare in scores.axes else ()
-    return Axes(x, metric, compare, blocks, rest, apart, every)
+    return Axes(x, metric, compare, blocks, clusters, rest, apart, every)
 
 
 def check_floor(floor: Across[Table], axes: Axes) -> None:
@@ -140,7 +159,7 @@ class Curve(NamedTuple):
     figure: Figure
 
 
-@node("compare.curve", cite=("efron1979bootstrap", "satopaa2011finding"))
+@node("compare.curve", cite=("olsson2005confidence", "satopaa2011finding"))
 def curve(
     scores: Across[Table],
     floor: Across[Table] | None = None,
@@ -149,10 +168,10 @@ def curve(
     metric: OneColumn = None,
     compare: OneName = None,
     blocks: Names = (),
+    clusters: Names = (),
     lowest: bool | None = None,
     mark: Mark = "none",
     tolerance: Annotated[float, Field(ge=0)] = 2.0,
-    seed: Annotated[int, Field(ge=0)] = 0,
 ) -> Curve:
     """Draw an error over a number, a curve per label, and mark where few is enough.
 
@@ -188,8 +207,15 @@ def curve(
         `x` or in `blocks`.
     blocks
         Axes, or columns, whose combinations are repeats, such as trials. The rows of a block are
-        averaged, then the blocks, with a 95 % bootstrap interval (2000 resamples). A block that
-        has a row without a finite number is left out and counted.
+        averaged, then the blocks of a unit, then the units. A block that has a row without a
+        finite number is left out and counted. Default: `clusters`, if there are any.
+    clusters
+        Axes, or columns, whose combinations are the independent units, such as actors: three or
+        more give a 95 % interval (the modified method of Cox for positive means, else Student's).
+        Of one or two, the units are repetitions, the axes of `blocks` along which the same data
+        are treated again, and the interval is for further ones; other blocks of one recording
+        have none. Default: the axes along which the data differ, but for `x`, `compare`, and
+        those that distinguish points.
     lowest
         Whether the curve takes the lowest of several points at one x, while all are drawn. A
         point is a combination of the axes that are neither `x` nor compared nor in `blocks`; with
@@ -202,8 +228,6 @@ def curve(
         its knee where it has none. A label without any number is disregarded.
     tolerance
         How far apart minima may lie and still be shared, in units of `x`.
-    seed
-        Of the bootstrap.
 
     Returns
     -------
@@ -232,8 +256,16 @@ def curve(
     """
     from nodegraph_compare.curve.figure import draw
 
-    axes = axes_of(scores, x=x, metric=metric, compare=compare, blocks=blocks, lowest=lowest)
-    curves = points(scores, axes, seed=seed)
+    axes = axes_of(
+        scores,
+        x=x,
+        metric=metric,
+        compare=compare,
+        blocks=blocks,
+        clusters=clusters,
+        lowest=lowest,
+    )
+    curves = points(scores, axes)
     level = None
     if floor is not None:
         check_floor(floor, axes)
@@ -247,7 +279,7 @@ def curve(
         title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
         answer=tuple(answer(axes, curves, marked, level, mark, tolerance, unit)),
         notes=(
-            *notes(axes, marked, level, seed),
+            *notes(axes, marked, level, unit_names(scores, axes)),
             *losses(scores, axes, curves, level, skipped=True),
         ),
         units={name: unit for name in valued if unit and name in frame},

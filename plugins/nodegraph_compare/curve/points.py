@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from nodegraph_compare.blocks import label_order
-from nodegraph_compare.bootstrap import Bootstrap
+from nodegraph_compare.inference import FEWEST, arithmetic_interval, mean_interval
 from nodegraph_compare.ties import tied
+from nodegraph_compare.units import MOST_RECORDINGS
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Mapping, Sequence
@@ -35,7 +36,8 @@ class Axes:
         A column of numbers.
     compare : str or None
         A curve per label.
-    blocks : tuple of str
+    blocks, clusters : tuple of str
+        Repeats, and the independent units that they are in.
     others : tuple of str
         Gathered axes that are none of these.
     lowest : bool
@@ -48,6 +50,7 @@ class Axes:
     metric: str
     compare: str | None
     blocks: tuple[str, ...]
+    clusters: tuple[str, ...]
     others: tuple[str, ...]
     lowest: bool
     labels: tuple[Label, ...] = ()
@@ -64,9 +67,9 @@ class Points:
     others : tuple of P mappings of axis to label
         Of the axes that distinguish points with one x.
     x, value, low, high : (P,) arrays of float64
-        Value: mean over the counted blocks, or rows where no blocks are named; NaN where there
-        is none; those that differ by rounding alone are equal. Ends of its interval: NaN with too
-        few blocks, or where none are named.
+        Value: mean over the units of the means of their blocks, or of rows where no blocks are
+        named; NaN where there is none; those that differ by rounding alone are equal. Ends of its
+        interval: NaN with fewer than three units, or where no blocks are named.
     count : (P,) array of int
         Blocks, or rows, with a number.
     without_x, without_value : int
@@ -98,11 +101,12 @@ class _Rows:
     labels: Sequence[Label]
     others: Sequence[tuple[Label, ...]]
     blocks: Sequence[Hashable]
+    units: Sequence[Hashable]
     x: NDArray[np.float64]
     value: NDArray[np.float64]
 
 
-def points(scores: Across[Table], axes: Axes, *, seed: int) -> tuple[Points, ...]:
+def points(scores: Across[Table], axes: Axes) -> tuple[Points, ...]:
     """Return the points of every compared label, in the order of the labels.
 
     Parameters
@@ -111,16 +115,13 @@ def points(scores: Across[Table], axes: Axes, *, seed: int) -> tuple[Points, ...
         The gathered tables.
     axes
         Which axis or column is what.
-    seed
-        Of the bootstrap.
     """
     rows = _rows(scores, axes)
     labels = tuple(dict.fromkeys(rows.labels))
     if axes.compare is not None and axes.compare in scores.axes:
         labels = label_order(scores, axes.compare)
     of = _places(rows.labels)
-    bootstrap = Bootstrap(seed)
-    return tuple(_points(rows, of.get(label, []), label, axes, bootstrap) for label in labels)
+    return tuple(_points(rows, of.get(label, []), label, axes) for label in labels)
 
 
 def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
@@ -140,15 +141,27 @@ def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
 
 def _rows(scores: Across[Table], axes: Axes) -> _Rows:
     count = sum(len(table) for table in scores.values())
-    blocks = _together(scores, axes.blocks) if axes.blocks else range(count)
+    identity = tuple(dict.fromkeys((*axes.blocks, *axes.clusters)))
+    blocks = _together(scores, identity) if axes.blocks else range(count)
     others = _together(scores, axes.others) if axes.lowest else [()] * count
     return _Rows(
         labels=_gathered(scores, axes.compare),
         others=others,
         blocks=blocks,
+        units=_together(scores, unit_names(scores, axes)),
         x=_numbers(scores, axes.x),
         value=_numbers(scores, axes.metric),
     )
+
+
+def unit_names(scores: Across[Table], axes: Axes) -> tuple[str, ...]:
+    """Return what distinguishes independent units: clusters, or repetitions of few of them.
+
+    Blocks of one recording that are no repetitions are not independent; they are one unit.
+    """
+    if len(set(_together(scores, axes.clusters))) > MOST_RECORDINGS:
+        return axes.clusters
+    return tuple(name for name in axes.blocks if name in scores.axes and name not in axes.clusters)
 
 
 def _together(scores: Across[Table], names: tuple[str, ...]) -> list[tuple[Label, ...]]:
@@ -189,16 +202,14 @@ def _places(keys: Iterable[T]) -> dict[T, list[int]]:
     return places
 
 
-def _points(
-    rows: _Rows, places: Sequence[int], label: Label, axes: Axes, bootstrap: Bootstrap
-) -> Points:
+def _points(rows: _Rows, places: Sequence[int], label: Label, axes: Axes) -> Points:
     placed = [place for place in places if np.isfinite(rows.x[place])]
     apart = axes.lowest and not axes.blocks
     cells = _places(
         (rows.x[place], rows.others[place], place if apart else None) for place in placed
     )
     blocks = [_blocks(rows, [placed[row] for row in cell]) for cell in cells.values()]
-    statistics = [_statistics(values, axes, bootstrap) for values in blocks]
+    statistics = [_statistics(values, units, axes) for values, units in blocks]
     numbers = np.array([(x, *row) for (x, _, _), row in zip(cells, statistics, strict=True)])
     numbers = numbers.reshape(-1, 5)
     numbers[:, 1] = tied(numbers[:, 1])
@@ -214,24 +225,33 @@ def _points(
         high,
         count.astype(np.intp),
         without_x=len(places) - len(placed),
-        without_value=sum(int(np.isnan(values).sum()) for values in blocks),
+        without_value=sum(int(np.isnan(values).sum()) for values, _ in blocks),
     )
 
 
-def _blocks(rows: _Rows, places: list[int]) -> NDArray[np.float64]:
-    """Return the mean of the rows of each block; NaN where a row has no number."""
+def _blocks(rows: _Rows, places: list[int]) -> tuple[NDArray[np.float64], list[Hashable]]:
+    """Return the mean of the rows of each block, NaN where one has no number, and its unit."""
     value = rows.value[places]
-    blocks = _places(rows.blocks[place] for place in places)
-    return np.array([value[block].mean() for block in blocks.values()])
+    blocks = _places(rows.blocks[place] for place in places).values()
+    units = [rows.units[places[block[0]]] for block in blocks]
+    return np.array([value[block].mean() for block in blocks]), units
 
 
 def _statistics(
-    values: NDArray[np.float64], axes: Axes, bootstrap: Bootstrap
+    values: NDArray[np.float64], units: Sequence[Hashable], axes: Axes
 ) -> tuple[float, float, float, int]:
-    """Return the mean over the blocks that have one, the ends of its interval, and their count."""
-    known = values[np.isfinite(values)]
-    mean = float(known.mean()) if len(known) else np.nan
-    if not axes.blocks:
-        return mean, np.nan, np.nan, len(known)
-    low, high = bootstrap.interval(known[:, np.newaxis])
-    return mean, float(low[0]), float(high[0]), len(known)
+    """Return the mean over units, the ends of its interval, and how many blocks have a number."""
+    known = np.isfinite(values)
+    count = int(known.sum())
+    if not axes.blocks or not count:
+        return float(values[known].mean()) if count else np.nan, np.nan, np.nan, count
+    members = _places(unit for unit, counts in zip(units, known, strict=True) if counts)
+    means = np.array([values[known][member].mean() for member in members.values()])
+    if len(means) < FEWEST:
+        return float(means.mean()), np.nan, np.nan, count
+    if (means > 0.0).all():
+        low, high = arithmetic_interval(np.log(means)[:, np.newaxis])
+    else:
+        low, high = mean_interval(means[:, np.newaxis])
+    mean = float(means.mean())
+    return mean, min(float(low[0]), mean), max(float(high[0]), mean), count

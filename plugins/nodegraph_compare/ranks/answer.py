@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import listed
+from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import MOST_GROUPS, group_text, narrowed, numberless, start_text
-from nodegraph_compare.statistics import LEVEL, TEST_NAMES
+from nodegraph_compare.scope import caution, scope, unit_text
+from nodegraph_compare.statistics import TEST_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,24 +58,30 @@ def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> s
         What several blocks are called.
     """
     start = start_text(group_text(ranking.group, question))
-    count, blocks = len(ranking.methods), len(ranking.values)
+    count, blocks = len(ranking.methods), int(ranking.group.complete.sum())
     if not blocks:
         return f"{start}no block has a number for every method; nothing can be ranked"
     if count == 1:
         return f"{start}only {ranking.methods[0]} has numbers; there is nothing to rank"
-    several = f"{blocks} blocks" if blocks > 1 else "one block"
+    units = ranking.units
+    singular = name.removesuffix("s")
+    several = f"{blocks} {name}" if blocks > 1 else f"one {singular}"
     several = narrowed(ranking.group, name) or several
+    held = f" {scope(units, question, name)}" if units.count else f" within {name}"
     first = _firsts(ranking)
     names = listed([str(ranking.methods[place]) for place in first])
     sentence = (
         f"{start}{names} {'has' if len(first) == 1 else 'share'} the lowest mean rank "
-        f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several})"
+        f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}"
     )
-    if count == 2:
-        return f"{sentence}; {_two(ranking)}"
-    if blocks == 1:
-        return f"{sentence}; one block says nothing of chance"
-    return f"{sentence}; {_many(ranking, first, test)}"
+    few = caution(units, question)
+    if units.speech == "nothing":
+        why = units.why or unit_text(units, question)
+        return f"{sentence}; nothing can be said of chance: {why}"
+    if units.speech == "described":
+        return f"{sentence}; {few}"
+    tested = _two(ranking) if count == 2 else _many(ranking, first, test)
+    return f"{sentence}; {tested}{f'; {few}' if few else ''}"
 
 
 def chance(p: float) -> str:

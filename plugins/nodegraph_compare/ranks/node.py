@@ -8,12 +8,13 @@ import numpy as np
 
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
+from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.labels import compared_looks
 from nodegraph_compare.left_out import block_text, end_text, left_out
 from nodegraph_compare.question import Better, Names, OneColumn, OneName, Question, ask, blocks_name
 from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank
-from nodegraph_compare.statistics import LEVEL
+from nodegraph_compare.scope import rules
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 
@@ -50,27 +51,32 @@ def ranks(
     compare: OneName = None,
     within: Names = (),
     blocks: Names = (),
+    clusters: Names = (),
     better: Better = "declared",
     test: PairTest = "nemenyi",
 ) -> Ranked:
-    """Rank methods within each block, and test whether their mean ranks differ.
+    """Rank methods within each independent unit, and test whether their mean ranks differ.
 
-    In every block the methods are ranked, 1 for the best, equal ones sharing the mean of their
-    ranks; values that differ by rounding alone, by at most 1e-9 of their size, are equal, as in
-    `compare.table`, and so are differences of a pair. Friedman's test asks whether all methods
-    rank alike; its chi2, corrected for ties, is given beside Iman and Davenport's F, which is less
-    conservative and decides here (Demsar 2006). Then every pair is tested:
+    The units are those of `compare.table`: the clusters, such as actors, by their mean over the
+    blocks, or parts of a recording. In every unit the methods are ranked, 1 for the best, equal
+    ones sharing the mean of their ranks; values that differ by rounding alone, by at most 1e-9 of
+    their size, are equal, as in `compare.table`, and so are differences of a pair. Friedman's test
+    asks whether all methods rank alike; its chi2, corrected for ties, is given beside Iman and
+    Davenport's F, which is less conservative and decides here (Demsar 2006). Then every pair is
+    tested:
 
     - ``nemenyi``: two methods are apart where their mean ranks differ by the critical difference
       ``q sqrt(k (k + 1) / (12 N))`` or more, q the 95 % quantile of the studentised range of the
-      k methods, N the number of blocks.
+      k methods, N the number of units. It depends on which other methods are there.
     - ``wilcoxon_holm``: Wilcoxon's signed-rank test of each pair's differences, with Holm's
       correction over all pairs. It asks about the sizes of the differences, does not depend on
-      the other methods, and with k (k - 1) / 2 pairs needs more blocks.
+      the other methods, and with k (k - 1) / 2 pairs needs more units.
 
     Both keep the chance of any false claim at 5 %. Two methods are compared by Wilcoxon's test
-    alone. Blocks are those of `compare.table`: only those that every method has count; what is
-    left out is counted in a warning.
+    alone. Fewer than five units are not tested. Ranks support the means of `compare.table`, they
+    do not replace them: they ask which method is better in more units, however little. Blocks are
+    those of `compare.table`: only those that every method has count; what is left out is counted
+    in a warning.
 
     Parameters
     ----------
@@ -87,6 +93,9 @@ def ranks(
         Axes, or columns, whose combinations are the blocks. Default: every gathered axis that is
         not compared or in `within`, and the first column of the tables where it identifies the
         unit of a row.
+    clusters
+        Axes, or columns, whose combinations are the independent units. Default: the axes along
+        which the data differ, but for those in `compare` and `within`.
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
         rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.
@@ -96,18 +105,19 @@ def ranks(
     Returns
     -------
     table
-        A row per method, the best first: ``blocks``, ``mean rank``, ``mean`` of the metric.
+        A row per method, the best first: ``blocks``, ``mean rank`` over units,
+        ``mean`` of the metric.
     figure
         Demsar's critical-difference diagram: bars join methods of which no two are apart.
     pairs
         A row per pair: the difference of their mean ranks (``first`` minus ``second``), ``p``
         adjusted for the number of pairs, and ``effect``, the matched-pairs rank-biserial
-        correlation (1: the first is better in every block, 0: as often and as much better as
+        correlation (1: the first is better in every unit, 0: as often and as much better as
         worse).
     overall
         A row per combination of `within`: ``chi2``, ``p``, ``F``, ``p of F``, Kendall's ``W``
-        (1: every block ranks alike), ``critical difference`` (at 5 %); NaN for fewer than three
-        methods or two blocks.
+        (1: every unit ranks alike), ``critical difference`` (at 5 %); NaN for fewer than three
+        methods or five units.
 
     Raises
     ------
@@ -117,7 +127,13 @@ def ranks(
     from nodegraph_compare.ranks.figure import draw
 
     question = ask(
-        scores, metric=metric, compare=compare, within=within, blocks=blocks, better=better
+        scores,
+        metric=metric,
+        compare=compare,
+        within=within,
+        blocks=blocks,
+        clusters=clusters,
+        better=better,
     )
     gathered = groups(scores, question)
     rankings = [rank(group, question.better, test) for group in gathered]
@@ -127,8 +143,8 @@ def ranks(
         title=_title("Mean ranks", question),
         answer=tuple(answers(rankings, question, test, blocks_name(scores, question))),
         notes=(
-            f"{block_text(question)} {end_text(question)}",
-            f"Rank 1 is {first} in a block, equal values share the mean of their ranks. Only "
+            f"{block_text(question)} {end_text(question)} {rules(question)}",
+            f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "
             "blocks in which every method with any number has all its numbers count. Level "
             f"{LEVEL:.0%}.",
             *left_out(scores, question, gathered),
@@ -154,7 +170,7 @@ def _table(rankings: Sequence[Ranking], question: Question) -> Table:
         for place in np.argsort(ranking.ranks, kind="stable").tolist():
             rows.append(
                 _labels(ranking, question)
-                | {name: ranking.methods[place], "blocks": len(ranking.values)}
+                | {name: ranking.methods[place], "blocks": int(ranking.group.complete.sum())}
                 | {"mean rank": ranking.ranks[place], "mean": means[place]}
             )
         rows += [
@@ -192,7 +208,7 @@ def _overall(rankings: Sequence[Ranking], question: Question) -> Table:
         overall = ranking.overall
         rows.append(
             _labels(ranking, question)
-            | {"methods": len(ranking.methods), "blocks": len(ranking.values)}
+            | {"methods": len(ranking.methods), "units": len(ranking.units.means)}
             | {"chi2": overall.chi2, "p": overall.p, "F": overall.f, "p of F": overall.p_f}
             | {"W": overall.w, "critical difference": overall.critical}
         )

@@ -7,15 +7,18 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from nodegraph_compare.inference import LEVEL, range_quantile
 from nodegraph_compare.question import sign_of
-from nodegraph_compare.statistics import LEVEL, holm, range_quantile, rank_biserial, signed_rank
+from nodegraph_compare.statistics import holm, rank_biserial, signed_rank
 from nodegraph_compare.ties import apart
+from nodegraph_compare.units import units_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph import Label
     from nodegraph_compare.blocks import Group
+    from nodegraph_compare.units import Units
     from nodegraph_tables import BetterEnd
 
 PairTest = Literal["nemenyi", "wilcoxon_holm"]
@@ -23,22 +26,24 @@ PairTest = Literal["nemenyi", "wilcoxon_holm"]
 
 @dataclass(frozen=True)
 class Ranking:
-    """Ranks of the K usable methods of a group over its N complete blocks.
+    """Ranks of the K usable methods of a group within its N units.
 
     Attributes
     ----------
     group : Group
     methods : tuple of K labels
+    units : Units
     values : (N, K) array of float64
-        The complete blocks.
+        The means of the units; the complete blocks, untested, where there are no units.
     ranks : (K,) array of float64
-        Mean over the blocks; 1 is the best in every block. NaN without a block.
+        Mean over the units; 1 is the best in every unit. NaN without one.
     overall : Overall
     pairs : Pairs
     """
 
     group: Group
     methods: tuple[Label, ...]
+    units: Units
     values: NDArray[np.float64]
     ranks: NDArray[np.float64]
     overall: Overall
@@ -102,12 +107,15 @@ def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:
     from scipy.stats import rankdata
 
     usable = group.usable
-    values = group.values[group.complete][:, usable]
+    units = units_of(group, group.values[:, usable], group.complete)
+    values = units.means if units.count else group.values[group.complete][:, usable]
     methods = tuple(name for name, has in zip(group.methods, usable, strict=True) if has)
     within = rankdata(sign_of(end) * values, axis=1)
     ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
-    pairs = _pairs(sign_of(end) * values, ranks, test)
-    return Ranking(group, methods, values, ranks, _overall(within), pairs)
+    tested = units.speech in ("provisional", "settled")
+    pairs = _pairs(sign_of(end) * values, ranks, test if tested else None)
+    overall = _overall(within if tested else within[:0])
+    return Ranking(group, methods, units, values, ranks, overall, pairs)
 
 
 def critical_difference(blocks: int, methods: int) -> float:
@@ -172,14 +180,16 @@ def _overall(within: NDArray[np.float64]) -> Overall:
     )
 
 
-def _pairs(signed: NDArray[np.float64], ranks: NDArray[np.float64], test: PairTest) -> Pairs:
+def _pairs(signed: NDArray[np.float64], ranks: NDArray[np.float64], test: PairTest | None) -> Pairs:
     blocks, methods = signed.shape
     first, second = np.triu_indices(methods, 1)
     if not blocks or not len(first):
         nothing = np.full(len(first), np.nan)
         return Pairs(first, second, nothing, nothing)
     differences = apart(signed[:, second], signed[:, first])
-    if test == "nemenyi" and methods > 2:
+    if test is None:
+        p = np.full(len(first), np.nan)
+    elif test == "nemenyi" and methods > 2:
         p = _nemenyi(np.abs(ranks[first] - ranks[second]), blocks, methods)
     else:
         p = holm(signed_rank(differences))

@@ -57,8 +57,8 @@ def wide_table(
     order
         The compared labels as the graph lists them.
     parts
-        What is wanted beside the mean: ``low``, ``high`` and ``p``, that of its difference to the
-        baseline.
+        What is wanted beside the mean: ``low``, ``high`` and ``p``, against the baseline, or the
+        best.
     """
     from pandas import DataFrame
 
@@ -211,25 +211,23 @@ def completed(layout: Layout, question: Question) -> Layout:
     return Layout(layout.rows, rest if layout.rows else ())
 
 
-_VALUED = ("mean", "rms", "median", "sd", "low", "high")
 _PAIRED = {
-    "difference": "mean",
-    "difference low": "low",
-    "difference high": "high",
+    "low": "low",
+    "high": "high",
     "p": "p",
-    "better in": "better",
+    "p of flips": "flips",
+    "g": "effect",
+    "margin": "margin",
 }
-_INTERVALS: dict[str, dict[Part, str]] = {
-    "mean": {"low": "low", "high": "high"},
-    "difference": {"low": "difference low", "high": "difference high"},
-}
-_SHARES = ("refused", "left missing", "better in")
+_VALUED = ("mean", "low", "high", "median")
+_LOST = {"refused": "refused", "left missing": "missing"}
 
 
-def long_table(
-    summaries: Sequence[Summary], question: Question, unit: str, left: Sequence[str]
-) -> Table:
+def long_table(summaries: Sequence[Summary], question: Question, unit: str) -> Table:
     """Return a row per group and method, the best mean of each group first and marked.
+
+    Columns that would hold nothing are left out: what was refused or left missing where nothing
+    was, and differences where there are not enough units.
 
     Parameters
     ----------
@@ -237,50 +235,76 @@ def long_table(
         Of the comparison.
     unit
         Of the metric.
-    left
-        Columns that are not wanted.
     """
     from pandas import DataFrame
 
     columns: dict[str, list[Any]] = {}
+    paired = paired_name(summaries)
     for summary in summaries:
-        for name, values in _columns(summary, question, left).items():
+        for name, values in _columns(summary, question, paired).items():
             columns.setdefault(name, []).extend(values)
-    frame = DataFrame(columns)
+    labels = (*question.within, *question.compared)
+    frame = DataFrame({name: values for name, values in columns.items() if _holds(name, values)})
     marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
     several = question.compare is not None
+    valued = (*_VALUED, *((paired, f"{paired} low", f"{paired} high") if paired != "ratio" else ()))
+    units = {name: unit for name in valued if unit and name in frame}
+    margin = next((s.margin for s in summaries), None)
+    in_unit = paired != "ratio" if margin is None else not margin.ratio
+    units |= {"margin": unit} if unit and in_unit and "margin" in frame else {}
+    intervals: dict[str, Mapping[Part, str]] = {
+        name: {"low": low, "high": high}
+        for name, low, high in (
+            ("mean", "low", "high"),
+            (paired, f"{paired} low", f"{paired} high"),
+        )
+        if name in frame
+    }
     info = TableInfo(
-        units=_units(frame, unit),
-        labels=(*question.within, *question.compared),
+        units=units | {name: "share" for name in _LOST if name in frame},
+        labels=labels,
         best={"mean": tuple(np.flatnonzero(marked).tolist())} if several else {},
-        cells={name: parts for name, parts in _INTERVALS.items() if name in frame},
+        cells=intervals,
     )
     return with_info(frame, info)
 
 
-def _columns(
-    summary: Summary, question: Question, left: Sequence[str]
-) -> Mapping[str, Sequence[Any]]:
-    group = summary.group
+def paired_name(summaries: Sequence[Summary]) -> str:
+    """Return how methods are compared to the best one, or to the baseline."""
+    return "ratio" if all(summary.ratio for summary in summaries) else "difference"
+
+
+def _columns(summary: Summary, question: Question, name: str) -> Mapping[str, Sequence[Any]]:
+    group, paired = summary.group, summary.paired
     labels = zip(question.within, group.labels, strict=True)
     columns: dict[str, Any] = {name: [label] * len(group.methods) for name, label in labels}
     columns |= {name: group.methods for name in question.compared}
     columns["blocks"] = summary.blocks
     columns |= {name: getattr(summary, name) for name in _VALUED}
-    columns |= {"refused": group.refused, "left missing": group.missing}
     nothing = np.full(len(group.methods), np.nan)
-    for name, attribute in _PAIRED.items():
-        if name not in left:
-            paired = summary.paired
-            columns[name] = nothing if paired is None else getattr(paired, attribute)
+    columns[name] = nothing if paired is None else paired.value
+    for part, attribute in _PAIRED.items():
+        head = f"{name} {part}" if part in ("low", "high") else part
+        columns[head] = nothing if paired is None else getattr(paired, attribute)
+    columns["wins"] = _wins(summary)
+    columns |= {name: getattr(group, attribute) for name, attribute in _LOST.items()}
     return {name: [values[place] for place in summary.ranked] for name, values in columns.items()}
 
 
-def _units(frame: Table, unit: str) -> dict[str, str]:
-    valued = (*_VALUED, "difference", "difference low", "difference high")
-    units = {name: unit for name in valued if unit and name in frame}
-    return units | {name: "share" for name in _SHARES if name in frame}
+def _wins(summary: Summary) -> list[str]:
+    """Return in how many of the units each method is better than the reference: ``3/8``."""
+    paired = summary.paired
+    if paired is None or summary.end == "none":
+        return [""] * len(summary.level)
+    count = len(summary.units.means)
+    return [f"{wins:.0f}/{count}" if np.isfinite(wins) else "" for wins in paired.wins]
 
 
-PAIRED = tuple(_PAIRED)
-"""The columns that need a baseline."""
+def _holds(name: str, values: Sequence[Any]) -> bool:
+    """Whether a column says anything."""
+    if name in _LOST:
+        return any(value > 0.0 for value in values)
+    if name == "wins":
+        return any(values)
+    paired = name in _PAIRED or name.split(" ")[0] in ("ratio", "difference")
+    return name in _VALUED or not paired or bool(np.isfinite(values).any())

@@ -3,40 +3,72 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.bootstrap import FEWEST
+from nodegraph_compare.inference import (
+    FEWEST_FLIPPED,
+    LEVEL,
+    arithmetic_interval,
+    contrasts,
+    mean_interval,
+)
 from nodegraph_compare.question import sign_of
-from nodegraph_compare.statistics import Test, holm, p_values, range_quantile
-from nodegraph_compare.ties import apart, differ, settled
+from nodegraph_compare.ties import settled
+from nodegraph_compare.units import units_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from nodegraph import Label
     from nodegraph_compare.blocks import Group
-    from nodegraph_compare.bootstrap import Bootstrap
+    from nodegraph_compare.question import Margin
+    from nodegraph_compare.units import Units
     from nodegraph_tables import BetterEnd
+
+_DOUBTFUL = 0.10
 
 
 @dataclass(frozen=True)
-class Differences:
-    """Paired differences of each method to one of them; NaN for that one.
+class Paired:
+    """Each of K methods against one of them; NaN for that one and for methods without a number.
 
     Attributes
     ----------
-    mean, low, high, p, better : (K,) arrays of float64
-        Method minus baseline and its interval, the p of the test after Holm's correction, and
-        the share of blocks in which the method is strictly better (NaN where neither end is).
+    reference : int
+    value, low, high : (K,) arrays of float64
+        Ratio, or difference, of mean errors, and the ends of its interval.
+    p, flips : (K,) arrays of float64
+        Of the floored Tukey rule, and of sign flips; NaN for too few units.
+    effect : (K,) array of float64
+        Hedges' g, positive where the method is worse.
+    wins : (K,) array of float64
+        Units in which the method is better.
+    margin : (K,) array of float64
+        The smallest ratio, or difference, within which it is shown to be equal.
+    doubtful : (K,) array of bool
+        Told apart by the t-test, alone, and not by sign flips.
     """
 
-    mean: NDArray[np.float64]
+    reference: int
+    value: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
     p: NDArray[np.float64]
-    better: NDArray[np.float64]
+    flips: NDArray[np.float64]
+    effect: NDArray[np.float64]
+    wins: NDArray[np.float64]
+    margin: NDArray[np.float64]
+    doubtful: NDArray[np.bool_]
+
+    @property
+    def apart(self) -> NDArray[np.bool_]:
+        """(K,), whether p is at most 5 %."""
+        return np.asarray(self.p <= LEVEL)
 
 
 @dataclass(frozen=True)
@@ -46,31 +78,39 @@ class Summary:
     Attributes
     ----------
     group : Group
-    values : (N, K) array of float64
-        The complete blocks.
+    units : Units
+        The independent units, with the means of the usable methods.
     end : str
         Which end of the metric is better.
-    mean, rms, median, sd, low, high : (K,) arrays of float64
-        NaN for a method without any number, or with too few blocks. Means that differ by
-        rounding alone are equal.
-    behind : (K,) array of bool
-        Clearly worse than the best mean: the paired difference is larger than Tukey's range
-        allows, 5 % over all pairs of methods.
-    paired : Differences or None
-        To the baseline.
+    ratio : bool
+        Whether methods are compared by ratios, not by differences.
+    mean, low, high, median, rank : (K,) arrays of float64
+        Mean over units with its interval, median over blocks, and mean rank within blocks; NaN
+        for a method without any number. Means that differ by rounding alone are equal.
+    level : (K,) array of float64
+        What decides, the lower the better: the mean of the logarithms of the units' means, or of
+        these means.
+    blocks : (K,) array of int
+        Number of blocks used; 0 for a method without any number.
+    against : int or None
+        The place of the baseline.
+    margin : Margin or None
+        Within which methods count as equal.
     """
 
     group: Group
-    values: NDArray[np.float64]
+    units: Units
     end: BetterEnd
+    ratio: bool
     mean: NDArray[np.float64]
-    rms: NDArray[np.float64]
-    median: NDArray[np.float64]
-    sd: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
-    behind: NDArray[np.bool_]
-    paired: Differences | None
+    median: NDArray[np.float64]
+    rank: NDArray[np.float64]
+    level: NDArray[np.float64]
+    blocks: NDArray[np.intp]
+    against: int | None
+    margin: Margin | None
 
     @property
     def best(self) -> int | None:
@@ -81,16 +121,15 @@ class Summary:
     @property
     def bests(self) -> NDArray[np.bool_]:
         """(K,), True for the best mean and those equal to it, where there are others."""
-        known = np.isfinite(self.mean)
+        known = np.isfinite(self.level)
         if not known.any() or self.end == "none":
             return np.zeros(known.shape, dtype=bool)
-        signed = sign_of(self.end) * self.mean
-        return np.asarray(signed == np.nanmin(signed))
+        return np.asarray(self.level == np.nanmin(self.level))
 
     @property
     def marked(self) -> NDArray[np.bool_]:
         """(K,), `bests` where there is something that they are better than, or equal to."""
-        return self.bests & (np.count_nonzero(np.isfinite(self.mean)) > 1)
+        return self.bests & (np.count_nonzero(np.isfinite(self.level)) > 1)
 
     @property
     def ranked(self) -> list[int]:
@@ -99,20 +138,86 @@ class Summary:
         Equal means, and all of a metric of which neither end is better, in the order of the graph.
         """
         if self.end == "none":
-            return list(range(len(self.mean)))
-        order: list[int] = np.argsort(sign_of(self.end) * self.mean, kind="stable").tolist()
+            return list(range(len(self.level)))
+        order: list[int] = np.argsort(self.level, kind="stable").tolist()
         return order
 
     @property
-    def blocks(self) -> NDArray[np.intp]:
-        """(K,), the number of blocks used; 0 for a method without any number."""
-        return np.where(np.isfinite(self.mean), len(self.values), 0)
+    def judged(self) -> bool:
+        """Whether there are units enough for p and a verdict."""
+        return self.units.speech in ("provisional", "settled")
+
+    @cached_property
+    def to_best(self) -> Paired | None:
+        """Each method against the best one, where there is one and units enough to compare."""
+        return None if self.best is None else self._paired(self.best)
+
+    @cached_property
+    def paired(self) -> Paired | None:
+        """Each method against the baseline, without any against the best."""
+        return self.to_best if self.against is None else self._paired(self.against)
+
+    @property
+    def behind(self) -> NDArray[np.bool_]:
+        """(K,), clearly worse than the best."""
+        none = np.zeros(self.level.shape, dtype=bool)
+        return none if self.to_best is None else self.to_best.apart & ~self.bests
+
+    @property
+    def equal(self) -> NDArray[np.bool_]:
+        """(K,), shown to be within the margin of the reference."""
+        if self.paired is None or self.margin is None or not self.judged:
+            return np.zeros(self.level.shape, dtype=bool)
+        return np.asarray(self.paired.margin <= self.margin.size)
+
+    def _paired(self, reference: int) -> Paired | None:
+        usable = np.flatnonzero(np.isfinite(self.level))
+        if len(usable) < 2 or reference not in usable or self.units.speech == "nothing":
+            return None
+        at = int(np.flatnonzero(usable == reference)[0])
+        sign, strata = sign_of(self.end), self.units.strata
+        y = sign * self.units.numbers(self.ratio)
+        found = contrasts(y, at, strata)
+        ends = [sign * end for end in found.interval][:: int(sign)]
+        shown = np.exp if self.ratio else np.asarray
+        margin = shown(found.margin)
+        if self.ratio and self.margin is not None and not self.margin.ratio:
+            margin = contrasts(sign * self.units.means, at, strata).margin
+        flipped = self.judged and len(y) >= FEWEST_FLIPPED
+        flips = found.p_of_flips if flipped else np.full(len(usable), np.nan)
+
+        def spread(values: NDArray[np.float64]) -> NDArray[np.float64]:
+            full = np.full(self.level.shape, np.nan)
+            full[usable] = values
+            full[reference] = np.nan
+            return full
+
+        doubtful = np.zeros(self.level.shape, dtype=bool)
+        doubtful[usable] = (found.p_alone <= LEVEL) & (flips > _DOUBTFUL)
+        low, high = (spread(shown(end)) for end in ends)
+        return Paired(
+            reference,
+            value=spread(shown(sign * found.mean)),
+            low=low,
+            high=high,
+            p=spread(found.p if self.judged else np.full(len(usable), np.nan)),
+            flips=spread(flips),
+            effect=spread(found.effect),
+            wins=spread((found.d < 0.0).sum(axis=0).astype(np.float64)),
+            margin=spread(margin),
+            doubtful=doubtful,
+        )
 
 
 def summarise(
-    group: Group, end: BetterEnd, bootstrap: Bootstrap, *, against: Label | None, test: Test
+    group: Group,
+    end: BetterEnd,
+    *,
+    ratio: bool,
+    against: Label | None = None,
+    margin: Margin | None = None,
 ) -> Summary:
-    """Return the statistics of a group, with paired differences where there is a baseline.
+    """Return the statistics of a group.
 
     Parameters
     ----------
@@ -120,99 +225,81 @@ def summarise(
         The values of its methods in its blocks.
     end
         Which end of the metric is better.
-    bootstrap
-        Of the intervals.
+    ratio
+        Whether to compare methods by ratios.
     against
         The baseline's label, if there is one.
-    test
-        Of the differences to it.
+    margin
+        Within which methods count as equal.
     """
-    values = group.values[group.complete]
-    blocks, methods = values.shape
-    nothing = np.full(methods, np.nan)
-    mean = settled(values.mean(axis=0), np.abs(values).mean(axis=0)) if blocks else nothing
-    low, high = bootstrap.interval(values)
-    paired = None
-    if against in group.methods:
-        paired = differences(values, group.methods.index(against), end, bootstrap, test)
+    from scipy.stats import rankdata
+
+    usable, kept = group.usable, group.complete
+    values = group.values[:, usable]
+    units = units_of(group, values, kept)
+    values = values[kept]
+    many = len(values) > 0
+    mean = units.means.mean(axis=0) if many else np.full(values.shape[1], np.nan)
+    y = units.numbers(ratio) if many else units.means
+    size = np.abs(units.means).mean(axis=0) if many else mean
+    low, high = _ends(units, y, mean, ratio=ratio)
+    sign = sign_of(end)
+    level = sign * (y.mean(axis=0) if many else mean)
+
+    def spread(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        full = np.full(usable.shape, np.nan)
+        full[usable] = numbers
+        return full
+
+    place = group.methods.index(against) if against in group.methods else None
     return Summary(
         group,
-        values,
+        units,
         end,
-        mean=mean,
-        rms=np.sqrt((values**2).mean(axis=0)) if blocks else nothing,
-        median=np.median(values, axis=0) if blocks else nothing,
-        sd=_sd(values) if blocks > 1 else nothing,
-        low=low,
-        high=high,
-        behind=behind_best(values, mean, end),
-        paired=paired,
+        ratio,
+        mean=spread(settled(mean, size)),
+        low=spread(low),
+        high=spread(high),
+        median=spread(np.median(values, axis=0) if many else mean),
+        rank=spread(rankdata(sign * values, axis=1).mean(axis=0) if many else mean),
+        level=spread(settled(level, np.ones_like(level) if ratio else size)),
+        blocks=np.where(usable, len(values), 0),
+        against=place,
+        margin=margin,
     )
 
 
-def _sd(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the standard deviations of columns, 0 where they differ by rounding alone."""
-    sd = values.std(axis=0, ddof=1)
-    return np.where(differ(values) | ~np.isfinite(sd), sd, 0.0)
+def _ends(
+    units: Units, y: NDArray[np.float64], mean: NDArray[np.float64], *, ratio: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the ends of the intervals of means; those of positive means stay above 0."""
+    if units.speech == "nothing":
+        return np.full(mean.shape, np.nan), np.full(mean.shape, np.nan)
+    if not ratio:
+        return mean_interval(units.means, units.strata)
+    if units.kind == "clusters":
+        low, high = arithmetic_interval(y)
+        # the model's mean is not that of the data
+        return np.minimum(low, mean), np.maximum(high, mean)
+    low, high = mean_interval(y, units.strata)
+    return np.exp(low), np.exp(high)
 
 
-def differences(
-    values: NDArray[np.float64], baseline: int, end: BetterEnd, bootstrap: Bootstrap, test: Test
-) -> Differences:
-    """Return the paired differences of the columns of complete blocks to one of them.
+def by_ratio(groups: Sequence[Group], end: BetterEnd) -> bool:
+    """Whether methods can be compared by ratios: every mean of a unit is above 0.
 
-    Parameters
-    ----------
-    values
-        (B, K), a row per block; a column of NaN for a method without any number.
-    baseline
-        The column that all others are compared to.
-    end
-        Which end of the metric is better.
-    bootstrap
-        Of the intervals.
-    test
-        Of the differences.
+    Where neither end of a metric is the better one, values are differences, not errors.
     """
-    paired = apart(values, values[:, [baseline]])
-    paired[:, baseline] = np.nan
-    known = np.asarray(np.isfinite(paired).any(axis=0))
-    low, high = bootstrap.interval(paired)
-    nothing = np.full(known.shape, np.nan)
-    p = nothing.copy()
-    p[known] = p_values(paired[:, known], test)
-    lower = sign_of(end) * paired < 0.0
-    counted = known & (end != "none")
-    return Differences(
-        mean=paired.mean(axis=0) if len(paired) else nothing,
-        low=low,
-        high=high,
-        p=holm(p),
-        better=np.where(counted, lower.mean(axis=0), np.nan) if len(paired) else nothing,
-    )
+    return end != "none" and all(map(_positive, groups))
 
 
-def behind_best(
-    values: NDArray[np.float64], mean: NDArray[np.float64], end: BetterEnd
-) -> NDArray[np.bool_]:
-    """Return which methods are apart from the best by Tukey's range of paired differences.
-
-    Whichever happens to be the best is compared with all: as if all pairs were tested.
-
-    Parameters
-    ----------
-    values
-        (B, K), the complete blocks.
-    mean
-        (K,), of the columns.
-    end
-        Which end of the metric is better; of ``none``, no method is behind.
-    """
-    blocks = len(values)
-    usable = int(np.isfinite(mean).sum())
-    if end == "none" or usable < 2 or blocks < FEWEST:
-        return np.zeros(mean.shape, dtype=bool)
-    signed = sign_of(end) * values
-    paired = apart(signed, signed[:, [int(np.nanargmin(sign_of(end) * mean))]])
-    error = paired.std(axis=0, ddof=1) / np.sqrt(blocks)
-    return np.asarray(paired.mean(axis=0) > range_quantile(usable, blocks - 1) * error)
+def _positive(group: Group) -> bool:
+    values = group.values[:, group.usable]
+    kept = group.complete
+    if not kept.any():
+        return True
+    if np.nanmin(group.values[:, group.usable]) < 0.0:
+        return False
+    units = units_of(group, values, kept)
+    means = units.means if units.kind == "clusters" else units.means.mean(axis=0)
+    return bool((means > 1e-9 * means.max()).all())

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,12 +12,20 @@ from nodegraph_compare.blocks import Group
 from nodegraph_compare.left_out import absences, dropped, end_text, left_out
 from nodegraph_compare.question import Question
 
-QUESTION = Question("rmse", "fill", ("length",), ("gap",), ())
+QUESTION = Question("rmse", "fill", ("length",), ("gap",), (), ("gap",), (), ())
+
+
+def group(length: int, methods: tuple[str, ...], values: Any) -> Group:
+    nothing, blocks = np.zeros(len(methods)), np.zeros(len(values), dtype=int)
+    times = np.full(len(values), np.nan)
+    return Group(
+        (length,), methods, values, nothing, nothing, blocks, blocks, 1, times, times, blocks
+    )
 
 
 def lacking(length: int) -> Group:
     values = np.array([[1.0, np.nan, np.nan], [2.0, 3.0, np.nan]])
-    return Group((length,), ("a", "b", "c"), values, np.zeros(3), np.zeros(3))
+    return group(length, ("a", "b", "c"), values)
 
 
 def test_what_is_dropped_is_counted_by_method() -> None:
@@ -34,7 +45,7 @@ def test_many_groups_are_summed_up_in_notes_and_warning() -> None:
 def test_skipped_combinations_are_noted_without_a_warning() -> None:
     absent = (Absent({"fill": "b"}, "skipped", ""),)
     scores = Across(("fill",), (({"fill": "a"}, pd.DataFrame()),), absent)
-    whole = Group((5,), ("a",), np.ones((3, 1)), np.zeros(1), np.zeros(1))
+    whole = group(5, ("a",), np.ones((3, 1)))
     assert left_out(scores, QUESTION, [whole]) == ["b: 1 combination skipped"]
 
 
@@ -46,6 +57,6 @@ def test_absent_combinations_are_counted_by_label_with_two_of_their_reasons() ->
 
 def test_the_better_end_is_told() -> None:
     assert end_text(QUESTION) == "Lower is better."
-    assert end_text(Question("lag", None, (), (), (), "none")) == (
+    assert end_text(replace(QUESTION, metric="lag", better="none")) == (
         "Neither end of lag is the better one."
     )

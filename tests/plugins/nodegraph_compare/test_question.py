@@ -23,7 +23,9 @@ def question_of(scores: Across[pd.DataFrame], **settings: object) -> Question:
 
 def test_defaults() -> None:
     question = question_of(across("trial", "length", "fill"), within=("length",))
-    assert question == Question("rmse", "fill", ("length",), ("trial", "gap"), ())
+    assert question == Question(
+        "rmse", "fill", ("length",), ("trial", "gap"), (), ("trial", "gap"), (), ("trial",)
+    )
 
 
 def test_compare_is_the_last_axis_that_is_not_taken() -> None:
@@ -48,7 +50,7 @@ def test_frames_and_floats_are_no_unit(first: dict[str, list[float]], blocks: ob
 
 def test_columns_can_be_compared_and_grouped_by() -> None:
     question = question_of(across("fill", side=["l", "r"]), compare="side", within=("fill",))
-    assert question == Question("rmse", "side", ("fill",), ("gap",), ())
+    assert question == Question("rmse", "side", ("fill",), ("gap",), (), ("gap",), (), ())
 
 
 def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:

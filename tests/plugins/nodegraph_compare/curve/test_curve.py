@@ -8,8 +8,8 @@ import pytest
 
 from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
-from nodegraph_compare.bootstrap import Bootstrap
 from nodegraph_compare.curve.node import Curve, curve
+from nodegraph_compare.inference import arithmetic_interval
 from nodegraph_tables import TableInfo, info_of, with_info
 
 NAN = np.nan
@@ -91,15 +91,15 @@ def test_repeats_are_averaged_with_an_interval_over_blocks() -> None:
         for place in range(2)
     ]
     scores = Across(("trial", "length"), tuple(entries))
-    frame = curve(scores, x="length", blocks=("trial",), seed=3).table
+    frame = curve(scores, x="length", blocks=("trial",)).table
     assert frame["length"].tolist() == [0, 10]
     assert frame["blocks"].tolist() == [8, 8]
     for place, row in enumerate(frame.to_dict("records")):
         means = rmse[:, place].mean(axis=1)
-        low, high = Bootstrap(3).interval(means[:, np.newaxis])
+        low, high = arithmetic_interval(np.log(means)[:, np.newaxis])
         assert row["rmse"] == pytest.approx(means.mean())
         assert [row["low"], row["high"]] == pytest.approx([low[0], high[0]])
-    assert "bootstrap" in info_of(frame).notes[0]
+    assert "for further trial of the same recording" in info_of(frame).notes[0]
 
 
 def test_of_repeats_the_lowest_is_that_of_their_means() -> None:
@@ -305,8 +305,8 @@ def test_there_must_be_a_table_and_the_floor_must_have_the_metric() -> None:
 def test_settings_have_their_defaults() -> None:
     node = node_of(curve)
     assert node is not None
-    assert node.cite == ("efron1979bootstrap", "satopaa2011finding")
+    assert node.cite == ("olsson2005confidence", "satopaa2011finding")
     assert {name: setting.default for name, setting in node.settings.items() if name != "x"} == {
-        "metric": None, "compare": None, "blocks": (), "lowest": None, "mark": "none",
-        "tolerance": 2.0, "seed": 0,
+        "metric": None, "compare": None, "blocks": (), "clusters": (), "lowest": None,
+        "mark": "none", "tolerance": 2.0,
     }  # fmt: skip

@@ -144,6 +144,7 @@ def test_intervals_are_in_sight() -> None:
         metric="mse",
         compare="actor",
         blocks=("unit",),
+        clusters=("unit",),
     )
     (axis,) = result.figure.axes
     assert axis.get_ylim()[1] > result.table["high"].max() > 1.05 * result.table["mse"].max()

@@ -13,7 +13,8 @@ from scipy.stats import friedmanchisquare
 import nodegraph_compare
 from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
-from nodegraph_compare.ranks.node import Ranked, ranks
+from nodegraph_compare.ranks.node import Ranked
+from nodegraph_compare.ranks.node import ranks as ranks_of
 from nodegraph_compare.table.node import table
 from nodegraph_tables import TableInfo, info_of, with_info
 from nodegraph_tables.style import looks
@@ -39,6 +40,13 @@ def scored(*values: float) -> pd.DataFrame:
     return pd.DataFrame({"gap": range(len(values)), "rmse": np.array(values, dtype=float)})
 
 
+def ranks(scores: Any, **settings: Any) -> Ranked:
+    """Rank where every trial and block is a cluster."""
+    trials = tuple(axis for axis in scores.axes if axis == "trial")
+    clusters = settings.pop("clusters", (*trials, "gap"))
+    return ranks_of(scores, clusters=clusters, **settings)
+
+
 def texts(result: Ranked) -> list[str]:
     return [text.get_text() for axis in result.figure.axes for text in axis.texts]
 
@@ -55,14 +63,14 @@ def test_methods_stand_by_their_mean_rank() -> None:
 
 def test_the_overall_test_is_scipys_on_the_blocks() -> None:
     scores = study()
-    result = ranks(scores)
+    result = ranks(scores, clusters=("trial", "length", "gap"))
     columns = [
         np.concatenate([table["rmse"] for at, table in scores if at["fill"] == name])
         for name in NAMES
     ]
     (row,) = result.overall.to_dict("records")
     peer = friedmanchisquare(*columns)
-    assert (row["methods"], row["blocks"]) == (4, 60)
+    assert (row["methods"], row["units"]) == (4, 60)
     assert (row["chi2"], row["p"]) == (pytest.approx(peer.statistic), pytest.approx(peer.pvalue))
 
 
@@ -80,8 +88,9 @@ def test_every_pair_has_a_row() -> None:
 def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
     (sentence,) = info_of(ranks(study(apart=0.8)).table).answer
     assert re.match(
-        r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 blocks\); the methods differ by "
-        r"Friedman's test \(F = [\d.]+, p < 0\.001; Kendall's W = 0\.\d\d\); by Nemenyi's test "
+        r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 gaps\) over 30 combinations of "
+        r"trial and gap; the methods differ by Friedman's test \(F = [\d.]+, p < 0\.001; Kendall's "
+        r"W = 0\.\d\d\); by Nemenyi's test "
         r"(all others are apart from it|not apart from it: [a-z, ]+)\.$",
         sentence,
     )
@@ -92,7 +101,7 @@ def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
     shy = scored(*[float("nan")] * 3, *range(5))
     with pytest.warns(UserWarning, match="3 of 8 blocks left out"):
         (sentence,) = info_of(ranks(Across.of({**whole, "shy": shy}, axis="f")).table).answer
-    assert "of 4 methods, 5 of 8 gaps: shy lacks 3)" in sentence
+    assert "of 4 methods, 5 of 8 gaps, the rest left out: shy lacks 3) over 5 gaps" in sentence
 
 
 def test_no_claim_where_friedman_makes_none() -> None:
@@ -109,37 +118,41 @@ def test_methods_of_one_mean_rank_share_it() -> None:
     worse = {name: scored(*range(place, place + 8)) for place, name in enumerate("cdef", start=3)}
     tied = {"a": scored(*range(8)), "b": scored(*range(8)), **worse}
     (sentence,) = info_of(ranks(Across.of(tied, axis="fill")).table).answer
-    assert sentence.startswith("a, b share the lowest mean rank (1.50 of 6 methods, 8 blocks); ")
+    assert sentence.startswith(
+        "a, b share the lowest mean rank (1.50 of 6 methods, 8 gaps) over 8 gaps; "
+    )
     assert sentence.endswith("by Nemenyi's test not apart from them: c, d.")
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
     assert list(info_of(ranks(two).table).answer) == [
-        "a, b share the lowest mean rank (1.50 of 2 methods, 8 blocks); the two are not clearly "
-        "apart by Wilcoxon's signed-rank test (p = 1.000)."
+        "a, b share the lowest mean rank (1.50 of 2 methods, 8 gaps) over 8 gaps; the two are not "
+        "clearly apart by Wilcoxon's signed-rank test (p = 1.000)."
     ]
 
 
 def test_of_many_groups_each_of_equal_methods_counts() -> None:
     tables = {
-        name: pd.DataFrame({"take": range(20), "rmse": np.full(20, value)})
+        name: pd.DataFrame({"take": range(20), "gap": range(20), "rmse": np.full(20, value)})
         for name, value in {"a": 0.3, "b": 0.1 + 0.2, "c": 0.5}.items()
     }
     scores = Across.of(tables, axis="fill")
     (sentence,) = info_of(ranks(scores, within=("take",)).table).answer
     assert sentence.startswith("Of 20 groups (take), the lowest mean rank has a in 20, b in 20; ")
     (sentence,) = info_of(table(scores, within=("take",)).table).answer
-    assert sentence == "Of 20 groups (take), a has the lowest mean rmse in 20, b in 20."
+    assert sentence.startswith("Of 20 groups (take), a has the lowest mean rmse in 20, b in 20; ")
 
 
 def test_two_methods_one_method_one_block() -> None:
     two = Across.of({"a": scored(1, 2, 3, 4, 5, 6, 7), "b": scored(2, 3, 4, 5, 6, 7, 9)}, axis="f")
     (sentence,) = info_of(ranks(two).table).answer
-    assert sentence.endswith("the two are apart by Wilcoxon's signed-rank test (p = 0.016).")
+    assert sentence.endswith(
+        "the two are apart by Wilcoxon's signed-rank test (p = 0.016); provisional, as of 7 gaps."
+    )
     axis = ranks(Across.of({"a": scored(1, 2)}, axis="f"))
     assert list(info_of(axis.table).answer) == ["only a has numbers; there is nothing to rank."]
     assert axis.table["mean rank"].tolist() == [1.0]
     assert len(axis.pairs) == 0
     single = Across.of({name: scored(place) for place, name in enumerate("abc")}, axis="f")
-    assert "one block says nothing of chance" in info_of(ranks(single).table).answer[0]
+    assert "nothing can be said of chance" in info_of(ranks_of(single).table).answer[0]
 
 
 def test_a_method_without_any_number_is_in_the_answer() -> None:
@@ -206,7 +219,9 @@ def test_thousands_of_combinations_are_summed_up() -> None:
         )
         for name in "abc"
     }
-    result = ranks(Across.of(rows, axis="fill"), within=("gap",), blocks=("take",))
+    result = ranks(
+        Across.of(rows, axis="fill"), within=("gap",), blocks=("take",), clusters=("take",)
+    )
     assert len(result.overall) == 50
     (sentence,) = info_of(result.table).answer
     assert sentence.startswith("Of 50 groups (gap), the lowest mean rank has ")
@@ -279,7 +294,7 @@ def test_labels_with_markup_and_long_ones_are_drawn_as_they_are() -> None:
 
 
 def test_the_node_and_its_citations() -> None:
-    described = node_of(ranks)
+    described = node_of(ranks_of)
     assert described is not None
     assert [str(port) for port in described.outputs] == [
         "table: Table", "figure: Figure", "pairs: Table", "overall: Table",

@@ -24,7 +24,8 @@ def compared(*, within: tuple[str, ...], scale: float = 1.0) -> Compared:
                 rmse = random.uniform(1, 2, size=8) * scale**place
                 labels = {"take": take, "length": length, "fill": fill}
                 entries.append((labels, pd.DataFrame({"gap": range(8), "rmse": rmse})))
-    return table(Across(("take", "length", "fill"), tuple(entries)), within=within)
+    scores = Across(("take", "length", "fill"), tuple(entries))
+    return table(scores, within=within, clusters=("gap",))
 
 
 def points(axis: Any) -> dict[str, ErrorbarContainer]:

@@ -1,0 +1,271 @@
+"""What a few independent units say of methods: intervals, tests, equivalence, probabilities.
+
+Every function takes one number per unit and method, ``y`` of shape (..., C, K), lower being better:
+of an error that is a ratio scale the logarithm of the unit's mean error, else the mean itself. The
+units, such as actors, weigh equally. Leading dimensions are separate studies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from nodegraph_compare.ties import ROUNDING
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Numbers = NDArray[np.float64]
+
+LEVEL: Final = 0.05
+CONFIDENCE: Final = 1 - LEVEL
+FEWEST: Final = 3
+"""Fewer units have no interval."""
+
+FEWEST_JUDGED: Final = 5
+"""Fewer units are described, without p and without a verdict."""
+
+FEWEST_SETTLED: Final = 8
+"""What fewer units say is provisional."""
+
+FEWEST_FLIPPED: Final = 6
+"""With fewer units, the smallest p of sign flips is above 5 %."""
+
+_ENUMERATED = 12
+_FLIPS = 4095
+_GRID = 80
+
+
+@dataclass(frozen=True)
+class Contrasts:
+    """Differences d of K methods to one of them over C units, d > 0 where the method is worse.
+
+    The floored Tukey rule (Tukey 1953): with the residuals of y after removal of the means of
+    units and methods, ``MSE = sum(residuals^2) / ((K - 1)(C - 1))``, the standard error of a pair
+    is its own, ``sd(d) / sqrt(C)``, but never less than the pooled ``sqrt(2 MSE / C)``. Divided by
+    it, ``|mean(d)|`` is compared to the studentised range of K means, ``(K - 1)(C - 1)`` degrees
+    of freedom, over sqrt(2): there is one p for a pair, whichever of all methods is the best. Of
+    equal methods any is told apart in at most 5 % of studies, also if their variances differ;
+    of two methods it is the paired t-test.
+
+    Where units are parts of S recordings, the claim is about these: their means are removed, which
+    leaves C - S degrees of freedom for C - 1.
+
+    Attributes
+    ----------
+    d : (..., C, K) array
+    mean, own, error : (..., K) arrays
+        Of d, its standard error alone, and with the floor.
+    freedom : int
+        Degrees of freedom of the units.
+    """
+
+    d: Numbers
+    mean: Numbers
+    own: Numbers
+    error: Numbers
+    freedom: int
+
+    @property
+    def ratio(self) -> Numbers:
+        """(..., K), mean over floored standard error; 0 for the reference."""
+        return _divided(self.mean, self.error)
+
+    @property
+    def interval(self) -> tuple[Numbers, Numbers]:
+        """Ends of the 95 % intervals of the mean differences, all of them together."""
+        reach = range_quantile(self.d.shape[-1], self._pooled_freedom) * self.error
+        return self.mean - reach, self.mean + reach
+
+    @property
+    def apart(self) -> NDArray[np.bool_]:
+        """(..., K), whether p is at most 5 %."""
+        limit = range_quantile(self.d.shape[-1], self._pooled_freedom)
+        return np.asarray(np.abs(self.ratio) >= limit)
+
+    @property
+    def p(self) -> Numbers:
+        """(..., K), adjusted for all pairs of the K methods; 1 for the reference."""
+        from scipy.stats import studentized_range
+
+        sizes, place = np.unique(np.abs(self.ratio), return_inverse=True)
+        p = studentized_range.sf(np.sqrt(2) * sizes, self.d.shape[-1], self._pooled_freedom)
+        return np.asarray(np.clip(p, 0.0, 1.0)[place].reshape(self.mean.shape))
+
+    @property
+    def p_alone(self) -> Numbers:
+        """(..., K), of the paired t-test, not adjusted."""
+        from scipy.stats import t
+
+        return np.asarray(2 * t.sf(np.abs(_divided(self.mean, self.own)), self.freedom))
+
+    @property
+    def p_of_flips(self) -> Numbers:
+        """(K,), of a test that only takes d to be symmetric about 0; not adjusted.
+
+        The share of all signs that the units' differences could have with a mean at least as far
+        from 0; of more than twelve units, of 4095 random ones.
+        """
+        count = self.d.shape[-2]
+        if count <= _ENUMERATED:
+            places = np.arange(2 ** (count - 1))
+            signs = 1.0 - 2.0 * ((places[:, np.newaxis] >> np.arange(count)) & 1)
+        else:
+            signs = np.random.default_rng(0).choice([-1.0, 1.0], (_FLIPS + 1, count))
+            signs[0] = 1.0
+        sums = np.abs(signs @ self.d)
+        least = np.abs(self.d.sum(axis=-2)) - ROUNDING * np.abs(self.d).sum(axis=-2)
+        return np.asarray((sums >= least).mean(axis=-2))
+
+    @property
+    def margin(self) -> Numbers:
+        """(..., K), the smallest margin within which the difference is shown to be.
+
+        The largest magnitude in the 90 % t interval: two one-sided tests at 5 % each show every
+        larger margin (Schuirmann 1987).
+        """
+        reach = student(1 - LEVEL, self.freedom) * self.own
+        return np.maximum(np.abs(self.mean - reach), np.abs(self.mean + reach))
+
+    @property
+    def effect(self) -> Numbers:
+        """(..., K), the mean over the sd of d with Hedges' correction, ``1 - 3 / (4 C - 5)``."""
+        sd = self.own * np.sqrt(self.d.shape[-2])
+        return _divided(self.mean, sd) * (1 - 3 / (4 * self.freedom - 1))
+
+    @property
+    def _pooled_freedom(self) -> int:
+        methods: int = self.d.shape[-1]
+        return (methods - 1) * self.freedom
+
+
+def contrasts(
+    y: Numbers, reference: NDArray[np.intp] | int, strata: NDArray[np.intp] | None = None
+) -> Contrasts:
+    """Return the differences of all methods to one of them.
+
+    Parameters
+    ----------
+    y
+        (..., C, K), K of two or more.
+    reference
+        The place of the method that others are compared to, one per study.
+    strata
+        (C,), the recording of each unit, where units are parts of recordings; equally many each.
+    """
+    count, methods = y.shape[-2:]
+    places = np.broadcast_to(np.asarray(reference)[..., np.newaxis, np.newaxis], (*y.shape[:-1], 1))
+    d = y - np.take_along_axis(y, places, axis=-1)
+    size = ROUNDING * np.maximum(
+        np.abs(y).max(axis=-2), 1e-3 * np.abs(y).max(axis=(-2, -1))[..., None]
+    )
+    d = np.where(np.abs(d) <= size[..., np.newaxis, :], 0.0, d)
+    mean = d.mean(axis=-2)
+    within, freedom = _centred(d, strata)
+    residuals, _ = _centred(y - y.mean(axis=-1, keepdims=True), strata)
+    pooled = np.square(residuals).sum(axis=(-2, -1)) / ((methods - 1) * freedom)
+    own = np.sqrt(np.square(within).sum(axis=-2) / freedom / count)
+    own = np.where(own * np.sqrt(count) <= size, 0.0, own)
+    floor = np.sqrt(2 * pooled / count)[..., np.newaxis]
+    floor = np.where(floor * np.sqrt(count) <= size, 0.0, floor)
+    return Contrasts(d, mean, own, np.maximum(own, floor), freedom)
+
+
+def _centred(values: Numbers, strata: NDArray[np.intp] | None) -> tuple[Numbers, int]:
+    """Return values without the means of their strata, and the degrees of freedom left."""
+    count = values.shape[-2]
+    if strata is None:
+        return values - values.mean(axis=-2, keepdims=True), count - 1
+    member = strata[:, np.newaxis] == np.unique(strata)
+    share = member @ (member / member.sum(axis=0)).T
+    return values - share @ values, count - member.shape[1]
+
+
+def mean_interval(y: Numbers, strata: NDArray[np.intp] | None = None) -> tuple[Numbers, Numbers]:
+    """Return the ends of Student's 95 % interval of the mean over units, (..., K)."""
+    within, freedom = _centred(y, strata)
+    error = np.sqrt(np.square(within).sum(axis=-2) / freedom / y.shape[-2])
+    reach = student((1 + CONFIDENCE) / 2, freedom) * error
+    mean = y.mean(axis=-2)
+    return mean - reach, mean + reach
+
+
+def arithmetic_interval(y: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the ends of the 95 % interval of an arithmetic mean of log-normal units, (..., K).
+
+    The modified method of Cox (Olsson 2005), which stays above 0: with m and s^2 the mean and the
+    variance of the logarithms y, ``exp(m + s^2 / 2 -+ t sqrt(s^2 / C + s^4 / (2 (C - 1))))``.
+    """
+    count = y.shape[-2]
+    variance = y.var(axis=-2, ddof=1)
+    middle = y.mean(axis=-2) + variance / 2
+    error = np.sqrt(variance / count + np.square(variance) / (2 * (count - 1)))
+    reach = student((1 + CONFIDENCE) / 2, count - 1) * error
+    return np.exp(middle - reach), np.exp(middle + reach)
+
+
+def posterior(
+    d: Numbers, variance: Numbers | float, margin: float, *, new: bool = False
+) -> tuple[Numbers, Numbers, Numbers]:
+    """Return the probabilities that the mean of d is below, within, and above a margin about 0.
+
+    ``d_c ~ N(mu, tau^2 + v)`` with v the variance of a unit's own mean, pooled over units, mu
+    flat, and tau half-Cauchy with the sd of d as its scale (Gelman 2006), on a grid of its
+    quantiles, ``tau = sd tan(pi u / 2)``, ``u = (i + 1/2) / 80``. Given tau, mu is normal with
+    mean ``mean(d)`` and variance ``(tau^2 + v) / C``.
+
+    Parameters
+    ----------
+    d
+        (..., C), differences of two methods.
+    variance
+        v, (...).
+    margin
+        Half the width of what counts as equal.
+    new
+        Whether of the difference for a further unit, whose variance is larger by tau^2, in place
+        of the mean over all units.
+    """
+    from scipy.stats import norm
+
+    count = d.shape[-1]
+    mean = d.mean(axis=-1)[..., np.newaxis]
+    squares = np.square(d - mean).sum(axis=-1)[..., np.newaxis]
+    quantile = (np.arange(_GRID) + 0.5) / _GRID
+    between = squares / (count - 1) * np.square(np.tan(np.pi * quantile / 2))
+    total = between + np.asarray(variance)[..., np.newaxis]
+    weight = -(count - 1) / 2 * np.log(total) - squares / (2 * total)
+    weight = np.exp(weight - weight.max(axis=-1, keepdims=True))
+    weight /= weight.sum(axis=-1, keepdims=True)
+    sd = np.sqrt(total / count + (between if new else 0.0))
+    below = (weight * norm.cdf((-margin - mean) / sd)).sum(axis=-1)
+    above = (weight * norm.sf((margin - mean) / sd)).sum(axis=-1)
+    return below, 1 - below - above, above
+
+
+@lru_cache(maxsize=256)
+def range_quantile(methods: int, freedom: float) -> float:
+    """Return how many standard errors apart two of k means must be (Tukey 1953), 5 % over all.
+
+    The 95 % quantile of the studentised range, over sqrt(2): of two means, Student's quantile.
+    """
+    from scipy.stats import studentized_range
+
+    return float(studentized_range.ppf(CONFIDENCE, methods, freedom) / np.sqrt(2))
+
+
+@lru_cache(maxsize=256)
+def student(share: float, freedom: int) -> float:
+    """Return a quantile of Student's t distribution."""
+    from scipy.stats import t
+
+    return float(t.ppf(share, freedom))
+
+
+def _divided(mean: Numbers, error: Numbers) -> Numbers:
+    """Return mean over error; where there is no error, 0 for a mean of 0, else infinite."""
+    sure = np.where(mean == 0.0, 0.0, np.copysign(np.inf, mean))
+    return np.where(error > 0.0, mean / np.where(error > 0.0, error, 1.0), sure)
