@@ -12,8 +12,7 @@ from nodegraph.plugin.hooks import hookimpl
 def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
     """Return the executors of this package."""
     # imported late: most commands run nothing
-    from nodegraph.execute.executors.processes import processes
-    from nodegraph.execute.executors.serial import serial
-    from nodegraph.execute.executors.threads import threads
+    from nodegraph.execute.processes import processes
+    from nodegraph.execute.threads import serial, threads
 
     return {"serial": serial, "threads": threads, "processes": processes}

@@ -20,7 +20,7 @@ cannot be sent is encoded as None, and made by ``schedule.perform``.
 """
 
 from nodegraph.execute.call import Call, Outcome, perform
-from nodegraph.execute.executors import Executor, HowToRun, Schedule
+from nodegraph.execute.executor import Executor, HowToRun, Schedule
 from nodegraph.execute.numeric_threads import one_thread_here
 from nodegraph.execute.worker.client import CallCodec, kill, start
 from nodegraph.execute.worker.protocol import Frame, Request, Response

@@ -1,6 +1,6 @@
 """Wheels as users get them: the content of ours, and a third-party plugin beside it.
 
-The third-party wheel adds one of each: a method, a figure, an executor and a command.
+The third-party wheel adds a method, a figure, a file format, an executor and a command.
 """
 
 from __future__ import annotations
@@ -81,9 +81,9 @@ def render(value: Sparkline, title: str) -> Rendered:
 '''
 
 PLUGIN = '''
-"""A plugin that adds a method, a figure, an executor and a command."""
+"""A plugin that adds a method, a figure, a file format, an executor and a command."""
 
-from nodegraph import Command, Renderer, get_node, hookimpl
+from nodegraph import Command, Format, Renderer, get_node, hookimpl
 
 
 @hookimpl
@@ -106,6 +106,21 @@ def nodegraph_renderers():
     from nodegraph_lab.sparkline import Sparkline, render
 
     return [Renderer(Sparkline, render)]
+
+
+@hookimpl
+def nodegraph_formats():
+    from nodegraph_mocap import Trajectories
+
+    return [Format("LAB", Trajectories, (".lab",), read_lab)]
+
+
+def read_lab(path, *, zeros_missing):
+    """Read one marker: a line of x, y and z in mm per frame, at 100 Hz."""
+    import numpy as np
+    from nodegraph_mocap import Trajectories
+
+    return Trajectories(positions=np.loadtxt(path)[:, None], markers=("nose",), rate=100.0)
 
 
 @hookimpl
@@ -237,6 +252,17 @@ def test_a_third_party_figure_executor_and_command_work_like_ours(
     nodegraph(place, "export", "runs/heights", "fill", "--out", "fill.csv", cwd=tmp_path)
     assert nodegraph(place, "count", "fill.csv", cwd=tmp_path).stdout == "60 markers\n"
     assert "Count the markers" in nodegraph(place, "help", cwd=tmp_path).stdout
+
+
+def test_a_third_party_format_is_read_like_ours(place: Path, tmp_path: Path) -> None:
+    (tmp_path / "take.lab").write_text("1 2 3\n4 5 6\n")
+    (tmp_path / "read.yaml").write_text(
+        "nodegraph: 1\ntitle: Lab\nnodes:\n  take: {use: read.recording, with: {path: take.lab}}\n"
+    )
+    nodegraph(place, "run", "read.yaml", cwd=tmp_path)
+    nodegraph(place, "export", "runs/read", "take", "--out", "take.csv", cwd=tmp_path)
+    lines = (tmp_path / "take.csv").read_text("utf-8").split()
+    assert lines[-3:] == ["frame,nose.X,nose.Y,nose.Z", "0,1.0,2.0,3.0", "1,4.0,5.0,6.0"]
 
 
 def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(

@@ -9,7 +9,7 @@ from itertools import chain, count
 from pathlib import Path, PurePosixPath
 
 from nodegraph.filenames import fold, portable_name
-from nodegraph.fingerprint.keys import Files
+from nodegraph.fingerprint.step_keys import Files
 from nodegraph.runs.record import Record, RecordedStep
 
 FOLDER, PLUGINS = "inputs", "plugins"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from heapq import heappop, heappush
 
-from nodegraph.draw.net import Segment, ends_of
+from nodegraph.draw.layering import Segment, ends_of
 
 LANE = 10.0
 """The distance between lanes."""
@@ -113,7 +113,7 @@ def _ordered(above: Sequence[set[int]]) -> Iterator[int]:
                         heappush(ready, other)
 
 
-def bundle(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
+def _grouped(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
     """Return the segments grouped by start, or by end where more of them meet there."""
     leaving: dict[_End, list[Segment]] = {}
     meeting: dict[_End, list[Segment]] = {}
@@ -131,7 +131,7 @@ def bundle(gap: Sequence[Segment]) -> list[tuple[Segment, ...]]:
 
 def _bundles(gap: Sequence[Segment], middles: Sequence[float]) -> list[_Bundle]:
     bundles = []
-    for segments in bundle([segment for segment in gap if _is_sideways(segment, middles)]):
+    for segments in _grouped([segment for segment in gap if _is_sideways(segment, middles)]):
         begins, ends = zip(*(ends_of(segment, middles) for segment in segments), strict=True)
         bundles.append(_Bundle(segments, frozenset(begins), frozenset(ends)))
     return bundles

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 import networkx as nx
 
-from nodegraph.draw.arrange import Arrangement, arrange
 from nodegraph.draw.frames import (
     Frame,
     Member,
@@ -22,7 +21,8 @@ from nodegraph.draw.frames import (
     short_name,
     without_cycles,
 )
-from nodegraph.draw.layers import PIN, Cell, Point, Wire
+from nodegraph.draw.layered import Arrangement, arrange
+from nodegraph.draw.layering import PIN, Cell, Point, Wire
 from nodegraph.draw.picture import Arrow, Box, Picture
 from nodegraph.draw.shape import Shape, shape, shortened, width
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from itertools import pairwise
 from math import copysign
 
-from nodegraph.draw.layers import Point
+from nodegraph.draw.layering import Point
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, FrameBox, layout
 from nodegraph.draw.picture import Arrow, Picture
 from nodegraph.draw.shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width

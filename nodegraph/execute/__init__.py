@@ -1,7 +1,7 @@
 """Running a plan: calls, executors, the schedule between them, events and results."""
 
 from nodegraph.execute.events import Event, EventKind, Listener
-from nodegraph.execute.executors import Executor, HowToRun, executor_of
+from nodegraph.execute.executor import Executor, HowToRun, executor_of
 from nodegraph.execute.results import Run, Values
 from nodegraph.execute.run import execute
 from nodegraph.execute.step_cache import StepCache, open_store

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, collecting_warnings
-from nodegraph.execute.executors.base import HowToRun
-from nodegraph.execute.executors.serial import serial
+from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.frames import frame
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
+from nodegraph.execute.threads import serial
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State

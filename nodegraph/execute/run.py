@@ -10,7 +10,7 @@ from typing import Any
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome, collecting_warnings
 from nodegraph.execute.events import EventLog, Listener
-from nodegraph.execute.executors import HowToRun, executor_of
+from nodegraph.execute.executor import HowToRun, executor_of
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.execute.call import Outcome, skipped
 from nodegraph.fingerprint import Code
-from nodegraph.fingerprint.keys import Files, StepDigest, StepDigests, followed, step_key
+from nodegraph.fingerprint.step_keys import Files, StepDigest, StepDigests, followed, step_key
 from nodegraph.gc_pause import gc_paused
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State

@@ -22,7 +22,7 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
         columns and leaks, for which the graph must be free of the others.
     """
     # these import networkx, for which commands without a graph should not wait
-    from nodegraph.graph.builder import Builder
+    from nodegraph.graph.assembly import Assembler
     from nodegraph.graph.graph_files import GraphFiles
     from nodegraph.graph.leaks import check_leaks
     from nodegraph.graph.mixing import mixing_notices
@@ -38,7 +38,7 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
         )
         instead = f"in another graph: {{use: {flat.spec.file}, in: {{{name}: node}}}}"
         problems.add(flat.spec.inputs[name].place, message, instead)
-    graph = Builder(flat, registry, choices or Choices(), problems).build()
+    graph = Assembler(flat, registry, choices or Choices(), problems).graph()
     if graph is None:
         raise GraphError(problems.all())
     check_names_in_settings(graph, problems)

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 
 from nodegraph.errors import Problems
-from nodegraph.graph.builder import Builder
+from nodegraph.graph.assembly import Assembler
 from nodegraph.graph.flatten import FlatGraph, flatten
 from nodegraph.graph.model import Choices
 from nodegraph.graph.subgraph import Subgraph, invalid_subgraph, subgraph_of
@@ -53,7 +53,7 @@ class GraphFiles:
     def _check(self, spec: GraphSpec) -> Subgraph:
         problems = Problems(spec.problems)
         flat = self.flat(spec, problems)
-        graph = Builder(flat, self._registry, Choices(), problems).build()
+        graph = Assembler(flat, self._registry, Choices(), problems).graph()
         if graph is None:
             subgraph = invalid_subgraph(flat.spec, flat.ports)
         else:

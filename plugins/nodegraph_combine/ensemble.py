@@ -10,7 +10,7 @@ from pydantic import Field
 from nodegraph import Across, node
 from nodegraph_combine.recording_stack import RecordingStack, stack_recordings
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -32,7 +32,7 @@ from nodegraph_files.c3d_header import (
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.units import to_millimetres
-from nodegraph_mocap.pieces import pieces
+from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def _samples(
     # A NaN of the kind that is to give an alarm gives one; it is counted as a missing coordinate.
     with path.open("rb") as stream, np.errstate(invalid="ignore"):
         stream.seek(layout.start)
-        for piece in pieces(layout.frames, layout.frame_bytes):
+        for piece in chunks(layout.frames, layout.frame_bytes):
             content = stream.read((piece.stop - piece.start) * layout.frame_bytes)
             numbers = _numbers(content, description)
             for axis in range(3):
@@ -267,7 +267,7 @@ def _head(recording: Trajectories) -> bytes:
 def _write(recording: Trajectories, head: bytes, stream: BinaryIO) -> None:
     stream.write(head)
     written = 0
-    for piece in pieces(recording.frames, 16 * len(recording.markers)):
+    for piece in chunks(recording.frames, 16 * len(recording.markers)):
         missing = recording.origin[piece] == Origin.MISSING
         samples = np.zeros((*missing.shape, 4), dtype="<f4")
         samples[..., :3] = recording.positions[piece]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_mocap.pieces import pieces
+from nodegraph_mocap.frame_ranges import chunks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +36,7 @@ def mark_missing(
         _Counted("lack a coordinate"),
         _Counted("are at exactly (0, 0, 0)"),
     )
-    for piece in pieces(len(positions), positions[:1].nbytes):
+    for piece in chunks(len(positions), positions[:1].nbytes):
         some, known = positions[piece], lost[piece]
         if known.any():
             some[known] = np.nan

@@ -14,7 +14,7 @@ import numpy as np
 from nodegraph import Format
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
-from nodegraph_mocap.pieces import pieces
+from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def _filled(array: NDArray[Any], stream: IO[bytes]) -> NDArray[Any]:
     """Fill the array from the file: memory of its own, which nobody needs to copy later."""
     in_order = array if array.flags.c_contiguous else array.T
     memory = in_order.reshape(-1).view(np.uint8)
-    for piece in pieces(len(memory), 1):
+    for piece in chunks(len(memory), 1):
         size = piece.stop - piece.start
         memory[piece] = np.frombuffer(stream.read(size), np.uint8, count=size)
     return array

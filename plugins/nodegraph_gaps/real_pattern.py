@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -104,16 +104,6 @@ class Playback(Value):
         if self.truth:
             _check_comparable(self.panels, self.truth)
 
-    def _repr_html_(self) -> str:
-        """Return the player for a notebook, in a frame of its own."""
-        from html import escape
-
-        from nodegraph_mocap.player.page import render_playback
-
-        page = render_playback(self, "playback").files[".html"].decode()
-        style = "width: 100%; height: 42rem; border: 0"
-        return f'<iframe title="playback" style="{style}" srcdoc="{escape(page)}"></iframe>'
-
     @property
     def seconds(self) -> float:
         """How long the longest panel plays."""

@@ -14,8 +14,7 @@ import numpy as np
 
 from nodegraph import Value, closest, listed
 from nodegraph_mocap.checks import distinct, positive_rate, set_fields
-from nodegraph_mocap.pieces import pieces
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import chunks, runs_of
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
 if TYPE_CHECKING:
@@ -222,7 +221,7 @@ def _check_shape(positions: NDArray[np.float64], markers: tuple[str, ...]) -> No
 
 def _missing(positions: NDArray[np.float64], markers: tuple[str, ...]) -> NDArray[np.bool_]:
     missing = np.zeros(positions.shape[:2], dtype=np.bool_)
-    for piece in pieces(len(positions), positions[:1].nbytes):
+    for piece in chunks(len(positions), positions[:1].nbytes):
         finite = np.isfinite(positions[piece])
         lacking = finite.size - np.count_nonzero(finite)
         if lacking:

@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, check_markers
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_tables.style import Look, looks
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import Across, Truth, Unit, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_plot.recordings import check_all_markers, named, named_looks
 
 if TYPE_CHECKING:

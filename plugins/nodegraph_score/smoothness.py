@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:

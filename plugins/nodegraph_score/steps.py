@@ -11,7 +11,7 @@ import numpy as np
 
 from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_mocap.pieces import pieces
+from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_score.steps_text import BETTER, WORSE, absences, left_out, sentence, worse
 from nodegraph_tables import TableInfo, with_info
 
@@ -211,7 +211,7 @@ def misplaced(positions: NDArray[np.float64], truth: NDArray[np.float64]) -> NDA
     """
     flags = np.zeros(positions.shape[:2], dtype=np.bool_)
     markers = positions.shape[1]
-    for piece in pieces(len(positions), 8 * markers * markers):
+    for piece in chunks(len(positions), 8 * markers * markers):
         flags[piece] = _misplaced(positions[piece], truth[piece])
     return flags
 

@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import node, read_only
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.bspline_weights import Ends, all_rows, first_rows, middle
-from nodegraph_smooth.runs import Runs, long_enough, smoothed
+from nodegraph_smooth.present_runs import Runs, long_enough, smoothed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,7 +10,7 @@ import numpy as np
 from nodegraph import node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Cutoff, angle
-from nodegraph_smooth.runs import smooth_runs
+from nodegraph_smooth.present_runs import smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,7 +13,7 @@ from nodegraph import Unit, node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.bspline_weights import middle
 from nodegraph_smooth.cutoff import Cutoff, angle, check_stiffness
-from nodegraph_smooth.runs import Runs, long_enough
+from nodegraph_smooth.present_runs import Runs, long_enough
 
 Motion = Literal["velocity", "acceleration"]
 

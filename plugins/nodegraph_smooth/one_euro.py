@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_mocap import Trajectories
-from nodegraph_smooth.runs import smooth_runs
+from nodegraph_smooth.present_runs import smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,7 +10,7 @@ from nodegraph import Refusal, node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Seconds, frames_of
 from nodegraph_smooth.knots import fit
-from nodegraph_smooth.runs import smooth_runs
+from nodegraph_smooth.present_runs import smooth_runs
 
 
 @node(

@@ -13,10 +13,10 @@ from nodegraph import Contract, hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the trackers, and what gives them points."""
     from nodegraph_track.assignment import assignment
-    from nodegraph_track.literal import literal
     from nodegraph_track.nearest import nearest
     from nodegraph_track.neighbours import neighbours
-    from nodegraph_track.scatter import scatter
+    from nodegraph_track.points_literal import literal
+    from nodegraph_track.points_scatter import scatter
 
     return (assignment, nearest, neighbours, scatter, literal)
 

@@ -19,7 +19,7 @@ from nodegraph_mocap import Trajectories
 from nodegraph_smooth.bspline import bspline, curve_into
 from nodegraph_smooth.bspline_weights import first_rows, middle
 from nodegraph_smooth.gcv import gcv
-from nodegraph_smooth.runs import Runs
+from nodegraph_smooth.present_runs import Runs
 from tests.benchmarks.conftest import Clock
 
 Positions = NDArray[np.float64]

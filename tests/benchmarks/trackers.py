@@ -16,7 +16,7 @@ from nodegraph_files import read_c3d
 from nodegraph_mocap import Detections, Table, Trajectories
 from nodegraph_score.tracking import tracking
 from nodegraph_synthesize.face import synthesize_face
-from nodegraph_track.scatter import scatter
+from nodegraph_track.points_scatter import scatter
 
 DATA = Path(__file__).parents[2] / ".." / "shared" / "data" / "animface"
 SHORTEST = 3

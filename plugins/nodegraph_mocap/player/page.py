@@ -11,14 +11,10 @@ import base64
 from functools import cache
 from html import escape
 from importlib.resources import files
-from typing import TYPE_CHECKING
 
 from nodegraph import Rendered, Renderer
-from nodegraph_mocap.playback import Playback
+from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Trajectories
-
-if TYPE_CHECKING:
-    from nodegraph_mocap.playback import Panel
 
 _SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "player")
 _ALONE = """\

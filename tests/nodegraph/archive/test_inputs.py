@@ -6,7 +6,7 @@ import hashlib
 from pathlib import Path
 
 from nodegraph.archive.inputs import files_read
-from nodegraph.fingerprint.keys import Files
+from nodegraph.fingerprint.step_keys import Files
 from nodegraph.runs.record import RecordedStep
 from nodegraph.state import State
 

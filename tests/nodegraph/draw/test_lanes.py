@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodegraph.draw.lanes import lanes
-from nodegraph.draw.net import Segment
+from nodegraph.draw.layering import Segment
 
 
 @settings(deadline=None)

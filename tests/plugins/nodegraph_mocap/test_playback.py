@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from html import unescape
 from typing import Any
 
 import numpy as np
@@ -75,12 +74,3 @@ def test_a_truth_that_cannot_be_compared_is_refused(truth: Any, told: str) -> No
 def test_an_animation_needs_no_frames_of_the_truth() -> None:
     known = panel(recordings()["complete"])
     assert Playback(panels=(panel(animations()["one frame"]),), truth=known).truth is known
-
-
-def test_a_notebook_shows_it_in_a_frame_of_its_own() -> None:
-    shown = Playback(panels=(panel(label="<b>one"),))._repr_html_()
-    assert shown.startswith('<iframe title="playback"')
-    assert "<script" not in shown
-    page = unescape(shown[shown.index('srcdoc="') + 8 : -len('"></iframe>')])
-    assert page.startswith("<!DOCTYPE html>")
-    assert "<b>one" not in page

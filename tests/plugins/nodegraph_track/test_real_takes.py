@@ -15,7 +15,7 @@ from nodegraph_score.tracking import tracking
 from nodegraph_track.assignment import assignment
 from nodegraph_track.nearest import nearest
 from nodegraph_track.neighbours import neighbours
-from nodegraph_track.scatter import scatter
+from nodegraph_track.points_scatter import scatter
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 Tracker = Callable[..., Trajectories]

@@ -16,7 +16,7 @@ import numpy as np
 
 from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -19,7 +19,7 @@ from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin
-from nodegraph_track.literal import literal
+from nodegraph_track.points_literal import literal
 
 REGISTRY = Registry.of((literal,), plugin="track")
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9), 10**9)

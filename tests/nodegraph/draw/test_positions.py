@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
-from nodegraph.draw.net import Net, Segment
-from nodegraph.draw.place import crossings, order_layers, spread
+from nodegraph.draw.layering import Net, Segment
+from nodegraph.draw.positions import crossings, order_layers, spread
 
 
 @settings(deadline=None)

@@ -1,14 +1,15 @@
-"""Runs of True are those that a reader finds going down each column."""
+"""Runs of True are those that a reader finds going down each column; chunks are all frames."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import chunks, runs_of
 
 
 def plainly(flags: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
@@ -34,3 +35,11 @@ def test_they_are_those_that_a_reader_finds(flags: NDArray[np.bool_]) -> None:
 def test_one_column_is_that_of_one_marker(flags: NDArray[np.bool_]) -> None:
     for one, two in zip(runs_of(flags), runs_of(flags[:, None]), strict=True):
         np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2, 54_321])
+@pytest.mark.parametrize("frame_bytes", [0, 24, 2**20])
+def test_chunks_are_all_frames_and_small(frames: int, frame_bytes: int) -> None:
+    parts = list(chunks(frames, frame_bytes))
+    assert [frame for part in parts for frame in range(part.start, part.stop)] == [*range(frames)]
+    assert all(0 < part.stop - part.start <= max(1, 2**20 // max(1, frame_bytes)) for part in parts)

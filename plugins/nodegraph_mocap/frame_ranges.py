@@ -1,13 +1,17 @@
-"""Runs: frames in a row in which something holds of a marker, such as being missing."""
+"""Ranges of frames: runs in which something holds of a marker, and chunks of a long recording."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+# a chunk that has just been touched is still in the processor's cache when it is touched again
+_CHUNK_BYTES = 2**19
 
 
 class RunsOfTrue(NamedTuple):
@@ -33,3 +37,20 @@ def runs_of(flags: NDArray[np.bool_]) -> RunsOfTrue:
     edges = np.flatnonzero(padded[:, 1:] != padded[:, :-1])
     marker, start = np.divmod(edges[::2], frames + 1)
     return RunsOfTrue(marker, start, edges[1::2] % (frames + 1))
+
+
+def chunks(frames: int, frame_bytes: int) -> Iterator[slice]:
+    """Yield slices that together are all frames, in their order.
+
+    What is computed from a long recording chunk by chunk takes little memory.
+
+    Parameters
+    ----------
+    frames
+        Number of frames.
+    frame_bytes
+        Bytes of one frame; each slice has about half a megabyte, and one frame at least.
+    """
+    step = max(1, _CHUNK_BYTES // max(1, frame_bytes))
+    for first in range(0, frames, step):
+        yield slice(first, min(first + step, frames))

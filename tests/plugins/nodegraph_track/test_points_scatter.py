@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.scatter import GROWN, scatter
+from nodegraph_track.points_scatter import GROWN, scatter
 
 
 def recording(frames: int = 50, markers: int = 20) -> Trajectories:

@@ -1,4 +1,4 @@
-"""Build the typed graph from a flat spec: nodes in order, with their axes, wires and settings."""
+"""Assembly of a typed graph: nodes in order, with their axes, wires and settings."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from nodegraph.graphfile.spec import NodeSpec, Reference
 from nodegraph.plugin.registry import Registry
 
 
-class Builder:
-    """Builds one graph and records every error in it.
+class Assembler:
+    """Puts one graph together and records every error in it.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Builder:
         self._incomplete: set[str] = set()  # nodes that may lack an axis because of an error
         self._ignored = Problems()  # errors that may follow from those
 
-    def build(self) -> Graph | None:
+    def graph(self) -> Graph | None:
         """Return the graph, or None if there are errors, in it or in a graph that it uses."""
         for name in sorted_names(self._sources, self._problems):
             self._nodes[name] = self._node(self._spec.nodes[name])

@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator
 
 from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.executors.base import HowToRun, Schedule
-from nodegraph.execute.executors.threads import Calls, Results, distribute, make_calls
+from nodegraph.execute.executor import HowToRun, Schedule
+from nodegraph.execute.threads import Calls, Results, distribute, make_calls
 from nodegraph.execute.worker.client import CallCodec, Worker, WorkerEndedError
 from nodegraph.execute.worker.protocol import Request, Response, ResponseKind
 from nodegraph.state import State

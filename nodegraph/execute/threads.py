@@ -1,4 +1,4 @@
-"""Several calls at a time, each in a thread of this process."""
+"""Executors of this process: one call after the other, or several at a time in threads."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ from collections.abc import Callable, Iterator
 from queue import SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.executors.base import HowToRun, Schedule
+from nodegraph.execute.executor import HowToRun, Schedule
 from nodegraph.execute.numeric_threads import one_thread_here
 
 Calls = SimpleQueue[Call | None]
 Results = SimpleQueue[tuple[int, Outcome] | BaseException]
+
+
+def serial(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+    """Make one call after the other, in this thread."""
+    while (call := schedule.next()) is not None:
+        yield call.step, schedule.perform(call)
 
 
 def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:

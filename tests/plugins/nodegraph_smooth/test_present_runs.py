@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from nodegraph import Refusal, get_node
 from nodegraph_mocap import Trajectories
-from nodegraph_smooth.runs import Runs, long_enough, smooth_runs, smoothed
+from nodegraph_smooth.present_runs import Runs, long_enough, smooth_runs, smoothed
 
 
 @settings(deadline=None, max_examples=60, derandomize=True)
@@ -54,7 +54,7 @@ def test_it_does_not_matter_how_many_are_given_at_a_time(
     walk[40:43, 2] = np.nan
     smooth = get_node(f"smooth.{name}")
     together = smooth(recorded(walk)).positions
-    monkeypatch.setattr("nodegraph_smooth.runs._TOGETHER", 200)
+    monkeypatch.setattr("nodegraph_smooth.present_runs._TOGETHER", 200)
     apart = smooth(recorded(walk)).positions
     # a product of matrices adds up in an order that depends on their size
     np.testing.assert_allclose(apart, together, rtol=0, atol=1e-13 if name == "savgol" else 0)
