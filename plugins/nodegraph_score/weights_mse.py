@@ -19,9 +19,10 @@ UNITS = {
     "frames": "frames",
     "missing": "frames",
     "shapes": "shapes",
+    "shared": "shapes",
     "markers": "markers",
 }
-MEASURED = ("mse", "rmse", "max", "worst", "worst_mse")
+MEASURED = ("mse", "rmse", "max", "worst", "worst_mse", "shared_mse")
 
 
 @node("score.weights_mse")
@@ -32,23 +33,28 @@ def weights_mse(
 
     With ``e[t, k]`` the weight of shape k in frame t minus that of the reference:
 
-    ========= ==========================================================================
-    mse       mean of ``e[t, k]^2`` over the frames compared and over all shapes
-    rmse      its square root
-    max       largest ``|e[t, k]|``
-    frames    how many frames are compared
-    missing   how many are not, as a weight is missing (NaN) in either
-    shapes    how many shapes there are
-    worst     the shape of the largest mean of ``e[t, k]^2`` over frames; of equals, the
-              first
-    worst_mse that mean
-    markers   how many markers are chosen; only with a selection
-    ========= ==========================================================================
+    ========== =========================================================================
+    mse        mean of ``e[t, k]^2`` over the frames compared and over all shapes
+    rmse       its square root
+    max        largest ``|e[t, k]|``
+    frames     how many frames are compared
+    missing    how many are not, as a weight is missing (NaN) in either
+    shapes     how many shapes there are
+    worst      the shape of the largest mean of ``e[t, k]^2`` over frames; of equals, the
+               first
+    worst_mse  that mean
+    shared     how many shapes both have
+    shared_mse mean of ``e[t, k]^2`` over the same frames and over these shapes
+    markers    how many markers are chosen; only with a selection
+    ========== =========================================================================
 
     Shapes are matched by name, whichever convention each is written in (``EyeBlinkLeft``,
     ``eyeBlinkLeft``, ``eyeBlink_L``). Every shape of either counts: one that the other lacks is 0
     there, as is one that no marker shows, so that it weighs on the error as it would on the face.
     Warnings and the table's notes count and name such shapes, and count the frames left out.
+    Where the two come from models with other shapes, `mse` grows with the movement of those that
+    one lacks, and falls with each that rests: compare methods by `shared_mse` then. `mse` is the
+    metric of a comparison that names none.
 
     Parameters
     ----------
@@ -75,7 +81,7 @@ def weights_mse(
             f"estimate has {estimate.frames} frames, the reference {reference.frames}: it must "
             "have as many"
         )
-    errors, names, notes = _errors(estimate, reference)
+    errors, names, is_shared, notes = _errors(estimate, reference)
     known = np.asarray(np.isfinite(errors).all(axis=1))
     if not known.all():
         notes.append(
@@ -83,15 +89,15 @@ def weights_mse(
         )
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table = _table(errors[known], names, missing=int(np.count_nonzero(~known)), selection=selection)
+    table = _table(errors[known], names, is_shared, int(np.count_nonzero(~known)), selection)
     sentences = tuple(f"{note}." for note in notes)
     return with_info(table, TableInfo(title="Errors of weights", notes=sentences, units=UNITS))
 
 
 def _errors(
     estimate: Weights, reference: Weights
-) -> tuple[NDArray[np.float64], tuple[str, ...], list[str]]:
-    """Return (T, K) differences, the shapes' names and what was left out."""
+) -> tuple[NDArray[np.float64], tuple[str, ...], NDArray[np.bool_], list[str]]:
+    """Return (T, K) differences, the shapes' names, which ones both have, and what one lacks."""
     matches = matched(estimate.names, reference.names)
     if not matches:
         raise ValueError(
@@ -112,13 +118,13 @@ def _errors(
         for what, absent in (("estimate", spare), ("reference", lacking))
         if absent
     ]
-    return errors, names, notes
+    return errors, names, np.array([name in driven for name in names]), notes
 
 
 def _table(
     errors: NDArray[np.float64],
     names: tuple[str, ...],
-    *,
+    is_shared: NDArray[np.bool_],
     missing: int,
     selection: Selection | None,
 ) -> Table:
@@ -136,6 +142,8 @@ def _table(
         "shapes": len(names),
         "worst": names[worst] if some else "",
         "worst_mse": by_shape[worst],
+        "shared": np.count_nonzero(is_shared),
+        "shared_mse": by_shape[is_shared].mean(),
     }
     if selection is not None:
         row["markers"] = len(selection.chosen)

@@ -13,7 +13,10 @@ from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_score.weights_mse import UNITS, weights_mse
 from nodegraph_tables import info_of
 
-COLUMNS = ["mse", "rmse", "max", "frames", "missing", "shapes", "worst", "worst_mse"]
+COLUMNS = [
+    "mse", "rmse", "max", "frames", "missing", "shapes", "worst", "worst_mse", "shared",
+    "shared_mse",
+]  # fmt: skip
 
 
 def weights(names: str = "abcd", *, frames: int = 9, seed: int = 0) -> Weights:
@@ -59,7 +62,8 @@ def test_every_number_by_a_plain_loop() -> None:
     assert row["mse"] == pytest.approx(mse, rel=1e-12)
     assert row["rmse"] == pytest.approx(mse**0.5, rel=1e-12)
     assert row["max"] == pytest.approx(max(every) ** 0.5, rel=1e-12)
-    assert (row["frames"], row["missing"], row["shapes"]) == (7, 2, 4)
+    assert (row["frames"], row["missing"], row["shapes"], row["shared"]) == (7, 2, 4, 4)
+    assert row["shared_mse"] == row["mse"]
     assert row["worst"] == max(by_shape, key=lambda name: by_shape[name])
     assert row["worst_mse"] == pytest.approx(max(by_shape.values()), rel=1e-12)
     assert list(info_of(table).notes) == ["2 of 9 frames lack a weight and are not compared."]
@@ -72,7 +76,7 @@ def test_a_frame_that_the_reference_lacks_is_not_compared() -> None:
     values[:, 2] = np.nan
     table = quietly(estimate, replace(reference, values=values))
     assert (table["frames"][0], table["missing"][0], table["worst"][0]) == (0, 9, "")
-    assert np.isnan(table[["mse", "rmse", "max", "worst_mse"]].to_numpy()).all()
+    assert np.isnan(table[["mse", "rmse", "max", "worst_mse", "shared_mse"]].to_numpy()).all()
 
 
 def test_the_same_weights_have_no_error_and_the_first_of_equals_is_worst() -> None:
@@ -110,6 +114,8 @@ def test_a_shape_that_one_lacks_is_0_there() -> None:
     )
     assert table["mse"][0] == pytest.approx(np.square(errors).mean(), rel=1e-12)
     assert table["shapes"][0] == 5
+    assert table["shared_mse"][0] == pytest.approx(np.square(errors[:, :2]).mean(), rel=1e-12)
+    assert table["shared"][0] == 2
 
 
 def test_a_selection_tells_how_many_markers() -> None:
