@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Truth, Unit, node
+from nodegraph_gaps.bursts import Bursts
 from nodegraph_gaps.groups import AnyMarkers, Groups, contiguous, region
 from nodegraph_gaps.places import free_places, place_events
 from nodegraph_gaps.transplant import transplanted
@@ -19,7 +20,7 @@ from nodegraph_mocap.truth import truth_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-Pattern = Literal["random", "contiguous", "region", "end"]
+Pattern = Literal["random", "contiguous", "region", "end", "occlusion"]
 
 
 class Cut(NamedTuple):
@@ -59,10 +60,21 @@ def cut(
     gaps touch. Events of different markers may lie at the same time.
 
     Which samples are hidden follows from the seed, the recording's present samples and its
-    reference shape (the most complete frame) alone, so that all methods face the same gaps.
+    reference shape (the most complete frame) alone, and in bursts from names or speeds of its
+    markers, so that all methods face the same gaps.
     Events are drawn one after the other among the places that are still free. Where chance has
     left too little room for all of them, they are drawn instead from a dense packing, which
     begins at the take's start.
+
+    With `pattern` occlusion, events come in bursts: 8 on average (geometric), each around one of
+    four neighbours, at times that are normal around the burst's middle with a standard deviation
+    of 0.2 s, or as near to these as there is room. Of 34 real gaps of 13 markers on a body, at 100
+    Hz, 28 have another gap of the same marker within 0.2 s (7 if their times were random), and
+    they lie in four such bursts. Bursts centre on any marker, four times as often on one of the
+    mouth or an eyelid, as its name says (mouth, lip, eyelid, lid): a convention, as no open
+    recording of a face has gaps of its own. Without such names they centre on markers in
+    proportion to their mean speed in relation to all markers; on that body, markers with gaps were
+    a fifth faster than others.
 
     With `pattern_from`, the gaps of that recording are laid over this one instead, once and as a
     whole; `length`, `count`, `simultaneous` and `pattern` must then be left at their defaults.
@@ -103,7 +115,8 @@ def cut(
         nearest to it. region: a random marker and those nearest to it on one side of it, in a
         random direction, as when something covers the face from that side; markers of the
         other side follow where that side has too few. end: any, and the event reaches the
-        take's last frame, with a present sample before it only.
+        take's last frame, with a present sample before it only. occlusion: a marker and those
+        nearest to it, in bursts, see below.
     seed
         Same seed, same gaps.
 
@@ -168,7 +181,9 @@ def _events(
 
 def _groups(
     recording: Trajectories, pattern: Pattern, size: int, random: np.random.Generator
-) -> AnyMarkers | Groups:
+) -> AnyMarkers | Groups | Bursts:
+    if pattern == "occlusion":
+        return Bursts(recording, size)
     if pattern == "contiguous":
         return contiguous(reference_shape(recording), size)
     if pattern == "region":

@@ -9,6 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from nodegraph_gaps.bursts import Bursts
     from nodegraph_gaps.groups import AnyMarkers, Event, Groups
     from nodegraph_mocap import Trajectories
 
@@ -51,7 +52,7 @@ def place_events(
     free: NDArray[np.bool_],
     length: int,
     count: int,
-    groups: AnyMarkers | Groups,
+    groups: AnyMarkers | Groups | Bursts,
     random: np.random.Generator,
 ) -> tuple[list[Event], int]:
     """Place events so that none hides a sample of another one or beside it.
@@ -89,7 +90,7 @@ def _drawn(
     free: NDArray[np.bool_],
     length: int,
     count: int,
-    groups: AnyMarkers | Groups,
+    groups: AnyMarkers | Groups | Bursts,
     random: np.random.Generator,
 ) -> list[Event]:
     events: list[Event] = []
@@ -100,7 +101,10 @@ def _drawn(
 
 
 def _packed(
-    free: NDArray[np.bool_], length: int, groups: AnyMarkers | Groups, random: np.random.Generator
+    free: NDArray[np.bool_],
+    length: int,
+    groups: AnyMarkers | Groups | Bursts,
+    random: np.random.Generator,
 ) -> list[Event]:
     """Pack as many events as go, each as early as it can be.
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from nodegraph_gaps.cut import Cut, cut
 from nodegraph_mocap import Origin, Trajectories
 
-Pattern = Literal["random", "contiguous", "region", "end"]
+Pattern = Literal["random", "contiguous", "region", "end", "occlusion"]
 PATTERNS: tuple[Pattern, ...] = get_args(Pattern)
 
 
@@ -150,8 +150,12 @@ def _fits_half_space(directions: NDArray[np.float64]) -> bool:
 def test_only_seed_gaps_and_reference_shape_decide(
     missing: NDArray[np.float64], pattern: Pattern, simultaneous: int, seed: int
 ) -> None:
-    """The first complete frame gives the shape; what the others hold does not count."""
+    """The first complete frame gives the shape; what the others hold does not count.
+
+    Where no marker has a name that says where occlusions are, they go by movement.
+    """
     source = recording(frames=30, markers=8)
+    source = replace(source, markers=(*source.markers[:-1], "mouth"))
     positions = np.where((missing > 0.95)[..., None], np.nan, source.positions)
     positions[0] = source.positions[0]
     displaced = 5.0 - 3.0 * positions

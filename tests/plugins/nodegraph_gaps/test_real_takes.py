@@ -19,7 +19,7 @@ from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
-PATTERNS = ["random", "contiguous", "region", "end"]
+PATTERNS = ["random", "contiguous", "region", "end", "occlusion"]
 
 pytestmark = pytest.mark.skipif(
     not FOLDER.exists(), reason="the recordings are not part of the package"
