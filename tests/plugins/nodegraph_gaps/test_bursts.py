@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.runs import runs_of
+from nodegraph_mocap.frame_ranges import runs_of
 
 FRAMES, RATE = 900, 60.0
 

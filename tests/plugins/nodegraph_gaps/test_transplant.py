@@ -179,6 +179,7 @@ def test_the_port_may_stay_open() -> None:
     assert [(port.name, port.optional) for port in definition.inputs] == [
         ("recording", False),
         ("pattern_from", True),
+        ("truth", True),
     ]
 
 
