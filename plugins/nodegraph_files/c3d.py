@@ -31,7 +31,7 @@ from nodegraph_files.c3d_header import (
 )
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
-from nodegraph_files.units import to_millimetres
+from nodegraph_files.units import AUTO, unit_from
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Origin, Trajectories
 
@@ -134,7 +134,7 @@ def _lists(name: str, texts: Sequence[str]) -> Iterable[_Part]:
 _SMALLEST, _LARGEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
 
 
-def read_c3d(path: Path, *, zeros_missing: bool = True) -> Trajectories:
+def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
     """Read the points of a C3D file; analog channels and events are left out.
 
     Warnings tell how many samples were partly missing or infinite, which markers lacked a name
@@ -146,6 +146,8 @@ def read_c3d(path: Path, *, zeros_missing: bool = True) -> Trajectories:
         The file.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
+    unit
+        Of length, such as ``cm``; by default what the parameter POINT:UNITS states.
 
     Returns
     -------
@@ -160,12 +162,13 @@ def read_c3d(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     """
     try:
         description = read_description(path)
-        factor = to_millimetres(_unit(description.parameters))
-        positions, lost = _samples(path, description, factor)
+        positions, lost = _samples(path, description)
     except ValueError as error:
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
+    positions = mark_missing(positions, lost, zeros_missing=zeros_missing)
+    unit_from(unit, _unit(description.parameters)).convert(positions)
     return Trajectories(
-        positions=mark_missing(positions, lost, zeros_missing=zeros_missing),
+        positions=positions,
         markers=unique_names(_labels(description.parameters), positions.shape[1]),
         rate=description.rate,
     )
@@ -192,10 +195,8 @@ def c3d_bytes(recording: Trajectories) -> bytes:
     return stream.getvalue()
 
 
-def _samples(
-    path: Path, description: Description, factor: float
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return (T, M, 3) positions, multiplied by a factor, and (T, M) whether they are missing."""
+def _samples(path: Path, description: Description) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return (T, M, 3) positions in the file's unit, and (T, M) whether they are missing."""
     layout = description.layout
     if not layout.frames or not layout.points:
         raise ValueError(f"it holds {layout.frames} frames of {layout.points} points")
@@ -212,8 +213,6 @@ def _samples(
             np.less(numbers[..., 3], 0, out=lost[piece])
             if layout.width == 2:
                 positions[piece] *= description.scale
-            if factor != 1:
-                positions[piece] *= factor
     return positions, lost
 
 

@@ -10,17 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_files.units import MILLIMETRES
+from nodegraph_files.units import HEAD, MILLIMETRES
 from nodegraph_mocap.head import Head
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-_LEAST, _MOST = 100.0, 500.0
-"""Millimetres that a head, a face or a bust may measure, the longest way along an axis."""
-
-_USUAL = ("m", "cm", "mm")
-"""At most one of them gives a plausible size, as they lie further apart than its bounds."""
 
 NEUTRAL = "neutral.obj"
 """The head at rest in a folder with an OBJ file per morph target."""
@@ -89,20 +83,14 @@ def unit_of_mesh(path: Path, extent: float, *, assumed: str, stated: bool) -> st
     stated
         Whether this file, or the user, says so and not only the form: then nothing is guessed.
     """
-    unit = assumed
-    if not (stated or _plausible(extent, assumed)):
-        unit = next((usual for usual in _USUAL if _plausible(extent, usual)), assumed)
+    unit = assumed if stated else HEAD.unit_of(extent, assumed)
     size = f"{extent * MILLIMETRES[unit]:.4g} mm"
-    if not _plausible(extent, unit):
+    if not HEAD.includes(extent, unit):
         _warn(path, f"the mesh is {size} long in {unit}, which no head is; set `unit`?")
     elif unit != assumed:
         wrong = f"{extent * MILLIMETRES[assumed]:.4g} mm"
         _warn(path, f"the head would be {wrong} long in {assumed}; {unit} is taken, giving {size}")
     return unit
-
-
-def _plausible(extent: float, unit: str) -> bool:
-    return _LEAST <= extent * MILLIMETRES[unit] <= _MOST
 
 
 def _warn(path: Path, message: str) -> None:

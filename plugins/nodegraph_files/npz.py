@@ -14,6 +14,7 @@ import numpy as np
 from nodegraph import Format
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
+from nodegraph_files.units import AUTO, LengthUnit, unit_from
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Trajectories
 
@@ -126,7 +127,7 @@ _KINDS = {
 _REQUIRED = ("positions", "markers", "rate")
 
 
-def read_npz(path: Path, *, zeros_missing: bool = True) -> Trajectories:
+def read_npz(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
     """Read a recording from a NumPy archive.
 
     The archive holds ``positions`` (T, M, 3) in mm, ``markers`` (M,) and ``rate``, and may hold
@@ -140,6 +141,8 @@ def read_npz(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing, where the archive does not say
         itself by ``origin`` which are.
+    unit
+        Of length, such as ``cm``; by default mm, as this package writes.
 
     Raises
     ------
@@ -147,7 +150,8 @@ def read_npz(path: Path, *, zeros_missing: bool = True) -> Trajectories:
         If it is no such archive, or lacks an array; the message lists those that are there.
     """
     try:
-        return _recording(npz_arrays(path, _KINDS, _REQUIRED), zeros_missing)
+        arrays = npz_arrays(path, _KINDS, _REQUIRED)
+        return _recording(arrays, zeros_missing, unit_from(unit, "mm"))
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{path}: not a readable NPZ recording: {error}") from None
 
@@ -179,13 +183,17 @@ def _write(recording: Trajectories, target: IO[bytes]) -> None:
     np.savez_compressed(target, **arrays)
 
 
-def _recording(arrays: dict[str, Any], zeros_missing: bool) -> Trajectories:
+def _recording(arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit) -> Trajectories:
     positions = np.asarray(arrays["positions"], dtype=np.float64)
     if positions.ndim != 3 or positions.shape[2] != 3:
         raise ValueError(f"positions must be (frames, markers, 3), got {positions.shape}")
     if "origin" not in arrays:
         nothing = np.zeros(positions.shape[:2], dtype=np.bool_)
         positions = mark_missing(positions, nothing, zeros_missing=zeros_missing)
+    unit.convert(positions)
+    sigma = None if "sigma" not in arrays else np.asarray(arrays["sigma"], dtype=np.float64)
+    if sigma is not None:
+        unit.convert(sigma)
     described = arrays.get("marker_set")
     return Trajectories(
         positions=positions,
@@ -193,7 +201,7 @@ def _recording(arrays: dict[str, Any], zeros_missing: bool) -> Trajectories:
         rate=float(arrays["rate"]),
         marker_set=None if described is None else marker_set_of(json.loads(str(described))),
         origin=arrays.get("origin"),  # type: ignore[arg-type]
-        sigma=arrays.get("sigma"),
+        sigma=sigma,
     )
 
 

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from nodegraph_files.formats import file_names, format_of
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file
-from nodegraph_files.units import MILLIMETRES
+from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
@@ -23,13 +23,19 @@ from nodegraph_mocap.recording import Trajectories
 
 _MARKER_SETS = ("markers.yaml",)
 _MARKER_VERTICES = ("marker_vertices.csv",)
+_SLOWEST, _FASTEST = 1e-3, 1e6  # Hz
+_FARTHEST = 1e9  # mm
 _MODEL_RATE = 1.0
 """A single frame has no rate, but a recording needs one."""
 
 
 @node("read.recording")
 def read_recording(
-    *, path: InputFile, marker_set: InputFile | None = None, zeros_missing: bool = True
+    *,
+    path: InputFile,
+    marker_set: InputFile | None = None,
+    unit: UnitSetting = AUTO,
+    zeros_missing: bool = True,
 ) -> Trajectories:
     """Read a recording: C3D, TRC, CSV, TSV, NPZ or a plugin's format, by content, then by suffix.
 
@@ -40,6 +46,10 @@ def read_recording(
     marker_set
         A marker-set file (YAML). By default the recording's own, or ``markers.yaml`` of the
         folder, or none.
+    unit
+        Of length in the file. By default the one that the file states; if it states none, mm
+        (Motive: m), or cm or m where that alone makes the markers span 40 to 5000 mm, as a face or
+        a body does, with a warning.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing, as many systems mean it.
 
@@ -51,11 +61,12 @@ def read_recording(
     Raises
     ------
     ValueError
-        If the file cannot be read, holds no samples, or lacks a marker that the set names.
+        If the file cannot be read, holds no samples, has a rate outside 0.001 to 1e6 Hz or a
+        position beyond 1e9 mm, or lacks a marker that the set names.
     """
     known = formats(Trajectories)
     file = find_file(path, file_names("recording", known))
-    return _read(path, file, known, marker_set, zeros_missing=zeros_missing)
+    return _read(path, file, known, marker_set, unit=unit, zeros_missing=zeros_missing)
 
 
 def _read(
@@ -64,19 +75,22 @@ def _read(
     known: Sequence[Format],
     marker_set: Path | None,
     *,
+    unit: str,
     zeros_missing: bool,
 ) -> Trajectories:
-    recording: Trajectories = format_of(file, known).read(file, zeros_missing=zeros_missing)
-    if not recording.frames or not recording.markers:
-        raise ValueError(f"{path}: the recording holds no samples")
-    if not recording.present.any():
-        warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=3)
+    read = format_of(file, known).read
+    recording: Trajectories = read(file, zeros_missing=zeros_missing, unit=unit)
+    _check_recording(path, recording)
     return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
 
 
 @node("read.truth")
 def read_truth(
-    *, path: InputFile, marker_set: InputFile | None = None, zeros_missing: bool = True
+    *,
+    path: InputFile,
+    marker_set: InputFile | None = None,
+    unit: UnitSetting = AUTO,
+    zeros_missing: bool = True,
 ) -> Truth[Trajectories]:
     """Read the noise-free recording beside a recording, or else the recording itself.
 
@@ -91,7 +105,7 @@ def read_truth(
         ``sample:NAME``, or a recording of which no truth is known.
     marker_set
         As of `read.recording`.
-    zeros_missing
+    unit, zeros_missing
         As of `read.recording`.
 
     Returns
@@ -113,7 +127,7 @@ def read_truth(
             "carry noise and impulses of their own",
             stacklevel=2,
         )
-    return _read(path, file, known, marker_set, zeros_missing=zeros_missing)
+    return _read(path, file, known, marker_set, unit=unit, zeros_missing=zeros_missing)
 
 
 @node("read.weights")
@@ -151,7 +165,7 @@ def read_head(
     *,
     path: InputFile,
     marker_vertices: InputFile | None = None,
-    unit: Literal["auto", "m", "cm", "mm", "in"] = "auto",
+    unit: UnitSetting = AUTO,
 ) -> Head:
     """Read a head with its morph targets: a GLB file, OBJ files, or a plugin's format.
 
@@ -293,6 +307,31 @@ def with_marker_set(
     return replace(recording, marker_set=marker_set)
 
 
+def _check_recording(path: Path, recording: Trajectories) -> None:
+    if not recording.frames or not recording.markers:
+        raise ValueError(f"{path}: the recording holds no samples")
+    if not _SLOWEST <= recording.rate <= _FASTEST:
+        raise ValueError(
+            f"{path}: a rate of {recording.rate:g} Hz; {_SLOWEST:g} to {_FASTEST:g} Hz is possible"
+        )
+    if not recording.present.any():
+        warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=3)
+        return
+    # fmax and fmin pass over NaN, and need no array of their own
+    ends = np.fmax.reduce(recording.positions, None), np.fmin.reduce(recording.positions, None)
+    farthest = max(map(abs, ends))
+    if farthest > _FARTHEST:
+        raise ValueError(
+            f"{path}: a position at {farthest:g} mm; up to {_FARTHEST:g} mm is possible"
+        )
+    extent = extent_of(recording.positions)
+    if np.isfinite(extent) and not FACE_OR_BODY.includes(extent, "mm"):
+        warnings.warn(
+            f"{path}: the markers span {extent:.4g} mm, which no face or body does; set `unit`?",
+            stacklevel=3,
+        )
+
+
 def _head_names(names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names with that of the head at rest before ``head.obj``, perhaps a target's."""
     at = names.index("head.obj") if "head.obj" in names else len(names)
@@ -308,7 +347,7 @@ def _marker_vertices(file: Path, named: Path | None, *, is_folder: bool) -> Path
 
 
 def _unit(file: Path, raw: RawHead, setting: str) -> str:
-    if setting != "auto":
+    if setting != AUTO:
         return unit_of_mesh(file, raw.extent, assumed=setting, stated=True)
     unit = unit_of_mesh(file, raw.extent, assumed=raw.unit, stated=raw.unit_stated)
     if file.suffix.lower() == ".obj":

@@ -30,11 +30,12 @@ from nodegraph_files.text.table_recording import (
     is_number,
     known_rate,
     recording_of,
-    stated_scale,
     tell_irregular,
+    unit_of_table,
     whole_steps,
 )
 from nodegraph_files.text.vicon import is_vicon, read_vicon
+from nodegraph_files.units import AUTO
 from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
@@ -65,6 +66,8 @@ class Columns:
         The columns of frame numbers or times.
     left_out : list of int
         The columns that are neither.
+    unit : str
+        Of length, as the names of the coordinates' columns state it, or empty.
     """
 
     table: Table
@@ -73,16 +76,24 @@ class Columns:
     markers: dict[str, dict[str, int]] = field(default_factory=dict)
     counters: list[int] = field(default_factory=list)
     left_out: list[int] = field(default_factory=list)
+    unit: str = ""
 
-    def add_coordinate(self, marker: str, axis: str, column: int) -> None:
-        """Keep the column of a coordinate.
+    def add_coordinate(self, marker: str, axis: str, column: int, unit: str = "") -> None:
+        """Keep the column of a coordinate, and the unit that its name states.
 
         Raises
         ------
         ValueError
-            With file, line and column, if the marker has no name, or that coordinate already.
+            With file, line and column, if the marker has no name, or that coordinate already, or
+            another column states another unit.
         """
         axes = self.markers.setdefault(marker, {})
+        if self.unit and unit and unit != self.unit:
+            raise ValueError(
+                f"{self.table.place(self.header, column)}: the column {self.names[column]!r} is in "
+                f"{unit!r}, but others are in {self.unit!r}"
+            )
+        self.unit = self.unit or unit
         if marker and axis.lower() not in axes:
             axes[axis.lower()] = column
             return
@@ -108,7 +119,7 @@ def seconds_in(name: str) -> float | None:
     return _SECONDS.get(match[1].lower()) if match else None
 
 
-def read_columns(columns: Columns, *, zeros_missing: bool) -> Trajectories:
+def read_columns(columns: Columns, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read the recording whose columns are known.
 
     Warnings tell which columns were left out, and how many steps of frame numbers or times are
@@ -132,7 +143,7 @@ def read_columns(columns: Columns, *, zeros_missing: bool) -> Trajectories:
         _taken(cells, [places[column] for column in order]),
         list(columns.markers),
         rate=_rate(columns, {counter: cells[:, places[counter]] for counter in columns.counters}),
-        millimetres=stated_scale(table),
+        unit=unit_of_table(table, unit, columns.unit),
         zeros_missing=zeros_missing,
     )
 
@@ -184,7 +195,8 @@ def _rate(columns: Columns, counters: dict[int, NDArray[np.float64]]) -> float:
     return known_rate(columns.table, times)
 
 
-_COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(].*[\])])?")
+_COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
+_AXIS = re.compile(r"([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
 _SHOWN = 8
 
 
@@ -194,7 +206,7 @@ def is_wide(table: Table) -> bool:
     return True
 
 
-def read_wide(table: Table, *, zeros_missing: bool) -> Trajectories:
+def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording whose first row names the columns ``NAME.X, NAME.Y, NAME.Z``.
 
     Also with ``_``, ``:`` or a blank before the letter, with a unit in brackets after it, and in
@@ -207,17 +219,18 @@ def read_wide(table: Table, *, zeros_missing: bool) -> Trajectories:
         if match is None:
             columns.add_other(place)
         else:
-            columns.add_coordinate(match[1], match[2], place)
+            columns.add_coordinate(match[1], match[2], place, match[3] or "")
     if not columns.markers:
         shown = ", ".join(header.cells[:_SHOWN])
         raise ValueError(
             f"{table.path}:{header.line}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}"
         )
-    return read_columns(columns, zeros_missing=zeros_missing)
+    return read_columns(columns, zeros_missing=zeros_missing, unit=unit)
 
 
 _MARKER = {"marker", "label", "name", "keypoint", "landmark", "bodypart", "marker_name"}
 _AXES = ("x", "y", "z")
+_EACH = "each marker"  # whose columns are the same
 _SPARSEST = 100  # samples per row, above which a table holds something else
 _FEW = 10_000_000  # samples for which there is room in any case
 
@@ -226,11 +239,12 @@ def is_long(table: Table) -> bool:
     """Return whether the first row names columns of markers, of x, and of frames or times."""
     names = table.opening[0].cells
     small = {name.lower() for name in names}
+    axes = {match[1].lower() for match in map(_AXIS.fullmatch, names) if match}
     counted = any(is_frame(name) or seconds_in(name) is not None for name in names)
-    return bool(small & _MARKER) and "x" in small and counted
+    return bool(small & _MARKER) and "x" in axes and counted
 
 
-def read_long(table: Table, *, zeros_missing: bool) -> Trajectories:
+def read_long(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording from columns frame or time, marker, x, y and z, in any order.
 
     A row that is not there is a missing sample, and so are those of frames that are skipped; a
@@ -245,7 +259,7 @@ def read_long(table: Table, *, zeros_missing: bool) -> Trajectories:
         rate.
     """
     columns, marker = _columns(table)
-    coordinates = list(columns.markers[""].values())
+    coordinates = list(columns.markers[_EACH].values())
     wanted = sorted([*columns.counters, *coordinates])
     rows = table.below(columns.header, len(columns.names), wanted, names=columns.names)
     read = dict(zip(wanted, read_rows(rows).T, strict=True))
@@ -258,12 +272,12 @@ def read_long(table: Table, *, zeros_missing: bool) -> Trajectories:
     _check_samples(rows, frames, of_marker, list(names))
     positions = np.full((int(frames.max()) + 1, len(names), 3), np.nan)
     for axis, name in enumerate(_AXES):
-        positions[frames, of_marker, axis] = read[columns.markers[""][name]]
+        positions[frames, of_marker, axis] = read[columns.markers[_EACH][name]]
     return recording_of(
         positions.reshape(len(positions), -1),
         list(names),
         rate=known_rate(table, _times(columns, read)),
-        millimetres=stated_scale(table),
+        unit=unit_of_table(table, unit, columns.unit),
         zeros_missing=zeros_missing,
     )
 
@@ -271,18 +285,15 @@ def read_long(table: Table, *, zeros_missing: bool) -> Trajectories:
 def _columns(table: Table) -> tuple[Columns, int]:
     """Return which column holds what, and which the names of markers."""
     header = table.opening[0]
-    small = [name.lower() for name in header.cells]
-    marker = next(place for place, name in enumerate(small) if name in _MARKER)
+    marker = next(place for place, name in enumerate(header.cells) if name.lower() in _MARKER)
     columns = Columns(table, header, header.cells)
-    columns.markers[""] = {}
-    for place, name in enumerate(small):
-        if name in _AXES:
-            if name in columns.markers[""]:
-                raise ValueError(f"{table.place(header, place)}: column {name!r} is there twice")
-            columns.markers[""][name] = place
+    columns.markers[_EACH] = {}
+    for place, name in enumerate(header.cells):
+        if match := _AXIS.fullmatch(name):
+            columns.add_coordinate(_EACH, match[1], place, match[2] or "")
         elif place != marker:
             columns.add_other(place)
-    lacking = [axis for axis in _AXES if axis not in columns.markers[""]]
+    lacking = [axis for axis in _AXES if axis not in columns.markers[_EACH]]
     if lacking:
         raise ValueError(
             f"{table.path}:{header.line}: no column {', '.join(lacking)}; a recording has three "
@@ -373,7 +384,7 @@ def is_levels(table: Table) -> bool:
     return _levels(table) > 0
 
 
-def read_levels(table: Table, *, zeros_missing: bool) -> Trajectories:
+def read_levels(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording whose columns have a marker's name in one row, and an axis in a later one.
 
     Levels in which all columns share a name, such as a scorer, are left out of the markers'
@@ -400,7 +411,7 @@ def read_levels(table: Table, *, zeros_missing: bool) -> Trajectories:
             columns.add_coordinate(label, axes.cells[column], column)
         else:
             columns.left_out.append(column)
-    return read_columns(columns, zeros_missing=zeros_missing)
+    return read_columns(columns, zeros_missing=zeros_missing, unit=unit)
 
 
 def _levels(table: Table) -> int:
@@ -448,7 +459,7 @@ def _labels(table: Table, levels: Sequence[Row], leading: int, width: int) -> li
 
 
 class _Read(Protocol):
-    def __call__(self, table: Table, *, zeros_missing: bool) -> Trajectories: ...
+    def __call__(self, table: Table, *, zeros_missing: bool, unit: str) -> Trajectories: ...
 
 
 _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
@@ -461,7 +472,7 @@ _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
 )
 
 
-def read_csv(path: Path, *, zeros_missing: bool = True) -> Trajectories:
+def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
     """Read a recording from a table of text; its first rows tell the form.
 
     Exports of Qualisys Track Manager (TSV), OptiTrack Motive and Vicon Nexus; long tables of
@@ -471,8 +482,8 @@ def read_csv(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     or in UTF-16 with a byte order mark.
 
     Where the form itself does not tell them, the rate comes from a line ``# rate: 60`` or from
-    a column ``time`` in seconds (``time (ms)`` in milliseconds), the unit of length from a line
-    ``# unit: mm``, the default.
+    a column ``time`` in seconds (``time (ms)`` in milliseconds), the unit of length from the names
+    of columns (``x [cm]``, ``nose.X (m)``) or from a line ``# unit: mm``.
 
     Warnings tell whatever was left out, assumed, or counts as missing; the readers of the single
     forms say which.
@@ -483,6 +494,8 @@ def read_csv(path: Path, *, zeros_missing: bool = True) -> Trajectories:
         The file.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
+    unit
+        Of length, such as ``cm``; by default what the file states.
 
     Returns
     -------
@@ -498,7 +511,7 @@ def read_csv(path: Path, *, zeros_missing: bool = True) -> Trajectories:
     """
     table = read_table(path)
     read = next(read for recognizes, read in _FORMS if recognizes(table))
-    return read(table, zeros_missing=zeros_missing)
+    return read(table, zeros_missing=zeros_missing, unit=unit)
 
 
 def write_csv(recording: Trajectories, path: Path) -> None:

@@ -21,14 +21,13 @@ from nodegraph_files.text.table_recording import (
     tell_other_rate,
     tell_skipped,
 )
-from nodegraph_files.units import MILLIMETRES, millimetres_in
+from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
 
 _FIRST = "Format Version"
 _TYPES = {"marker", "rigid body", "rigid body marker", "bone", "bone marker", "marker constraint"}
 _ROWS = 12  # more than any header has
 _RATES = ("Export Frame Rate", "Capture Frame Rate")
-_METRES = 1000.0
 
 
 @dataclass(frozen=True)
@@ -46,13 +45,14 @@ def is_motive(table: Table) -> bool:
     return table.opening[0].cells[0] == _FIRST
 
 
-def read_motive(table: Table, *, zeros_missing: bool) -> Trajectories:
+def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read the measured markers, labelled and unlabelled.
 
     Rigid bodies, bones and the places where these expect their markers are left out, which a
     warning counts. Others tell which markers lack a name or share one, how many rows end early,
     where the header's number of frames is wrong, and whether frame numbers or times contradict
-    the rate. A file without a unit of length is in metres, Motive's own.
+    the rate. A file without a unit of length is taken to be in metres, Motive's own, unless its
+    size is then no face's or body's.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def read_motive(table: Table, *, zeros_missing: bool) -> Trajectories:
         all markers lack, the unit is unknown, or a cell is no number.
     """
     rate = _rate(table)
-    millimetres = _millimetres(table)
+    length_unit = _unit(table, unit)
     header = _header(table)
     triples = _triples(table, header)
     columns = [column for first in triples for column in range(first, first + 3)]
@@ -79,7 +79,7 @@ def read_motive(table: Table, *, zeros_missing: bool) -> Trajectories:
         cells[:, 2:],
         [header.names[first] for first in triples],
         rate=rate,
-        millimetres=millimetres,
+        unit=length_unit,
         zeros_missing=zeros_missing,
     )
 
@@ -107,15 +107,11 @@ def _rate(table: Table) -> float:
     raise ValueError(f"{table.path}: no {' or '.join(_RATES)}; add a line '# rate: 60'")
 
 
-def _millimetres(table: Table) -> float:
+def _unit(table: Table, setting: str) -> LengthUnit:
     written, place = _fact(table, "Length Units")
-    factor = millimetres_in(written)
-    if factor is not None:
-        return factor
-    if written:
+    if setting == AUTO and written and unit_named(written) is None:
         raise ValueError(f"{place}: Length Units {written!r}; there is {', '.join(MILLIMETRES)}")
-    warnings.warn("no Length Units in the header; metres are assumed", stacklevel=3)
-    return _METRES
+    return unit_from(setting, written, assumed="m")
 
 
 def _header(table: Table) -> _Header:

@@ -22,6 +22,7 @@ from nodegraph_files.text.table_recording import (
     tell_other_rate,
     tell_skipped,
 )
+from nodegraph_files.units import unit_from
 from nodegraph_mocap.recording import Trajectories
 
 _FIRST = {"FILE_VERSION", "NO_OF_FRAMES", "NO_OF_CAMERAS", "NO_OF_MARKERS", "FREQUENCY"}
@@ -34,7 +35,7 @@ def is_qtm(table: Table) -> bool:
     return table.opening[0].cells[0] in _FIRST
 
 
-def read_qtm(table: Table, *, zeros_missing: bool) -> Trajectories:
+def read_qtm(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording of three-dimensional data.
 
     What stands in the rows counts, not the numbers of the header. Warnings tell where the two
@@ -62,7 +63,11 @@ def read_qtm(table: Table, *, zeros_missing: bool) -> Trajectories:
         tell_skipped("the frame number", cells[:, 0])
         tell_other_rate(cells[:, 1], rate, "FREQUENCY")
     return recording_of(
-        cells[:, leading:], labels, rate=rate, millimetres=1.0, zeros_missing=zeros_missing
+        cells[:, leading:],
+        labels,
+        rate=rate,
+        unit=unit_from(unit, "mm"),
+        zeros_missing=zeros_missing,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.text.table import Table
-from nodegraph_files.units import MILLIMETRES, millimetres_in
+from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ def recording_of(
     labels: Sequence[str],
     *,
     rate: float,
-    millimetres: float,
+    unit: LengthUnit,
     zeros_missing: bool,
 ) -> Trajectories:
     """Return a recording of (T, 3 M) coordinates, which are x, y, z of each marker in turn.
@@ -149,42 +149,50 @@ def recording_of(
         Of the markers, as the file gives them; see `unique_names`.
     rate
         Hz.
-    millimetres
-        How many the table's unit of length is.
+    unit
+        The table's unit of length.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
     """
     count = coordinates.shape[1] // 3
     positions = np.array(coordinates, order="C").reshape(len(coordinates), count, 3)
-    if millimetres != 1.0:
-        positions *= millimetres
     x, y, z = (coordinates[:, axis::3] for axis in range(3))
     empty = np.ascontiguousarray(np.isnan(x) & np.isnan(y) & np.isnan(z))
+    positions = mark_missing(positions, empty, zeros_missing=zeros_missing)
+    unit.convert(positions)
     return Trajectories(
-        positions=mark_missing(positions, empty, zeros_missing=zeros_missing),
+        positions=positions,
         markers=unique_names(labels, count),
         rate=rate,
     )
 
 
-def stated_scale(table: Table) -> float:
-    """Return how many millimetres the unit of a comment ``# unit: m`` is, by default 1.
+def unit_of_table(table: Table, setting: str, of_columns: str = "") -> LengthUnit:
+    """Return the unit of length that the user sets, or a table states, or mm.
+
+    Parameters
+    ----------
+    table
+        A comment ``# unit: m`` in it states the unit.
+    setting
+        The user's, or "auto".
+    of_columns
+        The unit that the names of columns state, which counts before a comment's.
 
     Raises
     ------
     ValueError
-        If the unit is unknown.
+        If the comment's unit is unknown, or another than that of the columns.
     """
     comment = table.comments.get("unit") or table.comments.get("units")
-    if comment is None:
-        return 1.0
-    factor = millimetres_in(comment.value)
-    if factor is None:
-        raise ValueError(
-            f"{table.path}:{comment.line}: unit {comment.value!r}; there is "
-            f"{', '.join(MILLIMETRES)}"
-        )
-    return factor
+    if setting != AUTO or comment is None:
+        return unit_from(setting, of_columns)
+    name = unit_named(comment.value)
+    if name is None or (of_columns and unit_named(of_columns) != name):
+        known = f"there is {', '.join(MILLIMETRES)}"
+        instead = f"the columns are in {of_columns!r}" if name else known
+        raise ValueError(f"{table.path}:{comment.line}: unit {comment.value!r}; {instead}")
+    return LengthUnit(name)
 
 
 def stated_rate(table: Table) -> float | None:

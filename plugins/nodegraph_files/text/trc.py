@@ -22,14 +22,14 @@ from nodegraph_files.text.table_recording import (
 )
 from nodegraph_files.text.text_file import read_text_file, start_in_utf8
 from nodegraph_files.text.vicon import LEADING, count_triples, labels_over
-from nodegraph_files.units import to_millimetres
+from nodegraph_files.units import AUTO, unit_from
 from nodegraph_mocap.recording import Trajectories
 
 _FIRST_WORD = "PathFileType"
 _HEADER_LINES = 5
 
 
-def read_trc(path: Path, *, zeros_missing: bool = True) -> Trajectories:
+def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
     """Read a recording from a TRC file, whose cells tabs or commas separate.
 
     The columns and rows that are there count, not the numbers of the header. Warnings tell where
@@ -43,6 +43,8 @@ def read_trc(path: Path, *, zeros_missing: bool = True) -> Trajectories:
         The file.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
+    unit
+        Of length, such as ``cm``; by default what the header states.
 
     Returns
     -------
@@ -75,7 +77,7 @@ def read_trc(path: Path, *, zeros_missing: bool = True) -> Trajectories:
         cells[:, LEADING:],
         labels,
         rate=rate,
-        millimetres=to_millimetres(facts.get("units", "")),
+        unit=unit_from(unit, facts.get("units", "")),
         zeros_missing=zeros_missing,
     )
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import positive_number, recording_of, tell_skipped
-from nodegraph_files.units import MILLIMETRES, millimetres_in
+from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
 
 LEADING = 2  # the columns that come first: frame number, and time or part of a frame
@@ -77,7 +77,7 @@ def is_vicon(table: Table) -> bool:
     return table.opening[0].cells[0] in _SECTIONS
 
 
-def read_vicon(table: Table, *, zeros_missing: bool) -> Trajectories:
+def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read the section Trajectories; the others are left out.
 
     Warnings tell which markers lacked a name or shared one, how many rows end early, and how many
@@ -111,7 +111,7 @@ def read_vicon(table: Table, *, zeros_missing: bool) -> Trajectories:
         cells[:, 1:],
         labels,
         rate=rate,
-        millimetres=_millimetres(table, units, width),
+        unit=_unit(table, units, width, unit),
         zeros_missing=zeros_missing,
     )
 
@@ -136,13 +136,12 @@ def _until_empty(table: Table, units: Row) -> Table:
     return replace(table, text=text)
 
 
-def _millimetres(table: Table, units: Row, width: int) -> float:
+def _unit(table: Table, units: Row, width: int, setting: str) -> LengthUnit:
     first, *_ = names = units.cells[LEADING:width]
-    factor = millimetres_in(first)
-    if factor is None or set(names) != {first}:
+    if setting == AUTO and (unit_named(first) is None or set(names) != {first}):
         wrong = next((place for place, unit in enumerate(names) if unit != first), 0)
         raise ValueError(
             f"{table.place(units, LEADING + wrong)}: unit {names[wrong]!r}, where one unit of all "
             f"columns is expected; there is {', '.join(MILLIMETRES)}"
         )
-    return factor
+    return unit_from(setting, first)

@@ -65,7 +65,7 @@ def test_the_content_tells_the_form_then_the_suffix(
 
 def test_a_table_whose_second_letter_is_that_of_c3d(tmp_path: Path) -> None:
     path = tmp_path / "it.csv"
-    path.write_text("aP.x,aP.y,aP.z\n1,2,3\n# rate: 60\n")
+    path.write_text("aP.x,aP.y,aP.z\n1,2,3\n# rate: 60\n# unit: mm\n")
     assert read_recording(path=path).markers == ("aP",)
 
 
@@ -163,7 +163,7 @@ def test_a_recording_of_nothing_but_gaps_is_read_and_told(
 
 def test_zeros_may_be_positions(tmp_path: Path) -> None:
     path = tmp_path / "it.csv"
-    path.write_text("# rate: 60\na.x,a.y,a.z\n1,2,3\n0,0,0\n")
+    path.write_text("# rate: 60\n# unit: mm\na.x,a.y,a.z\n1,2,3\n0,0,0\n")
     assert read_recording(path=path, zeros_missing=False).present.all()
     with pytest.warns(UserWarning, match=r"1 samples are at exactly \(0, 0, 0\)"):
         assert not read_recording(path=path).present.all()

@@ -16,6 +16,7 @@ from hypothesis.extra import numpy as arrays
 from nodegraph_files import csv_bytes, read_csv, read_trc, trc_bytes, write_csv, write_trc
 from nodegraph_mocap import Trajectories
 
+pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
 Write = Callable[[str], Path]
 
 
@@ -102,7 +103,7 @@ def test_an_empty_cell_is_missing(write: Write, cell: str) -> None:
 
 
 def test_partly_missing_infinite_and_zero_samples_are_told(write: Write) -> None:
-    path = write("# rate: 60\na.x,a.y,a.z\n1,,3\n1,2,3\ninf,2,3\n0,0,0\n")
+    path = write("# rate: 60\n# unit: mm\na.x,a.y,a.z\n1,,3\n1,2,3\ninf,2,3\n0,0,0\n")
     with pytest.warns(UserWarning, match="count as missing") as told:
         read = read_csv(path)
     assert len(told) == 3

@@ -13,6 +13,7 @@ from hypothesis.extra import numpy as arrays
 
 from nodegraph_files import read_csv
 
+pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
 Written = Callable[[str], Path]
 RATE = "# rate: 60\n"
 

@@ -10,6 +10,7 @@ import pytest
 from nodegraph_files import read_csv
 from nodegraph_mocap import Trajectories
 
+pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
 Written = Callable[[str], Path]
 RATE = "# rate: 60\n"
 
@@ -88,7 +89,7 @@ def test_quoted_names_may_hold_separators(written: Written) -> None:
     ("text", "told"),
     [
         ("frame,marker,x,y\n0,a,1,2\n", r":1: no column z; a recording has three dimensions"),
-        ("frame,marker,x,y,z,X\n0,a,1,2,3,4\n", r":1:6: column 'x' is there twice"),
+        ("frame,marker,x,y,z,X\n0,a,1,2,3,4\n", r":1:6: the column 'X' is there twice"),
         ("frame,marker,x,y,z\n", r": no frames follow line 1"),
         ("frame,marker,x,y,z\n0,a,1,2,3\n0,a,1,2,3\n", r":3: marker 'a' is in this frame already"),
         ("frame,marker,x,y,z\n0,a,1,2,3\n\n1,b,1,2,3\n0,a,4,5,6\n", r":5: marker 'a' is in this"),

@@ -123,7 +123,7 @@ def test_the_rate_of_capture_where_there_is_no_other(written: Written) -> None:
 
 
 def test_metres_are_assumed_aloud(written: Written) -> None:
-    with pytest.warns(UserWarning, match="no Length Units in the header; metres are assumed"):
+    with pytest.warns(UserWarning, match="no unit of length; m is assumed"):
         assert read_csv(written(motive(MARKER, Length_Units=None))).positions[0, 0, 0] == 1000
 
 

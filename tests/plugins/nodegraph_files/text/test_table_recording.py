@@ -7,14 +7,20 @@ import numpy as np
 import pytest
 
 from nodegraph_files.text.table import read_table
-from nodegraph_files.text.table_recording import known_rate, recording_of, stated_rate, stated_scale
+from nodegraph_files.text.table_recording import (
+    known_rate,
+    recording_of,
+    stated_rate,
+    unit_of_table,
+)
+from nodegraph_files.units import LengthUnit
 
 Written = Callable[[str], Path]
 
 
 def test_coordinates_become_positions_of_markers() -> None:
     table = np.array([[1, 2, 3, 4, 5, 6], [np.nan] * 3 + [0.0] * 3])
-    read = recording_of(table, ["s:a", "s:b"], rate=60, millimetres=10, zeros_missing=False)
+    read = recording_of(table, ["s:a", "s:b"], rate=60, unit=LengthUnit("cm"), zeros_missing=False)
     assert read.markers == ("a", "b")
     assert read.present.tolist() == [[True, True], [False, True]]
     assert read.positions[0].tolist() == [[10, 20, 30], [40, 50, 60]]
@@ -23,9 +29,14 @@ def test_coordinates_become_positions_of_markers() -> None:
 
 def test_what_comments_tell(written: Written) -> None:
     table = read_table(written("# rate: 50\n# units: cm\na,b\n"))
-    assert (stated_rate(table), stated_scale(table)) == (50, 10)
+    assert (stated_rate(table), unit_of_table(table, "auto").name) == (50, "cm")
+    assert unit_of_table(table, "auto", "centimetres") == LengthUnit("cm")
+    assert unit_of_table(table, "m").name == "m"
+    with pytest.raises(ValueError, match=r"take\.csv:2: unit 'cm'; the columns are in 'mm'"):
+        unit_of_table(table, "auto", "mm")
     bare = read_table(written("a,b\n"))
-    assert (stated_rate(bare), stated_scale(bare)) == (None, 1)
+    assert stated_rate(bare) is None
+    assert unit_of_table(bare, "auto").problem
 
 
 @pytest.mark.parametrize("said", ["0", "-5", "nan", "fast"])

@@ -66,7 +66,7 @@ def test_units_become_millimetres(write: Write, unit: str, millimetres: float) -
 
 @pytest.mark.parametrize(("unit", "told"), [(None, "no unit"), ("", "no unit"), ("px", "'px'")])
 def test_millimetres_are_assumed_aloud(write: Write, unit: str | None, told: str) -> None:
-    with pytest.warns(UserWarning, match=f"{told}.*millimetres are assumed"):
+    with pytest.warns(UserWarning, match=f"{told}.*mm is assumed"):
         assert read_trc(write(trc(Units=unit))).positions[0, 0].tolist() == [1, 2, 3]
 
 
