@@ -23,7 +23,7 @@ from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Rendered, Renderer
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.methods import Methods
-from nodegraph.report.notes import step_notes
+from nodegraph.report.notes import note_kinds, step_notes
 from nodegraph.report.study import (
     AxisRow,
     Link,
@@ -39,6 +39,7 @@ from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _MOST_FAILURES = 5
+_MOST_WARNINGS = 5
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 _FILES = (Link("what ran", RECORD), Link("events", EVENTS))
 
@@ -279,19 +280,36 @@ def _timings(run: Run) -> tuple[TimingRow, ...]:
 
 
 def summary(study: Study, run: Run) -> str:
-    """Return what a terminal shows of a run: its tables, its answer, how its steps ended."""
+    """Return what a terminal shows of a run: tables, answer, warnings, how its steps ended."""
     parts = [
         f"{f'{section.title} {section.labels}'.strip()}\n{section.rendered.text}"
         for section in study.sections
         if section.rendered.text
     ]
     parts += ["\n".join(study.answer)] if study.answer else []
+    warned = _warnings(study)
+    parts += ["\n".join(warned)] if warned else []
     counts = [
         f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
     ]
     parts += [f"{len(run.plan.steps)} steps: {', '.join(counts)}"]
     parts += [*_failures(study), *run.not_stored()]
     return "\n\n".join(parts)
+
+
+def _warnings(study: Study) -> list[str]:
+    """Return the first kinds of warnings, which the report lists in full."""
+    groups = [
+        group for kind in note_kinds(study) if kind.kind == "warning" for group in kind.groups
+    ]
+    lines = [
+        f"warning: {group.node}: {group.reason}"
+        + (f" ({group.count} times)" if group.count > 1 else "")
+        for group in groups[:_MOST_WARNINGS]
+    ]
+    if len(groups) > _MOST_WARNINGS:
+        lines += [f"{len(groups) - _MOST_WARNINGS} more kinds of warnings; the report lists them"]
+    return lines
 
 
 def _failures(study: Study) -> Iterator[str]:

@@ -10,6 +10,7 @@ some ten times the memory of the samples. What both can read is equal bit for bi
 from __future__ import annotations
 
 import struct
+import warnings
 from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
@@ -31,7 +32,7 @@ from nodegraph_files.c3d_header import (
 )
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
-from nodegraph_files.units import AUTO, unit_from
+from nodegraph_files.units import AUTO, BODY, FACE, extent_of, unit_from
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Origin, Trajectories
 
@@ -138,7 +139,9 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     """Read the points of a C3D file; analog channels and events are left out.
 
     Warnings tell how many samples were partly missing or infinite, which markers lacked a name
-    or shared one, and that the unit of length is unknown.
+    or shared one, and that the unit of length is unknown. Where header and parameters give two
+    scales of integers, that of the parameters counts, unless only the other makes the markers as
+    large as a face or a body.
 
     Parameters
     ----------
@@ -166,7 +169,10 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     except ValueError as error:
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
     positions = mark_missing(positions, lost, zeros_missing=zeros_missing)
-    unit_from(unit, _unit(description.parameters)).convert(positions)
+    length_unit = unit_from(unit, _unit(description.parameters))
+    if description.scales:
+        positions *= _scale(description.scales, extent_of(positions), length_unit.name)
+    length_unit.convert(positions)
     return Trajectories(
         positions=positions,
         markers=unique_names(_labels(description.parameters), positions.shape[1]),
@@ -196,7 +202,7 @@ def c3d_bytes(recording: Trajectories) -> bytes:
 
 
 def _samples(path: Path, description: Description) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return (T, M, 3) positions in the file's unit, and (T, M) whether they are missing."""
+    """Return (T, M, 3) positions as they are stored, and (T, M) whether they are missing."""
     layout = description.layout
     if not layout.frames or not layout.points:
         raise ValueError(f"it holds {layout.frames} frames of {layout.points} points")
@@ -211,9 +217,35 @@ def _samples(path: Path, description: Description) -> tuple[NDArray[np.float64],
             for axis in range(3):
                 positions[piece, :, axis] = numbers[..., axis]
             np.less(numbers[..., 3], 0, out=lost[piece])
-            if layout.width == 2:
-                positions[piece] *= description.scale
     return positions, lost
+
+
+def _scale(scales: tuple[float, ...], extent: float, unit: str) -> float:
+    """Return the first scale, or the first that makes the markers as large as a face or a body.
+
+    Parameters
+    ----------
+    scales
+        Of the parameters, then of the header.
+    extent
+        Of the markers, in integers.
+    unit
+        Of length, once they are scaled.
+    """
+    plausible = (
+        scale
+        for scale in scales
+        if any(size.includes(extent * scale, unit) for size in (FACE, BODY))
+    )
+    chosen = next(plausible, scales[0])
+    if len(scales) > 1:
+        size = f": markers span {extent * chosen:.4g} {unit}" if np.isfinite(extent) else ""
+        warnings.warn(
+            f"the file's parameters give a scale of {scales[0]:g}, its header {scales[1]:g}; "
+            f"{chosen:g} is taken{size}",
+            stacklevel=3,
+        )
+    return chosen
 
 
 def _numbers(content: bytes, description: Description) -> NDArray[Any]:

@@ -2,8 +2,8 @@
 
 A C3D file says most things twice, in its header and in its parameters, and writers do not
 always keep the two equal. The size of the file settles which is right; where it does not, the
-file is refused, because a wrong guess would shift every number. Of rate and scale, which no size
-settles, the parameters count, with a warning.
+file is refused, because a wrong guess would shift every number. Of two rates, that of the
+parameters counts, with a warning; of two scales, see `nodegraph_files.c3d.read_c3d`.
 """
 
 from __future__ import annotations
@@ -97,8 +97,20 @@ Parameters = Mapping[tuple[str, str], Parameter]
 """Entries by group and name, both in capitals."""
 
 
-def read_parameters(content: bytes, start: int) -> Parameters:
+def read_parameters(content: bytes, start: int, samples: int) -> Parameters:
     """Read the section that starts at that byte.
+
+    It ends with an entry that says that it is the last, or else where it says itself or where the
+    samples start, whichever is later: writers get each of these wrong.
+
+    Parameters
+    ----------
+    content
+        Of the file, from its first byte.
+    start
+        Byte at which the section starts.
+    samples
+        Byte at which, by the header, the samples start.
 
     Raises
     ------
@@ -108,7 +120,8 @@ def read_parameters(content: bytes, start: int) -> Parameters:
     processor = Processor(content[start + 3])
     groups: dict[int, str] = {}
     parameters: dict[tuple[int, str], Parameter] = {}
-    for place, number, name, body in _entries(content, start + 4, processor):
+    end = max(start + content[start + 2] * BLOCK, samples)
+    for place, number, name, body in _entries(content[:end], start + 4, processor):
         if number < 0:
             groups[-number] = name
         else:
@@ -129,15 +142,15 @@ def _entries(
             return
         step_at = place + 2 + abs(length)
         step = processor.integer(content[step_at : step_at + 2])
-        end = step_at + step if step else len(content)
-        if number == 0 or step_at + 2 > len(content) or end > len(content) or 0 < step < 3:
+        # of the last entry, some writers give a distance beyond the section
+        end = min(step_at + step, len(content)) if step else len(content)
+        if number == 0 or step_at + 2 >= len(content) or 0 < step < 3:
             raise ValueError(f"its parameter section is damaged at byte {place}")
         name = _text(content[place + 2 : step_at]).upper()
         yield place, number, name, content[step_at + 2 : end]
         if step == 0:
             return
         place = end
-    raise ValueError("its parameter section has no end")
 
 
 def _parameter(body: bytes, place: int, processor: Processor) -> Parameter:
@@ -203,13 +216,25 @@ class Layout:
 
 @dataclass(frozen=True)
 class Description:
-    """What a C3D file says of itself: layout, parameters, processor, rate (Hz) and scale."""
+    """What a C3D file says of itself.
+
+    Attributes
+    ----------
+    layout : Layout
+    parameters : mapping of group and name to Parameter
+    processor : Processor
+    rate : float
+        Hz.
+    scales : tuple of float
+        What integers are multiplied by: that of the parameters first, and that of the header if
+        it is another. None where samples are no integers.
+    """
 
     layout: Layout
     parameters: Parameters
     processor: Processor
     rate: float
-    scale: float
+    scales: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -239,15 +264,15 @@ def read_description(path: Path) -> Description:
     if section < BLOCK or section + 4 > len(content):
         raise ValueError("it ends before its parameters, or they are not where it says")
     processor = Processor(content[section + 3])
-    parameters = read_parameters(content, section)
     header = _header(content, processor)
+    parameters = read_parameters(content, section, (header.start_block - 1) * BLOCK)
     layout = _settle(list(_accounts(header, parameters)), size)
     return Description(
         layout=layout,
         parameters=parameters,
         processor=processor,
         rate=_rate(header, parameters),
-        scale=_scale(header, parameters) if layout.width == 2 else 1.0,
+        scales=_scales(header, parameters) if layout.width == 2 else (),
     )
 
 
@@ -334,30 +359,30 @@ def _checked(layout: Layout, size: int) -> Layout:
 
 def _rate(header: _Header, parameters: Parameters) -> float:
     """Return the rate as the shortest decimal number that the file's 32 bits stand for."""
-    rate = _either("rate", _number(parameters, "POINT", "RATE") or 0.0, header.rate)
+    stated = _number(parameters, "POINT", "RATE") or 0.0
+    if stated and header.rate > 0 and _differ(stated, header.rate):
+        warnings.warn(
+            f"the file's parameters give a rate of {stated:g}, its header {header.rate:g}; the "
+            "parameters count",
+            stacklevel=4,
+        )
+    rate = stated or header.rate
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"its rate is {rate}; it must be a positive number of frames per second")
     return float(str(np.float32(rate)))
 
 
-def _scale(header: _Header, parameters: Parameters) -> float:
-    """Return what integers are multiplied by; a negative number stands for no integers."""
+def _scales(header: _Header, parameters: Parameters) -> tuple[float, ...]:
     stated = _number(parameters, "POINT", "SCALE") or 0.0
-    scale = _either("scale", max(stated, 0.0), header.scale)
-    if not (np.isfinite(scale) and scale > 0):
-        raise ValueError(f"its samples are integers, and their scale is {scale}")
-    return scale
+    # a negative number stands for no integers
+    scales = [scale for scale in (stated, header.scale) if np.isfinite(scale) and scale > 0]
+    if not scales:
+        raise ValueError(f"its samples are integers, and their scale is {header.scale}")
+    return tuple(scales) if _differ(scales[0], scales[-1]) else tuple(scales[:1])
 
 
-def _either(what: str, parameter: float, header: float) -> float:
-    """Return what the parameters tell, or the header where they tell nothing (0)."""
-    if parameter and header > 0 and not math.isclose(parameter, header, rel_tol=1e-6):
-        warnings.warn(
-            f"the file's parameters give a {what} of {parameter:g}, its header {header:g}; the "
-            "parameters count",
-            stacklevel=5,
-        )
-    return parameter or header
+def _differ(first: float, second: float) -> bool:
+    return not math.isclose(first, second, rel_tol=1e-6)
 
 
 def _number(parameters: Parameters, group: str, name: str) -> float | None:

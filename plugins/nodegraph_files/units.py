@@ -65,6 +65,9 @@ class Size:
 
 HEAD = Size(100.0, 500.0)
 FACE_OR_BODY = Size(40.0, 5000.0)
+"""Also a part of a face, or several bodies."""
+FACE = Size(100.0, 400.0)
+BODY = Size(700.0, 2500.0)
 
 
 @dataclass(frozen=True)

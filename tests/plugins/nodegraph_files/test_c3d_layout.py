@@ -20,7 +20,7 @@ def test_a_description_tells_what_was_written(build_c3d: Build, samples: Samples
     found = read_description(build_c3d(samples, rate=50.0, analog=3, scale=0.25))
     layout = found.layout
     assert (layout.frames, layout.points, layout.values, layout.width) == (20, 3, 3, 2)
-    assert (layout.start, found.rate, found.scale) == (21 * 512, 50.0, 0.25)
+    assert (layout.start, found.rate, found.scales) == (21 * 512, 50.0, (0.25,))
     assert layout.frame_bytes == (4 * 3 + 3) * 2
     assert layout.end == layout.start + 20 * layout.frame_bytes
 
@@ -68,24 +68,42 @@ def test_the_header_stands_in_for_a_parameter(
     assert read.rate == 60.0
 
 
-@pytest.mark.parametrize(
-    ("place", "changed", "told"),
-    [
-        (20, {"RATE": 50.0}, "a rate of 50, its header 60; the parameters count"),
-        (12, {"SCALE": 0.5}, "a scale of 0.5, its header 0.25; the parameters count"),
-    ],
-)
-def test_of_rate_and_scale_the_parameters_count(
-    build_c3d: Build, samples: Samples, place: int, changed: dict[str, float], told: str
-) -> None:
-    header = {20: struct.pack("<f", 60.0), 12: struct.pack("<f", 0.25)}
-    path = build_c3d(samples, scale=0.25, header=header, **changed)
-    with pytest.warns(UserWarning, match=told):
-        found = read_description(path)
-    assert (found.rate, found.scale) == (changed.get("RATE", 60.0), changed.get("SCALE", 0.25))
+def test_of_two_rates_the_parameters_count(build_c3d: Build, samples: Samples) -> None:
+    path = build_c3d(samples, header={20: struct.pack("<f", 60.0)}, RATE=50.0)
+    with pytest.warns(UserWarning, match="a rate of 50, its header 60; the parameters count"):
+        assert read_description(path).rate == 50.0
     # what the header does not say is no disagreement
-    path = build_c3d(samples, scale=0.25, header={place: bytes(4)}, **changed)
-    assert read_description(path) == found
+    assert read_description(build_c3d(samples, header={20: bytes(4)}, RATE=50.0)).rate == 50.0
+
+
+@pytest.mark.parametrize(
+    ("stated", "header", "taken"),
+    [(0.02, 0.05, 0.05), (0.05, 0.02, 0.05), (0.001, 0.002, 0.001), (0.05, 0.06, 0.05)],
+)
+def test_of_two_scales_the_one_that_makes_a_body_counts(
+    build_c3d: Build, stated: float, header: float, taken: float
+) -> None:
+    body = np.zeros((5, 4, 4))
+    body[..., :3] = [[1, 1, 1], [9000, 8000, 1], [3000, 30_000, 1], [5, 100, 3000]]
+    path = build_c3d(body, scale=stated, header={12: struct.pack("<f", header)})
+    with pytest.warns(UserWarning, match=f"scale of {stated}, its header {header}; {taken} is"):
+        read = read_c3d(path)
+    np.testing.assert_allclose(read.positions, body[..., :3] * taken, rtol=1e-6)
+
+
+def test_the_header_alone_may_give_the_scale(build_c3d: Build, samples: Samples) -> None:
+    assert read_description(build_c3d(samples, scale=0.25, SCALE=0.0)).scales == (0.25,)
+
+
+def test_a_big_endian_file_whose_last_entry_points_beyond_the_section(
+    build_c3d: Build, samples: Samples
+) -> None:
+    path = build_c3d(samples, processor=86)
+    content = path.read_bytes()
+    name = b"GEN_SCALE"
+    step = content.index(name) + len(name)
+    path.write_bytes(content[:step] + struct.pack(">H", 16_129) + content[step + 2 :])
+    np.testing.assert_array_equal(read_c3d(path).positions, samples[..., :3])
 
 
 @pytest.mark.parametrize("bits", [0, 0x7F80_0000, 0x7FC0_0000], ids=["zero", "infinite", "NaN"])
