@@ -12,6 +12,15 @@ from typing import NamedTuple
 
 _MARKS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _START = 1 << 16  # bytes
+_OTHERS = {
+    b"\x1f\x8b": "compressed by gzip; unpack it first",
+    b"PK\x03\x04": "a ZIP archive or a spreadsheet; unpack it, or save the sheet as CSV",
+    b"\x89HDF": "an HDF5 file; save the recording as CSV or NPZ",
+    b"MATLAB 5": "a MATLAB file; save the recording as CSV or NPZ",
+    b"\x00\x00\x00\x06": "probably a record of Live Link packets; use the CSV file of the take",
+    b"\x06": "probably a record of Live Link packets; use the CSV file of the take",
+}
+"""What files are that begin with these bytes, by which no text begins."""
 _COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)(?:\s+\w+)?")
 
 
@@ -97,6 +106,9 @@ def read_text_file(path: Path) -> TextFile:
         If the file is no text.
     """
     raw = path.read_bytes()
+    other = next((what for start, what in _OTHERS.items() if raw.startswith(start)), None)
+    if other is not None:
+        raise ValueError(f"{path}: not a table of text: it is {other}")
     content = _in_utf8(path, raw)
     # The start is enough: what follows is refused where it is read, if it is no text.
     if b"\r" in content[:_START]:

@@ -7,13 +7,16 @@ documentation, "Marker (.trc) Files".
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 from nodegraph import Format
-from nodegraph_files.text.table import Row, Table, filled, read_rows
+from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
+    is_number,
     positive_number,
     recording_of,
     tell_count,
@@ -33,7 +36,9 @@ def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     """Read a recording from a TRC file, whose cells tabs or commas separate.
 
     The columns and rows that are there count, not the numbers of the header. Warnings tell where
-    the two differ, which markers lacked a name or shared one, how many samples were partly
+    the two differ, that names stand over other columns, that the row of X1, Y1, Z1, ... lacks or
+    is shorter than the others, which markers lacked a name or shared one, how many samples were
+    partly
     missing, infinite or zero, how many rows end early, and whether frame numbers or times
     contradict evenly spaced frames.
 
@@ -59,13 +64,13 @@ def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         is no number, a name or column is out of place, or the rate or all frames are lacking.
     """
     table = _table(path)
-    keys, values, names, axes = _header(table)
-    facts = {key.lower(): value for key, value in zip(keys.cells, values.cells, strict=False)}
+    header = _header(table)
+    facts = header.facts
     rate = _rate(path, facts)
-    labels = labels_over(path, names.line, names.cells)
-    markers = count_triples(path, axes.line, axes.cells)
-    width = LEADING + 3 * markers
-    cells = filled(read_rows(table.below(axes, width, range(width), lenient=True)))
+    markers, width = _shape(table, header)
+    labels = _labels(table, header.names, markers)
+    wanted = range(LEADING + 3 * markers)
+    cells = filled(read_rows(table.below(header.last, width, wanted, lenient=True)))
     if not len(cells):
         stated = facts.get("numframes") or "none"
         raise ValueError(f"{path}: no frames follow the header, whose NumFrames says {stated}")
@@ -141,14 +146,71 @@ def _table(path: Path) -> Table:
     return Table(text, {}, separator, [], quoted=False)
 
 
-def _header(table: Table) -> list[Row]:
-    """Return the rows below the first: keys, values, names, axes."""
+@dataclass(frozen=True)
+class _Header:
+    """The facts by name in small letters, the row of names, and that of X1, Y1, ... if any."""
+
+    facts: Mapping[str, str]
+    names: Row
+    axes: Row | None
+
+    @property
+    def last(self) -> Row:
+        """The row below which the numbers begin."""
+        return self.axes or self.names
+
+
+def _header(table: Table) -> _Header:
     rows = list(islice(table.rows(), _HEADER_LINES))
     if len(rows) < _HEADER_LINES:
         raise ValueError(
             f"{table.path}: the header ends after {len(rows)} of {_HEADER_LINES} lines"
         )
-    return rows[1:]
+    _, keys, values, names, axes = rows
+    # Values that are padded by tabs are as many as the keys, but not below them.
+    written = [value for value in values.cells if value]
+    paired = written if len(written) == filled_width(keys.cells) else values.cells
+    facts = {key.lower(): value for key, value in zip(keys.cells, paired, strict=False)}
+    return _Header(facts, names, None if is_number(axes.cells[0]) else axes)
+
+
+def _shape(table: Table, header: _Header) -> tuple[int, int]:
+    """Return the number of markers, and that of the columns, which may be more than theirs."""
+    first = next(table.rows(header.last.end, header.last.line + 1), None)
+    there = filled_width(first.cells) if first else 0
+    if header.axes is None:
+        if there <= LEADING or (there - LEADING) % 3:
+            raise ValueError(
+                f"{table.path}:{header.last.line + 1}: no columns X1, Y1, Z1, ... and "
+                f"{there - LEADING} coordinates, which make no whole number of markers"
+            )
+        warnings.warn("no row X1, Y1, Z1, ... in the header; the cells count", stacklevel=3)
+        return (there - LEADING) // 3, there
+    # Some programs write the row without the cells that come first, or with more.
+    leading = next(place for place, cell in enumerate(header.axes.cells) if cell)
+    markers = count_triples(table.path, header.axes.line, header.axes.cells, leading)
+    width = LEADING + 3 * markers
+    # Between commas, cells beyond the columns may be the decimals of others.
+    if there <= width or table.separator == ",":
+        return markers, width
+    warnings.warn(
+        f"{there - width} columns follow those of the {markers} markers in the header and were "
+        "left out",
+        stacklevel=3,
+    )
+    return markers, there
+
+
+def _labels(table: Table, names: Row, markers: int) -> Sequence[str]:
+    """Return the names, which stand over X columns, or else are as many as markers."""
+    written = [name for name in names.cells[LEADING:] if name]
+    try:
+        return labels_over(table.path, names.line, names.cells)
+    except ValueError:
+        if len(written) != markers:
+            raise
+    warnings.warn("names do not stand over X columns; they are taken in order", stacklevel=3)
+    return written
 
 
 def _rate(path: Path, facts: Mapping[str, str]) -> float:

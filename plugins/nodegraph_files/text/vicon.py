@@ -39,10 +39,11 @@ def labels_over(path: Path, line: int, cells: Sequence[str]) -> Sequence[str]:
     return cells[LEADING::3]
 
 
-def count_triples(path: Path, line: int, cells: Sequence[str]) -> int:
+def count_triples(path: Path, line: int, cells: Sequence[str], leading: int = LEADING) -> int:
     """Return the number of markers, after a look at the names X1, Y1, Z1, X2 ... of the columns.
 
-    The cells of the leading columns are empty; numbers after the letters may lack.
+    The cells of the columns that come first, `leading` of them, are empty; numbers after the
+    letters may lack.
 
     Raises
     ------
@@ -51,19 +52,19 @@ def count_triples(path: Path, line: int, cells: Sequence[str]) -> int:
     """
     last = filled_width(cells)
     for column, cell in enumerate(cells[:last], 1):
-        place = column - 1 - LEADING
+        place = column - 1 - leading
         wanted = f"{'XYZ'[place % 3]}{place // 3 + 1}" if place >= 0 else ""
         match = _COORDINATE.fullmatch(cell)
         if (match[1].upper() if match else cell) != wanted[:1]:
             raise ValueError(
                 f"{path}:{line}:{column}: {cell!r} where {wanted or 'an empty cell'} is expected"
             )
-    if last <= LEADING or (last - LEADING) % 3:
+    if last <= leading or (last - leading) % 3:
         raise ValueError(
-            f"{path}:{line}: {max(last - LEADING, 0)} columns X1, Y1, Z1, ... make no whole "
+            f"{path}:{line}: {max(last - leading, 0)} columns X1, Y1, Z1, ... make no whole "
             "number of markers"
         )
-    return (last - LEADING) // 3
+    return (last - leading) // 3
 
 
 _SECTIONS = ("Trajectories", "Model Outputs", "Devices", "Events", "Joints", "Segments")

@@ -39,6 +39,16 @@ def test_a_refusal_is_no_failure(command: Command) -> None:
     assert "refused: fill(length=5, fill=strict): too small" in err
 
 
+def test_warnings_of_steps_are_printed_once_for_all_combinations(command: Command) -> None:
+    text = Path("toys.py").read_text()
+    warning = "    import warnings; warnings.warn(f'gap of {length} is long')\n"
+    cut = "    return Cut(x - length, x)"
+    Path("toys.py").write_text(text.replace(cut, warning + cut))
+    _, out, _ = command("run", "toy.yaml")
+    assert out.count("warning: gaps (toy.cut): gap of") == 1
+    assert "(2 times)" in out
+
+
 def test_a_failed_step_ends_with_1(command: Command) -> None:
     status, out, err = command("run", "toy.yaml", "--set", "start=-100")
     assert status == 1

@@ -185,7 +185,32 @@ def test_more_columns_than_names_are_told(write: Write) -> None:
 
 def test_a_name_out_of_place_is_refused(write: Write) -> None:
     with pytest.raises(ValueError, match=r"take\.trc:4:4: the name 'nose' is out of place"):
-        read_trc(write(trc(names="Frame# Time lip nose")))
+        read_trc(write(trc(names="Frame# Time lip nose chin")))
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"names": "Frame# Time lip nose"}, "names do not stand over X columns"),
+        ({"names": "Frame# Time  lip  nose"}, "names do not stand over X columns"),
+        ({"axes": "1 0.00 1 2 3 4 5 6", "rows": ["2 0.01 7 8 9 10 11 12"]}, "no row X1, Y1, Z1"),
+        ({"rows": ["1 0 1 2 3 4 5 6 7 8", "2 0.01 7 8 9 10 11 12 0 0"]}, "2 columns follow"),
+        ({"NumMarkers": "0"}, "says 0 markers, the file holds 2"),
+    ],
+)
+def test_what_is_clear_is_read_aloud(write: Write, changed: Any, told: str) -> None:
+    with pytest.warns(UserWarning, match=told):
+        read = read_trc(write(trc(**{"NumFrames": "2", **changed})))
+    assert read.markers == ("lip", "nose")
+    assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
+
+
+@pytest.mark.filterwarnings("error")
+def test_headers_that_are_shifted_or_padded_by_tabs(write: Write) -> None:
+    text = trc(axes="   X1 Y1 Z1 X2 Y2 Z2").replace(
+        "100\t100\t2\t2\tmm", "100\t\t100\t\t2\t\t2\tmm"
+    )
+    assert read_trc(write(text)).markers == ("lip", "nose")
 
 
 @pytest.mark.parametrize(
@@ -194,8 +219,7 @@ def test_a_name_out_of_place_is_refused(write: Write) -> None:
         ("  X1 Y1 Z1 X2 Z2 Y2", ":5:7: 'Z2' where Y2 is expected"),
         ("  X1 Y1 Z1 X2 Y2", ":5: 5 columns X1, Y1, Z1, ... make no whole number"),
         ("  X1 Y1 Z1  Y2 Z2", ":5:6: '' where X2 is expected"),
-        ("X1 Y1 Z1", ":5:1: 'X1' where an empty cell is expected"),
-        ("1 0.00 1 2 3 4 5 6", ":5:1: '1' where an empty cell is expected"),
+        ("1 0.00 1 2 3 4 5", ":5: no columns X1, Y1, Z1, ... and 5 coordinates"),
     ],
 )
 def test_columns_out_of_place_are_refused(write: Write, axes: str, told: str) -> None:
@@ -204,8 +228,11 @@ def test_columns_out_of_place_are_refused(write: Write, axes: str, told: str) ->
 
 
 def test_a_row_longer_than_the_columns_is_refused(write: Write) -> None:
+    rows = ["1 0 1 2 3 4 5 6", "2 0.01 1 2 3 4 5 6 7"]
+    with pytest.raises(ValueError, match=r"take\.trc:8: 9 cells, but 8 columns"):
+        read_trc(write(trc(rows)))
     with pytest.raises(ValueError, match=r"take\.trc:7: 9 cells, but 8 columns"):
-        read_trc(write(trc(["1 0 1 2 3 4 5 6 7"])))
+        read_trc(write(trc(list(reversed(rows))).replace("\t", ",")))
     assert read_trc(write(trc(["1 0 1 2 3 4 5 6  "]))).present.all()
 
 
