@@ -97,7 +97,7 @@ Parameters = Mapping[tuple[str, str], Parameter]
 """Entries by group and name, both in capitals."""
 
 
-def read_parameters(content: bytes, start: int, samples: int) -> Parameters:
+def read_parameters(content: bytes, start: int, samples: int = 0) -> Parameters:
     """Read the section that starts at that byte.
 
     It ends with an entry that says that it is the last, or else where it says itself or where the
@@ -110,7 +110,7 @@ def read_parameters(content: bytes, start: int, samples: int) -> Parameters:
     start
         Byte at which the section starts.
     samples
-        Byte at which, by the header, the samples start.
+        Byte at which, by the header, the samples start; 0 if it does not say.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def read_parameters(content: bytes, start: int, samples: int) -> Parameters:
     groups: dict[int, str] = {}
     parameters: dict[tuple[int, str], Parameter] = {}
     end = max(start + content[start + 2] * BLOCK, samples)
-    for place, number, name, body in _entries(content[:end], start + 4, processor):
+    for place, number, name, body in _entries(content, start + 4, end, processor):
         if number < 0:
             groups[-number] = name
         else:
@@ -134,23 +134,30 @@ def read_parameters(content: bytes, start: int, samples: int) -> Parameters:
 
 
 def _entries(
-    content: bytes, place: int, processor: Processor
+    content: bytes, place: int, last: int, processor: Processor
 ) -> Iterator[tuple[int, int, str, bytes]]:
+    """Yield place, number, name and body of the entries up to the byte `last`."""
+    is_cut = len(content) < last
+    content = content[:last]
     while place + 2 <= len(content):
         length, number = struct.unpack("<bb", content[place : place + 2])
         if length == 0:
             return
         step_at = place + 2 + abs(length)
         step = processor.integer(content[step_at : step_at + 2])
+        end = step_at + step if step else len(content)
         # of the last entry, some writers give a distance beyond the section
-        end = min(step_at + step, len(content)) if step else len(content)
-        if number == 0 or step_at + 2 >= len(content) or 0 < step < 3:
+        if end > len(content) and not is_cut:
+            end = len(content)
+        if number == 0 or step_at + 2 >= len(content) or end > len(content) or 0 < step < 3:
             raise ValueError(f"its parameter section is damaged at byte {place}")
         name = _text(content[place + 2 : step_at]).upper()
         yield place, number, name, content[step_at + 2 : end]
         if step == 0:
             return
         place = end
+    if is_cut:
+        raise ValueError("its parameter section has no end")
 
 
 def _parameter(body: bytes, place: int, processor: Processor) -> Parameter:
