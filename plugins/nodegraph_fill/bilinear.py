@@ -110,7 +110,7 @@ def bilinear(
         shape = LowRank(matrix, _SHRINKAGE).principal(variance)
         cosines = 1 + math.floor(2.0 * cutoff / recording.rate * recording.frames + _SLIGHT)
         basis = _Basis(shape.basis, cosines)
-        straight = np.where(matrix.missing, _lines(matrix), matrix.rows) - shape.middle
+        straight = matrix.with_lines() - shape.middle
         completed = _completed(basis, straight, matrix.missing)
         return Estimate(matrix.positions(basis.nearest(completed) + shape.middle))
 
@@ -131,16 +131,6 @@ class _Basis:
         waves = dct(rows @ self.shapes, axis=0, norm="ortho")
         waves[self.cosines :] = 0.0
         return np.asarray(idct(waves, axis=0, norm="ortho") @ self.shapes.T)
-
-
-def _lines(matrix: TakeMatrix) -> NDArray[np.float64]:
-    """Return the rows with straight lines through the gaps, level at the take's ends."""
-    frames = np.arange(len(matrix.rows))
-    lines = matrix.rows.copy()
-    for column in np.flatnonzero(matrix.missing.any(axis=0)):
-        known = np.flatnonzero(~matrix.missing[:, column])
-        lines[:, column] = np.interp(frames, known, matrix.rows[known, column])
-    return lines
 
 
 def _completed(

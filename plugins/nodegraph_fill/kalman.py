@@ -21,8 +21,6 @@ _SHRINKAGE = 0.001
 _LEAST_NOISE = 1e-5
 """Of a coordinate's variance, relative to the mean of all coordinates'."""
 _LEAST_DRIFT = 1e-12
-_AT_ONCE = 4096
-"""Samples whose variance is computed together, so that memory does not grow with the take."""
 
 
 @node(
@@ -128,6 +126,23 @@ class _Model:
             drift + _LEAST_DRIFT * subspace.total * np.eye(len(drift)),
         )
 
+    def likelihood(
+        self, rows: NDArray[np.float64], known: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return what the known entries of rows tell of the state, as the kernel takes it."""
+        weight = np.where(known, 1.0 / self.noise, 0.0)
+        information = (weight @ self._products()).reshape(len(rows), *self.drift.shape)
+        return information, (weight * rows) @ self.subspace.basis
+
+    def spread(self, covariances: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the variance of each entry of rows, (T, P), from the states' covariances."""
+        return covariances.reshape(len(covariances), -1) @ self._products().T + self.noise
+
+    def _products(self) -> NDArray[np.float64]:
+        """Return the products of every two numbers in each row of C, (P, D * D)."""
+        basis = self.subspace.basis
+        return (basis[:, :, None] * basis[:, None, :]).reshape(len(basis), -1)
+
 
 def _smoothed(matrix: TakeMatrix, gaps: Gaps, variance: float) -> Estimate:
     from nodegraph_fill import kalman_kernel
@@ -139,7 +154,7 @@ def _smoothed(matrix: TakeMatrix, gaps: Gaps, variance: float) -> Estimate:
     middle, basis = model.subspace.middle, model.subspace.basis
     rows = matrix.rows - middle
     states, covariances = kalman_kernel.smooth(
-        rows, matrix.missing, basis, model.noise, model.subspace.variances, model.drift
+        *model.likelihood(rows, ~matrix.missing), model.subspace.variances, model.drift
     )
     positions = matrix.positions(states @ basis.T + middle)
     ends = matrix.hidden_ends(gaps)
@@ -158,25 +173,16 @@ def _without(
     hidden: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
     """Return the states, (E, D), without the contribution of the hidden samples."""
-    basis, weight = model.subspace.basis, np.where(hidden, 1.0 / model.noise, 0.0)
-    information = np.linalg.inv(covariances[ends.frame])
-    vector = information @ states[ends.frame, :, None]
-    vector -= ((weight * rows[ends.frame]) @ basis)[:, :, None]
-    information -= (basis.T * weight[:, None]) @ basis
-    return np.asarray(np.linalg.solve(information, vector)[..., 0])
+    information, vector = model.likelihood(rows[ends.frame], hidden)
+    covariance, state = covariances[ends.frame], states[ends.frame, :, None]
+    matrix = np.eye(len(model.drift)) - covariance @ information
+    return np.asarray(np.linalg.solve(matrix, state - covariance @ vector[:, :, None])[..., 0])
 
 
 def _sigma(
     matrix: TakeMatrix, gaps: Gaps, model: _Model, covariances: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     sigma = np.full(gaps.shape, np.nan)
-    _, frames, markers, _ = gaps.samples
-    basis = model.subspace.basis.reshape(-1, 3, model.subspace.basis.shape[1])
-    noise = model.noise.reshape(-1, 3).mean(axis=1)
-    column = np.cumsum(matrix.seen) - 1
-    for first in range(0, len(frames), _AT_ONCE):
-        frame, marker = frames[first : first + _AT_ONCE], markers[first : first + _AT_ONCE]
-        three = basis[column[marker]]
-        spread = ((three @ covariances[frame]) * three).sum(axis=2).mean(axis=1)
-        sigma[frame, marker] = np.sqrt(spread + noise[column[marker]])
+    spread = model.spread(covariances).reshape(len(covariances), -1, 3).mean(axis=2)
+    sigma[:, matrix.seen] = np.sqrt(spread)
     return sigma

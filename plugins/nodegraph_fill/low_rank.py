@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _MOST_ROUNDS = 1000
 _SETTLED = 1e-8
 """How little, relative to the root mean square of what is known, the last round may change."""
+_MEMORY = 10
+"""Rounds that the extrapolation looks back."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,9 @@ class LowRank:
     ``|X - Z|^2 / 2 + s |Z|_*`` when Z is the best for X. As h is concave in d^2, the quadratic
     ``x' K x / 2`` summed over the rows x touches it from above at any X, with
     ``K = V min(1, s / d) V'`` from the singular value decomposition of that X. Its least is
-    found row by row, gives the next X, and so on, with Nesterov's extrapolation, begun anew
-    whenever it leads back. The sum only needs the rows that have missing entries.
+    found row by row, gives the next X, and so on, from straight lines through the gaps. Each X is
+    extrapolated from the latest rounds by Anderson's mixing, begun anew whenever a round changes
+    more than the one before. The sum only needs the rows that have missing entries.
 
     Parameters
     ----------
@@ -85,6 +88,7 @@ class LowRank:
                 * float(np.linalg.norm(matrix.rows))
                 / math.sqrt(matrix.rows.size - np.count_nonzero(matrix.missing))
             )
+            some = matrix.with_lines()[lacking]
             self._solve(some, settled)
             self.rows[lacking] = some
 
@@ -112,21 +116,26 @@ class LowRank:
     def _solve(self, rows: NDArray[np.float64], settled: float) -> None:
         from nodegraph_fill import low_rank_kernel
 
-        where = self._missing
-        current = ahead = rows[where]
-        speed = 1.0
-        for _ in range(_MOST_ROUNDS):
-            rows[where] = ahead
+        entries, places = rows.reshape(-1), np.flatnonzero(self._missing)
+        # what the solution and the step have changed by, in each of the latest rounds
+        changes, latest = np.zeros((2, _MEMORY, len(places))), np.zeros((2, len(places)))
+        length = math.inf
+        for turn in range(_MOST_ROUNDS):
+            before = entries[places]
             self.precision = self._majorant(rows)
-            low_rank_kernel.complete(rows, where, self.precision)
-            before, current = current, rows[where]
-            step = current - ahead
+            low_rank_kernel.complete(rows, self._missing, self.precision)
+            solution = entries[places]
+            step = solution - before
             if np.abs(step).max(initial=0.0) <= settled:
                 return
-            if step @ (current - before) < 0.0:
-                speed = 1.0
-            faster = (1.0 + math.sqrt(1.0 + 4.0 * speed * speed)) / 2.0
-            ahead, speed = current + (speed - 1.0) / faster * (current - before), faster
+            changes[:, turn % _MEMORY] = (solution, step) - latest
+            latest[:] = solution, step
+            length, longest = float(step @ step), length
+            if not turn or length > longest:
+                changes[:] = 0.0
+            solutions, steps = changes
+            shares = np.linalg.lstsq(steps @ steps.T, steps @ step)[0]
+            entries[places] = solution - shares @ solutions
         off = float(np.abs(step).max())
         warnings.warn(
             f"completing the take has not settled after {_MOST_ROUNDS} rounds: the last one "

@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import kernel
 
-compiled = kernel()
+compiled = kernel(fastmath={"reassoc", "contract"})
 
 
 @compiled
@@ -28,44 +28,47 @@ def complete(rows: Any, missing: Any, precision: Any) -> None:
         K, positive definite.
     """
     count, width = rows.shape
-    factor, places = np.zeros((width, width)), np.empty(width, np.int64)
+    factor, places, solution = np.empty((width, width)), np.empty(width, np.int64), np.empty(width)
     size = 0
     for row in range(count):
         # neighbouring rows mostly lack the same: the factor serves for all of them
-        if row == 0 or np.any(missing[row] != missing[row - 1]):
+        if row == 0 or not np.array_equal(missing[row], missing[row - 1]):
             size = 0
             for column in range(width):
                 if missing[row, column]:
                     places[size] = column
                     size += 1
             _factorize(precision, places[:size], factor)
-        _solve(precision, places[:size], factor, rows[row])
+        _solve(precision, places[:size], factor, rows[row], solution)
 
 
 @compiled
 def _factorize(precision: Any, places: Any, factor: Any) -> None:
     """Write Cholesky's factor of ``K_mm``, m being the places."""
     for i in range(len(places)):
+        line = precision[places[i]]
         for j in range(i + 1):
-            rest = precision[places[i], places[j]]
+            rest = line[places[j]]
             for k in range(j):
                 rest -= factor[i, k] * factor[j, k]
             factor[i, j] = math.sqrt(rest) if i == j else rest / factor[j, j]
 
 
 @compiled
-def _solve(precision: Any, places: Any, factor: Any, row: Any) -> None:
+def _solve(precision: Any, places: Any, factor: Any, row: Any, solution: Any) -> None:
     size = len(places)
-    solution = np.zeros(size)
-    row[places] = 0.0
     for i in range(size):
+        row[places[i]] = 0.0
+    for i in range(size):
+        line, rest = precision[places[i]], 0.0
         for column in range(len(row)):
-            solution[i] -= precision[places[i], column] * row[column]
+            rest -= line[column] * row[column]
         for k in range(i):
-            solution[i] -= factor[i, k] * solution[k]
-        solution[i] /= factor[i, i]
+            rest -= factor[i, k] * solution[k]
+        solution[i] = rest / factor[i, i]
     for i in range(size - 1, -1, -1):
+        rest = solution[i]
         for k in range(i + 1, size):
-            solution[i] -= factor[k, i] * solution[k]
-        solution[i] /= factor[i, i]
-    row[places] = solution
+            rest -= factor[k, i] * solution[k]
+        solution[i] = rest / factor[i, i]
+        row[places[i]] = solution[i]

@@ -109,6 +109,14 @@ class TakeMatrix:
         middle = start + np.nanmean(rows - start, axis=0)
         return TakeMatrix(np.where(missing, 0.0, rows - middle), missing, middle, seen)
 
+    def with_lines(self) -> NDArray[np.float64]:
+        """Return the rows with straight lines through the gaps, level at the take's ends."""
+        frames, lines = np.arange(len(self.rows)), self.rows.copy()
+        for column in np.flatnonzero(self.missing.any(axis=0)):
+            known = np.flatnonzero(~self.missing[:, column])
+            lines[:, column] = np.interp(frames, known, self.rows[known, column])
+        return lines
+
     def positions(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return rows like these as positions, (T, M, 3); NaN for a marker without columns."""
         positions = np.full((len(rows), len(self.seen), 3), np.nan)
