@@ -56,6 +56,10 @@ class Assembler:
             if node.has_alternatives:
                 labels = tuple(method.label for method in self._methods[name])
                 self._namespace.add_alternatives(name, labels)
+        self._methods = {
+            name: [method.with_first_labels(self._namespace.axes) for method in methods]
+            for name, methods in self._methods.items()
+        }
         self._sources = {
             name: [source for method in methods for source in method.references()]
             for name, methods in self._methods.items()

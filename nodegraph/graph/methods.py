@@ -8,9 +8,10 @@ from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
 
 from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest
-from nodegraph.graph.model import method_name
+from nodegraph.graph.model import Axis, method_name
 from nodegraph.graph.pass_through import pass_beside, public_inputs
 from nodegraph.graphfile.spec import (
+    FIRST,
     Gathering,
     GraphSpec,
     MethodSpec,
@@ -49,6 +50,25 @@ class ResolvedMethod:
             else:
                 yield from feed.sources.values()
 
+    def with_first_labels(self, axes: Mapping[str, Axis]) -> ResolvedMethod:
+        """Return the method with each `FIRST` in its wiring replaced by the label."""
+        if not any(FIRST in source.at.values() for source in self.references()):
+            return self
+        wiring: dict[str, Reference | Gathering] = {}
+        for name, feed in self.wiring.items():
+            if isinstance(feed, Reference):
+                wiring[name] = _at_first_labels(feed, axes)
+            else:
+                sources = {at: _at_first_labels(each, axes) for at, each in feed.sources.items()}
+                wiring[name] = replace(feed, sources=sources)
+        return replace(self, wiring=wiring)
+
+
+def _at_first_labels(source: Reference, axes: Mapping[str, Axis]) -> Reference:
+    first = {name: axes[name].labels[0] for name in source.at if name in axes and axes[name].labels}
+    at = {name: first.get(name, at) if at == FIRST else at for name, at in source.at.items()}
+    return replace(source, at=at)
+
 
 def labelled(feed: Reference | Gathering) -> Iterable[tuple[str, Reference]]:
     """Return the references that feed a port by label; the label of a single one is empty."""
@@ -85,7 +105,14 @@ def resolve_methods(
                 registered[method.label] = passing
                 if spec.has_alternatives:
                     _check_pass(method, first, bool(siblings), problems)
-    return [_resolved(spec, method, registered[method.label]) for method in methods]
+    explicit = {method.label for method in spec.methods}
+    family = [each for label, each in registered.items() if label not in explicit and each]
+    return [
+        _resolved(
+            spec, method, registered[method.label], () if method.label in explicit else family
+        )
+        for method in methods
+    ]
 
 
 def _expanded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterator[MethodSpec]:
@@ -150,7 +177,12 @@ def _check_pass(
             problems.add(method.place, message)
 
 
-def _resolved(spec: NodeSpec, method: MethodSpec, registered: Registered | None) -> ResolvedMethod:
+def _resolved(
+    spec: NodeSpec,
+    method: MethodSpec,
+    registered: Registered | None,
+    family: Collection[Registered],
+) -> ResolvedMethod:
     wiring, settings = method.wiring, method.settings
     if registered is not None and method.use == PASS:
         # the siblings' other ports and settings do not concern a method that only passes on
@@ -162,6 +194,11 @@ def _resolved(spec: NodeSpec, method: MethodSpec, registered: Registered | None)
     elif registered is None or not method.is_graph:  # a graph's nodes already have what is shared
         wiring = shared_and_own(spec, method, registered.node if registered else None)
         settings = {**spec.settings, **method.settings}
+        if registered is not None and family:
+            # not every third-party method of a family has the settings that ours share
+            known = {name for member in family for name in member.node.settings}
+            absent = known - registered.node.settings.keys()
+            settings = {name: value for name, value in settings.items() if name not in absent}
     return ResolvedMethod(method.label, registered, method.place, wiring, settings)
 
 

@@ -92,5 +92,5 @@ FAMILY: Mapping[str, Key] = {key: NODE[key] for key in ("in", "with")}
 
 FIXED_REFERENCE: Mapping[str, Key] = {
     "from": Key(Form.SOURCE, "node, or node.port."),
-    "at": Key(Form.LABELS, "Axes that are fixed: {axis: label}."),
+    "at": Key(Form.LABELS, "Axes that are fixed: {axis: label}; $first is an axis's first label."),
 }

@@ -24,6 +24,10 @@ class Variable:
         return f"${self.name}.{self.field}" if self.field else f"${self.name}"
 
 
+FIRST = "$first"
+"""In ``at``: the first label of the axis, whichever labels a command gives it."""
+
+
 @dataclass(frozen=True)
 class Reference:
     """``node``, ``node.port`` or ``{from: node.port, at: {axis: label}}``; or an input, ``$name``.
@@ -34,6 +38,7 @@ class Reference:
     port : str
         Empty for the node's only or first output.
     at : mapping of axis to label
+        `FIRST` stands for the axis's first label until the graph is built.
     place : Place
     passed : bool
         Whether it feeds a port of a graph used as a node, where it was checked already.

@@ -139,6 +139,28 @@ report: [table]
     assert [item.node for item in graph.left_out] == ["one", "two"]
 
 
+def test_the_first_label_is_that_of_the_command(graph_of: Callable[..., Graph]) -> None:
+    fixed = "{from: fill, at: {fill: $first, trial: $first, length: $first}}"
+    text = GOOD.replace(
+        "report: [table]\n",
+        f"  one: {{use: fill.hold, in: {fixed}}}\n"
+        f"  shown: {{use: plot.stages, in: {{recordings: {{x: {fixed}}}}}}}\nreport: [table]\n",
+    )
+    for choices, expected in (
+        ({}, {"fill": "hold", "trial": 0, "length": 5}),
+        (
+            {"axes": {"length": [90, 45]}, "only": {"fill": ("scale",)}},
+            {"fill": "scale", "trial": 0, "length": 90},
+        ),
+    ):
+        graph = graph_of(text, **choices)
+        assert graph.left_out == ()
+        for name in ("one", "shown"):
+            (method,) = graph.nodes[name].methods.values()
+            (source,) = method.references()
+            assert source.at == expected
+
+
 def test_a_file_may_lie_beside_the_graph(
     graph_of: Callable[..., Graph], problems_of: ProblemsOf, tmp_path: Path
 ) -> None:

@@ -243,7 +243,7 @@ EVERY_KIND = """
       no_family: {in: n, alternatives: @@fil.*}
       no_label: {alternatives: @@[]}
       labels: {in: n, alternatives: {x: {use: @@fill.hodl}, @@3: fill.hold}}
-      lacking: {in: n, with: {power: @@3}, alternatives: fill.*}
+      lacking: {in: n, with: {power: @@3}, alternatives: [fill.hold, fill.scale]}
       passing: {use: @@pass, in: n}
       one: {use: fill.hold, in: @@two}
       two: {use: fill.hold, in: one}

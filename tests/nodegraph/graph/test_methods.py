@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from nodegraph import Across, node
-from nodegraph.errors import Problem
+from nodegraph.errors import GraphError, Problem
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.node.ports import Port
@@ -135,12 +135,27 @@ def test_a_setting_for_the_whole_family(graph_of: Callable[..., Graph]) -> None:
     }
 
 
+def test_a_setting_beside_a_family_goes_to_the_methods_that_have_it(
+    graph_of: Callable[..., Graph],
+) -> None:
+    text = "nodes: {n: {use: read.number}, fill: {in: n, with: {power: 3}, alternatives: fill.*}}"
+    fill = graph_of(text).nodes["fill"]
+    values = {label: method.settings.values[()] for label, method in fill.methods.items()}
+    assert values["scale"]["power"] == 3
+    assert "power" not in values["hold"]
+    with pytest.raises(GraphError) as caught:
+        graph_of(text.replace("power", "max_gpa"))
+    assert [problem.message for problem in caught.value.problems] == [
+        f"fill ({label}): fill.{label} has no setting 'max_gpa'" for label in ("hold", "scale")
+    ]
+
+
 def test_a_shared_setting_that_an_alternative_lacks_is_an_error(problems_of: ProblemsOf) -> None:
     problems = problems_of(
         """
         nodes:
           n: {use: read.number}
-          fill: {in: n, with: {power: @@3}, alternatives: fill.*}
+          fill: {in: n, with: {power: @@3}, alternatives: [fill.hold, fill.scale]}
         """
     )
     assert problems[0].message == "fill (hold): fill.hold has no setting 'power'"
