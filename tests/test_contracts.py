@@ -26,6 +26,7 @@ REQUIRED: Mapping[str, Callable[[], Mapping[str, Any]]] = {
     "read.model": lambda: {"path": sample_folder("face")},
     "read.recording": lambda: {"path": sample_folder("face")},
     "read.marker_set": lambda: {"path": sample_folder("face")},
+    "read.truth": lambda: {"path": sample_folder("face")},
     "recording.resample": lambda: {"rate": 44.1},
     "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_files" / "weights.csv"},
     "select.greedy": lambda: {"k": 5},

@@ -11,7 +11,7 @@ from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, check_count, first_pairs, warn_spanned
+from nodegraph_select.ranking import by_variance, count_of, first_pairs, warn_spanned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +23,12 @@ _TIE = 1e-9
 
 
 @node("select.greedy", cite="farahat2013")
-def greedy(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
+def greedy(
+    recording: Trajectories,
+    like: Selection | None = None,
+    *,
+    k: Annotated[int, Field(ge=1)] | None = None,
+) -> Selection:
     """Choose markers by greedy column subset selection (Farahat et al.).
 
     The columns of X are the features, three coordinates per marker over the take, each less its
@@ -41,6 +46,9 @@ def greedy(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Select
     recording
         Trajectories with every sample, head motion removed; pairs are those of its marker set,
         a marker that is in none is alone, which a warning tells unless it is on the midline.
+    like
+        Another selection: as many markers are chosen as it has, a pair that would exceed them
+        being passed over; one fewer where only pairs are left. In place of `k`.
     k
         Number of markers; one more where the last pair exceeds it, as pairs stay whole.
 
@@ -57,15 +65,16 @@ def greedy(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Select
         If the recording has fewer than k markers, samples are missing, there are fewer than two
         frames, or nothing moves by more than rounding.
     ValueError
-        If the marker set puts a marker into two pairs, or a setting is out of range.
+        If the marker set puts a marker into two pairs, a setting is out of range, or there is
+        neither or both of `k` and `like`.
     """
-    check_count(recording, k)
+    count = count_of(recording, k, like)
     features, pairs = features_of(recording), pairs_of(recording)
     pair = membership(pairs, features.markers)
     ranked, left = _ranked(features, pair)
     order = np.concatenate([ranked, pair[by_variance(features.variances)]])
     left = np.concatenate([left, np.zeros(len(pair))])
-    selection = first_pairs(recording, pairs, order, k, left, "unexplained")
+    selection = first_pairs(recording, pairs, order, count, left, "unexplained")
     warn_spanned(len(ranked), selection)
     return selection
 

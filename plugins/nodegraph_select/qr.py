@@ -11,14 +11,19 @@ from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, check_count, first_pairs, warn_spanned
+from nodegraph_select.ranking import by_variance, count_of, first_pairs, warn_spanned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
 @node("select.qr", cite=("businger_golub1965", "manohar2018"))
-def qr(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
+def qr(
+    recording: Trajectories,
+    like: Selection | None = None,
+    *,
+    k: Annotated[int, Field(ge=1)] | None = None,
+) -> Selection:
     """Choose markers by QR with column pivoting (Businger & Golub; Manohar et al.).
 
     The columns of X are the features, three coordinates per marker over the take, each less its
@@ -36,6 +41,9 @@ def qr(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
     recording
         Trajectories with every sample, head motion removed; pairs are those of its marker set,
         a marker that is in none is alone, which a warning tells unless it is on the midline.
+    like
+        Another selection: as many markers are chosen as it has, a pair that would exceed them
+        being passed over; one fewer where only pairs are left. In place of `k`.
     k
         Number of markers; one more where the last pair exceeds it, as pairs stay whole.
 
@@ -52,15 +60,16 @@ def qr(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
         If the recording has fewer than k markers, samples are missing, there are fewer than two
         frames, or nothing moves by more than rounding.
     ValueError
-        If the marker set puts a marker into two pairs, or a setting is out of range.
+        If the marker set puts a marker into two pairs, a setting is out of range, or there is
+        neither or both of `k` and `like`.
     """
-    check_count(recording, k)
+    count = count_of(recording, k, like)
     features, pairs = features_of(recording), pairs_of(recording)
     pivots, residual = _pivots(features)
     order = np.concatenate([pivots // 3, by_variance(features.variances)])
     numbers = membership(pairs, features.markers)[order]
     residual = np.concatenate([residual, np.zeros(len(features.markers))])
-    selection = first_pairs(recording, pairs, numbers, k, residual, "residual")
+    selection = first_pairs(recording, pairs, numbers, count, residual, "residual")
     warn_spanned(len(np.unique(numbers[: len(pivots)])), selection)
     return selection
 

@@ -11,14 +11,15 @@ from nodegraph_mocap import Selection, Trajectories
 from nodegraph_mocap.streams import random_for
 from nodegraph_select.checks import check_whole
 from nodegraph_select.pairs import pairs_of
-from nodegraph_select.ranking import check_count, first_pairs
+from nodegraph_select.ranking import count_of, first_pairs
 
 
 @node("select.random")
 def random(
     recording: Trajectories,
+    like: Selection | None = None,
     *,
-    k: Annotated[int, Field(ge=1)],
+    k: Annotated[int, Field(ge=1)] | None = None,
     seed: Annotated[int, Field(ge=0)] = 0,
 ) -> Selection:
     """Choose pairs of markers at random.
@@ -33,6 +34,9 @@ def random(
     recording
         Whose markers, and whose marker set's pairs; a marker that is in no pair is alone, which
         a warning tells unless it is on the midline.
+    like
+        Another selection: as many markers are chosen as it has, a pair that would exceed them
+        being passed over; one fewer where only pairs are left. In place of `k`.
     k
         Number of markers; one more where the last pair exceeds it, as pairs stay whole.
     seed
@@ -48,13 +52,14 @@ def random(
     Refusal
         If the recording has fewer than k markers.
     ValueError
-        If the marker set puts a marker into two pairs, or a setting is out of range.
+        If the marker set puts a marker into two pairs, a setting is out of range, or there is
+        neither or both of `k` and `like`.
     """
-    check_count(recording, k)
+    count = count_of(recording, k, like)
     check_whole("seed", seed, 0)
     pairs = pairs_of(recording)
     # by name, so that nothing hangs on the order in a file
     drawn = random_for("select.random", seed).permutation(
         sorted(range(len(pairs)), key=lambda number: min(pairs[number]))
     )
-    return first_pairs(recording, pairs, drawn, k)
+    return first_pairs(recording, pairs, drawn, count)

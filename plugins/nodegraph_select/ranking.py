@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,30 +17,49 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def check_count(recording: Trajectories, k: int) -> None:
-    """Refuse to choose more markers than there are.
+@dataclass(frozen=True)
+class Count:
+    """How many markers to choose.
+
+    Attributes
+    ----------
+    markers : int
+    exact : bool
+        Whether a pair that would exceed the number is passed over; else it is the last one.
+    """
+
+    markers: int
+    exact: bool
+
+
+def count_of(recording: Trajectories, k: int | None, like: Selection | None) -> Count:
+    """Return how many markers a setting, or another selection, asks for.
 
     Raises
     ------
     Refusal
-        If k is more.
+        If there are fewer.
     ValueError
-        If it is no number of markers.
+        If there is neither or both, or the setting is no number of markers.
     """
-    check_whole("k", k, 1)
-    if k > len(recording.markers):
-        raise Refusal(f"k = {k} markers cannot be chosen of {len(recording.markers)}")
+    if (k is None) == (like is None):
+        raise ValueError(f"give k or a selection `like`, got {'neither' if k is None else 'both'}")
+    count = Count(len(like.chosen), exact=True) if k is None and like else Count(k or 0, False)
+    check_whole("k", count.markers, 1)
+    if count.markers > len(recording.markers):
+        raise Refusal(f"k = {count.markers} markers cannot be chosen of {len(recording.markers)}")
+    return count
 
 
 def first_pairs(
     recording: Trajectories,
     pairs: Pairs,
     order: NDArray[np.intp],
-    k: int,
+    count: Count,
     values: NDArray[np.float64] | None = None,
     column: str = "",
 ) -> Selection:
-    """Return the first pairs of an order that have at least k markers together.
+    """Return the first pairs of an order that have so many markers together.
 
     Parameters
     ----------
@@ -49,25 +69,35 @@ def first_pairs(
         P of them.
     order : (N,) array of int
         Numbers of pairs, the best first, each at least once; the first place counts.
-    k
-        Number of markers, at most as many as there are.
+    count
+        How many markers, at most as many as there are.
     values : (N,) array of float64, or None
         What put each place of the order where it is.
     column
         What the history calls these values, where there are any.
     """
     first = np.sort(np.unique(order, return_index=True)[1])
-    markers = np.cumsum(sizes(pairs)[order[first]])
-    taken = first[: 1 + int(np.searchsorted(markers, k))]
+    taken = first[_taken(sizes(pairs)[order[first]], count)]
     history = None
     if values is not None:
-        history = np.stack([markers[: len(taken)].astype(np.float64), values[taken]], axis=1)
+        markers = np.cumsum(sizes(pairs)[order[taken]])
+        history = np.stack([markers.astype(np.float64), values[taken]], axis=1)
     return Selection(
         chosen=in_order(recording, [pairs[number] for number in order[taken]]),
         pairs=pairs,
         columns=("markers", column) if column else (),
         history=history,
     )
+
+
+def _taken(markers: NDArray[np.intp], count: Count) -> list[int]:
+    """Return the places of the pairs that are taken, given how many markers each has."""
+    places, free = [], count.markers
+    for place, size in enumerate(markers.tolist()):
+        if free > 0 and (size <= free or not count.exact):
+            places.append(place)
+            free -= size
+    return places
 
 
 def by_variance(variances: NDArray[np.float64]) -> NDArray[np.intp]:

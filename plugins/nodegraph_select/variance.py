@@ -12,11 +12,16 @@ from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.features import features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, check_count, first_pairs, pairs_chosen
+from nodegraph_select.ranking import by_variance, count_of, first_pairs, pairs_chosen
 
 
 @node("select.variance")
-def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Selection:
+def variance(
+    recording: Trajectories,
+    like: Selection | None = None,
+    *,
+    k: Annotated[int, Field(ge=1)] | None = None,
+) -> Selection:
     """Choose the markers that move most, each with its partner.
 
     A marker's variance is the mean squared distance from its mean position. From the largest
@@ -31,6 +36,9 @@ def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Sele
     recording
         Trajectories with every sample, head motion removed; pairs are those of its marker set,
         a marker that is in none is alone, which a warning tells unless it is on the midline.
+    like
+        Another selection: as many markers are chosen as it has, a pair that would exceed them
+        being passed over; one fewer where only pairs are left. In place of `k`.
     k
         Number of markers; one more where the last pair exceeds it, as pairs stay whole.
 
@@ -47,13 +55,14 @@ def variance(recording: Trajectories, *, k: Annotated[int, Field(ge=1)]) -> Sele
         If the recording has fewer than k markers, samples are missing, there are fewer than two
         frames, or nothing moves by more than rounding.
     ValueError
-        If the marker set puts a marker into two pairs, or a setting is out of range.
+        If the marker set puts a marker into two pairs, a setting is out of range, or there is
+        neither or both of `k` and `like`.
     """
-    check_count(recording, k)
+    count = count_of(recording, k, like)
     features, pairs = features_of(recording), pairs_of(recording)
     order = by_variance(features.variances)
     numbers = membership(pairs, features.markers)[order]
-    selection = first_pairs(recording, pairs, numbers, k, features.variances[order], "variance")
+    selection = first_pairs(recording, pairs, numbers, count, features.variances[order], "variance")
     _warn_still(len(np.unique(numbers[features.variances[order] > 0.0])), pairs_chosen(selection))
     return selection
 

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph import Refusal
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.ranking import (
+    Count,
     by_variance,
-    check_count,
+    count_of,
     first_pairs,
     pairs_chosen,
     warn_spanned,
@@ -27,7 +28,7 @@ SIX = Trajectories(positions=np.zeros((1, 6, 3)), markers=tuple("fedcba"), rate=
 def test_as_many_as_it_takes(order: list[int], again: list[int], k: int) -> None:
     places = [*order[:2], *again, *order]
     values = np.arange(len(places), dtype=np.float64)
-    selection = first_pairs(SIX, PAIRS, np.array(places), k, values, "place")
+    selection = first_pairs(SIX, PAIRS, np.array(places), Count(k, exact=False), values, "place")
     chosen: list[str] = []
     steps = []
     for place, number in enumerate(places):
@@ -41,7 +42,7 @@ def test_as_many_as_it_takes(order: list[int], again: list[int], k: int) -> None
 
 
 def test_without_values_there_is_no_history() -> None:
-    selection = first_pairs(SIX, PAIRS, np.arange(4), 3)
+    selection = first_pairs(SIX, PAIRS, np.arange(4), Count(3, exact=False))
     assert (selection.columns, selection.history) == ((), None)
 
 
@@ -50,24 +51,40 @@ def test_variances_from_the_largest_down() -> None:
 
 
 def test_no_more_than_there_are() -> None:
-    check_count(SIX, 6)
+    assert count_of(SIX, 6, None) == Count(6, exact=False)
     with pytest.raises(Refusal, match="k = 7 markers cannot be chosen of 6"):
-        check_count(SIX, 7)
+        count_of(SIX, 7, None)
 
 
 @pytest.mark.parametrize("k", [0, -1, 2.0, "3"])
 def test_no_number_of_markers(k: Any) -> None:
     with pytest.raises(ValueError, match=f"k must be a whole number from 1 on, got {k!r}"):
-        check_count(SIX, k)
+        count_of(SIX, k, None)
+
+
+@given(st.permutations([0, 1, 2, 3]), st.integers(1, 6))
+def test_as_many_as_another_selection_has(order: list[int], k: int) -> None:
+    """Exactly as many wherever a lone marker is left for the last place."""
+    like = Selection(chosen=SIX.markers[:k])
+    count = count_of(SIX, None, like)
+    chosen = first_pairs(SIX, PAIRS, np.array(order), count).chosen
+    lone = {"c", "f"} - set(chosen)
+    assert len(chosen) == k or (len(chosen) == k - 1 and not lone)
+
+
+def test_a_number_or_another_selection_but_not_both() -> None:
+    for k, like, what in ((None, None, "neither"), (3, Selection(chosen=("a",)), "both")):
+        with pytest.raises(ValueError, match=f"k or a selection `like`, got {what}"):
+            count_of(SIX, k, like)
 
 
 def test_how_many_pairs_are_chosen() -> None:
-    assert [pairs_chosen(first_pairs(SIX, PAIRS, np.arange(4), k)) for k in (1, 3, 4, 6)] == [
-        1, 2, 3, 4
-    ]  # fmt: skip
+    for pairs, k in ((1, 1), (2, 3), (3, 4), (4, 6)):
+        selection = first_pairs(SIX, PAIRS, np.arange(4), Count(k, exact=False))
+        assert pairs_chosen(selection) == pairs
 
 
 def test_it_tells_what_is_determined_only_if_more_was_chosen() -> None:
-    warn_spanned(3, first_pairs(SIX, PAIRS, np.arange(4), 5))
+    warn_spanned(3, first_pairs(SIX, PAIRS, np.arange(4), Count(5, exact=False)))
     with pytest.warns(UserWarning, match="^2 of the 3 pairs chosen determine"):
-        warn_spanned(2, first_pairs(SIX, PAIRS, np.arange(4), 5))
+        warn_spanned(2, first_pairs(SIX, PAIRS, np.arange(4), Count(5, exact=False)))
