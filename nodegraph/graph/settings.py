@@ -262,6 +262,7 @@ class _NameCheck:
     def check(self, mark: ColumnOf | LabelOf) -> None:
         if isinstance(mark, ColumnOf):
             self._check_columns(self._labels if mark.or_axis else {})
+            self._check_apart(mark.apart_from)
         else:
             self._check_labels(mark.axis)
 
@@ -273,6 +274,16 @@ class _NameCheck:
             for name in _names(values, self.setting):
                 if name not in known:
                     self._add_problem(kind, name, nearest(name, known, what=kinds))
+
+    def _check_apart(self, others: tuple[str, ...]) -> None:
+        for values in self._values() if others else ():
+            for name in _names(values, self.setting):
+                for other in others:
+                    if name in _names(values, other):
+                        where = method_name(self.node.name, self.method.label)
+                        place = self.method.places.get(self.setting, self.method.place)
+                        message = f"{where}: {self.setting} and {other} share a name: {name!r}"
+                        self.problems.add(place, message)
 
     def _check_labels(self, axis_setting: str) -> None:
         all_labels = tuple(label for labels in self._labels.values() for label in labels)

@@ -45,11 +45,13 @@ class ColumnOf(NamedTuple):
     """Marks a setting that names a column of the tables at a port, or several.
 
     ``Annotated[str | None, ColumnOf("scores")]``. With `or_axis`, it may also name an axis that
-    the port gathers. A graph that names a column that cannot exist is refused.
+    the port gathers. A graph that names a column that cannot exist is refused, and so is one whose
+    settings `apart_from` name the same.
     """
 
     port: str
     or_axis: bool = False
+    apart_from: tuple[str, ...] = ()
 
 
 class LabelOf(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from nodegraph import Absent, Across, Label
     from nodegraph_compare.question import Question
     from nodegraph_mocap import Table
+    from nodegraph_tables import BetterEnd
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,10 @@ class Group:
     start, frames : (B,) arrays of float64
         Where each block begins in its recording, and how long it is; NaN where the tables do not
         say so, or a block is no single stretch of time.
-    first : (B,) array of int
-        The first row of each block.
+    rows, block : (R,) arrays of int
+        The rows of the group among those of all tables, and the block of each.
+    taken : tuple of int
+        In how many blocks each method takes the value of another; empty where none may.
     """
 
     labels: tuple[Label, ...]
@@ -60,7 +63,9 @@ class Group:
     draws: int
     start: NDArray[np.float64]
     frames: NDArray[np.float64]
-    first: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    block: NDArray[np.intp]
+    taken: tuple[int, ...] = ()
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -72,6 +77,29 @@ class Group:
         """(B,), True for a block in which every usable method has a number."""
         known = np.isfinite(self.values[:, self.usable])
         return np.asarray(known.all(axis=1) & self.usable.any())
+
+    @property
+    def first(self) -> NDArray[np.intp]:
+        """(B,), the first row of each block."""
+        first = np.full(len(self.values), np.iinfo(np.intp).max, dtype=np.intp)
+        np.minimum.at(first, self.block, self.rows)
+        return first
+
+    def filled(self, fallback: Label) -> Group:
+        """Return the group with one method's values where another usable one has none."""
+        if fallback not in self.methods:
+            return self
+        instead = self.values[:, [self.methods.index(fallback)]]
+        lacks = np.isnan(self.values) & self.usable
+        taken = np.count_nonzero(lacks & np.isfinite(instead), axis=0)
+        values = np.where(lacks, instead, self.values)
+        return replace(self, values=values, taken=tuple(taken.tolist()))
+
+    def with_worst(self, end: BetterEnd) -> Group:
+        """Return the group with the worst value of the block where a usable method has none."""
+        worst = (np.fmin if end == "higher" else np.fmax).reduce(self.values, axis=1)
+        lacks = np.isnan(self.values) & self.usable
+        return replace(self, values=np.where(lacks, worst[:, np.newaxis], self.values))
 
 
 @dataclass(frozen=True)
@@ -105,8 +133,18 @@ class Columns:
         return tuple(reversed(combination))
 
 
-def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
-    """Return the groups of the gathered tables, in the order of the labels of `within`."""
+def groups(
+    scores: Across[Table], question: Question, without: NDArray[np.intp] | None = None
+) -> tuple[Group, ...]:
+    """Return the groups of the gathered tables, in the order of the labels of `within`.
+
+    Parameters
+    ----------
+    scores, question
+        What is compared.
+    without
+        Rows to leave out.
+    """
     within = columns_of(scores, question.within)
     compare = columns_of(scores, question.compared)
     block = columns_of(scores, question.identity).combined()
@@ -116,6 +154,8 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
     times = [_times(scores, name) for name in ("start", "frames")]
     value = values_of(scores, question.metric)
     rows_of = _split(within.combined())
+    if without is not None:
+        rows_of = {key: np.setdiff1d(rows, without) for key, rows in rows_of.items()}
     methods = compare.combined()
     empty = _without_rows(scores, question, within, compare)
     shares = _Shares(scores, question)
@@ -143,7 +183,8 @@ def groups(scores: Across[Table], question: Question) -> tuple[Group, ...]:
             draws,
             start,
             frames,
-            first,
+            rows,
+            of,
         )
         result.append(group)
     return tuple(result)

@@ -59,17 +59,17 @@ def compared_looks(
     return {label: dealt[str(label)] for label in order}
 
 
-def named_label(order: Sequence[Label], baseline: str | None) -> Label | None:
-    """Return the label that a baseline names.
+def named_label(order: Sequence[Label], name: str | None, what: str = "baseline") -> Label | None:
+    """Return the label that a setting names, such as the baseline.
 
     Raises
     ------
     ValueError
         If none has that text.
     """
-    if baseline is None:
+    if name is None:
         return None
     for label in order:
-        if str(label) == baseline:
+        if str(label) == name:
             return label
-    raise ValueError(f"no baseline {baseline!r}; {nearest(baseline, order, what='compared are')}")
+    raise ValueError(f"no {what} {name!r}; {nearest(name, order, what='compared are')}")

@@ -86,6 +86,16 @@ def narrowed(group: Group, blocks: str) -> str:
     return f"{count} of {total} {blocks}, the rest left out: {', '.join(clauses)}{rest}"
 
 
+def filled(group: Group, fallback: Label | None, blocks: str) -> str:
+    """Return which methods take another's value in how many blocks; empty where none does."""
+    lost = [
+        f"{name} {count} of {len(group.values)}"
+        for name, count in zip(group.methods, group.taken, strict=False)
+        if count
+    ]
+    return f", missing {blocks} as by {fallback} ({', '.join(lost)})" if lost else ""
+
+
 def _lacking(group: Group) -> list[tuple[Label, int]]:
     """Return how many blocks the methods lack that have any and lack some."""
     lacking = np.count_nonzero(~np.isfinite(group.values), axis=0).tolist()

@@ -9,6 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator
+from pydantic_core import PydanticCustomError
 
 from nodegraph import Across, ColumnOf, Label, LabelOf, listed, nearest
 from nodegraph_tables import BetterEnd, info_of
@@ -23,6 +24,9 @@ OneColumn = Annotated[str | None, ColumnOf("scores")]
 OneName = Annotated[str | None, ColumnOf("scores", or_axis=True)]
 OneLabel = Annotated[str | None, LabelOf("scores", axis="compare")]
 Names = Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True)]
+Clusters = Annotated[
+    tuple[str, ...], ColumnOf("scores", or_axis=True, apart_from=("compare", "within", "x"))
+]
 
 
 @dataclass(frozen=True)
@@ -62,16 +66,19 @@ def margin_of(equivalent: float | str) -> Margin:
     """
     if not isinstance(equivalent, str):
         if not 1.0 < equivalent < math.inf:
-            raise ValueError("a ratio must be above 1; write a difference with its unit: 0.05 mm")
+            raise ValueError("must be above 1 as a ratio; a difference has its unit: 0.05 mm")
         return Margin(float(equivalent))
     match = _MARGIN.fullmatch(equivalent)
     if match is None or not float(match[1]) > 0.0:
-        raise ValueError("must be a ratio above 1, or a difference above 0 with its unit: 0.05 mm")
+        raise ValueError("must be a ratio above 1, or a difference above 0 and its unit: 0.05 mm")
     return Margin(float(match[1]), match[2])
 
 
 def _checked(equivalent: float | str) -> float | str:
-    margin_of(equivalent)
+    try:
+        margin_of(equivalent)
+    except ValueError as error:
+        raise PydanticCustomError("margin", "{reason}", {"reason": str(error)}) from error
     return equivalent
 
 

@@ -15,6 +15,7 @@ from nodegraph_compare.curve.marks import Mark, marks
 from nodegraph_compare.curve.points import Axes, floors, points, unit_names
 from nodegraph_compare.curve.scale import scale_of
 from nodegraph_compare.question import (
+    Clusters,
     Names,
     OneColumn,
     OneName,
@@ -168,7 +169,7 @@ def curve(
     metric: OneColumn = None,
     compare: OneName = None,
     blocks: Names = (),
-    clusters: Names = (),
+    clusters: Clusters = (),
     lowest: bool | None = None,
     mark: Mark = "none",
     tolerance: Annotated[float, Field(ge=0)] = 2.0,

@@ -9,19 +9,31 @@ import numpy as np
 
 from nodegraph import listed
 from nodegraph_compare.inference import LEVEL
-from nodegraph_compare.left_out import MOST_GROUPS, group_text, narrowed, numberless, start_text
+from nodegraph_compare.left_out import (
+    MOST_GROUPS,
+    filled,
+    group_text,
+    narrowed,
+    numberless,
+    start_text,
+)
 from nodegraph_compare.scope import caution, scope, unit_text
 from nodegraph_compare.statistics import TEST_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from nodegraph import Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.ranks.ranking import PairTest, Ranking
 
 
 def answers(
-    rankings: Sequence[Ranking], question: Question, test: PairTest, blocks: str
+    rankings: Sequence[Ranking],
+    question: Question,
+    test: PairTest,
+    blocks: str,
+    fallback: Label | None,
 ) -> list[str]:
     """Return a sentence on each group, or one on all where there are many.
 
@@ -33,17 +45,22 @@ def answers(
         Of the pairs.
     blocks
         What several blocks are called.
+    fallback
+        The method whose values stand where another has none.
     """
     if len(rankings) > MOST_GROUPS:
         return [_counted(rankings, question)]
     sentences = []
     for ranking in rankings:
-        sentence, absent = answer(ranking, question, test, blocks), numberless(ranking.group)
+        sentence = answer(ranking, question, test, blocks, fallback)
+        absent = numberless(ranking.group)
         sentences.append(f"{sentence}; {absent}." if absent else f"{sentence}.")
     return sentences
 
 
-def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> str:
+def answer(
+    ranking: Ranking, question: Question, test: PairTest, name: str, fallback: Label | None
+) -> str:
     """Return which method ranks first, whether by chance, and which are not apart from it.
 
     Where over a quarter of the blocks are left out, their number is stated.
@@ -56,6 +73,8 @@ def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> s
         Of the pairs.
     name
         What several blocks are called.
+    fallback
+        The method whose values stand where another has none.
     """
     start = start_text(group_text(ranking.group, question))
     count, blocks = len(ranking.methods), int(ranking.group.complete.sum())
@@ -73,6 +92,7 @@ def answer(ranking: Ranking, question: Question, test: PairTest, name: str) -> s
     sentence = (
         f"{start}{names} {'has' if len(first) == 1 else 'share'} the lowest mean rank "
         f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}"
+        f"{filled(ranking.group, fallback, name)}"
     )
     few = caution(units, question)
     if units.speech == "nothing":

@@ -9,9 +9,19 @@ import numpy as np
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.inference import LEVEL
-from nodegraph_compare.labels import compared_looks
+from nodegraph_compare.labels import compared_looks, named_label
 from nodegraph_compare.left_out import block_text, end_text, left_out
-from nodegraph_compare.question import Better, Names, OneColumn, OneName, Question, ask, blocks_name
+from nodegraph_compare.question import (
+    Better,
+    Clusters,
+    Names,
+    OneColumn,
+    OneLabel,
+    OneName,
+    Question,
+    ask,
+    blocks_name,
+)
 from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank
 from nodegraph_compare.scope import rules
@@ -51,8 +61,9 @@ def ranks(
     compare: OneName = None,
     within: Names = (),
     blocks: Names = (),
-    clusters: Names = (),
+    clusters: Clusters = (),
     better: Better = "declared",
+    fallback: OneLabel = None,
     test: PairTest = "nemenyi",
 ) -> Ranked:
     """Rank methods within each independent unit, and test whether their mean ranks differ.
@@ -99,6 +110,8 @@ def ranks(
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
         rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.
+    fallback
+        A label of `compare`, whose value stands where another method has none in a block.
     test
         Of the pairs: ``nemenyi`` or ``wilcoxon_holm``.
 
@@ -136,12 +149,15 @@ def ranks(
         better=better,
     )
     gathered = groups(scores, question)
-    rankings = [rank(group, question.better, test) for group in gathered]
     look = compared_looks(scores, question, gathered)
+    instead = named_label(tuple(look), fallback, "fallback")
+    if instead is not None:
+        gathered = tuple(group.filled(instead) for group in gathered)
+    rankings = [rank(group, question.better, test) for group in gathered]
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=_title("Mean ranks", question),
-        answer=tuple(answers(rankings, question, test, blocks_name(scores, question))),
+        answer=tuple(answers(rankings, question, test, blocks_name(scores, question), instead)),
         notes=(
             f"{block_text(question)} {end_text(question)} {rules(question)}",
             f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "

@@ -13,6 +13,7 @@ from nodegraph_compare.left_out import (
     MOST_GROUPS,
     block_text,
     end_text,
+    filled,
     group_text,
     narrowed,
     numberless,
@@ -20,6 +21,12 @@ from nodegraph_compare.left_out import (
 )
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.scope import caution, few_blocks, rules, scope
+from nodegraph_compare.table.sensitivity import (
+    PLAIN,
+    change_to,
+    objections,
+    suspects_text,
+)
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -29,13 +36,27 @@ if TYPE_CHECKING:
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Paired, Summary
 
+_NOTED = 20
+_MISSING = (
+    "All statistics use only blocks in which every method with any number has all its numbers."
+)
+_FILLED = (
+    "Where a method has no number in a block, that of {} stands; mean, common blocks: over those "
+    "that all methods have; mean, worst of block: with the worst value of the block instead."
+)
 _MOST_BLOCKS = 0.55
 """Share of the blocks in which another method than the best is better for a remark."""
 
 _EXTREME = {"lower": "lowest", "higher": "highest"}
 
 
-def answers(summaries: Sequence[Summary], question: Question, unit: str, blocks: str) -> list[str]:
+def answers(
+    summaries: Sequence[Summary],
+    question: Question,
+    unit: str,
+    blocks: str,
+    fallback: Label | None,
+) -> list[str]:
     """Return the sentences on all groups: one on each, or on all of them where there are many.
 
     Parameters
@@ -46,19 +67,30 @@ def answers(summaries: Sequence[Summary], question: Question, unit: str, blocks:
         Of the metric.
     blocks
         What several blocks are called.
+    fallback
+        The method whose values stand where another has none.
     """
     if len(summaries) > MOST_GROUPS and question.compare and question.better != "none":
-        return [_counted(summaries, question, blocks), *_narrow_groups(summaries, blocks)]
+        return [
+            _counted(summaries, question, blocks),
+            *_narrow_groups(summaries, blocks),
+            *_unsteady_groups(summaries, blocks),
+        ]
     sentences = []
-    for same in _alike(summaries[:MOST_GROUPS], question, blocks):
-        sentences.append(f"{_Answer(same, question, unit, blocks).text()}.")
+    for same in _alike(summaries[:MOST_GROUPS], question, blocks, fallback):
+        sentences.append(f"{_Answer(same, question, unit, blocks, fallback).text()}.")
         for summary in same:
             sentences += _to_baseline(summary, question)
     rest = len(summaries) - MOST_GROUPS
     return sentences + ([f"{rest} more groups are in the table."] if rest > 0 else [])
 
 
-def notes(summaries: Sequence[Summary], question: Question, against: Label | None) -> list[str]:
+def notes(
+    summaries: Sequence[Summary],
+    question: Question,
+    against: Label | None,
+    fallback: Label | None,
+) -> list[str]:
     """Return what the numbers of the table mean.
 
     Parameters
@@ -67,15 +99,17 @@ def notes(summaries: Sequence[Summary], question: Question, against: Label | Non
         Of the comparison.
     against
         The baseline's label, if there is one.
+    fallback
+        The method whose values stand where another has none.
     """
     of = "the best" if against is None else str(against)
     ratio = all(summary.ratio for summary in summaries)
     what = "ratio of mean errors" if ratio else "difference of means"
     sentences = [
         f"{block_text(question)} {end_text(question)} {rules(question)}",
-        "All statistics use only blocks in which every method with any number has all its "
-        f"numbers. [low, high] beside a mean: its {CONFIDENCE:.0%} interval over units, not "
-        "adjusted for the number of intervals; median: over blocks.",
+        f"{_MISSING if fallback is None else _FILLED.format(fallback)} [low, high] beside a "
+        f"mean: its {CONFIDENCE:.0%} interval over units, not adjusted for the number of "
+        "intervals; median: over blocks.",
     ]
     if any(summary.paired is not None for summary in summaries):
         sentences.append(
@@ -96,7 +130,15 @@ def notes(summaries: Sequence[Summary], question: Question, against: Label | Non
         if few := few_blocks(summary.units, question):
             sentences.append(f"{start}{few}.")
         sentences += [f"{start}{text}" for text in _doubts(summary)]
+        sentences += _suspects(summary, start)
     return sentences
+
+
+def _suspects(summary: Summary, start: str) -> list[str]:
+    """Return the blocks whose truth is suspect."""
+    names, more = summary.suspects[:_NOTED], len(summary.suspects) - _NOTED
+    rest = f"; and {more} more" if more > 0 else ""
+    return [f"{start}the truth is suspect in {'; '.join(names)}{rest}."] if names else []
 
 
 def _doubts(summary: Summary) -> list[str]:
@@ -111,11 +153,13 @@ def _doubts(summary: Summary) -> list[str]:
     ]
 
 
-def _alike(summaries: Sequence[Summary], question: Question, blocks: str) -> list[list[Summary]]:
+def _alike(
+    summaries: Sequence[Summary], question: Question, blocks: str, fallback: Label | None
+) -> list[list[Summary]]:
     """Return the groups whose sentences differ only in their numbers, together."""
     together: dict[object, list[Summary]] = {}
     for place, summary in enumerate(summaries):
-        answer = _Answer([summary], question, "", blocks)
+        answer = _Answer([summary], question, "", blocks, fallback)
         key = place if summary.best is None or not summary.judged else answer.rest()
         together.setdefault((_best_names(summary), key), []).append(summary)
     return list(together.values())
@@ -124,9 +168,16 @@ def _alike(summaries: Sequence[Summary], question: Question, blocks: str) -> lis
 class _Answer:
     """The sentence on groups that are alike: which mean is best, which are not behind it."""
 
-    def __init__(self, same: Sequence[Summary], question: Question, unit: str, blocks: str) -> None:
+    def __init__(
+        self,
+        same: Sequence[Summary],
+        question: Question,
+        unit: str,
+        blocks: str,
+        fallback: Label | None,
+    ) -> None:
         self._same, self._question, self._unit, self._blocks = same, question, unit, blocks
-        self._summary = same[0]
+        self._summary, self._fallback = same[0], fallback
 
     def text(self) -> str:
         """Return the sentence, without its full stop."""
@@ -156,9 +207,11 @@ class _Answer:
         summary = self._summary
         units = summary.units
         absent = numberless(summary.group)
-        clauses = [*self._verdict(), *([absent] if absent else [])]
+        suspect = suspects_text(summary, self._blocks)
+        texts = [*self._verdict(), *filter(None, [suspect, absent])]
         held = f" {scope(units, self._question, self._blocks)}" if units.count else ""
-        return f"{held}{self._over()}" + "".join(f"; {clause}" for clause in clauses)
+        missing = filled(summary.group, self._fallback, self._blocks)
+        return f"{held}{self._over()}{missing}" + "".join(f"; {text}" for text in texts)
 
     def _over(self) -> str:
         over = narrowed(self._summary.group, self._blocks)
@@ -171,8 +224,11 @@ class _Answer:
             further = scope(summary.units, question, self._blocks)
             return [f"nothing can be said {further}: {why}", *self._typical()]
         few = caution(summary.units, question)
-        clauses = self._apart() if summary.judged else []
-        return [*clauses, *self._typical(), *([few] if few else [])]
+        objection = objections(summary, self._blocks)
+        apart = self._apart() if summary.judged else []
+        if objection:
+            apart = [f"no verdict stands: {objection}"]
+        return [*apart, *self._typical(), *([few] if few else [])]
 
     def _apart(self) -> list[str]:
         summary = self._summary
@@ -180,15 +236,15 @@ class _Answer:
         if not worse.any():
             return []
         close = _names(summary, worse & ~summary.behind)
-        clauses = ["every other method is clearly behind"]
+        texts = ["every other method is clearly behind"]
         if close:
             more = np.count_nonzero(worse) - len(close)
             rest = f"; the {'other' if more == 1 else f'other {more}'} clearly behind"
             best = "them" if np.count_nonzero(summary.bests) > 1 else "it"
-            clauses = [f"not clearly apart from {best}: {listed(close)}{rest if more else ''}"]
+            texts = [f"not clearly apart from {best}: {listed(close)}{rest if more else ''}"]
         if summary.margin is not None and summary.paired is not None:
-            clauses.append(_equal(summary, summary.paired))
-        return clauses
+            texts.append(_equal(summary, summary.paired))
+        return texts
 
     def _typical(self) -> list[str]:
         """Return which method is better in most blocks, where that is not the best one."""
@@ -274,6 +330,20 @@ def _narrow_groups(summaries: Sequence[Summary], blocks: str) -> list[str]:
     ]
 
 
+def _unsteady_groups(summaries: Sequence[Summary], blocks: str) -> list[str]:
+    """Return in how many groups another rule gives another answer."""
+    texts = []
+    for plain in (False, True):
+        groups = [
+            any(change_to(s, v.summary) for v in s.variants if (v.rule == PLAIN) == plain)
+            for s in summaries
+        ]
+        if any(groups):
+            what = f"without suspect {blocks}" if plain else f"by another rule for missing {blocks}"
+            texts.append(f"In {sum(groups)} of them the answer is another {what}.")
+    return texts
+
+
 def _to_baseline(summary: Summary, question: Question) -> list[str]:
     """Return which methods differ from the baseline, where there is one."""
     paired = summary.paired
@@ -282,12 +352,12 @@ def _to_baseline(summary: Summary, question: Question) -> list[str]:
     middle = 1.0 if summary.ratio else 0.0
     sides = (("lower", paired.value < middle), ("higher", paired.value > middle))
     named = {side: _names(summary, paired.apart & where) for side, where in sides}
-    clauses = [f"{side}: {listed(names)}" for side, names in named.items() if names]
+    differing = [f"{side}: {listed(names)}" for side, names in named.items() if names]
     to = _name(summary, summary.against)
     start = f"{_start([summary], question)}against {to}, {question.metric} is "
-    if not clauses:
+    if not differing:
         return [f"{start}not significantly different for any method (p < {LEVEL:g})."]
-    return [f"{start}significantly {'; '.join(clauses)} (p < {LEVEL:g})."]
+    return [f"{start}significantly {'; '.join(differing)} (p < {LEVEL:g})."]
 
 
 def _start(same: Sequence[Summary], question: Question) -> str:

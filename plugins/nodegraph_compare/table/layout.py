@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from nodegraph_compare.table.sensitivity import COMMON, WORST
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -247,7 +248,12 @@ def long_table(summaries: Sequence[Summary], question: Question, unit: str) -> T
     frame = DataFrame({name: values for name, values in columns.items() if _holds(name, values)})
     marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
     several = question.compare is not None
-    valued = (*_VALUED, *((paired, f"{paired} low", f"{paired} high") if paired != "ratio" else ()))
+    valued = (
+        *_VALUED,
+        f"mean, {COMMON}",
+        f"mean, {WORST}",
+        *((paired, f"{paired} low", f"{paired} high") if paired != "ratio" else ()),
+    )
     units = {name: unit for name in valued if unit and name in frame}
     margin = next((s.margin for s in summaries), None)
     in_unit = paired != "ratio" if margin is None else not margin.ratio
@@ -287,6 +293,9 @@ def _columns(summary: Summary, question: Question, name: str) -> Mapping[str, Se
         head = f"{name} {part}" if part in ("low", "high") else part
         columns[head] = nothing if paired is None else getattr(paired, attribute)
     columns["wins"] = _wins(summary)
+    of = {variant.rule: variant.summary for variant in summary.variants}
+    for rule in (COMMON, WORST):
+        columns[f"mean, {rule}"] = of[rule].mean if rule in of else nothing
     columns |= {name: getattr(group, attribute) for name, attribute in _LOST.items()}
     return {name: [values[place] for place in summary.ranked] for name, values in columns.items()}
 
@@ -306,5 +315,9 @@ def _holds(name: str, values: Sequence[Any]) -> bool:
         return any(value > 0.0 for value in values)
     if name == "wins":
         return any(values)
-    paired = name in _PAIRED or name.split(" ")[0] in ("ratio", "difference")
+    paired = (
+        name in _PAIRED
+        or name.startswith("mean, ")
+        or name.split(" ")[0] in ("ratio", "difference")
+    )
     return name in _VALUED or not paired or bool(np.isfinite(values).any())

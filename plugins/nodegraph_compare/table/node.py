@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
@@ -11,6 +14,7 @@ from nodegraph_compare.labels import compared_looks, named_label
 from nodegraph_compare.left_out import left_out
 from nodegraph_compare.question import (
     Better,
+    Clusters,
     Equivalent,
     Margin,
     Names,
@@ -23,6 +27,7 @@ from nodegraph_compare.question import (
     margin_of,
     unit_of,
 )
+from nodegraph_compare.suspects import suspects
 from nodegraph_compare.table.answer import answers, notes
 from nodegraph_compare.table.layout import (
     Layout,
@@ -32,6 +37,7 @@ from nodegraph_compare.table.layout import (
     long_table,
     wide_table,
 )
+from nodegraph_compare.table.sensitivity import summary_of
 from nodegraph_compare.table.summary import Summary, by_ratio, summarise
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import info_of, with_info
@@ -74,10 +80,11 @@ def table(
     compare: OneName = None,
     within: Names = (),
     blocks: Names = (),
-    clusters: Names = (),
+    clusters: Clusters = (),
     better: Better = "declared",
     baseline: OneLabel = None,
     equivalent: Equivalent | None = None,
+    fallback: OneLabel = None,
     rows: Names = (),
     columns: Names = (),
 ) -> Compared:
@@ -139,6 +146,12 @@ def table(
     equivalent
         Within which methods count as practically equal: a ratio, such as 1.1, or a difference
         with the metric's unit, such as ``0.05 mm``. Declare it before you see results.
+    fallback
+        A label of `compare`: where another method has no number in a block, this one's stands, as
+        it would in use. What is refused is not missing at random: a method that refuses the
+        hardest blocks looks better over the rest. Two other rules stand beside it, the blocks that
+        all methods have, and the worst value of the block: a verdict stands only if all three
+        agree, and the answer says so.
     rows
         Axes, or columns, whose labels stand down the side of a table of means; those not in
         `within` are taken as if they were.
@@ -159,12 +172,15 @@ def table(
         worse; ``margin``, the smallest within which the method is shown to be equal by two
         one-sided tests; ``wins``, in how many of the units it is better. Where there are any,
         ``refused`` (share of the combinations that were refused or failed) and ``left missing``
-        (share of the rows without a number).
+        (share of the rows without a number); with `fallback`, the means by the two other rules.
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
         Its answer has a sentence per group: which mean is best, over what, which methods are not
-        clearly behind it, and where ranks have another first. Its notes list what was left out,
-        and the best mean of each group is marked.
+        clearly behind it, where ranks have another first, and what it is without blocks whose
+        truth is suspect: those with a reason in a column ``suspect`` of the scores, and those in
+        which even the smallest error is an outlier (on a log scale, more than 5 robust standard
+        deviations above the median). Its notes list what was left out, and the best mean of each
+        group is marked.
     figure
         Means and intervals.
 
@@ -190,13 +206,26 @@ def table(
     )
     gathered = groups(scores, question)
     look = compared_looks(scores, question, gathered)
-    against = named_label(tuple(look), baseline)
+    against = named_label(tuple(look), baseline, "baseline")
+    instead = named_label(tuple(look), fallback, "fallback")
     unit = unit_of(scores, question.metric)
-    ratio = by_ratio(gathered, question.better)
+    doubted = [suspects(scores, question, group) for group in gathered]
+    doubtful = np.concatenate([*(each.rows for each in doubted), np.empty(0, dtype=np.intp)])
+    plain = (
+        {group.labels: group for group in groups(scores, question, doubtful)}
+        if len(doubtful)
+        else {}
+    )
+    ratio = by_ratio([*gathered, *plain.values()], question.better)
     margin = _margin(equivalent, question, unit, ratio=ratio)
+    summarised = partial(
+        summarise, end=question.better, ratio=ratio, against=against, margin=margin
+    )
     summaries = [
-        summarise(group, question.better, ratio=ratio, against=against, margin=margin)
-        for group in gathered
+        summary_of(
+            group, plain.get(group.labels) if each.names else None, each, instead, summarised
+        )
+        for group, each in zip(gathered, doubted, strict=True)
     ]
     several = blocks_name(scores, question)
     layout = completed(layout, question)
@@ -204,11 +233,11 @@ def table(
     info = info_of(means)
     info = replace(
         info,
-        answer=tuple(answers(summaries, question, unit, several)),
+        answer=tuple(answers(summaries, question, unit, several, instead)),
         notes=(
-            *notes(summaries, question, against),
+            *notes(summaries, question, against, instead),
             *info.notes,
-            *left_out(scores, question, gathered),
+            *left_out(scores, question, [summary.group for summary in summaries]),
         ),
     )
     return Compared(with_info(means, info), draw(question, summaries, look, unit))

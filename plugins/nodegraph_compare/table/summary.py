@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -71,6 +71,13 @@ class Paired:
         return np.asarray(self.p <= LEVEL)
 
 
+class Variant(NamedTuple):
+    """A comparison under another rule, such as for missing blocks."""
+
+    rule: str
+    summary: Summary
+
+
 @dataclass(frozen=True)
 class Summary:
     """Statistics of K methods over the N blocks that every usable method has.
@@ -96,6 +103,10 @@ class Summary:
         The place of the baseline.
     margin : Margin or None
         Within which methods count as equal.
+    variants : tuple of Variant
+        The same comparison under other rules.
+    suspects : tuple of str
+        Blocks whose truth is suspect.
     """
 
     group: Group
@@ -111,6 +122,8 @@ class Summary:
     blocks: NDArray[np.intp]
     against: int | None
     margin: Margin | None
+    variants: tuple[Variant, ...] = ()
+    suspects: tuple[str, ...] = ()
 
     @property
     def best(self) -> int | None:

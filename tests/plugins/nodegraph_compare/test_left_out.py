@@ -19,7 +19,18 @@ def group(length: int, methods: tuple[str, ...], values: Any) -> Group:
     nothing, blocks = np.zeros(len(methods)), np.zeros(len(values), dtype=int)
     times = np.full(len(values), np.nan)
     return Group(
-        (length,), methods, values, nothing, nothing, blocks, blocks, 1, times, times, blocks
+        (length,),
+        methods,
+        values,
+        nothing,
+        nothing,
+        blocks,
+        blocks,
+        1,
+        times,
+        times,
+        blocks,
+        blocks,
     )
 
 

@@ -21,7 +21,9 @@ def group(values: Any) -> Group:
     methods = tuple(f"m{place}" for place in range(array.shape[1]))
     nothing, blocks = np.zeros(len(methods)), np.arange(len(array))
     times = np.full(len(array), NAN)
-    return Group((), methods, array, nothing, nothing, blocks, blocks, 1, times, times, blocks)
+    return Group(
+        (), methods, array, nothing, nothing, blocks, blocks, 1, times, times, blocks, blocks
+    )
 
 
 def scores(blocks: int = 12, methods: int = 5, *, tied: bool = False) -> Any:

@@ -1,0 +1,110 @@
+"""Blocks whose truth is suspect, because every method fails in them alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_compare.blocks import columns_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from nodegraph import Across
+    from nodegraph_compare.blocks import Group
+    from nodegraph_compare.question import Question
+    from nodegraph_mocap import Table
+
+COLUMN = "suspect"
+"""Column of scores with the reason why a row's truth is suspect; empty where it is not."""
+
+FARTHEST = 5.0
+"""Robust standard deviations above which the smallest error of a block is suspect."""
+
+_FEWEST = 20
+_MAD = 1.4826
+
+
+@dataclass(frozen=True)
+class Suspects:
+    """The suspect blocks of a group.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of each block, with the reason: ``trial 3, gap 5, marker chin: every method fails``.
+    rows : array of int
+        Their rows among those of all tables.
+    """
+
+    names: tuple[str, ...]
+    rows: NDArray[np.intp]
+
+
+def suspects(scores: Across[Table], question: Question, group: Group) -> Suspects:
+    """Return the blocks of a group whose truth is suspect.
+
+    They are blocks with a row whose column ``suspect`` has a reason, and blocks in which every
+    method fails: with m the logarithm of the smallest error of a block, less the median of its
+    cluster, the robust deviation ``(m - median(m)) / (1.4826 MAD(m))`` is above 5, over 20 blocks
+    or more. Of a metric that has values of 0 or below, or of which low is not better, only the
+    former.
+    """
+    reasons: dict[int, str] = {}
+    for place, text in zip(group.block.tolist(), _texts(scores)[group.rows], strict=True):
+        if text:
+            reasons.setdefault(place, text)
+    for place in np.flatnonzero(_failed(group, question)).tolist():
+        reasons.setdefault(place, "every method fails")
+    if not reasons:
+        return Suspects((), np.empty(0, dtype=np.intp))
+    places = sorted(reasons)
+    labels = _labels(scores, question, group.first[places])
+    names = tuple(f"{name}: {reasons[at]}" for name, at in zip(labels, places, strict=True))
+    return Suspects(names, group.rows[np.isin(group.block, places)])
+
+
+def _failed(group: Group, question: Question) -> NDArray[np.bool_]:
+    """Return (B,), whether even the smallest error of a block is far above those of others."""
+    none = np.zeros(len(group.values), dtype=bool)
+    values = group.values[:, group.usable]
+    kept = group.complete
+    if question.better != "lower" or values.shape[1] < 2 or np.count_nonzero(kept) < _FEWEST:
+        return none
+    if not (values[kept] > 0.0).all():
+        return none
+    least = np.log(values[kept].min(axis=1))
+    for at in np.unique(group.cluster[kept]):
+        member = group.cluster[kept] == at
+        least[member] -= np.median(least[member])
+    spread = _MAD * float(np.median(np.abs(least - np.median(least))))
+    none[kept] = least - np.median(least) > FARTHEST * spread if spread > 0.0 else False
+    return none
+
+
+def _texts(scores: Across[Table]) -> NDArray[np.object_]:
+    """Return the reasons of all rows of all tables."""
+    parts = [
+        table[COLUMN].fillna("").astype(str).to_numpy(dtype=object)
+        if COLUMN in table
+        else np.full(len(table), "", dtype=object)
+        for table in scores.values()
+    ]
+    return np.concatenate([*parts, np.empty(0, dtype=object)])
+
+
+def _labels(scores: Across[Table], question: Question, rows: NDArray[np.intp]) -> Sequence[str]:
+    """Return what blocks are called, by a row of each."""
+    names = tuple(dict.fromkeys((*question.clusters, *question.identity)))
+    if "marker" not in names and all("marker" in table for table in scores.values()):
+        names = (*names, "marker")
+    columns = columns_of(scores, names)
+    parts = [
+        [f"{name} {labels[code]}" for code in codes[rows].tolist()]
+        for name, labels, codes in zip(names, columns.labels, columns.codes, strict=True)
+    ]
+    return [", ".join(texts) for texts in zip(*parts, strict=True)]

@@ -1,0 +1,124 @@
+"""Whether a verdict stands under other rules: for missing blocks, and without suspect ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from nodegraph import listed
+from nodegraph_compare.table.summary import Variant
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from nodegraph import Label
+    from nodegraph_compare.blocks import Group
+    from nodegraph_compare.suspects import Suspects
+    from nodegraph_compare.table.summary import Summary
+
+COMMON: Final = "common blocks"
+WORST: Final = "worst of block"
+PLAIN: Final = "without suspects"
+
+_NAMED = 3
+
+
+def summary_of(
+    group: Group,
+    plain: Group | None,
+    suspects: Suspects,
+    fallback: Label | None,
+    summarise: Callable[[Group], Summary],
+) -> Summary:
+    """Return the summary of a group, with those under other rules beside it.
+
+    Parameters
+    ----------
+    group
+        As it is.
+    plain
+        Without its suspect blocks; None where there are none.
+    suspects
+        Those blocks.
+    fallback
+        The method whose value stands where another has none; then the blocks that all methods
+        have, and the worst value of the block in its place, are the other rules.
+    summarise
+        Returns the summary of a group.
+    """
+    filled = group if fallback is None else group.filled(fallback)
+    summary = summarise(filled)
+    variants = []
+    if fallback in group.methods:
+        worst = group.with_worst(summary.end)
+        variants += [Variant(COMMON, summarise(group)), Variant(WORST, summarise(worst))]
+    if plain is not None:
+        plain = plain if fallback is None else plain.filled(fallback)
+        variants.append(Variant(PLAIN, summarise(plain)))
+    return replace(summary, variants=tuple(variants), suspects=suspects.names)
+
+
+def objections(summary: Summary, blocks: str) -> str:
+    """Return what other rules for missing blocks say in place of the verdict; empty if the same.
+
+    Parameters
+    ----------
+    summary
+        With its variants.
+    blocks
+        What several blocks are called.
+    """
+    variants = _variants(summary)
+    named = {COMMON: f"over common {blocks}", WORST: f"with the worst error of {blocks} instead"}
+    return " and ".join(
+        f"{text} {change}"
+        for rule, text in named.items()
+        if rule in variants and (change := change_to(summary, variants[rule]))
+    )
+
+
+def suspects_text(summary: Summary, blocks: str) -> str:
+    """Return which blocks are suspect, and what is said without them; empty without any.
+
+    Parameters
+    ----------
+    summary
+        With its variants.
+    blocks
+        What several blocks are called.
+    """
+    other = _variants(summary).get(PLAIN)
+    if other is None:
+        return ""
+    count = len(summary.suspects)
+    several = f"{count} suspect {blocks}" if count > 1 else f"a suspect {blocks.removesuffix('s')}"
+    change = change_to(summary, other) or "the answer is the same"
+    more = count - _NAMED
+    rest = f"; and {more} more in the notes" if more > 0 else ""
+    return f"without {several} ({'; '.join(summary.suspects[:_NAMED])}{rest}) {change}"
+
+
+def _variants(summary: Summary) -> dict[str, Summary]:
+    return {variant.rule: variant.summary for variant in summary.variants}
+
+
+def change_to(summary: Summary, other: Summary) -> str:
+    """Return what another rule says in place of the verdict; empty where it says the same."""
+    bests, others = _names(summary, summary.bests), _names(other, other.bests)
+    if bests != others:
+        verb = "share" if len(others) > 1 else "has"
+        return f"{listed(others)} {verb} the best mean" if others else "nothing can be said"
+    behind, still = _names(summary, summary.behind), _names(other, other.behind)
+    gone = [name for name in behind if name not in still]
+    new = [name for name in still if name not in behind]
+    return " and ".join(
+        f"{listed(names)} {'are' if len(names) > 1 else 'is'} {how} clearly behind"
+        for names, how in ((gone, "no longer"), (new, "also"))
+        if names
+    )
+
+
+def _names(summary: Summary, where: np.typing.NDArray[np.bool_]) -> list[str]:
+    return [str(summary.group.methods[place]) for place in np.flatnonzero(where).tolist()]

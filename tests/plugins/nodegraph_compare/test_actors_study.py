@@ -1,0 +1,151 @@
+"""Studies over actors from the command line: units, refusals, suspect blocks, bad input."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from nodegraph.cli.main import main
+
+NODES = '''
+from typing import Annotated
+
+from nodegraph import Columns, Value, node
+from nodegraph_mocap import Table
+from nodegraph_tables import TableInfo, with_info
+import numpy as np
+import pandas as pd
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Take(Value):
+    """An actor."""
+
+    seed: int
+
+
+@node("made.take", cite="none")
+def take(*, seed: int = 0) -> Take:
+    """Return a take.
+
+    Parameters
+    ----------
+    seed
+        Of the actor.
+    """
+    return Take(seed)
+
+
+@node("made.error", cite="none")
+def error(take: Take, *, kind: str = "plain", trial: int = 0, broken: bool = False) -> Annotated[
+    Table, Columns("gap", "marker", "rmse")
+]:
+    """Score ten gaps: `shy` leaves the hardest 40 % and is far worse than `plain` there.
+
+    Parameters
+    ----------
+    kind
+        Of the method.
+    trial
+        Draws the gaps.
+    broken
+        Whether a gap of the first actor has a wrong truth.
+    """
+    random = np.random.default_rng([take.seed, trial])
+    actor = np.random.default_rng(take.seed).normal(0, 0.3)
+    hard = np.exp(actor + random.normal(size=10))
+    noise = np.random.default_rng([take.seed, trial, sum(map(ord, kind))]).lognormal(0, 0.2, 10)
+    rmse = {
+        "plain": hard, "other": 1.3 * hard, "shy": np.where(hard > 1.3, np.nan, 0.6 * hard)
+    }[kind] * noise
+    if broken and take.seed == 0 and trial == 0:
+        rmse = rmse.copy()
+        rmse[7] = 1e4
+    table = pd.DataFrame({"gap": range(10), "marker": "chin", "rmse": rmse})
+    return with_info(table, TableInfo(units={"rmse": "mm"}))
+'''
+GRAPH = """
+nodegraph: 1
+axes:
+  actor: {{count: {actors}}}
+  trial: [0, 1]
+nodes:
+  take: {{use: made.take, with: {{seed: $actor}}}}
+  error:
+    in: take
+    with: {{trial: $trial, broken: {broken}}}
+    alternatives:
+      other: {{use: made.error, with: {{kind: other}}}}
+      plain: {{use: made.error, with: {{kind: plain}}}}
+      shy: {{use: made.error, with: {{kind: shy}}}}
+  answer: {{use: {use}, in: error, with: {{metric: rmse, blocks: [trial, gap], {more}}}}}
+report: [answer]
+"""
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Return what runs the graph and gives the exit status."""
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "made.py").write_text(NODES)
+
+    def run_graph(more: str = "", *words: str, **settings: Any) -> int:
+        values = {"actors": 8, "broken": "false", "use": "compare.table", "more": more}
+        (folder / "graph.yaml").write_text(GRAPH.format(**{**values, **settings}))
+        command = ["run", str(folder / "graph.yaml"), "--plugin", str(folder / "made.py"), *words]
+        return main([*command, "--out", str(folder / "run"), "--jobs", "1"])
+
+    return run_graph
+
+
+def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
+    run: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run() == 0
+    text = capsys.readouterr().out
+    assert "shy has the lowest mean rmse (" in text
+    assert re.search(r"over 8 actors \(\d+ of 160 gaps, the rest left out: shy lacks \d+\)", text)
+    assert run("fallback: other") == 0
+    text = capsys.readouterr().out
+    assert "plain has the lowest mean rmse (" in text
+    assert "no verdict stands: over common gaps shy has the best mean" in text
+    assert "mean, worst of block" in text
+    assert run("fallback: other", use="compare.ranks") == 0
+    assert "missing gaps as by other (shy" in capsys.readouterr().out
+
+
+def test_a_block_in_which_every_method_fails_is_named(
+    run: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("fallback: plain", broken="true") == 0
+    text = capsys.readouterr().out
+    assert (
+        "without a suspect gap (actor 0, trial 0, gap 7, marker chin: every method fails)" in text
+    )
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "parts"),
+    [
+        ("clusters: [trial]", 1, ("same data stand behind trial 0 and 1", "differ: actor")),
+        ("clusters: [error], compare: error", 2, ("clusters and compare share a name: 'error'",)),
+        ("clusters: [actr]", 2, ("no axis or column 'actr'", "'actor'")),
+        ("fallback: sy", 2, ("fallback", "no label 'sy'", "'shy'")),
+        ("equivalent: 0.9", 2, ("'equivalent'", "above 1", "0.05 mm")),
+        ("equivalent: 0 mm", 2, ("'equivalent'", "above 0")),
+    ],
+)
+def test_bad_settings_are_refused_with_what_there_is(
+    run: Any, capsys: pytest.CaptureFixture[str], more: str, status: int, parts: tuple[str, ...]
+) -> None:
+    assert run(more) == status
+    captured = capsys.readouterr()
+    assert all(part in captured.out + captured.err for part in parts)
+
+
+def test_clusters_of_one_label_are_refused(run: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("clusters: [actor]", "--axis", "actor=[3]") == 1
+    assert "'actor' has one label, 3" in capsys.readouterr().out
