@@ -41,6 +41,9 @@ class Gathered:
         Every label that the graph has there, whether or not it is among the entries.
     sources : tuple of str
         Those of the axes along which the data themselves differ; see `Graph.source_axes`.
+    unused : tuple of (tuple of str)
+        For each entry, the axes at all of whose labels it is the same output; empty where every
+        entry differs along all axes.
     """
 
     axes: tuple[str, ...]
@@ -48,6 +51,7 @@ class Gathered:
     absent: tuple[tuple[Combination, str], ...]
     known: tuple[tuple[Label, ...], ...]
     sources: tuple[str, ...]
+    unused: tuple[tuple[str, ...], ...]
 
     def skipped(self) -> tuple[Absent, ...]:
         """Return the combinations left out as a node sees them."""
@@ -264,7 +268,8 @@ class _Planner:
         sources = tuple(
             name for name, axis in zip(names, axes, strict=True) if self._feeds_source(axis, feed)
         )
-        return Gathered(names, tuple(entries), tuple(absent), known, sources)
+        unused = _unused_axes(names, entries)
+        return Gathered(names, tuple(entries), tuple(absent), known, sources, unused)
 
     def _feeds_source(self, axis: str, feed: Gather) -> bool:
         """Whether the data differ along a gathered axis, or among a port's own labels."""
@@ -315,6 +320,24 @@ class _Planner:
             if all(axis in labels and labels[axis] in item.labels[axis] for axis in item.labels):
                 return f"skip: {', '.join(f'{axis} = {labels[axis]}' for axis in item.labels)}"
         return ""
+
+
+def _unused_axes(
+    axes: tuple[str, ...], entries: Sequence[tuple[Combination, Output]]
+) -> tuple[tuple[str, ...], ...]:
+    """Return for each entry the axes that it does not depend on; see `Gathered.unused`."""
+    if len({output for _, output in entries}) == len(entries):
+        return ()
+    unused: list[list[str]] = [[] for _ in entries]
+    for position, axis in enumerate(axes):
+        alike: dict[Combination, list[int]] = {}
+        for index, (row, _) in enumerate(entries):
+            alike.setdefault((*row[:position], *row[position + 1 :]), []).append(index)
+        for indices in alike.values():
+            if len(indices) > 1 and len({entries[index][1] for index in indices}) == 1:
+                for index in indices:
+                    unused[index].append(axis)
+    return tuple(map(tuple, unused))
 
 
 def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:

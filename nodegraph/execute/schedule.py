@@ -263,16 +263,20 @@ class Schedule:
 
     def _gather(self, source: Gathered) -> Across[Any]:
         entries = []
+        unused: list[tuple[str, ...]] = []
         absent = list(source.skipped())
-        for combination, output in source.entries:
+        for index, (combination, output) in enumerate(source.entries):
             labels = dict(zip(source.axes, combination, strict=True))
             outcome = self.outcomes[output.step]
             if outcome.state is State.DONE:
                 entries.append((labels, self._lend(output)))
+                unused += source.unused[index : index + 1]
             else:
                 absent.append(Absent(labels, outcome.root.value, outcome.reason))
         known = dict(zip(source.axes, source.known, strict=True))
-        return Across(source.axes, tuple(entries), tuple(absent), known, source.sources)
+        return Across(
+            source.axes, tuple(entries), tuple(absent), known, source.sources, tuple(unused)
+        )
 
     def _lend(self, output: Output) -> Any:
         return self.packer.lend(self.values[output.step][output.position])

@@ -110,6 +110,10 @@ class Across(Generic[T_co]):
         The gathered axes along which the data themselves differ: they choose what a node without
         inputs reads or makes. Along the others, the same data are treated in several ways. None
         where that is not known.
+    unused : tuple of (tuple of str)
+        For each entry, the gathered axes that nothing in it depends on, such as one that only
+        another method's settings have: the entry stands at each label of it, with one value. Empty
+        where every entry depends on all axes.
     """
 
     axes: tuple[str, ...]
@@ -117,6 +121,7 @@ class Across(Generic[T_co]):
     absent: tuple[Absent, ...] = ()
     known: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     sources: tuple[str, ...] | None = None
+    unused: tuple[tuple[str, ...], ...] = ()
 
     @staticmethod
     def of(

@@ -698,17 +698,18 @@ def _dict_again(together: Together, *plain: Any) -> dict[Any, Any]:
 
 
 def _across_again(together: Together, *plain: Any) -> Across[Any]:
-    axes, entries, absent, known, sources = together.all(plain)
+    axes, entries, absent, known, sources, unused = together.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
         and all(isinstance(labels, dict) for labels, _ in entries)
         and all(isinstance(lacking, Absent) for lacking in absent)
         and isinstance(known, dict)
         and (sources is None or isinstance(sources, tuple))
+        and isinstance(unused, tuple)
     )
     if not whole:
         raise Unreadable("what was gathered is not what is gathered")
-    return Across(axes, entries, absent, known, sources)
+    return Across(axes, entries, absent, known, sources, unused)
 
 
 def _absent_again(together: Together, *plain: Any) -> Absent:

@@ -1,4 +1,4 @@
-"""Sentences on what a comparison leaves out: blocks, methods and combinations."""
+"""Sentences on what a comparison leaves out or counts several times."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import listed
 from nodegraph_compare.blocks import unsuccessful
+from nodegraph_compare.unused_axes import unused_axes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -33,6 +34,8 @@ def left_out(
 ) -> list[str]:
     """Return what is left out as notes, and warn of all of it that was not skipped on purpose.
 
+    Notes on tables that count several times come last.
+
     Called by a node itself, so that the warning is the node's.
 
     Parameters
@@ -52,7 +55,11 @@ def left_out(
         warnings.warn(shortened([*sentences, *missing, *empty]), stacklevel=3)
     more = len(sentences) - _NOTED
     noted = sentences if more <= 0 else [*sentences[:_NOTED], f"and so in {more} more groups"]
-    return noted + absences(scores.absent, question.compare)
+    return [
+        *noted,
+        *absences(scores.absent, question.compare),
+        *unused_axes(scores, question.compare),
+    ]
 
 
 def dropped(group: Group, question: Question, pairwise: bool = False) -> str | None:

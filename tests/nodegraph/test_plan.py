@@ -7,6 +7,7 @@ from collections.abc import Callable
 import networkx as nx
 import pytest
 
+from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.plan import Gathered, Output, Plan
 from nodegraph.plan import plan as make_plan
@@ -179,6 +180,39 @@ def test_a_gathering_port_knows_along_which_axes_the_data_differ(
     fed = plan.steps[next(iter(plan.cells["table"].values()))].inputs["scores"]
     assert isinstance(fed, Gathered)
     assert fed.sources == sources
+
+
+@pytest.mark.parametrize(
+    ("scale", "unused"),
+    [
+        ("{use: fill.scale, with: {power: $power}}", {"hold": ("power", "k"), "scale": ("k",)}),
+        ("{use: fill.scale, with: {power: $k, max_gap: $power}}", {"hold": ("power", "k")}),
+        ("fill.scale", {"hold": ("power", "k"), "scale": ("power", "k")}),
+    ],
+)
+def test_a_gathering_port_knows_which_axes_an_entry_does_not_have(
+    run_of: Callable[..., Run], scale: str, unused: dict[str, tuple[str, ...]]
+) -> None:
+    """Those of the settings of another method, or of no method that is run."""
+    run = run_of(
+        f"""
+        axes: {{power: [1, 2], k: [1, 2, 3], trial: {{count: 2}}}}
+        nodes:
+          n: {{use: read.number, with: {{start: $trial}}}}
+          fill:
+            in: n
+            alternatives:
+              hold: fill.hold
+              scale: {scale}
+              other: {{use: fill.scale, with: {{power: $power, max_gap: $k}}}}
+          table: {{use: compare.table, in: fill}}
+        report: [table]
+        """,
+    )
+    scores = run["table"].value.scores
+    assert len(scores.unused) == len(scores)
+    for (labels, _), names in zip(scores, scores.unused, strict=True):
+        assert names == unused.get(labels["fill"], ())
 
 
 def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> None:

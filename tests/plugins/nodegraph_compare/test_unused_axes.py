@@ -1,0 +1,62 @@
+"""Axes that only some methods have are named, with the methods that they concern."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pandas as pd
+import pytest
+
+from nodegraph import Across, Label
+from nodegraph_compare.table.node import table
+from nodegraph_compare.unused_axes import unused_axes
+from nodegraph_mocap import Table
+from nodegraph_tables import info_of
+
+AXES = ("fill", "neighbours", "trial")
+
+
+def gathered(unused: dict[str, tuple[str, ...]]) -> Across[Table]:
+    """Return errors of three methods for two numbers of neighbours in four trials."""
+    entries: list[tuple[dict[str, Label], Table]] = []
+    each = []
+    for fill, neighbours, trial in product(("mean", "muscle", "ridge"), (3, 8), range(4)):
+        names = unused.get(fill, ())
+        rmse = len(fill) + 0.1 * (0 if names else neighbours) + trial**2
+        labels: dict[str, Label] = {"fill": fill, "neighbours": neighbours, "trial": trial}
+        entries.append((labels, pd.DataFrame({"rmse": [rmse]})))
+        each.append(names)
+    return Across(AXES, tuple(entries), unused=tuple(each) if any(each) else ())
+
+
+@pytest.mark.parametrize(
+    ("unused", "compare", "names"),
+    [
+        ({}, "fill", ()),
+        (
+            {"muscle": ("neighbours",), "ridge": ("neighbours",)},
+            "fill",
+            ("only mean depends on neighbours", "muscle, ridge count", "2 labels"),
+        ),
+        (
+            {"muscle": ("neighbours",), "ridge": ("neighbours",)},
+            "neighbours",
+            ("only mean depends on neighbours",),
+        ),
+        ({"ridge": ("neighbours",)}, "fill", ("only mean, muscle depend on", "ridge counts")),
+        (
+            {name: ("neighbours",) for name in ("mean", "muscle", "ridge")},
+            "fill",
+            ("nothing depends on neighbours",),
+        ),
+    ],
+)
+def test_the_methods_that_an_axis_concerns_are_named(
+    unused: dict[str, tuple[str, ...]], compare: str, names: tuple[str, ...]
+) -> None:
+    scores = gathered(unused)
+    sentences = unused_axes(scores, compare)
+    assert bool(sentences) == bool(names)
+    assert all(name in " ".join(sentences) for name in names)
+    notes = " ".join(info_of(table(scores, compare=compare, blocks=("trial",)).table).notes)
+    assert all(name in notes for name in names)
