@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from tests.environments import ROOT, build, one_wheel
+from tests.studies import Studies
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -22,3 +26,17 @@ def store_folder(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.M
     folder = tmp_path_factory.mktemp("store")
     monkeypatch.setenv("NODEGRAPH_STORE", str(folder))
     return folder
+
+
+@pytest.fixture(scope="session")
+def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
+    """Runs of shipped graphs; workers of pytest-xdist share their store."""
+    folder = tmp_path_factory.getbasetemp()
+    shared = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+    return Studies(tmp_path_factory, shared / "studies")
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel built from the tree."""
+    return one_wheel(build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel"), "nodegraph")

@@ -2,46 +2,27 @@
 
 from __future__ import annotations
 
-import csv
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-DATA = ROOT.parent / "shared" / "data"
-GRAPH = ROOT / "graphs" / "alignment.yaml"
+from tests.studies import DATA, Studies, needs_recordings, table
+
 ALIGNED = ("stable", "stable_to_mean", "all_points", "all_points_huber", "all_points_trimmed")
 WAYS = ("not_at_all", *ALIGNED)
 KINDS = ("take", "scans")
 
-needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
-
-
-def run(folder: Path, *words: str) -> Path:
-    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(GRAPH), *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return folder / "runs" / "alignment"
-
-
-def rows(table: Path) -> list[dict[str, str]]:
-    with table.open() as file:
-        return list(csv.DictReader(file))
-
 
 def found_first(folder: Path, kind: str) -> dict[tuple[str, int], dict[str, str]]:
     """Return the rows of what PCA finds, by alignment and component."""
-    table = rows(folder / f"found-first_table_data-{kind}.csv")
-    return {(row["align"], int(row["component"])): row for row in table}
+    rows = table(folder / f"found-first_table_data-{kind}.csv")
+    return {(row["align"], int(row["component"])): row for row in rows}
 
 
 @pytest.fixture(scope="module")
-def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built_in(studies: Studies) -> Path:
     """A run on built-in data, with two actors."""
-    folder = tmp_path_factory.mktemp("alignment")
-    return run(folder, "--axis", "actor=0,1", "--store", "store")
+    return studies.few("alignment")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -61,10 +42,10 @@ def test_captured_most_is_head_motion_and_aligned_next_to_nothing(
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_all_points_take_speech_for_head_motion(built_in: Path, kind: str) -> None:
-    for table in ("turn", "shift"):
+    for quantity in ("turn", "shift"):
         error = {
             row["align"]: float(row["mean"])
-            for row in rows(built_in / f"{table}-error_table.csv")
+            for row in table(built_in / f"{quantity}-error_table.csv")
             if row["data"] == kind
         }
         assert error["not_at_all"] > 2 * error["all_points"] > 6 * error["stable"]
@@ -86,18 +67,18 @@ def test_the_answer_says_which_data_it_is_about(built_in: Path) -> None:
 def test_the_recording_is_judged_by_the_head_motion_found_in_it(built_in: Path) -> None:
     found = {
         row["own_align"]: float(row["in all"])
-        for row in rows(built_in / "found-in-recording_table.csv")
+        for row in table(built_in / "found-in-recording_table.csv")
     }
     assert found["not_at_all"] > 0.4
     assert found["stable"] == 0.0
 
 
 @needs_recordings
-def test_on_a_performance_with_known_head_motion_the_findings_hold(tmp_path: Path) -> None:
+def test_on_a_performance_with_known_head_motion_the_findings_hold(studies: Studies) -> None:
     take = DATA / "facecap" / "take001.c3d"
     words = ["--set", f"recording={take}", "--until", "found_in_recording"]
-    table = rows(run(tmp_path, *words) / "found-in-recording_table.csv")
-    found = {(row["own_align"], int(row["component"])): row for row in table}
+    rows = table(studies.run("alignment", *words) / "found-in-recording_table.csv")
+    found = {(row["own_align"], int(row["component"])): row for row in rows}
     # by the true rotations and translations of that take it is 0.43
     assert float(found["not_at_all", 1]["in all"]) == pytest.approx(0.43, abs=0.05)
     assert found["not_at_all", 2]["finds"] == "head motion"

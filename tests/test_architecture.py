@@ -7,11 +7,15 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+import tomllib
+from collections.abc import Iterable, Iterator
 from functools import cache
+from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import networkx as nx
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 import nodegraph
 from nodegraph import executors
@@ -53,7 +57,7 @@ WORDS_OF_THE_FIELD = {
     "trajectories", "mocap", "blendshape", "blendshapes", "landmark", "landmarks", "skeleton",
     "neutral", "procrustes",
 }  # fmt: skip
-HEAVY = {"distributed", "matplotlib", "numba", "pandas", "scipy"}
+HEAVY = {"distributed", "matplotlib", "numba", "pandas", "pywt", "scipy", "sklearn"}
 """Libraries that nodes import when they are called, so that commands start fast."""
 
 NAMES_OF_PLUGGY = {"HookspecMarker", "HookimplMarker"}
@@ -124,6 +128,27 @@ def test_plugins_import_public_names_only_and_never_each_other() -> None:
             if package.partition("_")[0] == "nodegraph" and not is_public and not is_shared:
                 wrong.append(f"{here} imports {name} from {module}")
     assert not wrong
+
+
+def test_imported_libraries_are_declared() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    optional = (*extras["archive"], *extras["testing"], *extras["dask"])
+    declared = library_names((*project["dependencies"], *optional))
+    declared |= {name for library in declared for name in library_names(requires(library) or ())}
+    distributions = packages_distributions()
+    wrong = []
+    for here, path in {**MACHINE, **PLUGINS}.items():
+        for package in {module.partition(".")[0] for module, _ in imports(path)}:
+            names = {canonicalize_name(name) for name in distributions.get(package, [package])}
+            is_ours = package.partition("_")[0] == "nodegraph"
+            if not (is_ours or package in sys.stdlib_module_names or names & declared):
+                wrong.append(f"{here} imports {package}")
+    assert not wrong
+
+
+def library_names(requirements: Iterable[str]) -> set[str]:
+    return {canonicalize_name(Requirement(text).name) for text in requirements}
 
 
 def test_a_module_with_kernels_takes_nothing_from_other_modules_of_its_package() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.bibliography import entry_keys
+from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import default_registry
 from nodegraph.testing import check_node
 from nodegraph.testing.specimens import variants
@@ -64,10 +66,18 @@ def test_node_keeps_its_promises(node: Node, settings: Mapping[str, Any]) -> Non
     check_node(node.function, settings={**required(node), **settings})
 
 
-def test_every_citation_is_installed() -> None:
-    keys = set(entry_keys(INSTALLED.hooks.bibtex))
-    missing = {registered.full_name: set(registered.node.cite) - keys for registered in INSTALLED}
-    assert not {name: absent for name, absent in missing.items() if absent}
+@pytest.mark.parametrize("plugin", INSTALLED.loaded, ids=lambda plugin: plugin.name)
+def test_a_plugin_ships_what_its_nodes_cite_and_nothing_else(plugin: Plugin) -> None:
+    nodes = [registered for registered in INSTALLED if registered.plugin == plugin.name]
+    hook: Callable[[], str] = getattr(plugin.module, "nodegraph_bibtex", str)
+    assert set(entry_keys([hook()])) == {key for node in nodes for key in node.node.cite}
+
+
+@pytest.mark.parametrize("family", ["align", "despike", "smooth"])
+def test_every_method_says_how_far_it_looks_ahead(family: str) -> None:
+    nodes = [node.node for node in INSTALLED.family(family).values()]
+    assert nodes
+    assert not [node.name for node in nodes if not re.search("Looks (ahead|at)", node.doc)]
 
 
 def test_every_contract_states_what_it_promises_and_has_a_family() -> None:

@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from nodegraph.plugin.registry import Registry
+from tests.studies import DATA, FEW, ROOT, Studies, command, needs_recordings, table
 
-ROOT = Path(__file__).parents[1]
-DATA = ROOT.parent / "shared" / "data"
 GRAPH = ROOT / "graphs" / "fill.yaml"
+JAW = ("--set", f"recording={DATA / 'animface' / 'jaw.c3d'}")
 FILLS = {"guenter", "lin_ouhyoung", "muscle", "waters", "linear"}
-
-needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
-
-
-def nodegraph(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "nodegraph.cli.main", *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert "Traceback" not in done.stderr
-    return done
 
 
 def rows_of(folder: Path) -> list[dict[str, str]]:
-    with (folder / "table.csv").open() as file:
-        return list(csv.DictReader(file))
+    return table(folder / "table.csv")
 
 
 def errors_of(folder: Path) -> dict[tuple[str, str], float]:
@@ -37,14 +24,9 @@ def errors_of(folder: Path) -> dict[tuple[str, str], float]:
 
 
 @pytest.fixture(scope="module")
-def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built_in(studies: Studies) -> Path:
     """A run on built-in data, with two trials of two lengths."""
-    folder = tmp_path_factory.mktemp("walk")
-    words = ["--axis", "trial=0,1", "--only", "length=5,45", "--store", "store"]
-    done = nodegraph("run", str(GRAPH), *words, folder=folder)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.rstrip().endswith("report.html")
-    return folder / "runs" / "fill"
+    return studies.few("fill")
 
 
 def test_the_table_has_every_method_at_every_length(built_in: Path) -> None:
@@ -66,8 +48,9 @@ def test_the_record_agrees_with_the_events(built_in: Path) -> None:
     record = json.loads((built_in / "run.json").read_text())
     events = [json.loads(line) for line in (built_in / "events.jsonl").read_text().splitlines()]
     assert record["counts"]["failed"] == 0
-    settled = [event for event in events if event["event"] == "done"]
-    assert len(settled) == record["counts"]["done"] == len(record["steps"])
+    for state in ("done", "stored"):
+        assert sum(event["event"] == state for event in events) == record["counts"][state]
+    assert record["counts"]["done"] + record["counts"]["stored"] == len(record["steps"])
     cuts = [step for step in record["steps"] if step["node"] == "gaps"]
     assert {(one["settings"]["length"], one["settings"]["seed"]) for one in cuts} == {
         (length, seed) for length in (5, 45) for seed in (0, 1)
@@ -83,17 +66,20 @@ def test_the_report_holds_the_table_and_fetches_nothing(built_in: Path) -> None:
     assert 'src="http' not in html
 
 
-def test_a_second_run_moves_the_first_aside(built_in: Path) -> None:
-    before = (built_in / "table.csv").read_bytes()
-    words = ("run", str(GRAPH), "--axis", "trial=[0, 1]", "--only", "length=5,45", "--jobs", "1")
-    done = nodegraph(*words, "--executor", "serial", folder=built_in.parents[1])
-    assert done.returncode == 0
-    moved = [path for path in built_in.parent.iterdir() if path.name.startswith("fill-")]
-    assert [(one / "table.csv").read_bytes() for one in moved] == [before]
-    assert (built_in / "table.csv").read_bytes() == before
+def test_a_second_run_moves_the_first_aside(studies: Studies, tmp_path: Path) -> None:
+    words = ("run", str(GRAPH), *FEW["fill"])
+    ended = studies.command(*words, folder=tmp_path)
+    assert ended.out.rstrip().endswith("report.html")
+    folder = tmp_path / "runs" / "fill"
+    before = (folder / "table.csv").read_bytes()
+    again = studies.command(*words, "--jobs", "1", "--executor", "serial", folder=tmp_path)
+    assert again.status == 0
+    moved = [path for path in folder.parent.iterdir() if path.name.startswith("fill-")]
+    assert [(path / "table.csv").read_bytes() for path in moved] == [before]
+    assert (folder / "table.csv").read_bytes() == before
 
 
-def test_five_lines_join_the_comparison(tmp_path: Path) -> None:
+def test_five_lines_join_the_comparison(studies: Studies, tmp_path: Path) -> None:
     (tmp_path / "my_fill.py").write_text(
         "from nodegraph import node\n"
         "from nodegraph_mocap import Trajectories\n"
@@ -102,30 +88,24 @@ def test_five_lines_join_the_comparison(tmp_path: Path) -> None:
         "    return recording\n"
     )
     words = ("--axis", "trial=0", "--only", "length=5", "--plugin", "my_fill.py")
-    done = nodegraph("run", str(GRAPH), *words, folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+    folder = studies.run("fill", *words, folder=tmp_path)
     installed = set(Registry.installed().family("fill"))
     assert installed >= FILLS
-    assert {row["fill"] for row in rows_of(tmp_path / "runs" / "fill")} == installed | {"mine"}
+    assert {row["fill"] for row in rows_of(folder)} == installed | {"mine"}
 
 
 @needs_recordings
 @pytest.mark.parametrize(
-    "name", ["animface/jaw.c3d", "animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d"]
+    "name", ["animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d"]
 )
-def test_real_recordings_end_with_a_table(name: str, tmp_path: Path) -> None:
-    words = ("--set", f"recording={DATA / name}", "--axis", "trial=0", "--only", "length=5,15")
-    done = nodegraph("run", str(GRAPH), *words, folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert {fill for fill, _ in errors_of(tmp_path / "runs" / "fill")} >= FILLS
+def test_real_recordings_end_with_a_table(studies: Studies, name: str) -> None:
+    words = ("--set", f"recording={DATA / name}", "--axis", "trial=0", "--only", "length=15")
+    assert {fill for fill, _ in errors_of(studies.run("fill", *words))} >= FILLS
 
 
 @needs_recordings
-def test_three_neighbours_on_jaw_reach_the_error_that_is_expected(tmp_path: Path) -> None:
-    words = ("--set", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--only", "fill=muscle,linear")
-    done = nodegraph("run", str(GRAPH), *words, folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    errors = errors_of(tmp_path / "runs" / "fill")
+def test_three_neighbours_on_jaw_reach_the_error_that_is_expected(studies: Studies) -> None:
+    errors = errors_of(studies.run("fill", *JAW, "--only", "fill=muscle,linear"))
     for length, expected in (("5", 0.27), ("15", 0.63), ("45", 1.03)):
         assert errors["muscle", length] == pytest.approx(expected, rel=0.25)
     # a short gap belongs to the marker's own trajectory, a long one to its neighbours
@@ -133,45 +113,44 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected(tmp_path: Path
     assert errors["linear", "45"] > errors["muscle", "45"]
 
 
+@needs_recordings
+def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(
+    studies: Studies,
+) -> None:
+    words = ("--axis", "trial=[0, 1, 2, 3]", "--only", "length=5,45")
+    errors = errors_of(studies.run("fill", *JAW, *words))
+    assert {fill for fill, _ in errors} >= FILLS
+    best = {
+        length: min((cell for cell in errors if cell[1] == length), key=lambda cell: errors[cell])
+        for length in ("5", "45")
+    }
+    assert best["5"][0] == "cubic"
+    assert best["45"][0] in {"soft_impute", "kalman", "ridge", "bilinear"}
+    assert errors["cubic", "45"] > 1.5 * errors[best["45"]]
+
+
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("content", "reason"),
     [
-        (lambda path: path.write_bytes(b""), "empty"),
-        (lambda path: path.write_bytes(b"not a recording at all, not even nearly"), "bad.c3d"),
-        (lambda path: path.write_bytes(b"\x02\x50" + bytes(30)), "bad.c3d"),
+        (b"", "empty"),
+        (b"not a recording at all, not even nearly", "bad.c3d"),
+        (b"\x02\x50" + bytes(30), "bad.c3d"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_a_failed_step(
-    make: object, said: str, tmp_path: Path
+    tmp_path: Path, content: bytes, reason: str
 ) -> None:
-    path = tmp_path / "bad.c3d"
-    assert callable(make)
-    make(path)
-    words = ("--set", "recording=bad.c3d", "--axis", "trial=0")
-    done = nodegraph("run", str(GRAPH), *words, folder=tmp_path)
-    assert done.returncode == 1
-    assert "failed: capture" in done.stderr
-    assert said in done.stderr
+    (tmp_path / "bad.c3d").write_bytes(content)
+    words = ("--set", "recording=bad.c3d", "--axis", "trial=0", "--only", "length=5")
+    ended = command("run", str(GRAPH), *words, folder=tmp_path)
+    assert ended.status == 1
+    assert "failed: capture" in ended.err
+    assert reason in ended.err
     assert (tmp_path / "runs" / "fill" / "report.html").is_file()
 
 
 def test_a_file_that_is_not_there_is_a_wrong_command(tmp_path: Path) -> None:
-    done = nodegraph("run", str(GRAPH), "--set", "recording=nowhere.c3d", folder=tmp_path)
-    assert done.returncode == 2
-    assert "nowhere.c3d" in done.stderr
+    ended = command("run", str(GRAPH), "--set", "recording=nowhere.c3d", folder=tmp_path)
+    assert ended.status == 2
+    assert "nowhere.c3d" in ended.err
     assert not (tmp_path / "runs").exists()
-
-
-@needs_recordings
-def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(tmp_path: Path) -> None:
-    words = ["--set", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--axis", "trial=[0, 1, 2, 3]"]
-    done = nodegraph("run", str(GRAPH), *words, "--only", "length=5,45", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    errors = errors_of(tmp_path / "runs" / "fill")
-    best = {
-        length: min((one for one in errors if one[1] == length), key=lambda one: errors[one])[0]
-        for length in ("5", "45")
-    }
-    assert best["5"] == "cubic"
-    assert best["45"] in {"soft_impute", "kalman", "ridge", "bilinear"}
-    assert errors["cubic", "45"] > 1.5 * errors[best["45"], "45"]

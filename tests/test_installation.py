@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.environments import ROOT, Environment, build, one_wheel
+from tests.environments import ROOT, Environment
 
 GRAPH = """
 nodegraph: 1
@@ -17,12 +17,6 @@ nodes:
 report: [table]
 """
 """Reads a file of the package, and compiles a function."""
-
-
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel built from the tree."""
-    return one_wheel(build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel"), "nodegraph")
 
 
 @pytest.fixture

@@ -12,9 +12,8 @@ from pathlib import Path
 import pytest
 
 from nodegraph.lock.lockfile import read_lock
+from tests.studies import GRAPHS, ROOT, Studies
 
-ROOT = Path(__file__).parents[1]
-GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
 LOCKS = sorted((ROOT / "graphs").glob("*.lock"))
 FILL = str(ROOT / "graphs" / "fill.yaml")
 SMALL = ("--axis", "trial=0", "--axis", "length=45", "--only", "fill=muscle,pca,linear")
@@ -32,12 +31,6 @@ def rounded(function):
 for name in ("svd", "eigh", "solve", "pinv"):
     setattr(np.linalg, name, rounded(getattr(np.linalg, name)))
 """
-
-
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A store for all locks, so that the steps that they share run once."""
-    return tmp_path_factory.mktemp("store")
 
 
 def nodegraph(
@@ -62,12 +55,14 @@ def test_every_shipped_graph_has_a_lock() -> None:
 
 
 @pytest.mark.parametrize("lock", LOCKS, ids=lambda path: path.stem)
-def test_a_shipped_lock_is_of_its_graph_and_holds(lock: Path, store: Path) -> None:
+def test_a_shipped_lock_is_of_its_graph_and_holds(
+    lock: Path, studies: Studies, tmp_path: Path
+) -> None:
     assert read_lock(lock).study.text[f"{lock.stem}.yaml"] == (
         lock.with_suffix(".yaml").read_text()
     )
-    status, output = nodegraph("verify", str(lock), "--store", str(store))
-    assert status == 0, output
+    ended = studies.command("verify", str(lock), folder=tmp_path)
+    assert ended.status == 0, ended.out
 
 
 @pytest.mark.parametrize("lock", LOCKS, ids=lambda path: path.stem)

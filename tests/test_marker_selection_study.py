@@ -2,42 +2,25 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 
 import pytest
 
 import nodegraph as ng
+from tests.studies import DATA, FEW, ROOT, Studies, needs_recordings, table
 
-ROOT = Path(__file__).parents[1]
-DATA = ROOT.parent / "shared" / "data"
-GRAPH = ROOT / "graphs" / "marker_selection.yaml"
 AS_PRINTED = ROOT / "tests" / "language" / "marker_selection.yaml"
 ACTORS = ("ME", "MB", "JZ")
-SHORT = ("--axis", "k=10,20,35,50", "--set", "runs=30", "--store", "store")
-
-needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
 
 Row = dict[str, str]
 
 
-def run(folder: Path, graph: Path, *words: str) -> Path:
-    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph), *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    (folder / "runs" / "marker_selection" / "said.txt").write_text(done.stdout)
-    return folder / "runs" / "marker_selection"
-
-
 def rows(folder: Path) -> dict[str, list[Row]]:
     """The points of each actor."""
-    with (folder / "fig2_table.csv").open() as file:
-        every = list(csv.DictReader(file))
+    every = table(folder / "fig2_table.csv")
     return {
         actor: [row for row in every if row["actor"] == actor]
         for actor in dict.fromkeys(row["actor"] for row in every)
@@ -73,7 +56,7 @@ def check_marks(folder: Path) -> None:
         for x in sorted(itertools.chain(*low.values()))
         if all(any(abs(x - other) <= 2 for other in one) for one in low.values())
     ]
-    said = (folder / "said.txt").read_text()
+    said = (folder / "printed.txt").read_text()
     kinds = {kind for points in found.values() for _, kind in marked(points)}
     if shared:
         assert f"within 2 of markers {shared[0]}," in said
@@ -88,9 +71,9 @@ def check_marks(folder: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built_in(studies: Studies) -> Path:
     """A run on built-in data, with few starts of four searches."""
-    return run(tmp_path_factory.mktemp("selection"), GRAPH, *SHORT)
+    return studies.few("marker_selection")
 
 
 def test_fewer_markers_cost_more_and_every_actor_has_a_floor(built_in: Path) -> None:
@@ -129,8 +112,8 @@ def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path)
     assert "greedy" in html
 
 
-def test_the_graph_of_the_language_runs_as_it_is_printed(tmp_path: Path) -> None:
-    folder = run(tmp_path, AS_PRINTED, "--axis", "k=10,30,50", "--store", "store")
+def test_the_graph_of_the_language_runs_as_it_is_printed(studies: Studies) -> None:
+    folder = studies.run(AS_PRINTED, "--axis", "k=10,30,50")
     found = rows(folder)
     assert tuple(found) == ACTORS
     assert "floor" not in found["ME"][0]
@@ -138,14 +121,14 @@ def test_the_graph_of_the_language_runs_as_it_is_printed(tmp_path: Path) -> None
 
 
 def test_an_actor_whose_take_has_long_gaps_is_refused_and_the_others_are_drawn(
-    tmp_path: Path,
+    studies: Studies,
 ) -> None:
     actors = "{ME: {rec: 'sample:actor_a', model: 'sample:actor_a'}, "
     actors += "gappy: {rec: 'sample:face', model: 'sample:face'}}"
     words = ("--axis", f"actor={actors}", "--axis", "k=10,30", "--only", "chosen=pfa")
-    folder = run(tmp_path, GRAPH, *words, "--set", "runs=5", "--store", "store")
+    folder = studies.run("marker_selection", *words, "--set", "runs=5")
     assert tuple(rows(folder)) == ("ME",)
-    said = (folder / "said.txt").read_text()
+    said = (folder / "printed.txt").read_text()
     assert "gappy: 2 combinations refused" in said
 
 
@@ -168,10 +151,12 @@ def performers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 @needs_recordings
-def test_three_performers_have_their_curves_floors_and_marks(performers: tuple[Path, str]) -> None:
+def test_three_performers_have_their_curves_floors_and_marks(
+    studies: Studies, performers: tuple[Path, str]
+) -> None:
     folder, actors = performers
     words = ("--axis", f"actor={actors}", "--only", "chosen=pfa")
-    made = run(folder, GRAPH, *SHORT, *words)
+    made = studies.run("marker_selection", *FEW["marker_selection"], *words, folder=folder)
     found = rows(made)
     assert tuple(found) == ("A", "B", "C")
     for points in found.values():

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+from tests.studies import command
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -101,12 +100,9 @@ def run_of(text: str, folder: Path) -> Path:
     """Run a graph with the odd nodes; some of its steps may fail."""
     (folder / "graph.yaml").write_text(text)
     (folder / "odd.py").write_text(NODES)
-    words = ["run", "graph.yaml", "--plugin", "odd.py", "--out", "run", "--no-cache"]
-    ended = subprocess.run(
-        [sys.executable, "-m", "nodegraph.cli.main", *words, "--store", "store"],
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert (folder / "run" / "report.html").is_file(), ended.stderr
+    words = ("--plugin", "odd.py", "--out", "run", "--no-cache")
+    ended = command("run", "graph.yaml", *words, folder=folder)
+    assert (folder / "run" / "report.html").is_file(), ended.err
     return folder / "run"
 
 

@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-import csv
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
-ROOT = Path(__file__).parents[1]
-DATA = ROOT.parent / "shared" / "data"
+from tests.studies import DATA, ROOT, Studies, needs_recordings, table
+
 GRAPH = ROOT / "graphs" / "pipeline.yaml"
-AS_PRINTED = Path(__file__).with_name("language") / "pipeline.yaml"
+AS_PRINTED = ROOT / "tests" / "language" / "pipeline.yaml"
 CHAIN = ("tracks", "named", "fill", "despike", "smooth", "each_step")
 STEPS = ["captured", "fill", "despike", "smooth"]
-
-needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
-
-
-def run(folder: Path, graph: Path, *words: str) -> Path:
-    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph), *words]
-    done = subprocess.run(
-        [*command, "--out", "made", "--store", "store"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return folder / "made"
 
 
 def each_step(folder: Path) -> dict[str, dict[str, Any]]:
     """Return the rows of the table by step; numbers as numbers, nothing as NaN."""
-    with (folder / "each-step.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = table(folder / "each-step.csv")
     assert [row["step"] for row in rows] == STEPS
     words = ("step", "verdict")
     return {
@@ -75,8 +56,8 @@ def changed(folder: Path, *, sources: dict[str, Any], replaced: dict[str, str], 
 
 
 @pytest.fixture(scope="module")
-def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return run(tmp_path_factory.mktemp("pipeline"), GRAPH)
+def built_in(studies: Studies) -> Path:
+    return studies.few("pipeline")
 
 
 def test_every_step_brings_what_it_changes_nearer_to_the_truth(built_in: Path) -> None:
@@ -105,10 +86,12 @@ def test_figures_playback_and_the_animated_head_are_there(built_in: Path) -> Non
     assert "face.neutral" in html
 
 
-def test_on_a_clean_recording_impulse_removal_and_smoothing_make_it_worse(tmp_path: Path) -> None:
+def test_on_a_clean_recording_impulse_removal_and_smoothing_make_it_worse(
+    studies: Studies, tmp_path: Path
+) -> None:
     clean = {"seconds": 3, "noise": 0, "impulses": 0, "missing": 0}
     sources = {"face": {"use": "synthesize.face", "with": clean}}
-    made = run(tmp_path, changed(tmp_path, sources=sources, replaced={}))
+    made = studies.run(changed(tmp_path, sources=sources, replaced={}))
     found = each_step(made)
     assert [found[step]["verdict"] for step in STEPS] == ["begins", "nothing", "worse", "worse"]
     assert found["despike"]["before"] == found["captured"]["rmse"] == 0.0
@@ -117,13 +100,13 @@ def test_on_a_clean_recording_impulse_removal_and_smoothing_make_it_worse(tmp_pa
     assert "smooth makes it worse" in html
 
 
-def test_the_chain_runs_as_the_language_prints_it(tmp_path: Path) -> None:
-    made = run(tmp_path, AS_PRINTED)
+def test_the_chain_runs_as_the_language_prints_it(studies: Studies) -> None:
+    made = studies.run(AS_PRINTED)
     assert (made / "fig9.svg").is_file()
 
 
 @needs_recordings
-def test_the_same_chain_on_real_optics_that_were_damaged(tmp_path: Path) -> None:
+def test_the_same_chain_on_real_optics_that_were_damaged(studies: Studies, tmp_path: Path) -> None:
     jaw, markers = (DATA / "animface" / name for name in ("jaw.c3d", "markers.yaml"))
     reading = {"path": str(jaw), "marker_set": str(markers)}
     sources = {
@@ -136,7 +119,7 @@ def test_the_same_chain_on_real_optics_that_were_damaged(tmp_path: Path) -> None
     }
     replaced = {"detections": "points.detections", "neutral": "rest", "truth": "noise.truth"}
     graph = changed(tmp_path, sources=sources, replaced=replaced, known=["rest"])
-    found = each_step(run(tmp_path, graph))
+    found = each_step(studies.run(graph))
     assert found["captured"]["missing"] == found["fill"]["added"] == 20 * 15
     assert found["captured"]["misplaced"] == 0
     assert found["captured"]["rmse"] < found["fill"]["added rmse"] < 1.5

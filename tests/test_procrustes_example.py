@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-import csv
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-GRAPH = ROOT / "graphs" / "procrustes_example.yaml"
+from tests.studies import Studies, table
+
 STEPS = {"original": 213.0, "translation": 30.0, "scaling": 12.0, "rotation": 0.0}
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    home = tmp_path_factory.mktemp("example")
-    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(GRAPH), "--store", "store"]
-    done = subprocess.run(command, cwd=home, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return home / "runs" / "procrustes_example"
+def folder(studies: Studies) -> Path:
+    return studies.few("procrustes_example")
 
 
 def test_each_step_has_the_difference_of_the_text(folder: Path) -> None:
-    with (folder / "table.csv").open() as file:
-        found = {row["align"]: float(row["mean"]) for row in csv.DictReader(file)}
-    assert list(found) == list(STEPS)
-    assert found == pytest.approx(STEPS, abs=1e-12)
+    differences = {row["align"]: float(row["mean"]) for row in table(folder / "table.csv")}
+    assert list(differences) == list(STEPS)
+    assert differences == pytest.approx(STEPS, abs=1e-12)
 
 
 def test_the_figure_has_a_panel_per_step_with_its_difference(folder: Path) -> None:

@@ -8,8 +8,6 @@ import html
 import io
 import math
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,19 +17,10 @@ import pytest
 
 from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
+from tests.studies import GRAPHS, Studies
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
-ROOT = Path(__file__).parents[1]
-GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
-SMALL = {
-    "alignment": ["--axis", "actor=0,1", "--only", "data=scans"],
-    "fill": ["--axis", "trial=0,1,2", "--only", "fill=guenter,lin_ouhyoung,muscle,cubic,ridge"],
-    "impulses": ["--axis", "trial=0,1,2"],
-    "marker_selection": ["--axis", "k=5,20,35", "--set", "runs=10"],
-    "spline_orders": ["--axis", "trial=0,1,2"],
-    "tracking": ["--axis", "trial=0,1,2", "--axis", "dropout=0.02,0.2"],
-}
 LABELS = {"component", "length", "ghosts", "dropout"}
 CLIPBOARD = """
 Object.defineProperty(navigator, 'clipboard', {
@@ -114,18 +103,10 @@ def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
         yield browser_tab
 
 
-@pytest.fixture(scope="module", params=GRAPHS, ids=lambda path: path.stem)
-def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=[path.stem for path in GRAPHS])
+def run(request: pytest.FixtureRequest, studies: Studies) -> Path:
     """The folder of a run of one shipped graph, on few trials."""
-    graph: Path = request.param
-    folder = tmp_path_factory.mktemp(graph.stem) / "run"
-    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(graph)]
-    words = ["--out", str(folder), "--store", str(folder.parent / "store")]
-    ended = subprocess.run(
-        [*command, *SMALL.get(graph.stem, []), *words], capture_output=True, text=True, check=False
-    )
-    assert ended.returncode == 0, ended.stderr
-    return folder
+    return studies.few(request.param)
 
 
 @pytest.fixture

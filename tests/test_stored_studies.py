@@ -14,38 +14,35 @@ from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-SMALL = ["--axis", "trial=0,1", "--axis", "length=5,45"]
-SOME = {
-    "alignment": ["--axis", "actor=0,1"],
-    "fill": SMALL,
-    "impulses": ["--axis", "trial=0,1"],
-    "marker_selection": ["--axis", "k=10,20,50", "--set", "runs=30"],
-    "spline_orders": ["--axis", "trial=0,1"],
-    "tracking": ["--axis", "trial=0,1"],
-}
+from tests.studies import FEW, GRAPHS, ROOT, Studies
+
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
+FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
+SMALL = ("--axis", "trial=0", "--axis", "length=45", "--only", FILLS)
 Again = Callable[..., dict[str, Any]]
 
 
 @pytest.fixture
 def again(tmp_path: Path) -> Again:
-    """Run a shipped graph with a copy of the plugins, and return its record."""
+    """Run the graph of fills with a copy of the plugins, and return its record."""
     plugins = tmp_path / "plugins"
     shutil.copytree(ROOT / "plugins", plugins)
     path = os.pathsep.join([str(plugins), str(ROOT)])
+    command = [sys.executable, "-m", "nodegraph.cli.main", "run", str(ROOT / "graphs/fill.yaml")]
 
-    def run(graph: str, *words: str) -> dict[str, Any]:
-        code = [sys.executable, "-m", "nodegraph.cli.main", "run", str(ROOT / "graphs" / graph)]
+    def run() -> dict[str, Any]:
         environment = {**os.environ, "PYTHONPATH": path}
         process = subprocess.run(
-            [*code, *words], env=environment, cwd=tmp_path, capture_output=True, check=False
+            [*command, *SMALL], env=environment, cwd=tmp_path, capture_output=True, check=False
         )
         assert process.returncode == 0, process.stderr.decode()
-        record_file = tmp_path / "runs" / Path(graph).stem / "run.json"
-        return dict(json.loads(record_file.read_text()))
+        return record(tmp_path / "runs" / "fill")
 
     return run
+
+
+def record(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / "run.json").read_text()))
 
 
 def edit(file: Path, old: str, new: str) -> None:
@@ -63,34 +60,33 @@ def computed(record: dict[str, Any]) -> set[str]:
     return {f"{step['node']} {step['labels'].get('fill', '')}".strip() for step in steps}
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "graphs").glob("*.yaml")))
-def test_a_second_run_computes_nothing(again: Again, tmp_path: Path, name: str) -> None:
-    some = SOME.get(name, [])
-    first = again(f"{name}.yaml", *some)
-    second = again(f"{name}.yaml", *some)
+@pytest.mark.parametrize("name", [path.stem for path in GRAPHS])
+def test_a_second_run_computes_nothing(studies: Studies, name: str) -> None:
+    earlier = studies.few(name)
+    later = studies.run(name, *FEW.get(name, ()))
+    first, second = record(earlier), record(later)
     states = Counter(step["state"] for step in second["steps"])
     assert second["counts"] == {**second["counts"], "done": 0, "failed": 0, "unneeded": 0}
-    assert second["counts"]["stored"] == states["done"] == first["counts"]["done"]
-    digests = [[step["digests"] for step in record["steps"]] for record in (first, second)]
+    assert second["counts"]["stored"] == states["done"]
+    assert states["done"] == first["counts"]["done"] + first["counts"]["stored"]
+    digests = [[step["digests"] for step in run["steps"]] for run in (first, second)]
     assert digests[0] == digests[1]
-    [earlier] = (tmp_path / "runs").glob(f"{name}-*")
     for path in earlier.rglob("*"):
         if path.suffix in (".csv", ".tex", ".svg"):
-            other = tmp_path / "runs" / name / path.relative_to(earlier)
-            assert other.read_bytes() == path.read_bytes(), path.name
+            assert (later / path.relative_to(earlier)).read_bytes() == path.read_bytes(), path.name
 
 
 def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(
     again: Again, tmp_path: Path
 ) -> None:
     fills = tmp_path / "plugins" / "nodegraph_fill"
-    everything = computed(again("fill.yaml", *SMALL))
+    everything = computed(again())
     assert {"capture", "gaps", "fill muscle", "error muscle", "table", "faces"} <= everything
     edit(fills / "stepwise.py", "from __future__", "# a remark\nfrom __future__")
     edit(fills / "muscle.py", "def muscle(", "# another\n\n\ndef muscle(")
-    assert computed(again("fill.yaml", *SMALL)) == set()
+    assert computed(again()) == set()
     helper = "reach = gaps.stop.max(initial=0) + 1", "reach = 1 + gaps.stop.max(initial=0)"
     edit(fills / "stepwise.py", *helper)
     changed = {f"{node} {name}" for node in ("fill", "error") for name in STEPWISE}
     readers = {"table", "ranks", "faces", "trajectories", "errors_on_the_face", "playback"}
-    assert computed(again("fill.yaml", *SMALL)) == {*changed, *readers}
+    assert computed(again()) == {*changed, *readers}

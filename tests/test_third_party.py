@@ -7,16 +7,14 @@ from __future__ import annotations
 
 import csv
 import subprocess
-import sys
 import tarfile
 import textwrap
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.environments import BIN, ROOT, build, one_wheel, run
+from tests.environments import ROOT, Environment, build, one_wheel, run
 
 HOLD = '''
 """Hold the last position over a gap."""
@@ -169,43 +167,25 @@ check_node(hold)
 """
 
 
-@pytest.fixture(scope="session")
-def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the wheel built from the tree."""
-    return build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel")
-
-
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def through_sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the sdist and the wheel built from it."""
     return build(ROOT, tmp_path_factory.mktemp("sdist"))
 
 
-@pytest.fixture(scope="session")
-def place(tmp_path_factory: pytest.TempPathFactory, wheels: Path) -> Path:
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory, wheel: Path) -> Environment:
     """A new environment in which our wheel and a third-party wheel are installed."""
     folder = tmp_path_factory.mktemp("third_party")
     modules = {"__init__": PLUGIN, "hold": HOLD, "sparkline": SPARKLINE}
-    third_party = build(write_plugin(folder, "lab", modules), wheels, "--wheel")
-    run(sys.executable, "-m", "venv", str(folder / "venv"))
-    run(*pip(folder), str(one_wheel(wheels, "nodegraph")), cwd=folder)
-    run(*pip(folder), str(one_wheel(third_party, "nodegraph_lab")), cwd=folder)
-    return folder
+    third_party = build(write_plugin(folder, "lab", modules), folder / "wheels", "--wheel")
+    place = Environment.create(folder)
+    place.install(wheel, one_wheel(third_party, "nodegraph_lab"))
+    return place
 
 
-@pytest.fixture
-def beside_a_broken_one(place: Path) -> Iterator[Path]:
-    """The same environment, with a plugin in it that does not import."""
-    source = write_plugin(place, "broken", {"__init__": "import a_library_that_is_not_there\n"})
-    wheel = one_wheel(build(source, place / "wheels", "--wheel"), "nodegraph_broken")
-    run(*pip(place), "--no-deps", str(wheel), cwd=place)
-    yield place
-    python = str(place / "venv" / BIN / "python")
-    run(python, "-m", "pip", "uninstall", "-q", "-y", "nodegraph-broken", cwd=place)
-
-
-def test_wheel_holds_the_packages_and_nothing_else(wheels: Path) -> None:
-    files = names(one_wheel(wheels, "nodegraph"))
+def test_wheel_holds_the_packages_and_nothing_else(wheel: Path) -> None:
+    files = names(wheel)
     top = {name.partition("/")[0] for name in files}
     packages = {folder.parent.name for folder in (ROOT / "plugins").glob("*/__init__.py")}
     assert {name for name in top if not name.endswith(".dist-info")} == {"nodegraph", *packages}
@@ -214,14 +194,14 @@ def test_wheel_holds_the_packages_and_nothing_else(wheels: Path) -> None:
     assert not [name for name in ours if "test_" in name or "__pycache__" in name]
 
 
-def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheels: Path, through_sdist: Path) -> None:
-    assert names(one_wheel(through_sdist, "nodegraph")) == names(one_wheel(wheels, "nodegraph"))
+def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheel: Path, through_sdist: Path) -> None:
+    assert names(one_wheel(through_sdist, "nodegraph")) == names(wheel)
     with tarfile.open(next(through_sdist.glob("*.tar.gz"))) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
     assert {"tests/test_third_party.py", "graphs/fill.yaml", "LICENSE"} <= inside
 
 
-def test_a_third_party_method_joins_the_comparison(place: Path, tmp_path: Path) -> None:
+def test_a_third_party_method_joins_the_comparison(place: Environment, tmp_path: Path) -> None:
     listed = nodegraph(place, "nodes", "fill", cwd=tmp_path)
     assert "fill.hold" in listed.stdout
     assert "Repeat the last measured position over each gap." in listed.stdout
@@ -237,11 +217,11 @@ def test_a_third_party_method_joins_the_comparison(place: Path, tmp_path: Path) 
     assert float(rows[0]["mean"]) > 0.0
     assert "Standing still" in (tmp_path / "runs" / "fill" / "report.html").read_text("utf-8")
 
-    run(str(place / "venv" / BIN / "python"), "-c", CHECK, cwd=tmp_path)
+    run(str(place.python), "-c", CHECK, cwd=tmp_path)
 
 
 def test_a_third_party_figure_executor_and_command_work_like_ours(
-    place: Path, tmp_path: Path
+    place: Environment, tmp_path: Path
 ) -> None:
     (tmp_path / "heights.yaml").write_text(GRAPH)
     out = nodegraph(place, "run", "heights.yaml", "--executor", "one-by-one", cwd=tmp_path).stdout
@@ -254,7 +234,7 @@ def test_a_third_party_figure_executor_and_command_work_like_ours(
     assert "Count the markers" in nodegraph(place, "help", cwd=tmp_path).stdout
 
 
-def test_a_third_party_format_is_read_like_ours(place: Path, tmp_path: Path) -> None:
+def test_a_third_party_format_is_read_like_ours(place: Environment, tmp_path: Path) -> None:
     (tmp_path / "take.lab").write_text("1 2 3\n4 5 6\n")
     (tmp_path / "read.yaml").write_text(
         "nodegraph: 1\ntitle: Lab\nnodes:\n  take: {use: read.recording, with: {path: take.lab}}\n"
@@ -266,34 +246,40 @@ def test_a_third_party_format_is_read_like_ours(place: Path, tmp_path: Path) -> 
 
 
 def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(
-    beside_a_broken_one: Path, tmp_path: Path
+    place: Environment, tmp_path: Path
 ) -> None:
-    listed = nodegraph(beside_a_broken_one, "nodes", "fill", cwd=tmp_path)
+    source = write_plugin(tmp_path, "broken", {"__init__": "import a_library_that_is_not_there\n"})
+    place.install(one_wheel(build(source, tmp_path, "--wheel"), "nodegraph_broken"))
+    try:
+        listed = nodegraph(place, "nodes", "fill", cwd=tmp_path)
+    finally:
+        place.uninstall("nodegraph-broken")
     assert "plugin 'broken' is left out" in listed.stderr
     assert "a_library_that_is_not_there" in listed.stderr
     assert {"fill.hold", "fill.muscle"} <= set(listed.stdout.split())
 
 
-def test_a_new_plugin_is_installed_and_passes_its_own_tests(place: Path, tmp_path: Path) -> None:
+def test_a_new_plugin_is_installed_and_passes_its_own_tests(
+    place: Environment, tmp_path: Path
+) -> None:
     nodegraph(place, "new", "plugin", "hold_on", cwd=tmp_path)
     source = tmp_path / "hold_on"
     wheel = one_wheel(build(source, tmp_path / "wheels", "--wheel"), "hold_on")
     assert {"hold_on/references.bib", "hold_on/graphs/hold_on.yaml"} <= set(names(wheel))
-    run(*pip(place), "-e", ".[test]", cwd=source)
+    place.install("-e", source)
     (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = --of-a-folder-above\n")
-    python = str(place / "venv" / BIN / "python")
     try:
         shown = nodegraph(place, "show", "fill.hold_on", cwd=tmp_path).stdout
         assert "Whatever the method is published in" in shown
         nodegraph(place, "examples", "hold_on", cwd=tmp_path)
         nodegraph(place, "run", "hold_on.yaml", "--axis", "trial=0", cwd=tmp_path)
-        result = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=source)
+        result = run(str(place.python), "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=source)
         assert "3 passed" in result.stdout
         method = source / "hold_on" / "method.py"
         method.write_text(method.read_text("utf-8").replace("Repeat each", "Say again each"))
         assert "Say again each" in nodegraph(place, "nodes", "fill", cwd=tmp_path).stdout
     finally:
-        run(python, "-m", "pip", "uninstall", "-q", "-y", "hold_on", cwd=place)
+        place.uninstall("hold_on")
 
 
 def write_plugin(folder: Path, name: str, modules: dict[str, str]) -> Path:
@@ -325,10 +311,5 @@ def names(wheel: Path) -> list[str]:
         return sorted(archive.namelist())
 
 
-def pip(place: Path) -> tuple[str, ...]:
-    python = str(place / "venv" / BIN / "python")
-    return (python, "-m", "pip", "install", "-q", "--disable-pip-version-check")
-
-
-def nodegraph(place: Path, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return run(str(place / "venv" / BIN / "nodegraph"), *words, cwd=cwd)
+def nodegraph(place: Environment, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return run(str(place.python.with_name("nodegraph")), *words, cwd=cwd)

@@ -2,52 +2,30 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-DATA = ROOT.parent / "shared" / "data"
-GRAPH = ROOT / "graphs" / "tracking.yaml"
+from tests.studies import DATA, ROOT, Studies, command, needs_recordings, table
+
+GRAPH = str(ROOT / "graphs" / "tracking.yaml")
 TRACKERS = {"assignment", "nearest", "neighbours"}
-
-needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
-
-
-def nodegraph(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "nodegraph.cli.main", *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert "Traceback" not in done.stderr
-    return done
-
-
-def run(folder: Path, *words: str) -> Path:
-    done = nodegraph("run", str(GRAPH), *words, folder=folder)
-    assert done.returncode == 0, done.stderr
-    return folder / "runs" / "tracking"
-
-
-def rows_of(folder: Path) -> list[dict[str, str]]:
-    with (folder / "table.csv").open() as file:
-        return list(csv.DictReader(file))
+FEW = ("--axis", "trial=0,1", "--only", "dropout=0.02,0.1")
 
 
 def wrong_of(folder: Path) -> dict[tuple[str, float, float], float]:
     """Return wrong links among 1000, by tracker, drop-out and ghosts."""
     return {
         (row["tracks"], float(row["dropout"]), float(row["ghosts"])): float(row["mean"])
-        for row in rows_of(folder)
+        for row in table(folder / "table.csv")
     }
 
 
 @pytest.fixture(scope="module")
-def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built_in(studies: Studies) -> Path:
     """A run on built-in data, with three of the trials."""
-    return run(tmp_path_factory.mktemp("walk"), "--axis", "trial=0,1,2")
+    return studies.few("tracking")
 
 
 def test_the_table_has_every_tracker_at_every_rate(built_in: Path) -> None:
@@ -58,7 +36,7 @@ def test_the_table_has_every_tracker_at_every_rate(built_in: Path) -> None:
         for ghosts in (0.0, 0.05)
     }
     assert expected <= wrong_of(built_in).keys()
-    assert {row["blocks"] for row in rows_of(built_in)} == {"3"}
+    assert {row["blocks"] for row in table(built_in / "table.csv")} == {"3"}
 
 
 def test_nearly_every_link_is_right(built_in: Path) -> None:
@@ -91,28 +69,28 @@ def test_all_trackers_get_the_same_points(built_in: Path) -> None:
 
 
 def test_the_graph_checks_and_is_drawn(tmp_path: Path) -> None:
-    assert nodegraph("check", str(GRAPH), folder=tmp_path).returncode == 0
-    drawn = nodegraph("draw", str(GRAPH), folder=tmp_path)
-    assert drawn.returncode == 0
-    assert ">neighbours<" in drawn.stdout
+    assert command("check", GRAPH, folder=tmp_path).status == 0
+    drawn = command("draw", GRAPH, folder=tmp_path)
+    assert drawn.status == 0
+    assert ">neighbours<" in drawn.out
 
 
 @needs_recordings
 @pytest.mark.parametrize("name", ["jaw", "cheeks"])
-def test_a_face_that_holds_still_is_tracked_without_a_wrong_link(name: str, tmp_path: Path) -> None:
+def test_a_face_that_holds_still_is_tracked_without_a_wrong_link(
+    studies: Studies, name: str
+) -> None:
     take = DATA / "animface" / f"{name}.c3d"
-    words = ("--set", f"recording={take}", "--axis", "trial=0,1", "--only", "dropout=0.02,0.1")
-    wrong = wrong_of(run(tmp_path, *words))
+    wrong = wrong_of(studies.run("tracking", "--set", f"recording={take}", *FEW))
     assert len(wrong) == 12
     assert all(value == 0.0 for key, value in wrong.items() if key[0] != "nearest")
     assert all(value < 0.1 for value in wrong.values())
 
 
 @needs_recordings
-def test_neighbours_follow_a_head_that_moves_fast(tmp_path: Path) -> None:
+def test_neighbours_follow_a_head_that_moves_fast(studies: Studies) -> None:
     take = DATA / "facecap" / "take001.c3d"
-    words = ("--set", f"recording={take}", "--axis", "trial=0,1", "--only", "dropout=0.02,0.1")
-    wrong = wrong_of(run(tmp_path, *words))
+    wrong = wrong_of(studies.run("tracking", "--set", f"recording={take}", *FEW))
     for dropout, ghosts in ((0.02, 0.0), (0.02, 0.05), (0.1, 0.0), (0.1, 0.05)):
         ours = wrong["neighbours", dropout, ghosts]
         assert 4.0 * ours < wrong["assignment", dropout, ghosts]

@@ -6,8 +6,6 @@ memory, as far as an archive uses them; a term that is not listed fails.
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -16,12 +14,14 @@ import pytest
 from rocrate_validator import models, services
 from rocrate_validator.utils import http
 
+from tests.studies import ROOT, command
+
 # warnings of the validator's libraries
 pytestmark = pytest.mark.filterwarnings(
     "ignore::DeprecationWarning:rdflib", "ignore::DeprecationWarning:pyshacl"
 )
 
-GRAPH = Path(__file__).parents[3] / "graphs" / "procrustes_example.yaml"
+GRAPH = ROOT / "graphs" / "procrustes_example.yaml"
 PROFILES = ("process-run-crate-0.5", "workflow-ro-crate-1.0", "workflow-run-crate-0.5")
 SCHEMA = (
     *("ComputerLanguage", "CreateAction", "CreativeWork", "Dataset", "PropertyValue"),
@@ -70,9 +70,9 @@ def _vocabularies(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def crate(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("crate")
-    for words in (["run", str(GRAPH), "--store", "store", "--out", "ran"], ["archive", "ran"]):
-        command = [sys.executable, "-m", "nodegraph.cli.main", *words]
-        subprocess.run(command, cwd=folder, capture_output=True, check=True)
+    for words in (("run", str(GRAPH), "--out", "ran"), ("archive", "ran")):
+        ended = command(*words, folder=folder)
+        assert ended.status == 0, ended.err
     with zipfile.ZipFile(folder / "ran.zip") as file:
         file.extractall(folder / "crate")
     return folder / "crate"

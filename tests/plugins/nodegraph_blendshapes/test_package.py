@@ -1,9 +1,7 @@
-"""What importing the nodes costs, what they say when they are used together, and in a graph."""
+"""What nodes of the package say when they are used together, and in a graph."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -43,21 +41,6 @@ Timecode,BlendShapeCount,JawOpen,MouthSmileLeft,MouthSmileRight
 00:00:00:03.000,3,0.5,0.75,1
 00:00:00:04.000,3,0.25,1,0
 """
-
-
-def test_importing_the_nodes_loads_nothing_heavy() -> None:
-    code = (
-        "import sys, nodegraph_blendshapes; list(nodegraph_blendshapes.nodegraph_nodes());"
-        "print([name for name in ('numba', 'scipy', 'pandas') if name in sys.modules])"
-    )
-    path = [entry for entry in sys.path if entry]
-    done = subprocess.run(
-        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}; {code}"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.strip() == "[]"
 
 
 def test_nodes_that_build_from_a_recording_are_alternatives_of_one_another() -> None:

@@ -1,10 +1,7 @@
-"""What every smoothing of this package does, and what importing it costs."""
+"""What every smoothing of this package does."""
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -18,7 +15,7 @@ from numpy.typing import NDArray
 from nodegraph import Refusal
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Trajectories
-from nodegraph_smooth import nodegraph_bibtex, nodegraph_nodes
+from nodegraph_smooth import nodegraph_nodes
 
 Positions = NDArray[np.float64]
 NODES = {function.__name__: function for function in nodegraph_nodes()}
@@ -39,20 +36,6 @@ def changed(name: str, factors: Mapping[str, float]) -> dict[str, Any]:
         key: factors[key] * value if key in factors else value
         for key, value in defaults(name).items()
     }
-
-
-def test_every_smoothing_runs_by_its_defaults_and_cites_what_is_shipped() -> None:
-    shipped = set(re.findall(r"^@\w+\{(\w+),", nodegraph_bibtex(), flags=re.MULTILINE))
-    cited: set[str] = set()
-    for function in NODES.values():
-        smooth = node_of(function)
-        assert smooth is not None
-        assert [port.name for port in smooth.inputs] == ["recording"]
-        assert len(smooth.outputs) == 1
-        assert not [setting.name for setting in smooth.settings.values() if setting.required]
-        assert "Looks ahead" in smooth.doc
-        cited |= set(smooth.cite)
-    assert cited == shipped
 
 
 @EVERY
@@ -172,18 +155,3 @@ def test_takes_of_any_length_are_smoothed_or_refused(
         assert smoothed.frames == frames
         assert smoothed.present.all()
     assert not message or message.endswith(f"the longest run of present samples has {frames}")
-
-
-def test_importing_the_nodes_loads_nothing_heavy() -> None:
-    code = (
-        "import sys, nodegraph_smooth; list(nodegraph_smooth.nodegraph_nodes());"
-        "print([name for name in ('numba', 'scipy', 'pandas') if name in sys.modules])"
-    )
-    path = [entry for entry in sys.path if entry]
-    done = subprocess.run(
-        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}; {code}"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.strip() == "[]"

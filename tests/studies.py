@@ -1,0 +1,92 @@
+"""Runs of the shipped graphs in this process, which share a store: equal steps run once."""
+
+from __future__ import annotations
+
+import csv
+import io
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from nodegraph.cli.main import main
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT.parent / "shared" / "data"
+GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
+FEW = {
+    "alignment": ("--axis", "actor=0,1"),
+    "fill": ("--axis", "trial=0,1", "--only", "length=5,45"),
+    "impulses": ("--axis", "trial=[0, 1, 8]"),
+    "marker_selection": ("--axis", "k=10,20,35,50", "--set", "runs=30"),
+    "spline_orders": ("--axis", "trial=0,1,2"),
+    "tracking": ("--axis", "trial=0,1,2"),
+}
+"""A few combinations of each graph that takes longer."""
+
+needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+
+
+@dataclass(frozen=True)
+class Ended:
+    """The exit status of a command, and what it printed."""
+
+    status: int
+    out: str
+    err: str
+
+
+def command(*words: str, folder: Path) -> Ended:
+    """Give a command in a folder."""
+    out, err = io.StringIO(), io.StringIO()
+    with chdir(folder), redirect_stdout(out), redirect_stderr(err):
+        try:
+            status = main(list(words))
+        except SystemExit as stop:
+            status = int(stop.code or 0)
+    assert "internal error" not in err.getvalue()
+    return Ended(status, out.getvalue(), err.getvalue())
+
+
+class Studies:
+    """Runs graphs with one store.
+
+    Parameters
+    ----------
+    tmp_path_factory
+    store
+    """
+
+    def __init__(self, tmp_path_factory: pytest.TempPathFactory, store: Path) -> None:
+        self._tmp_path_factory = tmp_path_factory
+        self._few: dict[str, Path] = {}
+        self.store = store
+
+    def command(self, *words: str, folder: Path) -> Ended:
+        """Give a command that has a store."""
+        return command(*words, "--store", str(self.store), folder=folder)
+
+    def run(self, graph: Path | str, *words: str, folder: Path | None = None) -> Path:
+        """Run a graph, or a shipped one by its name; return the folder of the run.
+
+        The folder has what was printed in ``printed.txt``.
+        """
+        path = graph if isinstance(graph, Path) else ROOT / "graphs" / f"{graph}.yaml"
+        folder = folder or self._tmp_path_factory.mktemp(path.stem)
+        ended = self.command("run", str(path), *words, "--out", "made", folder=folder)
+        assert ended.status == 0, ended.err
+        (folder / "made" / "printed.txt").write_text(ended.out)
+        return folder / "made"
+
+    def few(self, name: str) -> Path:
+        """Return the folder of a run of a few combinations of a shipped graph; do not change it."""
+        if name not in self._few:
+            self._few[name] = self.run(name, *FEW.get(name, ()))
+        return self._few[name]
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a file of comma-separated values."""
+    with path.open() as file:
+        return list(csv.DictReader(file))
