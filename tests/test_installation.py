@@ -28,7 +28,9 @@ def place(tmp_path: Path) -> Environment:
 
 def check_all_is_there(place: Environment) -> None:
     """Check that nodes and example graphs are listed."""
-    assert {"fill.muscle", "fill.kalman"} <= set(place.run("nodegraph", "nodes", "fill").split())
+    assert {"fill.muscle", "fill.subspace_kalman"} <= set(
+        place.run("nodegraph", "nodes", "fill").split()
+    )
     assert "fill" in place.run("nodegraph", "examples").split()
 
 

@@ -16,7 +16,6 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_fill.bilinear import bilinear
     from nodegraph_fill.cubic import cubic
     from nodegraph_fill.guenter import guenter
-    from nodegraph_fill.kalman import kalman
     from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
     from nodegraph_fill.linear import linear
     from nodegraph_fill.muscle import muscle
@@ -28,6 +27,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_fill.ridge import ridge
     from nodegraph_fill.rigid import rigid
     from nodegraph_fill.soft_impute import soft_impute
+    from nodegraph_fill.subspace_kalman import subspace_kalman
     from nodegraph_fill.waters import waters
 
     return (
@@ -35,7 +35,6 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
         bilinear,
         cubic,
         guenter,
-        kalman,
         lin_ouhyoung,
         linear,
         muscle,
@@ -47,6 +46,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
         ridge,
         rigid,
         soft_impute,
+        subspace_kalman,
         waters,
     )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from nodegraph import node
 from nodegraph_fill.along_time import bridge, on_curves
 from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 
 
 @node("fill.akima", cite="akima1970", lookahead=None, ends=True)
-def akima(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
+def akima(
+    recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
+) -> Trajectories:
     """Fill gaps with a curve of local slopes that hardly overshoots (Akima, 1970).
 
     The curve goes through every present sample of the marker; its slope there is a mean of those
@@ -35,6 +38,8 @@ def akima(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     ----------
     recording
         Trajectories with gaps.
+    ends
+        No matter: the fill meets both ends by itself.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -44,7 +49,7 @@ def akima(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    return bridge(recording, max_gap, _between)
+    return bridge(recording, ends, max_gap, _between)
 
 
 def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:

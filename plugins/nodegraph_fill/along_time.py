@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph_fill.meet_ends import Ends, check_ends
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 def bridge(
     recording: Trajectories,
+    ends: Ends,
     max_gap: int | None,
     between: Callable[[Trajectories, Gaps], NDArray[np.float64]],
     *,
@@ -34,6 +36,8 @@ def bridge(
     ----------
     recording
         Trajectories with gaps.
+    ends
+        The setting: a curve through both ends meets them whatever it is.
     max_gap
         Longer gaps stay missing.
     between
@@ -42,6 +46,7 @@ def bridge(
     otherwise
         Why it has none.
     """
+    check_ends(ends)
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
     bridged = gaps.subset(gaps.inner & ~long)

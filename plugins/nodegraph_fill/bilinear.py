@@ -13,6 +13,7 @@ from pydantic import Field
 from nodegraph import Refusal, Unit, node
 from nodegraph_fill.gaps import Gaps, MaxGap
 from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
 
@@ -37,14 +38,14 @@ _SLIGHT = 1e-9
         "small weight on straight lines decides what the model leaves open"
     ),
     lookahead=None,
-    ends=lambda settings: settings["bend"],
+    ends=are_met,
 )
 def bilinear(
     recording: Trajectories,
     *,
     cutoff: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("Hz")] = 6.0,
     variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
-    bend: bool = True,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps by a bilinear spatiotemporal basis (Akhter, Simon, Khan, Matthews & Sheikh, 2012).
@@ -64,9 +65,6 @@ def bilinear(
     from training takes. No frame need be complete. The take is treated as a whole, however
     long: its cosines are many, but never written down.
 
-    With `bend`, the straight line through the mismatches at a gap's two ends is taken off;
-    where it has one end only, that end's mismatch.
-
     A marker that is never measured stays missing, counted in a warning. Samples that are
     present come out as they went in; those that an earlier fill has made count like measured
     ones. Does not depend on where the origin lies, how the axes are turned, or the unit. The
@@ -83,8 +81,10 @@ def bilinear(
         the shape's components is lost.
     variance
         Share of the variance that the components of the shape keep.
-    bend
-        Whether the estimate is bent to meet the gap's ends.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -114,7 +114,7 @@ def bilinear(
         completed = _completed(basis, straight, matrix.missing)
         return Estimate(matrix.positions(basis.nearest(completed) + shape.middle))
 
-    return fill_from(recording, max_gap, model, bend=bend)
+    return fill_from(recording, max_gap, model, ends=ends)
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from nodegraph import Tried
+from nodegraph_fill.gaps import Gaps
 from nodegraph_mocap import Origin, Trajectories, promises
+
+_LONG_ENOUGH = 4
+"""Frames of a gap that may be crossed in steps of less than half the distance of its ends."""
 
 _HOW_TO_MARK = "return recording.with_samples(positions, changed=written, origin=Origin.FILLED)"
 
@@ -33,6 +38,27 @@ def written_samples_are_marked(tried: Tried) -> Iterator[str]:
             yield f"{promises.spots(before, renamed)} not written but marked anew: {_HOW_TO_MARK}"
 
 
+def meets_the_ends_as_declared(tried: Tried) -> Iterator[str]:
+    """Meet the samples at both ends of a gap, however far apart, if the node declares that."""
+    if not tried.meets_ends:
+        return
+    for recording, output in promises.before_and_after(tried):
+        for marker, start, stop in _gaps_with_ends(recording, output):
+            positions = recording.positions.copy()
+            positions[stop:, marker] += promises.SHIFT
+            again = promises.output_again(tried, replace(recording, positions=positions))
+            if again is None:
+                continue
+            path = again.positions[start - 1 : stop + 1, marker]
+            steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+            if max(steps[0], steps[-1]) > 0.5 * np.linalg.norm(promises.SHIFT):
+                yield (
+                    f"frames {start} to {stop - 1}, marker {recording.markers[marker]!r}: jumps "
+                    f"by {steps[0]:.3g} mm into the gap and by {steps[-1]:.3g} mm out of it where "
+                    f"its ends are {np.linalg.norm(path[-1] - path[0]):.3g} mm apart"
+                )
+
+
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Fill markers in another order alike, where no tie and no choice depends on it."""
     if not any(_order_matters(before) for before, _ in promises.before_and_after(tried)):
@@ -43,6 +69,7 @@ CONTRACTS = (
     promises.takes_and_gives_a_recording,
     present_samples_stay,
     written_samples_are_marked,
+    meets_the_ends_as_declared,
     promises.gives_millimetres,
     promises.looks_ahead_as_declared,
     promises.moves_with_the_face,
@@ -50,6 +77,18 @@ CONTRACTS = (
     promises.scales_with_the_face,
     does_not_depend_on_the_order_of_markers,
 )
+
+
+def _gaps_with_ends(
+    recording: Trajectories, output: Trajectories
+) -> Iterator[tuple[int, int, int]]:
+    """Yield marker, start and stop of the longest gap between samples that is filled, if any."""
+    gaps = Gaps.of(recording)
+    gaps = gaps.subset(gaps.inner & (gaps.length >= _LONG_ENOUGH))
+    for gap in np.argsort(-gaps.length, kind="stable")[:1]:
+        marker, start, stop = int(gaps.marker[gap]), int(gaps.start[gap]), int(gaps.stop[gap])
+        if output.present[start:stop, marker].all():
+            yield marker, start, stop
 
 
 def _order_matters(recording: Trajectories) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from nodegraph import node
 from nodegraph_fill.along_time import bridge, on_curves
 from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 
 
 @node("fill.cubic", cite="deboor1978", lookahead=None, ends=True)
-def cubic(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
+def cubic(
+    recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
+) -> Trajectories:
     """Fill gaps with a cubic spline through all samples of the marker (de Boor).
 
     The spline goes through every present sample of the marker, in and after each gap with
@@ -34,6 +37,8 @@ def cubic(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     ----------
     recording
         Trajectories with gaps.
+    ends
+        No matter: the fill meets both ends by itself.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -43,7 +48,7 @@ def cubic(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    return bridge(recording, max_gap, _between)
+    return bridge(recording, ends, max_gap, _between)
 
 
 def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:

@@ -88,6 +88,19 @@ class Gaps:
         """(G,), True where the marker is measured before and after the gap."""
         return np.asarray((self.start > 0) & (self.stop < self.shape[0]))
 
+    def beside(
+        self, positions: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return what positions (T, M, 3) have before and after each gap, (G, 3) each.
+
+        It is NaN beyond the take.
+        """
+        frame = np.stack([self.start - 1, self.stop])
+        within = (frame >= 0) & (frame < self.shape[0])
+        there = positions[np.where(within, frame, 0), self.marker]
+        before, after = np.where(within[..., None], there, np.nan)
+        return before, after
+
     def longer_than(self, frames: int | None) -> NDArray[np.bool_]:
         """(G,), True where the gap is longer; nowhere when there is no limit."""
         return np.zeros(len(self.start), dtype=np.bool_) if frames is None else self.length > frames

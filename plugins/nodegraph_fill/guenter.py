@@ -8,11 +8,12 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
+from nodegraph_fill.meet_ends import Ends
+from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.guenter", cite=("guenter1998", "zhang_scattered"), lookahead=lookahead, ends=ends)
+@node("fill.guenter", cite=("guenter1998", "zhang_scattered"), lookahead=lookahead, ends=meets_ends)
 def guenter(
     recording: Trajectories,
     *,
@@ -20,6 +21,7 @@ def guenter(
     ring: Annotated[int, Field(ge=1)] = 8,
     use_filled: bool = True,
     close_gap: CloseGap = "none",
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps with the mean displacement of the nearest neighbours (Guenter et al. 1998).
@@ -36,8 +38,8 @@ def guenter(
     no usable neighbour stays missing, as does the rest of that gap, counted in a warning.
     Samples that are present come out bit for bit; those an earlier fill made count as filled.
 
-    Looks ahead 0 frames, but for gaps at the start of the take, and up to the gap's end with
-    `close_gap` ramp or blend.
+    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
+    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
 
     Parameters
     ----------
@@ -53,6 +55,9 @@ def guenter(
         none: a jump stays where the marker reappears. ramp: that sample is predicted too and
         its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
         forward and a backward pass, cross-faded linearly; where one is missing, the other.
+    ends
+        met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
+        `close_gap` already sees to it. as_published: as `close_gap` has it.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -63,4 +68,4 @@ def guenter(
         The recording with filled samples, their origin `Origin.FILLED`.
     """
     rule = Rule(weights="mean", neighbours=neighbours, use_filled=use_filled, ring=ring)
-    return fill_stepwise(recording, rule, close_gap=close_gap, max_gap=max_gap)
+    return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

@@ -9,8 +9,9 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.one_ring import one_ring
-from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
+from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
 from nodegraph_mocap import Trajectories
 
 
@@ -27,7 +28,7 @@ def _lookahead(settings: Mapping[str, Any]) -> int | None:
         "be checked"
     ),
     lookahead=_lookahead,
-    ends=ends,
+    ends=meets_ends,
 )
 def lin_ouhyoung(
     recording: Trajectories,
@@ -35,6 +36,7 @@ def lin_ouhyoung(
     neighbours: Annotated[int, Field(ge=1)] | Literal["one_ring"] = 8,
     use_filled: bool = True,
     close_gap: CloseGap = "none",
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps with a cosine-weighted mean of many neighbours' displacements (Lin & Ouhyoung).
@@ -50,8 +52,9 @@ def lin_ouhyoung(
     as does the rest of that gap, counted in a warning. Samples that are present come out bit
     for bit; those an earlier fill made count as filled.
 
-    Looks ahead 0 frames, but for gaps at the start of the take, and up to the gap's end with
-    `close_gap` ramp or blend. The one ring is found once, in the most complete frame.
+    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
+    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
+    The one ring is found once, in the most complete frame of the take.
 
     Parameters
     ----------
@@ -68,6 +71,9 @@ def lin_ouhyoung(
         none: a jump stays where the marker reappears. ramp: that sample is predicted too and
         its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
         forward and a backward pass, cross-faded linearly; where one is missing, the other.
+    ends
+        met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
+        `close_gap` already sees to it. as_published: as `close_gap` has it.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -83,4 +89,4 @@ def lin_ouhyoung(
         rule = Rule(weights="cosine", neighbours=count, use_filled=use_filled, allowed=allowed)
     else:
         rule = Rule(weights="cosine", neighbours=neighbours, use_filled=use_filled)
-    return fill_stepwise(recording, rule, close_gap=close_gap, max_gap=max_gap)
+    return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

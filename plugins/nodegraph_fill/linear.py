@@ -9,6 +9,7 @@ import numpy as np
 from nodegraph import node
 from nodegraph_fill.along_time import bridge
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 
 
 @node("fill.linear", lookahead=to_gap_end, ends=True)
-def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
+def linear(
+    recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
+) -> Trajectories:
     """Fill each gap with a straight line between its two ends.
 
     A gap of L frames after frame a, ended by frame b = a + L + 1, gets at its j-th frame
@@ -31,6 +34,8 @@ def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     ----------
     recording
         Trajectories with gaps.
+    ends
+        No matter: the fill meets both ends by itself.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -40,7 +45,7 @@ def linear(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    return bridge(recording, max_gap, _straight)
+    return bridge(recording, ends, max_gap, _straight)
 
 
 def _straight(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:

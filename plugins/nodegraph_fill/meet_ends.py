@@ -1,8 +1,9 @@
-"""Bend what a model makes of a gap so that it meets the samples at the gap's ends."""
+"""The setting that the fills share: whether a filled gap meets the samples at its ends."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -10,49 +11,47 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_fill.gaps import Gaps
-    from nodegraph_mocap import Trajectories
+
+Ends = Literal["as_published", "met"]
+"""The setting ``ends``. ``as_published``: the method's own estimate. ``met``: the mismatch at each
+end of a gap is spread linearly over the gap; see `meet_ends`.
+"""
+
+
+def check_ends(ends: Ends) -> None:
+    """Raise `ValueError` unless it is one of the choices."""
+    if ends not in get_args(Ends):
+        raise ValueError(f"ends must be {' or '.join(get_args(Ends))}, got {ends!r}")
+
+
+def are_met(settings: Mapping[str, Any]) -> bool:
+    """Return whether a fill that does not meet the ends by itself meets them."""
+    return bool(settings["ends"] == "met")
 
 
 def meet_ends(
-    recording: Trajectories, gaps: Gaps, estimate: NDArray[np.float64]
+    gaps: Gaps,
+    estimate: NDArray[np.float64],
+    before: NDArray[np.float64],
+    after: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return the estimate of the gaps' samples, moved to meet each gap's ends.
 
-    The mismatches at the two ends, present minus estimated, are spread over the gap along a
-    straight line. A gap with one end is moved by that end's mismatch as a whole, and one whose
-    ends have no estimate stays as it is.
+    At the j-th of a gap's L frames it is moved by ``b (1 - s) + a s``, with s = j / (L + 1) and b
+    and a the mismatches, present minus estimated, before and after the gap: each is taken whole
+    at its own end and fades to nothing at the other. An end that lies beyond the take, or has no
+    estimate, has no mismatch.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     gaps
         Those that were filled.
-    estimate
-        (T, M, 3) mm, NaN where there is none.
-
-    Returns
-    -------
-    (S, 3) array of float64
+    estimate : (S, 3) array of float64
         Millimetres, in the order of `Gaps.samples`.
+    before, after : (G, 3) arrays of float64
+        The mismatches, mm; NaN where there is none.
     """
-    gap, frame, marker, share = gaps.samples
-    first = _mismatch(recording, estimate, gaps.start - 1, gaps.marker)
-    last = _mismatch(recording, estimate, gaps.stop, gaps.marker)
-    first, last = np.where(np.isnan(first), last, first), np.where(np.isnan(last), first, last)
-    bend = np.nan_to_num(first)[gap] * (1.0 - share)[:, None]
-    bend += np.nan_to_num(last)[gap] * share[:, None]
-    return np.asarray(estimate[frame, marker] + bend)
-
-
-def _mismatch(
-    recording: Trajectories,
-    estimate: NDArray[np.float64],
-    frame: NDArray[np.intp],
-    marker: NDArray[np.intp],
-) -> NDArray[np.float64]:
-    """Return what is present minus what is estimated, (G, 3); NaN beyond the take."""
-    inside = (frame >= 0) & (frame < recording.frames)
-    there = np.where(inside, frame, 0)
-    apart = recording.positions[there, marker] - estimate[there, marker]
-    return np.where(inside[:, None], apart, np.nan)
+    gap, _, _, share = gaps.samples
+    shift = np.nan_to_num(before)[gap] * (1.0 - share)[:, None]
+    shift += np.nan_to_num(after)[gap] * share[:, None]
+    return np.asarray(estimate + shift)

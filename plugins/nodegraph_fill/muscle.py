@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
+from nodegraph_fill.meet_ends import Ends
+from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.muscle", cite="zhang_scattered", lookahead=lookahead, ends=ends)
+@node("fill.muscle", cite="zhang_scattered", lookahead=lookahead, ends=meets_ends)
 def muscle(
     recording: Trajectories,
     *,
     normalize: bool = False,
     use_filled: bool = True,
     close_gap: CloseGap = "none",
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps with the weighted motion of the three nearest neighbours (Zhang et al.).
@@ -33,8 +35,8 @@ def muscle(
     as does the rest of that gap, counted in a warning. Samples that are present come out bit
     for bit; those an earlier fill made count as filled.
 
-    Looks ahead 0 frames, but for gaps at the start of the take, and up to the gap's end with
-    `close_gap` ramp or blend.
+    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
+    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
 
     Parameters
     ----------
@@ -48,6 +50,9 @@ def muscle(
         none: a jump stays where the marker reappears. ramp: that sample is predicted too and
         its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
         forward and a backward pass, cross-faded linearly; where one is missing, the other.
+    ends
+        met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
+        `close_gap` already sees to it. as_published: as `close_gap` has it.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -59,4 +64,4 @@ def muscle(
     """
     weights = "muscle_normalized" if normalize else "muscle"
     rule = Rule(weights=weights, neighbours=3, use_filled=use_filled)
-    return fill_stepwise(recording, rule, close_gap=close_gap, max_gap=max_gap)
+    return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -9,8 +10,9 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, fill_from
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,12 +26,13 @@ _MOST_FRAMES = 4000
     cite="troyanskaya2001",
     adapted="from Troyanskaya et al. 2001: frames take the place of genes",
     lookahead=None,
-    ends=False,
+    ends=are_met,
 )
 def nearest_frames(
     recording: Trajectories,
     *,
     frames: Annotated[int, Field(ge=1)] = 5,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill a sample with the marker's mean position in the most similar frames (Troyanskaya).
@@ -39,6 +42,9 @@ def nearest_frames(
     distance of two frames is the root of ``sum |P[t, i] - P[s, i]|^2`` over the markers that
     both have, made up for those that they lack; no frame need be complete. Of takes longer than
     4,000 frames, so many are chosen among, evenly spread.
+
+    For `ends` met, the samples beside all gaps are hidden and filled in the same way, which takes
+    as long again: a frame is most like itself.
 
     Where a marker is never measured, it stays missing, counted in a warning. Samples that are
     present come out as they went in; those that an earlier fill has made count like measured
@@ -52,6 +58,10 @@ def nearest_frames(
         Trajectories with gaps.
     frames
         How many frames are averaged, fewer where there are fewer.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -63,9 +73,20 @@ def nearest_frames(
     """
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        return Estimate(_imputed(recording, frames))
+        estimate = Estimate(_imputed(recording, frames))
+        if ends == "as_published":
+            return estimate
+        # a frame is most like itself: hide what is to be estimated there
+        positions = recording.positions.copy()
+        for frame in (gaps.start - 1, gaps.stop):
+            within = (frame >= 0) & (frame < recording.frames)
+            positions[frame[within], gaps.marker[within]] = np.nan
+        origin = np.where(np.isnan(positions[..., 0]), Origin.MISSING, recording.origin)
+        hidden = replace(recording, positions=positions, origin=origin, sigma=None)
+        beside = _imputed(hidden, frames)
+        return replace(estimate, ends=gaps.beside(beside))
 
-    return fill_from(recording, max_gap, model, bend=False, otherwise="no frame like it")
+    return fill_from(recording, max_gap, model, ends=ends, otherwise="no frame like it")
 
 
 def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:
@@ -83,6 +104,8 @@ def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:
     imputer = KNNImputer(n_neighbors=frames, weights="distance").fit(rows[spread])
     lacking = ~recording.present[:, seen].all(axis=1)
     positions = recording.positions.copy()
+    if not lacking.any():
+        return positions
     imputed = imputer.transform(rows[lacking]) + middle
     positions[np.ix_(lacking, seen)] = imputed.reshape(-1, np.count_nonzero(seen), 3)
     return positions

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap, to_limit
+from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end, to_limit
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.rigid_motion import carried
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
 Noise = Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")]
 
 
+def _lookahead(settings: Mapping[str, Any]) -> int | None:
+    return to_gap_end(settings) if are_met(settings) else to_limit(settings)
+
+
 @node(
     "fill.neighbour_kalman",
     cite="aristidou2008",
@@ -26,8 +32,8 @@ Noise = Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")]
         "from Aristidou et al. 2008: the nearest markers take the place of those of a limb, "
         "three at least"
     ),
-    lookahead=to_limit,
-    ends=False,
+    lookahead=_lookahead,
+    ends=are_met,
 )
 def neighbour_kalman(
     recording: Trajectories,
@@ -36,6 +42,7 @@ def neighbour_kalman(
     acceleration: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm/s^2")] = 1000.0,
     noise: Noise = 0.1,
     neighbour_noise: Noise = 1.0,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Predict missing markers by a Kalman filter that neighbours help (Aristidou et al., 2008).
@@ -64,9 +71,9 @@ def neighbour_kalman(
     like measured ones. Does not depend on where the origin lies or how the axes are turned; on
     the unit it does, by the three settings in mm.
 
-    Causal: a sample depends on its frame and on earlier ones, no frame ahead. Only gaps at the
-    start of the take are filled backward in time, in the same way, from the frames up to the
-    marker's next gap.
+    Causal: a sample depends on its frame and on earlier ones, no frame ahead, unless `max_gap`
+    or `ends` met need the gap's end. Only gaps at the start of the take are filled backward in
+    time, in the same way, from the frames up to the marker's next gap.
 
     Parameters
     ----------
@@ -83,6 +90,11 @@ def neighbour_kalman(
     neighbour_noise
         Standard deviation of what the neighbours tell, per coordinate: the larger, the longer
         the marker's own motion counts.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end. Beside a gap the estimate is the
+        filter's in the frame before, and what it predicts for the frame after.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -94,29 +106,81 @@ def neighbour_kalman(
     """
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        from nodegraph_fill.neighbour_kalman_kernel import follow
-
-        observations = _observations(recording, gaps, neighbours)
-        variance = np.where(recording.present, noise, neighbour_noise) ** 2
-        positions = np.full_like(observations, np.nan)
-        for marker in np.unique(gaps.marker[~gaps.at_start]):
-            observed, spread = observations[:, marker].copy(), variance[:, marker].copy()
-            # the frames before the marker is seen are not asked forward in time
-            observed[: recording.present[:, marker].argmax()] = np.nan
-            positions[:, marker] = follow(observed, spread, 1.0 / recording.rate, acceleration)
-        for marker, stop in zip(gaps.marker[gaps.at_start], gaps.stop[gaps.at_start], strict=True):
-            rest = ~recording.present[stop:, marker]
-            last = stop + int(rest.argmax()) if rest.any() else recording.frames
-            observed, spread = (
-                observations[:last, marker][::-1].copy(),
-                variance[:last, marker][::-1].copy(),
-            )
-            backward = follow(observed, spread, 1.0 / recording.rate, acceleration)[::-1]
-            positions[:stop, marker] = backward[:stop]
-        return Estimate(np.where(np.isnan(observations), np.nan, positions))
+        filtered = _Filter(recording, gaps, neighbours, acceleration, noise, neighbour_noise)
+        return filtered.estimate(with_ends=ends == "met")
 
     otherwise = "no three neighbours that span a plane"
-    return fill_from(recording, max_gap, model, bend=False, otherwise=otherwise)
+    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
+
+
+class _Filter:
+    """The filter of every marker, and what it observes."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        gaps: Gaps,
+        neighbours: int,
+        acceleration: float,
+        noise: float,
+        neighbour_noise: float,
+    ) -> None:
+        self._recording, self._gaps, self._neighbours = recording, gaps, neighbours
+        self._acceleration, self._neighbour_noise = acceleration, neighbour_noise
+        self._observations = _observations(recording, gaps, neighbours)
+        self._variance = np.where(recording.present, noise, neighbour_noise) ** 2
+
+    def estimate(self, *, with_ends: bool) -> Estimate:
+        """Return the estimates in the gaps, and beside them."""
+        gaps, observations = self._gaps, self._observations
+        positions = np.full_like(observations, np.nan)
+        before, after = np.full((2, len(gaps.start), 3), np.nan)
+        for marker in np.unique(gaps.marker[~gaps.at_start]):
+            positions[:, marker] = self._forward(marker)
+        if with_ends:
+            before, _ = gaps.beside(positions)
+            after[gaps.inner] = self._predicted(gaps.subset(gaps.inner))
+        for gap in np.flatnonzero(gaps.at_start):
+            marker, stop = gaps.marker[gap], gaps.stop[gap]
+            backward = self._backward(marker, stop)
+            positions[:stop, marker], after[gap] = backward[:stop], backward[stop]
+        positions[np.isnan(observations)] = np.nan
+        return Estimate(positions, ends=(before, after))
+
+    def _forward(self, marker: int) -> NDArray[np.float64]:
+        return self._follow(self._observed(marker), self._variance[:, marker])
+
+    def _backward(self, marker: int, stop: int) -> NDArray[np.float64]:
+        """Return what is filtered backward in time, from the marker's next gap on."""
+        rest = ~self._recording.present[stop:, marker]
+        last = stop + int(rest.argmax()) if rest.any() else self._recording.frames
+        observed, variance = self._observations[:last, marker], self._variance[:last, marker]
+        return self._follow(observed[::-1], variance[::-1])[::-1]
+
+    def _predicted(self, gaps: Gaps) -> NDArray[np.float64]:
+        """Return what the filter would have after each gap if the marker were still missing."""
+        body = carried(self._recording, gaps.start - 1, gaps.stop, gaps.marker, self._neighbours)
+        after = np.full_like(body, np.nan)
+        for gap in np.flatnonzero(~np.isnan(body[:, 0])):
+            marker, stop = gaps.marker[gap], gaps.stop[gap]
+            observed, variance = self._observed(marker), self._variance[:, marker].copy()
+            observed[stop], variance[stop] = body[gap], self._neighbour_noise**2
+            after[gap] = self._follow(observed[: stop + 1], variance[: stop + 1])[stop]
+        return after
+
+    def _observed(self, marker: int) -> NDArray[np.float64]:
+        observed = self._observations[:, marker].copy()
+        # the frames before the marker is seen are not asked forward in time
+        observed[: self._recording.present[:, marker].argmax()] = np.nan
+        return observed
+
+    def _follow(
+        self, observed: NDArray[np.float64], variance: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        from nodegraph_fill.neighbour_kalman_kernel import follow
+
+        seconds = 1.0 / self._recording.rate
+        return np.asarray(follow(observed.copy(), variance.copy(), seconds, self._acceleration))
 
 
 def _observations(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:

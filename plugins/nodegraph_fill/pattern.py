@@ -9,6 +9,7 @@ import numpy as np
 from nodegraph import node
 from nodegraph_fill.along_time import bridge
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
     lookahead=to_gap_end,
     ends=True,
 )
-def pattern(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
+def pattern(
+    recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
+) -> Trajectories:
     """Fill each gap with the movement of the nearest marker, bent to meet both ends (Vicon).
 
     With the donor's trajectory D(t), the gap in F between the frames a and b, and the straight
@@ -42,6 +45,8 @@ def pattern(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     ----------
     recording
         Trajectories with gaps.
+    ends
+        No matter: the fill meets both ends by itself.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -51,7 +56,7 @@ def pattern(recording: Trajectories, *, max_gap: MaxGap = None) -> Trajectories:
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    return bridge(recording, max_gap, _between, otherwise="no marker without a hole there")
+    return bridge(recording, ends, max_gap, _between, otherwise="no marker without a hole there")
 
 
 def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from nodegraph import Refusal, Unit, node
 from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
 
@@ -29,7 +30,7 @@ _FAR = 0.5
     cite="gloersen_federolf2016",
     adapted="from Gloersen and Federolf 2016: B0' B where their code multiplies by B' B0",
     lookahead=None,
-    ends=lambda settings: settings["bend"],
+    ends=are_met,
 )
 def pca(
     recording: Trajectories,
@@ -38,7 +39,7 @@ def pca(
     weight_scale: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 200.0,
     weight_missing: Annotated[float, Field(gt=0, le=1)] = 0.02,
     singular_values: Annotated[float, Field(gt=0, le=1)] = 0.99,
-    bend: bool = False,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps from the markers' principal components (Gloersen & Federolf, 2016).
@@ -63,9 +64,6 @@ def pca(
     The code that was published multiplies by ``B' B0`` where ``B0' B`` is meant, so that the
     result hangs on the signs that the eigenvectors happen to have; here it does not.
 
-    With `bend`, which is ours, the straight line through the mismatches at a gap's two ends is
-    taken off; where it has one end only, that end's mismatch.
-
     A marker that shares no complete frame with those that it is filled from, or that there is
     none to fill from, stays missing, counted in a warning, as does one that is never measured;
     that one is no part of "every marker". Samples that are present come out as they went in;
@@ -87,8 +85,10 @@ def pca(
         The weight of the marker that is filled.
     singular_values
         Share of the sum of the singular values that the components kept must reach.
-    bend
-        Whether the estimate is bent to meet the gap's ends.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -126,7 +126,7 @@ def pca(
         return Estimate(positions)
 
     otherwise = "no marker to fill from, or no frame complete with those"
-    return fill_from(recording, max_gap, model, bend=bend, otherwise=otherwise)
+    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
 
 
 _Group = tuple["NDArray[np.bool_]", "NDArray[np.bool_]", "NDArray[np.float64]"]

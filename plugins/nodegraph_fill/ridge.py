@@ -9,6 +9,7 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
@@ -25,14 +26,14 @@ _MOST_FRAMES = 5000
     cite="hoerl_kennard1970",
     adapted="from Hoerl and Kennard 1970: applied to each gap, from the nearest markers",
     lookahead=None,
-    ends=lambda settings: settings["bend"],
+    ends=are_met,
 )
 def ridge(
     recording: Trajectories,
     *,
     neighbours: Annotated[int, Field(ge=1)] = 12,
     penalty: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm^2")] = 10.0,
-    bend: bool = True,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps by ridge regression on the nearest markers (Hoerl & Kennard, 1970).
@@ -42,9 +43,6 @@ def ridge(
     coordinates and W, c the least ``sum |c + W x - P|^2 + penalty |W|^2`` over the frames in
     which all of them are present (5,000 of these, evenly spread, where there are more), by
     `sklearn.linear_model.Ridge`. No frame need be complete.
-
-    With `bend`, the straight line through the mismatches at the gap's two ends is taken
-    off; where it has one end only, that end's mismatch.
 
     Where no marker is present all through the gap, or no two frames to learn from, the gap
     stays missing, counted in a warning, as does a marker that is never measured. Samples that
@@ -62,8 +60,10 @@ def ridge(
         How many markers predict, fewer where there are fewer.
     penalty
         How strongly large coefficients are avoided, in the squares of what is learnt from.
-    bend
-        Whether the prediction is bent to meet the gap's ends.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -75,19 +75,19 @@ def ridge(
     """
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        return Estimate(_estimate(recording, gaps, neighbours, penalty))
+        return _estimate(recording, gaps, neighbours, penalty)
 
     otherwise = "no marker, or no frames, to learn from"
-    return fill_from(recording, max_gap, model, bend=bend, otherwise=otherwise)
+    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
 
 
-def _estimate(
-    recording: Trajectories, gaps: Gaps, neighbours: int, penalty: float
-) -> NDArray[np.float64]:
-    """Return positions, (T, M, 3), in the gaps and at their ends; NaN elsewhere."""
+def _estimate(recording: Trajectories, gaps: Gaps, neighbours: int, penalty: float) -> Estimate:
     estimate = np.full_like(recording.positions, np.nan)
+    before, after = np.full((2, len(gaps.start), 3), np.nan)
     near, present = _nearest_first(recording), recording.present
-    for marker, start, stop in zip(gaps.marker, gaps.start, gaps.stop, strict=True):
+    for gap, (marker, start, stop) in enumerate(
+        zip(gaps.marker, gaps.start, gaps.stop, strict=True)
+    ):
         window = slice(max(start - 1, 0), stop + 1)
         whole = np.all(present[window], axis=0)
         predictors = near[marker][whole[near[marker]]][:neighbours]
@@ -96,8 +96,10 @@ def _estimate(
             known = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
             model = _learnt(known, recording.positions[lesson, marker], penalty)
             now = recording.positions[window][:, predictors]
-            estimate[window, marker] = model.predict(now.reshape(len(now), -1))
-    return estimate
+            predicted = model.predict(now.reshape(len(now), -1))
+            estimate[window, marker] = predicted
+            before[gap], after[gap] = predicted[0], predicted[-1]
+    return Estimate(estimate, ends=(before, after))
 
 
 def _nearest_first(recording: Trajectories) -> NDArray[np.intp]:

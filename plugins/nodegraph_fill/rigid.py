@@ -9,6 +9,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.rigid_motion import carried
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
@@ -28,6 +29,7 @@ def rigid(
     recording: Trajectories,
     *,
     neighbours: Annotated[int, Field(ge=3)] = 6,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps as if the nearest markers and the missing one were one rigid body.
@@ -53,6 +55,8 @@ def rigid(
     neighbours
         How many markers make up the body, fewer where there are fewer, three at least; equally
         near ones go by marker order.
+    ends
+        No matter: bodies at both ends meet them by themselves.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -67,7 +71,7 @@ def rigid(
         return Estimate(_mixed(recording, gaps, neighbours))
 
     otherwise = "no three neighbours that span a plane"
-    return fill_from(recording, max_gap, model, bend=False, otherwise=otherwise)
+    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
 
 
 def _mixed(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from pydantic import Field
@@ -9,18 +10,17 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_fill.gaps import Gaps, MaxGap
 from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
 
 
-@node(
-    "fill.soft_impute", cite="mazumder2010", lookahead=None, ends=lambda settings: settings["bend"]
-)
+@node("fill.soft_impute", cite="mazumder2010", lookahead=None, ends=are_met)
 def soft_impute(
     recording: Trajectories,
     *,
     shrinkage: Annotated[float, Field(gt=0, lt=1)] = 0.001,
-    bend: bool = True,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps from the matrix of least nuclear norm near the samples (Mazumder et al., 2010).
@@ -37,10 +37,9 @@ def soft_impute(
     completed X and solves, frame by frame, for missing entries that M gives back:
     ``x_m = M_mo x_o + M_mm x_m``. It ends when a round changes nothing to 7 digits.
 
-    With `bend`, the straight line through the mismatches at a gap's two ends is taken off;
-    where it has one end only, that end's mismatch. There the estimate is what M gives when the
-    samples beside the gap are hidden like those in it: Z itself is near every sample it has
-    seen, and so would tell nothing of its error in the gap.
+    For `ends` met, the estimate beside a gap is what M gives when the samples there are hidden
+    like those in the gap: Z itself is near every sample it has seen, and so would tell nothing of
+    its error in the gap.
 
     A marker that is never measured stays missing, counted in a warning. Samples that are
     present come out as they went in; those that an earlier fill has made count like measured
@@ -56,8 +55,10 @@ def soft_impute(
     shrinkage
         Share of the largest singular value by which all of them shrink: the larger, the lower
         the rank.
-    bend
-        Whether the estimate is bent to meet the gap's ends.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -71,10 +72,11 @@ def soft_impute(
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
         matrix = TakeMatrix.of(recording)
         low_rank = LowRank(matrix, shrinkage)
-        positions = matrix.positions(low_rank.rows)
-        ends = matrix.hidden_ends(gaps)
-        beside = low_rank.completed(matrix.rows[ends.frame], ends.missing)
-        ends.put(matrix.positions(beside), positions)
-        return Estimate(positions)
+        estimate = Estimate(matrix.positions(low_rank.rows))
+        if ends == "as_published":
+            return estimate
+        hidden = matrix.hidden_ends(gaps)
+        beside = low_rank.completed(matrix.rows[hidden.frame], hidden.missing)
+        return replace(estimate, ends=hidden.of_gaps(matrix.positions(beside)))
 
-    return fill_from(recording, max_gap, model, bend=bend)
+    return fill_from(recording, max_gap, model, ends=ends)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from nodegraph_fill.gaps import LONG, NEVER, Gaps, to_gap_end, to_limit, warn_left
+from nodegraph_fill.meet_ends import Ends, are_met, check_ends, meet_ends
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -39,12 +40,12 @@ linearly; where one is missing, the other.
 
 def lookahead(settings: Mapping[str, Any]) -> int | None:
     """Return the look-ahead of a step-wise fill."""
-    return to_limit(settings) if settings["close_gap"] == "none" else to_gap_end(settings)
+    return to_gap_end(settings) if meets_ends(settings) else to_limit(settings)
 
 
-def ends(settings: Mapping[str, Any]) -> bool:
+def meets_ends(settings: Mapping[str, Any]) -> bool:
     """Return whether a step-wise fill meets both ends of a gap."""
-    return bool(settings["close_gap"] != "none")
+    return settings["close_gap"] != "none" or are_met(settings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +128,7 @@ class _Pass:
 
 
 def fill_stepwise(
-    recording: Trajectories, rule: Rule, *, close_gap: CloseGap, max_gap: int | None
+    recording: Trajectories, rule: Rule, *, close_gap: CloseGap, ends: Ends, max_gap: int | None
 ) -> Trajectories:
     """Fill a recording's gaps by a rule, and warn of what is left; called by a node.
 
@@ -139,6 +140,9 @@ def fill_stepwise(
         How a sample is predicted.
     close_gap
         See `CloseGap`.
+    ends
+        The setting; ``met`` is a ramp where `close_gap` is ``none``: a gap begins at its first
+        end, so that its whole mismatch is at the other.
     max_gap
         Longer gaps stay missing.
 
@@ -150,8 +154,9 @@ def fill_stepwise(
     Raises
     ------
     ValueError
-        If `close_gap` is none of its choices.
+        If `close_gap` or `ends` is none of its choices.
     """
+    check_ends(ends)
     if close_gap not in get_args(CloseGap):
         raise ValueError(f"close_gap must be none, ramp or blend, got {close_gap!r}")
     gaps = Gaps.of(recording)
@@ -159,7 +164,7 @@ def fill_stepwise(
     wanted = gaps.subset(~(long | gaps.never))
     positions = _blended if close_gap == "blend" else _chained
     chain = positions(recording, wanted, rule)
-    if close_gap == "ramp":
+    if close_gap == "ramp" or (close_gap == "none" and ends == "met"):
         _ramp(chain, wanted.subset(wanted.inner), rule)
     filled = recording.with_samples(chain.positions, changed=wanted.mask, origin=Origin.FILLED)
     reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
@@ -200,7 +205,9 @@ def _ramp(chain: _Pass, gaps: Gaps, rule: Rule) -> None:
     predicted = stepwise_kernel.predict_returns(
         chain.positions, chain.state, gaps.stop, gaps.marker, *rule.arguments(chain.state.shape[1])
     )
-    mismatch = chain.positions[gaps.stop, gaps.marker] - predicted
-    gap, frame, marker, share = gaps.samples
-    correction = np.where(np.isnan(mismatch), 0.0, mismatch)[gap] * share[:, None]
-    chain.positions[frame, marker] += correction
+    _, returned = gaps.beside(chain.positions)
+    mismatch = returned - predicted
+    _, frame, marker, _ = gaps.samples
+    chain.positions[frame, marker] = meet_ends(
+        gaps, chain.positions[frame, marker], np.zeros_like(mismatch), mismatch
+    )

@@ -8,7 +8,8 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.stepwise import CloseGap, Rule, ends, fill_stepwise, lookahead
+from nodegraph_fill.meet_ends import Ends
+from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
 from nodegraph_mocap import Trajectories
 
 
@@ -20,7 +21,7 @@ from nodegraph_mocap import Trajectories
         "attachment"
     ),
     lookahead=lookahead,
-    ends=ends,
+    ends=meets_ends,
 )
 def waters(
     recording: Trajectories,
@@ -29,6 +30,7 @@ def waters(
     falloff_radius: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 45.0,
     use_filled: bool = True,
     close_gap: CloseGap = "none",
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
     """Fill gaps with the nearest neighbour's displacement, scaled by Waters' muscle (1987).
@@ -47,8 +49,8 @@ def waters(
     as does the rest of that gap, counted in a warning. Samples that are present come out bit
     for bit; those an earlier fill made count as filled.
 
-    Looks ahead 0 frames, but for gaps at the start of the take, and up to the gap's end with
-    `close_gap` ramp or blend.
+    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
+    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
 
     Parameters
     ----------
@@ -64,6 +66,9 @@ def waters(
         none: a jump stays where the marker reappears. ramp: that sample is predicted too and
         its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
         forward and a backward pass, cross-faded linearly; where one is missing, the other.
+    ends
+        met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
+        `close_gap` already sees to it. as_published: as `close_gap` has it.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -90,4 +95,4 @@ def waters(
         full_radius=full_radius,
         falloff_radius=falloff_radius,
     )
-    return fill_stepwise(recording, rule, close_gap=close_gap, max_gap=max_gap)
+    return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
-from nodegraph_fill.meet_ends import meet_ends
+from nodegraph_fill.meet_ends import Ends, check_ends, meet_ends
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -23,13 +23,17 @@ class Estimate:
     Attributes
     ----------
     positions : (T, M, 3) array of float64
-        Millimetres, in the gaps and at their ends; NaN where there is none.
+        Millimetres, in the gaps and, without `ends`, at their ends; NaN where there is none.
     sigma : (T, M) array of float64, or None
         Standard deviation in the gaps, mm; None if the model does not know it.
+    ends : two (G, 3) arrays of float64, or None
+        What the model makes of the sample before and of the sample after each gap, mm, if that
+        is not what `positions` has there; NaN where there is none.
     """
 
     positions: NDArray[np.float64]
     sigma: NDArray[np.float64] | None = None
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
 
 
 def fill_from(
@@ -37,7 +41,7 @@ def fill_from(
     max_gap: int | None,
     model: Callable[[Trajectories, Gaps], Estimate],
     *,
-    bend: bool,
+    ends: Ends,
     otherwise: str = "",
 ) -> Trajectories:
     """Fill gaps with what a model estimates, and warn of those left; called by a node.
@@ -50,30 +54,36 @@ def fill_from(
         Longer gaps stay missing.
     model
         Takes the recording and the gaps to fill; not called when there are none.
-    bend
-        Whether the estimate is moved to meet the gap's ends.
+    ends
+        The setting; for ``met`` the model estimates the samples beside the gaps, too.
     otherwise
         Why the model may have no estimate.
     """
+    check_ends(ends)
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
     wanted = gaps.subset(~(long | gaps.never))
     filled = recording
     if len(wanted.start):
-        filled = _written(recording, wanted, model(recording, wanted), bend)
+        filled = _written(recording, wanted, model(recording, wanted), ends)
     reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
     warn_left(filled, reasons, otherwise, stacklevel=3)
     return filled
 
 
-def _written(recording: Trajectories, gaps: Gaps, estimate: Estimate, bend: bool) -> Trajectories:
+def _written(recording: Trajectories, gaps: Gaps, estimate: Estimate, ends: Ends) -> Trajectories:
     _, frame, marker, _ = gaps.samples
     estimated = estimate.positions[frame, marker]
-    positions, sigma = recording.positions.copy(), None
-    positions[frame, marker] = meet_ends(recording, gaps, estimate.positions) if bend else estimated
+    positions = recording.positions.copy()
+    if ends == "met":
+        before, after = estimate.ends or gaps.beside(estimate.positions)
+        first, last = gaps.beside(recording.positions)
+        estimated = meet_ends(gaps, estimated, first - before, last - after)
+    positions[frame, marker] = estimated
+    sigma = None
     if estimate.sigma is not None:
-        known = recording.sigma
-        sigma = np.full(gaps.shape, np.nan) if known is None else known.copy()
+        sigma = recording.sigma
+        sigma = np.full(gaps.shape, np.nan) if sigma is None else sigma.copy()
         sigma[frame, marker] = estimate.sigma[frame, marker]
     return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED, sigma=sigma)
 
@@ -130,7 +140,7 @@ class TakeMatrix:
         marker = np.concatenate([gaps.marker, gaps.marker])
         there = (end >= 0) & (end < gaps.shape[0])
         end, inside, marker = end[there], inside[there], marker[there]
-        return HiddenEnds(end, marker, self.missing[end] | self.missing[inside])
+        return HiddenEnds(end, marker, self.missing[end] | self.missing[inside], there)
 
 
 @dataclass(frozen=True)
@@ -146,12 +156,20 @@ class HiddenEnds:
         The sample.
     missing : (E, P) array of bool
         What is not shown: what is missing in that frame or in the gap's frame beside it.
+    within : (2 G,) array of bool
+        Which of the gaps' first ends, and then of their last ends, lie within the take.
     """
 
     frame: NDArray[np.intp]
     marker: NDArray[np.intp]
     missing: NDArray[np.bool_]
+    within: NDArray[np.bool_]
 
-    def put(self, estimates: NDArray[np.float64], positions: NDArray[np.float64]) -> None:
-        """Write the estimates (E, M, 3), each that of its own marker, into positions (T, M, 3)."""
-        positions[self.frame, self.marker] = estimates[np.arange(len(estimates)), self.marker]
+    def of_gaps(
+        self, estimates: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the estimates (E, M, 3), each that of its own marker, as `Estimate.ends`."""
+        both = np.full((len(self.within), 3), np.nan)
+        both[self.within] = estimates[np.arange(len(estimates)), self.marker]
+        before, after = np.split(both, 2)
+        return before, after

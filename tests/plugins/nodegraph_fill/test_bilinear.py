@@ -50,7 +50,7 @@ def test_is_the_least_squares_solution(
     """The normal equations of missing entries and coefficients at once, written out."""
     gappy = holed()
     recording = recorded(gappy)
-    full = soft_impute(recording, bend=False).positions.reshape(30, -1)
+    full = soft_impute(recording, ends="as_published").positions.reshape(30, -1)
     middle = full.mean(axis=0)
     _, values, v = np.linalg.svd(full - middle, full_matrices=False)
     size = int(np.flatnonzero(np.cumsum(values**2) >= variance * (values**2).sum())[0]) + 1
@@ -72,7 +72,7 @@ def test_is_the_least_squares_solution(
     )
     solution = np.linalg.lstsq(np.vstack([upper, middle_rows, lower]), known, rcond=None)[0]
     output = (basis @ solution[count:]).reshape(30, -1) + middle
-    filled = bilinear(recording, cutoff=cutoff, variance=variance, bend=False)
+    filled = bilinear(recording, cutoff=cutoff, variance=variance, ends="as_published")
     np.testing.assert_allclose(
         filled.positions.reshape(30, -1)[missing], output[missing], rtol=0, atol=1e-5
     )
@@ -82,7 +82,8 @@ def test_bent_it_meets_the_ends(recorded: Callable[..., Trajectories]) -> None:
     truth = take() + np.random.default_rng(3).normal(0, 0.3, (30, 4, 3))
     gappy = truth.copy()
     gappy[10:20, 1] = np.nan
-    free, bent = (bilinear(recorded(gappy), bend=bend).positions for bend in (False, True))
+    free = bilinear(recorded(gappy)).positions
+    bent = bilinear(recorded(gappy), ends="met").positions
     change = (bent - free)[10:20, 1]
     np.testing.assert_allclose(np.diff(change, n=2, axis=0), 0.0, atol=1e-9)
     assert np.abs(change).max() > 1e-3
@@ -94,7 +95,7 @@ def test_slow_movements_of_few_shapes_are_found_again(
     truth = take(frames=200, markers=8)
     gappy = truth.copy()
     gappy[40:90, 0] = gappy[60:100, 1] = gappy[:30, 5] = np.nan
-    filled = bilinear(recorded(gappy), variance=0.99)
+    filled = bilinear(recorded(gappy), variance=0.99, ends="met")
     off = np.linalg.norm(filled.positions - truth, axis=2)[np.isnan(gappy[..., 0])]
     assert np.sqrt((off**2).mean()) < 0.3
 

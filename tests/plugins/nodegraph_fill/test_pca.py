@@ -100,8 +100,8 @@ def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories])
     gappy = truth.copy()
     gappy[50:90, 0] = gappy[100:150, 1] = gappy[:20, 2] = np.nan
     missing = np.isnan(gappy[..., 0])
-    for bend in (False, True):
-        filled = pca(recorded(gappy), singular_values=0.999, bend=bend).positions
+    for ends in ("as_published", "met"):
+        filled = pca(recorded(gappy), singular_values=0.999, ends=ends).positions
         off = np.linalg.norm(filled - truth, axis=2)[missing]
         assert np.sqrt((off**2).mean()) < 0.15
 
@@ -152,7 +152,7 @@ def test_what_is_left_is_left_in_any_recording(
         recording = gappy(seed)
         for strategy in ("each", "together"):
             try:
-                output = quietly(pca, recording, strategy=strategy, bend=True)
+                output = quietly(pca, recording, strategy=strategy, ends="met")
             except Refusal:
                 continue
             filled += int(np.count_nonzero(output.present & ~recording.present))

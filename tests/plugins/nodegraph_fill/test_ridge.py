@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.ridge import ridge
 from nodegraph_mocap import Origin, Trajectories
 
@@ -32,15 +33,15 @@ def solved(x: Positions, y: Positions, penalty: float, at: Positions) -> Positio
     return np.asarray((at - middle) @ w + goal)
 
 
-@pytest.mark.parametrize("bend", [False, True])
+@pytest.mark.parametrize("ends", ["as_published", "met"])
 @pytest.mark.parametrize("penalty", [0.1, 10.0, 1e4])
 def test_equals_the_normal_equations(
-    recorded: Callable[..., Trajectories], penalty: float, bend: bool
+    recorded: Callable[..., Trajectories], penalty: float, ends: Ends
 ) -> None:
     truth = take()
     gappy = truth.copy()
     gappy[20:30, 0] = gappy[25, 5] = np.nan
-    filled = ridge(recorded(gappy[:, :6]), neighbours=3, penalty=penalty, bend=bend, max_gap=10)
+    filled = ridge(recorded(gappy[:, :6]), neighbours=3, penalty=penalty, ends=ends, max_gap=10)
     apart = np.linalg.norm(truth[0, 1:5] - truth[0, 0], axis=1)
     # the marker with a hole there does not predict, whatever its distance
     chosen = 1 + np.argsort(_shape_distances(gappy)[1:5])[:3]
@@ -48,7 +49,7 @@ def test_equals_the_normal_equations(
     lesson = np.flatnonzero(~np.isnan(gappy[:, [0, *chosen], 0]).any(axis=1))
     x = gappy[:, chosen].reshape(len(gappy), -1)
     output = solved(x[lesson], gappy[lesson, 0], penalty, x[19:31])
-    if bend:
+    if ends == "met":
         share = np.linspace(0, 1, 12)[:, None]
         first, last = gappy[19, 0] - output[0], gappy[30, 0] - output[-1]
         output = output + (1 - share) * first + share * last
@@ -61,14 +62,17 @@ def _shape_distances(positions: Positions) -> Positions:
     return np.asarray(np.linalg.norm(positions[frame] - positions[frame, 0], axis=1))
 
 
-def test_a_gap_with_one_end_is_moved_to_meet_it(recorded: Callable[..., Trajectories]) -> None:
+def test_a_gap_with_one_end_meets_that(
+    recorded: Callable[..., Trajectories],
+) -> None:
     gappy = take()
     gappy[60:, 2] = np.nan
-    bent, free = (
-        ridge(recorded(gappy), bend=bend, penalty=1e3).positions[60:, 2] for bend in (True, False)
-    )
+    free = ridge(recorded(gappy), penalty=1e3).positions[60:, 2]
+    bent = ridge(recorded(gappy), penalty=1e3, ends="met").positions[60:, 2]
     shift = bent - free
-    np.testing.assert_allclose(shift, np.broadcast_to(shift[0], shift.shape), atol=1e-9)
+    share = np.arange(1, len(shift) + 1)[:, None] / (len(shift) + 1)
+    assert np.linalg.norm(shift[0]) > 0.01
+    np.testing.assert_allclose(shift, shift[0] / (1 - share[0]) * (1 - share), atol=1e-9)
 
 
 def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:

@@ -26,7 +26,7 @@ def holed(recorded: Callable[..., Trajectories]) -> Trajectories:
 def test_gaps_are_filled_marked_and_given_a_sigma(recorded: Callable[..., Trajectories]) -> None:
     recording = holed(recorded)
     with pytest.warns(UserWarning, match="^8 samples of 1 marker left missing: never measured 8$"):
-        filled = fill_from(recording, None, model, bend=False)
+        filled = fill_from(recording, None, model, ends="as_published")
     written = np.zeros((8, 3), dtype=bool)
     written[2:4, 0] = written[5:, 1] = True
     np.testing.assert_array_equal(filled.origin == Origin.FILLED, written)
@@ -41,15 +41,17 @@ def test_present_samples_keep_their_sigma(recorded: Callable[..., Trajectories])
     sigma = np.array([[0.5], [np.nan], [0.25]])
     source = recorded(positions)
     recording = Trajectories(positions=positions, markers=source.markers, rate=60.0, sigma=sigma)
-    filled = fill_from(recording, None, model, bend=False)
+    filled = fill_from(recording, None, model, ends="as_published")
     assert filled.sigma is not None
     np.testing.assert_array_equal(filled.sigma[:, 0], [0.5, 2.0, 0.25])
 
 
-def test_bent_estimates_meet_the_ends(recorded: Callable[..., Trajectories]) -> None:
+def test_the_mismatch_of_each_end_is_spread(recorded: Callable[..., Trajectories]) -> None:
     with pytest.warns(UserWarning, match="never measured"):
-        filled = fill_from(holed(recorded), None, model, bend=True)
-    np.testing.assert_array_equal(filled.positions[filled.present], 0.0)
+        filled = fill_from(holed(recorded), None, model, ends="met")
+    np.testing.assert_array_equal(filled.positions[2:4, 0], 0.0)
+    # the gap at the take's end has a mismatch at its beginning alone
+    np.testing.assert_allclose(filled.positions[5:, 1, 0], [7 / 4, 14 / 4, 21 / 4])
 
 
 def test_long_gaps_are_left_and_the_model_is_not_asked_for_nothing(
@@ -59,7 +61,7 @@ def test_long_gaps_are_left_and_the_model_is_not_asked_for_nothing(
         raise AssertionError("nothing to fill")
 
     with pytest.warns(UserWarning, match="never measured 8, longer than max_gap 5$"):
-        filled = fill_from(holed(recorded), 1, never, bend=True)
+        filled = fill_from(holed(recorded), 1, never, ends="met")
     assert not np.any(filled.origin == Origin.FILLED)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_fill.kalman import kalman
 from nodegraph_fill.soft_impute import soft_impute
+from nodegraph_fill.subspace_kalman import subspace_kalman
 from nodegraph_mocap import Trajectories
 
 Positions = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Plain:
 
     def __init__(self, gappy: Positions, recording: Trajectories, variance: float) -> None:
         frames = len(gappy)
-        full = soft_impute(recording, bend=False).positions.reshape(frames, -1)
+        full = soft_impute(recording, ends="as_published").positions.reshape(frames, -1)
         self.middle = full.mean(axis=0)
         u, values, v = np.linalg.svd(full - self.middle, full_matrices=False)
         shares = np.cumsum(values**2) / (values**2).sum()
@@ -73,7 +73,7 @@ def holed() -> Positions:
 def test_is_the_conditional_mean_and_variance(recorded: Callable[..., Trajectories]) -> None:
     gappy = holed()
     recording = recorded(gappy)
-    filled = kalman(recording, variance=0.9, bend=False)
+    filled = subspace_kalman(recording, variance=0.9, ends="as_published")
     plain = Plain(gappy, recording, 0.9)
     mean, variance = plain(plain.known)
     missing = ~recording.present
@@ -90,7 +90,8 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(
     gappy = take()
     gappy[4:8, 0] = gappy[6:10, 2] = np.nan
     recording = recorded(gappy)
-    free, bent = (kalman(recording, variance=0.9, bend=bend).positions for bend in (False, True))
+    free = subspace_kalman(recording, variance=0.9).positions
+    bent = subspace_kalman(recording, variance=0.9, ends="met").positions
     plain = Plain(gappy, recording, 0.9)
 
     def mismatch(frame: int, *lacking: int) -> Positions:
@@ -106,7 +107,7 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(
 def test_sigma_grows_into_a_gap_of_all_markers(recorded: Callable[..., Trajectories]) -> None:
     gappy = take(frames=40)
     gappy[10:21] = np.nan
-    sigma = kalman(recorded(gappy)).sigma
+    sigma = subspace_kalman(recorded(gappy)).sigma
     assert sigma is not None
     assert np.all(np.diff(sigma[10:16], axis=0) > 0)
     assert np.all(np.diff(sigma[15:21], axis=0) < 0)
@@ -116,7 +117,7 @@ def test_where_nothing_moves_nothing_is_uncertain(recorded: Callable[..., Trajec
     positions = np.broadcast_to(np.random.default_rng(1).normal(size=(3, 3)), (9, 3, 3)).copy()
     gappy = positions.copy()
     gappy[2:5, 0] = np.nan
-    filled = kalman(recorded(gappy))
+    filled = subspace_kalman(recorded(gappy))
     np.testing.assert_allclose(filled.positions, positions, rtol=0, atol=1e-12)
     assert filled.sigma is not None
     assert filled.sigma[3, 0] == 0.0
@@ -128,7 +129,7 @@ def test_any_recording_can_be_filled(
 ) -> None:
     for seed in range(40):
         recording = gappy(seed)
-        filled = quietly(kalman, recording, variance=variance)
+        filled = quietly(subspace_kalman, recording, variance=variance)
         seen = recording.present.any(axis=0)
         np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))
         written = filled.present & ~recording.present

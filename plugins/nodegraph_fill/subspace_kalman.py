@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -11,6 +11,7 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_fill.gaps import Gaps, MaxGap
 from nodegraph_fill.low_rank import LowRank, Principal
+from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, HiddenEnds, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
 
@@ -24,23 +25,23 @@ _LEAST_DRIFT = 1e-12
 
 
 @node(
-    "fill.kalman",
+    "fill.subspace_kalman",
     cite="burke_lasenby2016",
     adapted=(
         "from Burke and Lasenby 2016: the subspace and the steps are learnt from the take as "
         "soft-impute completes it, and each coordinate has its own noise"
     ),
     lookahead=None,
-    ends=lambda settings: settings["bend"],
+    ends=are_met,
 )
-def kalman(
+def subspace_kalman(
     recording: Trajectories,
     *,
     variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
-    bend: bool = True,
+    ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
-    """Fill gaps by a Kalman smoother in a low-dimensional subspace (Burke & Lasenby, 2016).
+    """Fill gaps by a Kalman smoother in the subspace of a low-rank completion of the take.
 
     A frame, all coordinates in a row and without their mean, is ``C x[t] + v[t]``: the
     orthogonal columns of C span the principal subspace, ``x[t+1] = x[t] + w[t]`` is a random
@@ -57,15 +58,14 @@ def kalman(
     dimensions from the share of the singular values; their noise is the same for all
     coordinates, which gave larger errors on two real faces.
 
-    With `bend`, the straight line through the mismatches at a gap's two ends is taken off;
-    where it has one end only, that end's mismatch. There the estimate is that which leaves the
-    samples beside the gap out, as those in it are.
+    For `ends` met, the estimate beside a gap is that which leaves the samples there out, as those
+    in the gap are.
 
     Written samples have a `sigma`: the root of the mean over the coordinates of
-    ``C P[t] C' + var(v)``, P being the covariance of x, before the bending, which the model
-    does not know of. Present samples keep the recording's sigma, NaN where it has none. The
+    ``C P[t] C' + var(v)``, P being the covariance of x, before the ends are met, which the
+    model does not know of. Present samples keep the recording's sigma, NaN where it has none. The
     noise of neighbouring markers is not as independent as the model has it: on two real faces
-    errors without bending were 1.3 to 2.2 times sigma with one marker missing, 2.5 to 5 times
+    errors, the ends not met, were 1.3 to 2.2 times sigma with one marker missing, 2.5 to 5 times
     with ten or twenty at once.
 
     A marker that is never measured stays missing, counted in a warning. Samples that are
@@ -83,8 +83,10 @@ def kalman(
         Trajectories with gaps.
     variance
         Share of the variance that the subspace keeps.
-    bend
-        Whether the estimate is bent to meet the gap's ends.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
     max_gap
         Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
         of missing samples of one marker.
@@ -96,9 +98,9 @@ def kalman(
     """
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        return _smoothed(TakeMatrix.of(recording), gaps, variance)
+        return _smoothed(TakeMatrix.of(recording), gaps, variance, ends)
 
-    return fill_from(recording, max_gap, model, bend=bend)
+    return fill_from(recording, max_gap, model, ends=ends)
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ class _Model:
         return (basis[:, :, None] * basis[:, None, :]).reshape(len(basis), -1)
 
 
-def _smoothed(matrix: TakeMatrix, gaps: Gaps, variance: float) -> Estimate:
+def _smoothed(matrix: TakeMatrix, gaps: Gaps, variance: float, ends: Ends) -> Estimate:
     from nodegraph_fill import kalman_kernel
 
     model = _Model.of(matrix, variance)
@@ -157,26 +159,28 @@ def _smoothed(matrix: TakeMatrix, gaps: Gaps, variance: float) -> Estimate:
         *model.likelihood(rows, ~matrix.missing), model.subspace.variances, model.drift
     )
     positions = matrix.positions(states @ basis.T + middle)
-    ends = matrix.hidden_ends(gaps)
-    hidden = ends.missing & ~matrix.missing[ends.frame]
-    beside = _without(model, rows, states, covariances, ends, hidden)
-    ends.put(matrix.positions(beside @ basis.T + middle), positions)
-    return Estimate(positions, _sigma(matrix, gaps, model, covariances))
+    estimate = Estimate(positions, _sigma(matrix, gaps, model, covariances))
+    if ends == "as_published":
+        return estimate
+    hidden = matrix.hidden_ends(gaps)
+    beside = _without(model, matrix, rows, states, covariances, hidden)
+    return replace(estimate, ends=hidden.of_gaps(matrix.positions(beside @ basis.T + middle)))
 
 
 def _without(
     model: _Model,
+    matrix: TakeMatrix,
     rows: NDArray[np.float64],
     states: NDArray[np.float64],
     covariances: NDArray[np.float64],
     ends: HiddenEnds,
-    hidden: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
     """Return the states, (E, D), without the contribution of the hidden samples."""
+    hidden = ends.missing & ~matrix.missing[ends.frame]
     information, vector = model.likelihood(rows[ends.frame], hidden)
     covariance, state = covariances[ends.frame], states[ends.frame, :, None]
-    matrix = np.eye(len(model.drift)) - covariance @ information
-    return np.asarray(np.linalg.solve(matrix, state - covariance @ vector[:, :, None])[..., 0])
+    system = np.eye(len(model.drift)) - covariance @ information
+    return np.asarray(np.linalg.solve(system, state - covariance @ vector[:, :, None])[..., 0])
 
 
 def _sigma(
