@@ -17,7 +17,6 @@ from hashlib import sha256
 from pathlib import Path, PurePath
 from types import (
     BuiltinMethodType,
-    CodeType,
     FunctionType,
     GetSetDescriptorType,
     MappingProxyType,
@@ -26,11 +25,11 @@ from types import (
     ModuleType,
     NoneType,
 )
-from typing import Any, NamedTuple
+from typing import Any
 
 from nodegraph.fingerprint.modules import UNKNOWN, Places
 from nodegraph.fingerprint.names import NOT_FOLLOWED, STATEMENTS, Links, Module, Reach, Spot
-from nodegraph.fingerprint.source import Marks, part_of, short_digest
+from nodegraph.fingerprint.source import Marks, Part, part_of, short_digest
 
 _PLAIN = (NoneType, bool, int, float, complex, str, bytes, range, type(...))
 _ORDERED = (list, tuple)
@@ -317,7 +316,6 @@ class Live:
         raise NoDigestError(f"holds a {type(value).__qualname__}, of which no digest can be made")
 
     def _members(self, kind: type) -> object:
-
         module = self._module(kind.__module__)
         name = kind.__qualname__.partition(".")[0]
         if module is not None and name in module.summary.names:
@@ -333,7 +331,7 @@ class Live:
         if not os.path.isfile(file):
             if _is_in_module(function) and self._by_version(_module_name(function), function):
                 return _made_by_library(function)
-            self._fileless(function, file)
+            self._fileless(function)
             return made_with(function)
         module = self._home(function, os.path.abspath(file))
         if module is None:
@@ -357,12 +355,13 @@ class Live:
             file = place.file
         return self._links.module_in(file, name)
 
-    def _fileless(self, function: FunctionType, file: str) -> None:
-
+    def _fileless(self, function: FunctionType) -> None:
         cell = read_cell(function, lambda name: _is_mark(_look_up(function.__globals__, name)))
-        if cell.found == "compiled" and not file.startswith("<"):
-            self.troubles.append(f"{_label(function)} has no source: {file} is not there")
-        self.units[f"{_label(function)} ({cell.found})"].add(cell.digest)
+        if cell is None:
+            # its bytecode would change with the version of Python, and miss what it calls
+            self.troubles.append(f"{_label(function)} has no source")
+            return
+        self.units[f"{_label(function)} (cell)"].add(cell.digest)
         self._globals(function, cell.references)
 
     def _globals(self, function: FunctionType, references: Iterable[str]) -> None:
@@ -459,51 +458,11 @@ def _look_up(names: Any, qualified: str) -> Any:
     return value
 
 
-class Cell(NamedTuple):
-    """A function that no file holds.
-
-    Attributes
-    ----------
-    digest : str
-    references : tuple of str
-        As those of a `Part`, or, without any source, all names that its code mentions.
-    found : str
-        ``cell`` when its source was kept, else ``compiled``.
-    """
-
-    digest: str
-    references: tuple[str, ...]
-    found: str
-
-
-def read_cell(function: FunctionType, marks: Marks) -> Cell:
-    """Return a function's code, from kept source if there is any, else as it was compiled."""
-    code = function.__code__
+def read_cell(function: FunctionType, marks: Marks) -> Part | None:
+    """Return a function that no file holds, if its source was kept, as notebooks do."""
     try:
         # of the code: a function would be unwrapped, and another one's source returned
-        statement = ast.parse(textwrap.dedent(inspect.getsource(code))).body[0]
+        source = inspect.getsource(function.__code__)
+        return part_of(ast.parse(textwrap.dedent(source)).body[0], marks)
     except (OSError, TypeError, SyntaxError, ValueError, IndexError):
-        return Cell(short_digest(_instructions(code)), tuple(sorted(_names(code))), "compiled")
-    part = part_of(statement, marks)
-    return Cell(part.digest, part.references, "cell")
-
-
-def _instructions(code: CodeType) -> tuple[object, ...]:
-    constants = tuple(map(_constant, code.co_consts))
-    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
-    return code.co_code, code.co_exceptiontable, constants, names, code.co_flags
-
-
-def _constant(value: object) -> object:
-    if isinstance(value, CodeType):
-        return _instructions(value)
-    if isinstance(value, tuple):
-        return tuple(map(_constant, value))
-    if isinstance(value, frozenset):
-        return sorted(map(repr, value))
-    return type(value).__name__, repr(value)
-
-
-def _names(code: CodeType) -> set[str]:
-    inner = (constant for constant in code.co_consts if isinstance(constant, CodeType))
-    return set(code.co_names).union(*map(_names, inner))
+        return None

@@ -162,8 +162,8 @@ def test_a_module_that_was_made_by_hand(monkeypatch: pytest.MonkeyPatch) -> None
     def held(number: int) -> Reached:
         module = ModuleType("by_hand")
         monkeypatch.setitem(sys.modules, "by_hand", module)
-        exec(f"class Shape:\n def area(self): return {number}", vars(module))
-        exec(f"def near(x): return {number}", vars(module))
+        text = "class Shape:\n def area(self): return {0}\ndef near(x): return {0}"
+        vars(module).update(in_cell(text.format(number), "<by hand>", __name__="by_hand"))
         return of(over((module.Shape, module.near)))
 
     assert held(1).digest == held(1).digest
@@ -270,23 +270,11 @@ def test_functions_made_in_a_loop(folder: Folder) -> None:
     assert not one.unstable
 
 
-def run(text: str, **names: Any) -> dict[str, Any]:
-    made: dict[str, Any] = {"__name__": "__main__", **names}
-    exec(compile(text, "<string>", "exec", dont_inherit=True), made)
-    return made
-
-
-def test_a_function_without_source() -> None:
-    text = "LIMIT = {}\ndef near(x): return x + LIMIT\ndef fill(x): return near(x) in {{'a', {}}}"
-    reached = of(run(text.format(1, 2))["fill"])
-    assert set(reached.units) == {
-        "__main__:LIMIT",
-        "__main__:fill (compiled)",
-        "__main__:near (compiled)",
-    }
-    assert reached.digest == of(run("\n# why\n" + text.format(1, 2))["fill"]).digest
-    assert reached.digest != of(run(text.format(2, 2))["fill"]).digest
-    assert reached.digest != of(run(text.format(1, 3))["fill"]).digest
+def test_a_function_without_source_has_no_lasting_digest() -> None:
+    made: dict[str, Any] = {"__name__": "__main__"}
+    exec("def near(x): return x\ndef fill(x): return near(x)", made)
+    reached = of(made["fill"])
+    assert "__main__:fill has no source" in reached.unstable
 
 
 def in_cell(text: str, name: str, **names: Any) -> dict[str, Any]:
@@ -323,18 +311,22 @@ def test_a_function_of_a_cell() -> None:
     assert made(2, "a", "Doc.").digest != reached.digest
 
 
-def test_a_class_of_a_prompt() -> None:
+def test_a_class_of_a_cell() -> None:
     text = (
         "from dataclasses import dataclass\n@dataclass\nclass Shape:\n"
         "    sides: int = {}\n    def area(self): return {}\n"
         "    @property\n    def rim(self): return 1\n    @staticmethod\n    def of(): return {}\n"
         "def fill(x: int) -> int: return Shape().area()\n"
     )
-    first = of(run(text.format(1, 1, 1))["fill"])
+
+    def made(*parts: int) -> Reached:
+        return of(in_cell(text.format(*parts), "<cell 1>")["fill"])
+
+    first = made(1, 1, 1)
     assert not first.unstable
-    assert of(run(text.format(1, 1, 1))["fill"]).digest == first.digest
+    assert made(1, 1, 1).digest == first.digest
     for other in ((2, 1, 1), (1, 2, 1), (1, 1, 2)):
-        assert of(run(text.format(*other))["fill"]).digest != first.digest
+        assert made(*other).digest != first.digest
 
 
 @pytest.mark.parametrize(
@@ -348,10 +340,10 @@ def test_a_class_of_a_prompt() -> None:
         "from nodegraph import Value\nclass Shape(Value):\n sides = {}",
     ],
 )
-def test_kinds_of_classes_of_a_prompt(text: str) -> None:
+def test_kinds_of_classes_of_a_cell(text: str) -> None:
     def made(number: int) -> Reached:
-        names = run(text.format(number) + "\ndef fill(x: int) -> Shape: return Shape(x)")
-        return of(names["fill"])
+        whole = text.format(number) + "\ndef fill(x: int) -> Shape: return Shape(x)"
+        return of(in_cell(whole, "<cell 1>")["fill"])
 
     assert not made(1).unstable
     assert made(1).digest == made(1).digest
