@@ -26,6 +26,7 @@ from nodegraph.report.methods import Methods
 from nodegraph.report.notes import note_kinds, step_notes
 from nodegraph.report.study import (
     AxisRow,
+    Kind,
     Link,
     Section,
     SettingRow,
@@ -204,7 +205,7 @@ class _Shown:
         lost = {path: reason for path, reason in reasons.items() if reason}
         for path, reason in lost.items():
             message = f"{path} cannot be written: {reason}"
-            self.notes.append(StepNote(result.title, result.combination, message, "failed"))
+            self.notes.append(StepNote(result.title, result.combination, message, Kind.FAILED))
         return lost
 
     def _add_error(self, result: _Result, error: Exception) -> None:
@@ -215,7 +216,7 @@ class _Shown:
         trace = "".join(traceback.format_exception(error))
         self._add(result, Rendered("", message), ())
         self.notes.append(
-            StepNote(result.title, result.combination, message, "failed", trace=trace)
+            StepNote(result.title, result.combination, message, Kind.FAILED, trace=trace)
         )
         self.not_shown.append(
             NotShown(result.node, plain(result.labels), reason, result.output, trace)
@@ -314,7 +315,7 @@ def _warnings(study: Study) -> list[str]:
 
 def _failures(study: Study) -> Iterator[str]:
     """Yield the first failures, with the command that repeats each step alone."""
-    failed = [note for note in study.notes if note.kind == "failed"]
+    failed = [note for note in study.notes if note.kind is Kind.FAILED]
     for note in failed[:_MOST_FAILURES]:
         where = f"{note.node} at {note.labels}" if note.labels else note.node
         repeat = f"\n    repeat it alone: {note.repeat}" if note.repeat else ""

@@ -14,19 +14,23 @@ from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _KIND_OF_STATE: dict[State, Kind] = {
-    State.FAILED: "failed",
-    State.REFUSED: "refused",
-    State.SKIPPED: "left out",
+    State.FAILED: Kind.FAILED,
+    State.REFUSED: Kind.REFUSED,
+    State.SKIPPED: Kind.LEFT_OUT,
 }
 _TITLES: tuple[tuple[Kind, str, str], ...] = (
     (
-        "failed",
+        Kind.FAILED,
         "Failed",
         "An error stopped these; what depends on a step that failed was not run.",
     ),
-    ("refused", "Refused", "The method cannot do what is asked of this data, and says why."),
-    ("left out", "Left out", "These combinations were not asked for, or had nothing to work on."),
-    ("warning", "Warnings", "These steps ran, and have something to say about their result."),
+    (Kind.REFUSED, "Refused", "The method cannot process this data, and gives the reason."),
+    (
+        Kind.LEFT_OUT,
+        "Left out",
+        "These combinations were not wanted, or lack an input.",
+    ),
+    (Kind.WARNING, "Warnings", "These steps ran, with warnings about their results."),
 )
 _NUMBER = re.compile(r"(?<![A-Za-z_\d])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", re.IGNORECASE)
 
@@ -59,19 +63,19 @@ def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
     for name, cells in run.plan.skipped.items():
         axes = run.plan.graph.nodes[name].axes
         for at, reason in cells.items():
-            yield StepNote(name, labels_of(dict(zip(axes, at, strict=True))), reason, "left out")
+            yield StepNote(name, labels_of(dict(zip(axes, at, strict=True))), reason, Kind.LEFT_OUT)
 
 
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:
     return (
-        StepNote(", ".join(nodes), "", reason, "left out", count=len(nodes))
+        StepNote(", ".join(nodes), "", reason, Kind.LEFT_OUT, count=len(nodes))
         for reason, nodes in run.plan.graph.left_out_together().items()
     )
 
 
 def _noticed(run: Run) -> Iterable[StepNote]:
     return (
-        StepNote(str(notice.place), "", f"{notice.message}: {notice.instead}", "warning")
+        StepNote(str(notice.place), "", f"{notice.message}: {notice.instead}", Kind.WARNING)
         for notice in run.plan.graph.notices
     )
 
@@ -79,7 +83,7 @@ def _noticed(run: Run) -> Iterable[StepNote]:
 def _warned(run: Run) -> Iterator[StepNote]:
     for step, outcome in run.settled():
         for message in outcome.warnings:
-            yield StepNote(_name(step), labels_of(step.labels), message, "warning")
+            yield StepNote(_name(step), labels_of(step.labels), message, Kind.WARNING)
 
 
 def _name(step: Step) -> str:
@@ -111,7 +115,7 @@ class NoteKind:
     groups: tuple[NoteGroup, ...]
 
     def __str__(self) -> str:
-        if self.kind != "warning":
+        if self.kind is not Kind.WARNING:
             return f"{self.count} {self.kind}"
         if len(self.groups) == self.count:
             return _counted(self.count, "warning")
@@ -160,7 +164,7 @@ def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
 
 def _alike(note: StepNote) -> str:
     """Return the reason of a note; of a warning without its numbers, which differ by step."""
-    return _NUMBER.sub("…", note.reason) if note.kind == "warning" else note.reason
+    return _NUMBER.sub("…", note.reason) if note.kind is Kind.WARNING else note.reason
 
 
 def _have_one_reason(notes: Iterable[StepNote]) -> bool:

@@ -6,9 +6,10 @@ import gzip
 import json
 import zlib
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.hook_types import Rendered
@@ -18,7 +19,14 @@ from nodegraph.validation import first_error
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
 
-Kind = Literal["failed", "refused", "left out", "warning"]
+
+class Kind(StrEnum):
+    """What a note is about."""
+
+    FAILED = "failed"
+    REFUSED = "refused"
+    LEFT_OUT = "left out"
+    WARNING = "warning"
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +151,7 @@ class StepNote:
     node, labels : str
         The node and the combination: ``fill=muscle, trial=3``.
     reason : str
-    kind : {"failed", "refused", "left out", "warning"}
+    kind : Kind
     count : int
         For how many combinations the note stands.
     repeat : str
@@ -244,7 +252,7 @@ class Study:
     @property
     def ok(self) -> bool:
         """Whether no step failed, and all that the report lists is shown."""
-        return not any(note.kind == "failed" for note in self.notes)
+        return not any(note.kind is Kind.FAILED for note in self.notes)
 
 
 def study_bytes(study: Study) -> bytes:

@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from nodegraph_files.glb.writing import animation_bytes, head_bytes
     from nodegraph_files.head import RawHead
     from nodegraph_files.marker_set import marker_set_text, read_marker_set_yaml
-    from nodegraph_files.model import model_bytes, read_model_npz
-    from nodegraph_files.npz import npz_bytes, read_npz, write_npz
+    from nodegraph_files.npz import model_bytes, npz_bytes, read_model_npz, read_npz, write_npz
     from nodegraph_files.paths import sample_folder
     from nodegraph_files.text.csv import csv_bytes, read_csv, write_csv
     from nodegraph_files.text.live_link import read_live_link
@@ -51,8 +50,8 @@ _MODULES = {
     "RawHead": "head",
     "marker_set_text": "marker_set",
     "read_marker_set_yaml": "marker_set",
-    "model_bytes": "model",
-    "read_model_npz": "model",
+    "model_bytes": "npz",
+    "read_model_npz": "npz",
     "npz_bytes": "npz",
     "read_npz": "npz",
     "write_npz": "npz",
@@ -101,12 +100,12 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
 @hookimpl
 def nodegraph_formats() -> Iterable[Format]:
     """Return the formats that are read; of those that fit a file, the first."""
-    from nodegraph_files import c3d, model, npz, obj
+    from nodegraph_files import c3d, npz, obj
     from nodegraph_files.glb import reading as glb
     from nodegraph_files.text import csv, live_link, trc
 
-    formats = (c3d, npz, trc, csv, live_link, model, glb, obj)
-    return tuple(module.FORMAT for module in formats)
+    recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, csv.FORMAT)
+    return (*recordings, live_link.FORMAT, npz.MODEL_FORMAT, glb.FORMAT, obj.FORMAT)
 
 
 @hookimpl

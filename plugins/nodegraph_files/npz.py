@@ -1,4 +1,4 @@
-"""Recordings as NumPy archives, the exact form: what is written reads back bit for bit."""
+"""Recordings and blendshape models as NumPy archives, which read back bit for bit."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from nodegraph import Format
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.units import AUTO, LengthUnit, unit_from
+from nodegraph_mocap.face_model import BlendshapeModel
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Trajectories
 
@@ -50,7 +51,8 @@ def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) ->
     Raises
     ------
     ValueError
-        If it is no such archive, lacks an array, or one is of another kind or size than it says.
+        If it is not such an archive, lacks an array, or one is of another kind or size than
+        stated.
     """
     from zipfile import ZipFile
 
@@ -131,23 +133,22 @@ def read_npz(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     """Read a recording from a NumPy archive.
 
     The archive holds ``positions`` (T, M, 3) in mm, ``markers`` (M,) and ``rate``, and may hold
-    ``origin``, ``sigma`` (T, M) and ``marker_set`` (a text of JSON). What else it holds is not
-    read.
+    ``origin``, ``sigma`` (T, M) and ``marker_set`` (JSON text). Other arrays are not read.
 
     Parameters
     ----------
     path
         The file.
     zeros_missing
-        Whether a sample at exactly (0, 0, 0) counts as missing, where the archive does not say
-        itself by ``origin`` which are.
+        Whether a sample at exactly (0, 0, 0) counts as missing if the archive has no
+        ``origin``.
     unit
         Of length, such as ``cm``; by default mm, as this package writes.
 
     Raises
     ------
     ValueError
-        If it is no such archive, or lacks an array; the message lists those that are there.
+        If it is not such an archive, or lacks an array; the message lists those that are there.
     """
     try:
         arrays = npz_arrays(path, _KINDS, _REQUIRED)
@@ -205,4 +206,48 @@ def _recording(arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit) ->
     )
 
 
+_MODEL_KINDS = {"neutral": "fiu", "shapes": "fiu", "shape_names": "U", "markers": "U"}
+
+
+def read_model_npz(path: Path) -> BlendshapeModel:
+    """Read a blendshape model.
+
+    The archive holds ``neutral`` (M, 3) and ``shapes`` (K, M, 3) offsets at weight 1, in mm, and
+    ``shape_names`` (K,) and ``markers`` (M,). Other arrays are not read.
+
+    Raises
+    ------
+    ValueError
+        If it is not such an archive, lacks an array, or a number is missing or infinite.
+    """
+    try:
+        arrays = npz_arrays(path, _MODEL_KINDS, tuple(_MODEL_KINDS))
+        return BlendshapeModel(
+            neutral=arrays["neutral"],
+            shapes=arrays["shapes"],
+            names=_names(arrays["shape_names"]),
+            markers=_names(arrays["markers"]),
+        )
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{path}: not a readable NPZ model: {error}") from None
+
+
+def model_bytes(model: BlendshapeModel) -> bytes:
+    """Return a blendshape model as the bytes of a NumPy archive, which reads back equal."""
+    target = BytesIO()
+    np.savez(
+        target,
+        neutral=model.neutral,
+        shapes=model.shapes,
+        shape_names=np.array(model.names, dtype=np.str_),
+        markers=np.array(model.markers, dtype=np.str_),
+    )
+    return target.getvalue()
+
+
+def _names(array: NDArray[np.str_]) -> tuple[str, ...]:
+    return tuple(str(name) for name in array.ravel())
+
+
 FORMAT = Format("NPZ", Trajectories, (".npz",), read_npz, is_archive)
+MODEL_FORMAT = Format("NPZ", BlendshapeModel, (".npz",), read_model_npz, is_archive)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from nodegraph import Format, InputFile, Truth, formats, node
-from nodegraph_files.formats import file_names, format_of
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file
@@ -25,6 +25,7 @@ _MARKER_SETS = ("markers.yaml",)
 _MARKER_VERTICES = ("marker_vertices.csv",)
 _SLOWEST, _FASTEST = 1e-3, 1e6  # Hz
 _FARTHEST = 1e9  # mm
+_START = 1024  # bytes
 _MODEL_RATE = 1.0
 """A single frame has no rate, but a recording needs one."""
 
@@ -265,6 +266,30 @@ def read_marker_set(*, path: InputFile) -> MarkerSet:
         If the file is not of that form, with the place where it is not.
     """
     return read_marker_set_yaml(find_file(path, _MARKER_SETS))
+
+
+def format_of(file: Path, formats: Sequence[Format]) -> Format:
+    """Return the first format that recognizes a file's content, or else has its suffix.
+
+    Raises
+    ------
+    ValueError
+        If there is none; the message lists the formats.
+    """
+    with file.open("rb") as stream:
+        start = stream.read(_START)
+    by_content = (each for each in formats if each.recognizes(start))
+    by_suffix = (each for each in formats if file.suffix.lower() in each.suffixes)
+    match = next(chain(by_content, by_suffix), None)
+    if match is None:
+        known = ", ".join(f"{each.name} ({', '.join(each.suffixes)})" for each in formats)
+        raise ValueError(f"{file}: unknown format; there is {known or 'none'}")
+    return match
+
+
+def file_names(stem: str, formats: Sequence[Format]) -> tuple[str, ...]:
+    """Return the names of the files that a reader takes from a folder, one per format."""
+    return tuple(stem + each.suffixes[0] for each in formats)
 
 
 def marker_set_for(path: Path, file: Path, named: Path | None) -> MarkerSet | None:

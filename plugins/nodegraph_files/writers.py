@@ -160,7 +160,7 @@ def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
     Files
         One file.
     """
-    from nodegraph_files.model import model_bytes
+    from nodegraph_files.npz import model_bytes
 
     return _file(name, ".npz", model_bytes(model))
 

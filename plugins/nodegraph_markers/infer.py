@@ -10,8 +10,6 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Refusal, Unit, listed, node
-from nodegraph_markers.edges import edges_of
-from nodegraph_markers.landmarks import still_landmarks
 from nodegraph_markers.mirror import ALONE, Mirror, find_mirror, partners
 from nodegraph_markers.rigid import spacing
 from nodegraph_markers.sides import Axes, face_axes, side_by_name
@@ -24,6 +22,11 @@ if TYPE_CHECKING:
 _FEWEST = 4
 _FLAT = 0.02
 """Extent of a shape in its thinnest direction, to that in its longest, to tell a left side."""
+_LINE = 0.1
+"""Extent across a line, to that along it, below which points count as on the line."""
+_WIDEST = 2.5
+"""Times the median circumradius: larger triangles only span the hollows of the outline."""
+_STABLE_SHARE, _FEWEST_STABLE = 6, 3
 _NEAR = 0.75
 _POOR = 2 / 3
 _SIDES, _STABLE, _EDGES = "pairs and midline", "stable landmarks", "edges"
@@ -35,9 +38,9 @@ class Inferred(NamedTuple):
     Attributes
     ----------
     recording : Trajectories
-        The samples as they came.
+        The samples unchanged, with the marker set.
     marker_set : MarkerSet
-        What was found.
+        The proposal.
     """
 
     recording: Trajectories
@@ -70,17 +73,17 @@ def infer(
 
     - pairs: markers that are each other's mirror image within the tolerance, by a matching that
       minimizes the distances as a whole; midline: those that are their own;
-    - left and right: as the pair's names tell (``L_``, ``left``, ``Leyebrow``, ``Chin_L1``);
-      where they do not, as most other names tell. Where no name does, it is guessed: the front
-      is where the middle of the face stands out, up is where the face moves less (a single
-      frame: where it is wider), and a warning says that it was guessed;
+    - left and right: by the pair's names (``L_``, ``left``, ``Leyebrow``, ``Chin_L1``), else by
+      most other pairs' names. If no name has a side, it is guessed, with a warning: the front
+      is where the middle of the face stands out, up is where the face moves less (in a single
+      frame, where it is wider);
     - stable: the sixth of the markers that moves least in the head's frame, three at least and
       not on a line; a pair as a whole; none from a single frame;
     - edges: a Delaunay triangulation as seen from the front, without its long thin triangles.
 
-    A warning names what found no partner, and says how well the face mirrors itself. A marker
-    set that the recording has is not used, and replaced, unless `keep` says otherwise. Save the
-    proposal, correct it, and read it with the recording from then on.
+    A warning names the markers without a partner, and how well the face mirrors itself. The
+    recording's own marker set is replaced unless `keep` is set. Save the proposal, correct it,
+    and read it with the recording from then on.
 
     Looks at the whole take (600 frames of it, evenly spread, if there are more).
 
@@ -92,9 +95,9 @@ def infer(
         How far a marker may be from the mirror image of its partner. None: three quarters of the
         median distance between neighbouring markers.
     keep
-        Whether what the recording's own marker set says stays: pairs with the midline, stable
-        landmarks, edges. Only the parts of which it says nothing are proposed, told in a warning;
-        where it says all, nothing is looked at.
+        Whether the parts of the recording's own marker set stay: pairs with the midline, stable
+        landmarks, edges. Only empty parts are then proposed, with a warning that names them; a
+        set without empty parts is returned as it is.
 
     Returns
     -------
@@ -120,9 +123,7 @@ def infer(
     unseen = len(recording.markers) - len(known)
     messages = [f"{unseen} markers are never present and in no part of the set"] if unseen else []
     messages += proposal.messages
-    messages += (
-        [f"the marker set does not say it, so proposed: {', '.join(lacking)}"] if keep else []
-    )
+    messages += [f"proposed, as the marker set lacks them: {', '.join(lacking)}"] if keep else []
     if messages:
         warnings.warn("; ".join(messages), stacklevel=2)
     marker_set = MarkerSet(
@@ -138,7 +139,7 @@ def infer(
 
 
 def _lacking(own: MarkerSet | None) -> list[str]:
-    """Return the parts of which a marker set says nothing."""
+    """Return the empty parts of a marker set."""
     parts = {
         _SIDES: own and (own.pairs or own.midline),
         _STABLE: own and own.stable,
@@ -200,7 +201,7 @@ def _sided(
     axes: Axes,
     names: list[str],
 ) -> tuple[list[tuple[int, int]], list[str]]:
-    """Return the couples with the left one first, and what there is to say about that."""
+    """Return the couples with the left marker first, and messages to the user."""
     by_name = np.array(
         [side_by_name(names[first], names[second]) for first, second in couples], dtype=int
     )
@@ -245,3 +246,74 @@ def _symmetry(
         f"mm: {listed(alone)}; in the best plane, half of the markers are within "
         f"{residual:.1f} mm of a mirror image"
     ]
+
+
+def still_landmarks(
+    shape: NDArray[np.float64], motion: NDArray[np.float64], partner: NDArray[np.intp]
+) -> list[int]:
+    """Return which markers move least: a sixth of them, three at least, not all on a line.
+
+    A pair counts with the motion of the marker that moves more, and comes as a whole. While the
+    landmarks lie on a line, the next one is added.
+
+    Parameters
+    ----------
+    shape
+        (N, 3) mm.
+    motion
+        (N,) mm.
+    partner
+        (N,), the number of each marker's partner, or -1.
+
+    Returns
+    -------
+    list of int
+        In rising order.
+    """
+    paired = np.where(partner < 0, np.arange(len(shape)), partner)
+    together = np.maximum(motion, motion[paired])
+    order = np.argsort(together, kind="stable")
+    count = max(_FEWEST_STABLE, len(shape) // _STABLE_SHARE)
+    while count < len(order) and (
+        together[order[count]] == together[order[count - 1]] or _on_a_line(shape[order[:count]])
+    ):
+        count += 1
+    return sorted(order[:count].tolist())
+
+
+def _on_a_line(points: NDArray[np.float64]) -> bool:
+    extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(extents[1] < _LINE * extents[0])
+
+
+def edges_of(plane: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Return which points the triangles of a Delaunay triangulation join.
+
+    Triangles whose circumcircle is more than 2.5 times as wide as the median one are left out:
+    long ones across the hollows of the outline, and thin ones along it.
+
+    Parameters
+    ----------
+    plane
+        (N, 2) mm, the markers as seen from the front, not all on a line.
+
+    Returns
+    -------
+    list of (int, int)
+        The lower number first, in rising order.
+    """
+    from scipy.spatial import Delaunay
+
+    triangles = Delaunay(plane).simplices
+    radius = _circumradius(plane[triangles])
+    compact = triangles[radius <= _WIDEST * np.median(radius)]
+    sides = np.sort(np.concatenate([compact[:, [0, 1]], compact[:, [1, 2]], compact[:, [0, 2]]]))
+    return [(first, second) for first, second in np.unique(sides, axis=0).tolist()]
+
+
+def _circumradius(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``a b c / (4 area)`` of triangles, (F, 3, 2)."""
+    sides = corners - np.roll(corners, 1, axis=1)
+    lengths = np.linalg.norm(sides, axis=2).prod(axis=1)
+    twice = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    return np.asarray(lengths / np.maximum(2.0 * twice, np.finfo(float).tiny))

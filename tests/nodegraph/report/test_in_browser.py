@@ -13,6 +13,7 @@ import pytest
 from nodegraph.draw import Box, Picture, svg
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, StepNote, Study, TimingRow, page
+from nodegraph.report.study import Kind
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -62,7 +63,7 @@ def test_the_console_stays_empty(tmp_path: Path) -> None:
         notes_markdown="*why*",
         sections=(Section("table", Rendered(TABLE)),),
         graph_svg=svg(Picture("drawn", (Box("capture"),))),
-        notes=(StepNote("fill", "trial=0", "needs a neutral pose", "refused"),),
+        notes=(StepNote("fill", "trial=0", "needs a neutral pose", Kind.REFUSED),),
         timings=(TimingRow("fill", 1, 1.0),),
     )
     html, console = opened(page(whole), tmp_path)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from html.parser import HTMLParser
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import pytest
 
@@ -22,6 +22,7 @@ from nodegraph.report import (
     page,
 )
 from nodegraph.report.page import duration
+from nodegraph.report.study import Kind
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "rect", "line", "path"}
 
@@ -35,7 +36,7 @@ def study(**fields: Any) -> Study:
 def refusals(count: int) -> tuple[StepNote, ...]:
     reason = "needs one complete frame"
     return tuple(
-        StepNote("fill (fill.guenter)", f"fill=guenter, trial={number}", reason, "refused")
+        StepNote("fill (fill.guenter)", f"fill=guenter, trial={number}", reason, Kind.REFUSED)
         for number in range(count)
     )
 
@@ -68,8 +69,8 @@ class Hostile:
                     for field in fields(kind)
                 }
             )
-        if get_origin(kind) is Literal:
-            return get_args(kind)[0]
+        if kind is Kind:
+            return Kind.FAILED
         if get_origin(kind) is tuple:
             return tuple(
                 self.make(argument) for argument in get_args(kind) if argument is not Ellipsis
@@ -190,8 +191,8 @@ def test_what_happened_to_thousands_is_folded_but_whole() -> None:
 
 
 def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
-    gaps = [StepNote("fill", f"k={k}", f"{k} gaps of m1 open", "warning") for k in range(60)]
-    slow = [StepNote("fill", f"k={k}", "slow", "warning") for k in range(60)]
+    gaps = [StepNote("fill", f"k={k}", f"{k} gaps of m1 open", Kind.WARNING) for k in range(60)]
+    slow = [StepNote("fill", f"k={k}", "slow", Kind.WARNING) for k in range(60)]
     read = Page(page(study(notes=(*gaps, *slow))))
     assert "2 kinds of warnings in 60 steps" in read.text
     assert "… gaps of m1 open" in read.text
@@ -202,7 +203,9 @@ def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
 
 
 def test_a_failure_says_how_to_repeat_it_and_where_it_happened() -> None:
-    note = StepNote("fill", "k=3", "ValueError: no", "failed", repeat="run --only k=3", trace="L 1")
+    note = StepNote(
+        "fill", "k=3", "ValueError: no", Kind.FAILED, repeat="run --only k=3", trace="L 1"
+    )
     read = Page(page(study(notes=(note,))))
     for text in ("1 failed", "ValueError: no", "k=3", "run --only k=3", "L 1"):
         assert text in read.text

@@ -15,7 +15,7 @@ from nodegraph_align.huber import huber
 from nodegraph_align.procrustes import procrustes
 from nodegraph_align.trimmed import trimmed
 from nodegraph_files.c3d import read_c3d
-from nodegraph_files.model import read_model_npz
+from nodegraph_files.npz import read_model_npz
 from nodegraph_mocap import HeadMotion, Trajectories
 
 Array = NDArray[np.float64]

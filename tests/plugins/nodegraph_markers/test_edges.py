@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph_markers.edges import edges_of
+from nodegraph_markers.infer import edges_of
 
 
 def test_a_square_lattice_is_joined_by_its_sides_and_one_diagonal_each() -> None:

@@ -181,7 +181,7 @@ def test_what_the_recording_knows_is_kept_and_only_the_rest_is_proposed(face: Fa
     whole, known = made.captured, made.marker_set
     assert infer(whole, keep=True).recording is whole
     partly = replace(known, pairs=known.pairs[:3], midline=(), stable=())
-    with pytest.warns(UserWarning, match="does not say it, so proposed: stable landmarks$"):
+    with pytest.warns(UserWarning, match="lacks them: stable landmarks$"):
         found = infer(replace(whole, marker_set=partly), keep=True).marker_set
     assert found == replace(partly, stable=infer(whole).marker_set.stable)
     bare = replace(whole, marker_set=None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph_markers.landmarks import still_landmarks
+from nodegraph_markers.infer import still_landmarks
 
 ALONE = np.full(24, -1)
 SHAPE = np.random.default_rng(0).normal(0.0, 40.0, (24, 3))
