@@ -38,7 +38,7 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
         )
         instead = f"in another graph: {{use: {flat.spec.file}, in: {{{name}: node}}}}"
         problems.add(flat.spec.inputs[name].place, message, instead)
-    graph = Assembler(flat, registry, choices or Choices(), problems).graph()
+    graph = Assembler(flat, registry, (choices or Choices()).listed, problems).graph()
     if graph is None:
         raise GraphError(problems.all())
     check_names_in_settings(graph, problems)

@@ -8,7 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from nodegraph.errors import NodegraphError, Place, Problem, nearest
+from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest
+from nodegraph.graphfile.axes import axis_from_option, is_pattern
 from nodegraph.graphfile.spec import GraphSpec, Reference
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label
@@ -42,6 +43,17 @@ class Choices:
     only: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     folder: Path = field(default_factory=Path.cwd)
     folders: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def listed(self) -> Choices:
+        """The same choices, with a label for each file instead of patterns that match any."""
+        axes = dict(self.axes)
+        for name, value in self.axes.items():
+            if is_pattern(value):
+                folder = self.folders.get(name, self.folder)
+                axis = axis_from_option(name, value, folder, Problems())
+                axes[name] = dict(zip(axis.labels, axis.values, strict=True)) or value
+        return replace(self, axes=axes)
 
     def updated(self, later: Choices) -> Choices:
         """Return these choices with later ones on top."""

@@ -19,9 +19,9 @@ class Namespace:
     Attributes
     ----------
     inputs : dict of name to value
-        Without the ports of a graph used as a node.
+        Without the ports of a graph used as a node, and inputs that are axes by choice.
     axes : dict of name to Axis
-        Those of the file, then those of nodes with alternatives.
+        Those of the file, inputs that are axes by choice, then those of nodes with alternatives.
     used : set of str
         Names that something refers to.
     invalid : set of Variable
@@ -41,10 +41,16 @@ class Namespace:
         self._problems = problems
         self.used: set[str] = set()
         self.invalid: set[Variable] = set()
-        defaults = {name: part.value for name, part in spec.inputs.items() if name not in ports}
+        defaults = {
+            name: part.value
+            for name, part in spec.inputs.items()
+            if name not in ports and name not in choices.axes
+        }
         overrides = {name: value for name, value in choices.inputs.items() if name in defaults}
         self.inputs: dict[str, Any] = defaults | overrides
-        self.axes = {name: self._axis(name) for name in spec.axes}
+        varied = [name for name in spec.inputs if name in choices.axes and name not in ports]
+        self._valued = (*spec.axes, *varied)
+        self.axes = {name: self._axis(name) for name in self._valued}
 
     @property
     def graph_folder(self) -> Path:
@@ -61,6 +67,10 @@ class Namespace:
     def check_choices(self) -> None:
         """Record choices of unknown names, and axes and inputs that nothing uses."""
         self._check_known("--set", "input", self._choices.inputs, tuple(self._spec.inputs))
+        for name in self._valued:
+            if name in self._choices.inputs:
+                message = f"{name!r} is set, and is an axis as well"
+                self._problems.add(Place(f"--set {name}"), message, f"leave out --axis {name}")
         self._check_known("--axis", "axis", self._choices.axes, tuple(self.axes))
         self._check_known("--only", "axis", self._choices.only, tuple(self.axes))
         for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
@@ -76,7 +86,7 @@ class Namespace:
         """Return the axis that a variable names, or None for an input or an unknown name."""
         name = variable.name
         self.used.add(name)
-        if name in self._spec.axes:
+        if name in self._valued:
             if not self.axes[name].labels:
                 self.invalid.add(variable)
             return name
@@ -134,12 +144,13 @@ class Namespace:
         self._problems.add(variable.place, message, hint)
 
     def _axis(self, name: str) -> Axis:
-        spec = self._spec.axes[name]
+        spec = self._spec.axes.get(name)
+        written = spec.labels if spec is not None else ()
+        if spec is None or name in self._choices.axes:
+            folder = self._choices.folders.get(name, self._choices.folder)
+            spec = axis_from_option(name, self._choices.axes[name], folder, self._problems)
         labels, values = spec.labels, spec.values
-        if name in self._choices.axes:
-            override = axis_from_option(name, self._choices.axes[name], self._problems)
-            labels, values = override.labels, override.values
-        removed = frozenset(spec.labels) - frozenset(labels)
+        removed = frozenset(written) - frozenset(labels)
         axis = Axis(name, labels, dict(zip(labels, values, strict=True)), removed)
         return self._restricted(axis)
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from glob import iglob
+from itertools import islice
+from pathlib import Path, PurePath
 from typing import Any
 
 from nodegraph.errors import Place, Problems
@@ -15,9 +18,19 @@ _Entries = list[tuple[Label, Any, Place]]
 """Labels, the value behind each, and where it was written."""
 
 
-def read_axis(name: str, item: Located, problems: Problems) -> AxisSpec:
-    """Return the axis that a value describes, without labels if it describes none."""
-    entries = _entries(item, problems)
+def read_axis(name: str, item: Located, folder: Path, problems: Problems) -> AxisSpec:
+    """Return the axis that a value describes, without labels if it describes none.
+
+    Parameters
+    ----------
+    name
+    item
+        A list, labels with values, or a generator.
+    folder
+        Where patterns of files start.
+    problems
+    """
+    entries = _entries(item, folder, problems)
     if entries == []:
         problems.add(item.place, f"axis {name!r} has no label", AXIS_HINT)
     if not entries:
@@ -27,13 +40,18 @@ def read_axis(name: str, item: Located, problems: Problems) -> AxisSpec:
     return AxisSpec(name, item.place, labels, values)
 
 
-def axis_from_option(name: str, value: Any, problems: Problems) -> AxisSpec:
-    """Return the axis that a command or a caller describes by plain data."""
+def axis_from_option(name: str, value: Any, folder: Path, problems: Problems) -> AxisSpec:
+    """Return the axis that a command or a caller describes by plain data; see `read_axis`."""
     place = Place(f"--axis {name}")
     if isinstance(value, (list, tuple, range)) and value[MOST_LABELS : MOST_LABELS + 1]:
         problems.add(place, f"axis {name!r} has more than {MOST_LABELS:,} labels")
         return AxisSpec(name, place, (), ())
-    return read_axis(name, located(value, place), problems)
+    return read_axis(name, located(value, place), folder, problems)
+
+
+def is_pattern(value: Any) -> bool:
+    """Return whether plain data describe an axis by a pattern of files."""
+    return isinstance(value, dict) and list(value) == ["files"]
 
 
 def is_label(value: object) -> bool:
@@ -41,7 +59,7 @@ def is_label(value: object) -> bool:
     return isinstance(value, (str, int, float)) and value == value and value != ""
 
 
-def _entries(item: Located, problems: Problems) -> _Entries | None:
+def _entries(item: Located, folder: Path, problems: Problems) -> _Entries | None:
     if isinstance(item.value, list):
         return _from_list(item.value, problems)
     if isinstance(item.value, dict):
@@ -50,6 +68,8 @@ def _entries(item: Located, problems: Problems) -> _Entries | None:
             return _from_count(item.value["count"], problems)
         if generator == "range":
             return _from_range(item.value["range"], problems)
+        if generator == "files":
+            return _from_files(item.value["files"], folder, problems)
         return _from_labels(item, problems)
     problems.add(item.place, f"an axis cannot be {item.value!r}", AXIS_HINT)
     return None
@@ -94,6 +114,36 @@ def _from_range(item: Located, problems: Problems) -> _Entries | None:
         problems.add(item.place, f"range has more than {MOST_LABELS:,} labels")
         return None
     return [(value, value, item.place) for value in (first + i * step for i in range(count))]
+
+
+def _from_files(item: Located, folder: Path, problems: Problems) -> _Entries | None:
+    """Return a label for each file: its name without the suffix."""
+    pattern = item.value
+    if not isinstance(pattern, str) or not pattern:
+        problems.add(item.place, 'files must be a pattern, such as {files: "data/*.csv"}')
+        return None
+    try:
+        # relative to the folder, as the settings that name the files are
+        matches = iglob(pattern, root_dir=folder, recursive=True)
+        names = sorted(PurePath(name).as_posix() for name in islice(matches, MOST_LABELS + 1))
+    except (OSError, ValueError) as error:
+        problems.add(item.place, f"files: {pattern!r} cannot be searched: {error}")
+        return None
+    if not names:
+        hint = f"the folder is {(folder / pattern).parent}"
+        problems.add(item.place, f"no file matches {pattern!r}", hint)
+        return None
+    if len(names) > MOST_LABELS:
+        problems.add(item.place, f"more than {MOST_LABELS:,} files match {pattern!r}")
+        return None
+    stems: dict[str, str] = {}
+    for name in names:
+        first = stems.setdefault(PurePath(name).stem, name)
+        if first != name:
+            message = f"{first} and {name} would have one label"
+            problems.add(item.place, message, "narrow the pattern, or write {label: file, ...}")
+            return None
+    return [(stem, name, item.place) for stem, name in stems.items()]
 
 
 def _is_range(bounds: Any) -> bool:

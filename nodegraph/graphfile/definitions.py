@@ -105,6 +105,11 @@ def _axis() -> Schema:
             "properties": {
                 "count": {"description": "How many labels: 0, 1, ... count - 1.", **count},
                 "range": {"description": "[first, last, step]", **numbers},
+                "files": {
+                    "description": "A file per label, which is its name without the suffix.",
+                    "type": "string",
+                    "minLength": 1,
+                },
             }
         },
         "defaultSnippets": [
@@ -114,6 +119,11 @@ def _axis() -> Schema:
                 "label": "{range: [5, 60, 5]}",
                 "description": "first, last, step",
                 "bodyText": "{range: [${1:5, 60, 5}]}",
+            },
+            {
+                "label": '{files: "data/*.csv"}',
+                "description": "a file per label",
+                "bodyText": '{files: "${1:data/*.csv}"}',
             },
         ],
     }

@@ -18,7 +18,10 @@ PASS = "pass"
 
 IDENTIFIER_HINT = "use letters, digits and _, not a digit first"
 REFERENCE_HINT = "write node, node.port, or {from: node.port, at: {axis: label}}"
-AXIS_HINT = "write a list [5, 15], labels {a: 5, b: 15}, {count: 20} or {range: [5, 60, 5]}"
+AXIS_HINT = (
+    "write a list [5, 15], labels {a: 5, b: 15}, {count: 20}, {range: [5, 60, 5]} or "
+    '{files: "data/*.csv"}'
+)
 ALTERNATIVES_HINT = (
     "write {label: {use: family.method}}, [family.method, ...] or family.* for all its methods"
 )
@@ -64,8 +67,8 @@ TOP_LEVEL: Mapping[str, Key] = {
     ),
     "axes": Key(
         Form.AXES,
-        "A list, labels with values, {count: n} or {range: [first, last, step]}. A node runs once"
-        " for each label of the axes that reach it.",
+        "A list, labels with values, {count: n}, {range: [first, last, step]} or {files: pattern}."
+        " A node runs once for each label of the axes that reach it.",
     ),
     "nodes": Key(Form.NODES, "What is done, by name."),
     "skip": Key(Form.COMBINATIONS, "Combinations to leave out: [{axis: label or labels}]."),

@@ -99,9 +99,11 @@ class _SpecReader:
         self._root = root
         self._problems = problems
         self._sections: Mapping[str, Located] = {}
+        self._folder = Path()
 
     def read(self, text: str, file: str, folder: Path) -> GraphSpec:
         self._sections = self._read_sections()
+        self._folder = folder
         self._check_names()
         readers: Mapping[Form, Callable[[str], Any]] = {
             Form.TEXT: self._text,
@@ -199,7 +201,7 @@ class _SpecReader:
         return InputSpec(name, item.place, item.plain())
 
     def _axis(self, name: str, item: Located) -> Any:
-        return read_axis(name, item, self._problems)
+        return read_axis(name, item, self._folder, self._problems)
 
     def _reference(self, item: Located) -> Reference | None:
         return read_reference(item, self._problems)

@@ -84,7 +84,8 @@ class FileNames:
                 if _is_absolute(str(label)):
                     raise NodegraphError(
                         f"axis {axis.name}: the label {label} is a path of this machine, which a "
-                        "lock must not hold; give the axis names: {name: path}"
+                        "lock must not hold; give the paths labels: {label: path, ...}, in the "
+                        "graph or with --axis"
                     )
 
     def of(self, written: str, path: Path) -> str:
@@ -103,7 +104,8 @@ class FileNames:
         if _is_absolute(written) and written not in from_command:
             raise NodegraphError(
                 f"{setting}: {written} is a path of this machine, which a lock must not hold; "
-                "write it relative to the graph file, or pass it with --set"
+                "write it relative to the graph file, or pass it with --set INPUT=PATH, or with "
+                "--axis 'AXIS={label: PATH, ...}'"
             )
         self._names[written] = self.of(written, path)
 

@@ -52,6 +52,16 @@ def test_axis_and_only_work_together(graph_of: Callable[..., Graph]) -> None:
     assert graph.axes["k"].removed == {1, 2, 3, 5}
 
 
+def test_an_input_may_become_an_axis(graph_of: Callable[..., Graph]) -> None:
+    graph = graph_of(TEXT, axes={"start": {"low": 1, "high": 9}})
+    assert labels(graph)["start"] == ("low", "high")
+    assert "start" not in graph.inputs
+    settings = graph.nodes["a"].first.settings
+    assert settings.values == {("low",): {"start": 1.0}, ("high",): {"start": 9.0}}
+    with pytest.raises(GraphError, match=r"--set start: 'start' is set, and is an axis"):
+        graph_of(TEXT, axes={"start": [1]}, inputs={"start": 2})
+
+
 def test_an_input_may_be_set(graph_of: Callable[..., Graph]) -> None:
     graph = graph_of(TEXT, inputs={"start": 9})
     assert graph.nodes["a"].first.settings.values[()] == {"start": 9.0}

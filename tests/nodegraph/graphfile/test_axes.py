@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,9 +11,9 @@ from nodegraph.graphfile.spec import AxisSpec
 from nodegraph.graphfile.yaml_text import read_yaml
 
 
-def read(text: str) -> tuple[AxisSpec, list[str]]:
+def read(text: str, folder: Path = Path()) -> tuple[AxisSpec, list[str]]:
     problems = Problems()
-    axis = read_axis("k", read_yaml(text, "t.yaml"), problems)
+    axis = read_axis("k", read_yaml(text, "t.yaml"), folder, problems)
     return axis, [str(problem) for problem in problems.all()]
 
 
@@ -39,6 +40,22 @@ def test_every_form_of_an_axis(text: str, pairs: dict[Any, Any]) -> None:
     assert not problems
     assert dict(zip(axis.labels, axis.values, strict=True)) == pairs
     assert [type(label) for label in axis.labels] == [type(label) for label in pairs]
+
+
+def test_a_label_per_file_that_matches(tmp_path: Path) -> None:
+    for name in ("b.csv", "a.csv", "a.c3d", "deep/c.csv", ".hidden.csv"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    axis, problems = read("{files: '*.csv'}", tmp_path)
+    assert not problems
+    assert (axis.labels, axis.values) == (("a", "b"), ("a.csv", "b.csv"))
+    assert read("{files: '**/c.csv'}", tmp_path)[0].values == ("deep/c.csv",)
+    for text, message in (
+        ("{files: '*.trc'}", "t.yaml:1:9: no file matches '*.trc'"),
+        ("{files: 'a.*'}", "a.c3d and a.csv would have one label"),
+        ("{files: [a]}", "files must be a pattern"),
+    ):
+        assert message in read(text, tmp_path)[1][0]
 
 
 def test_a_range_of_fractions_reaches_its_last() -> None:
