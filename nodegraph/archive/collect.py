@@ -97,7 +97,9 @@ class _Collector:
         self._add_lock(lock)
         for path in sorted(self._folder.rglob("*")):
             name = path.relative_to(self._folder).as_posix()
-            if path.is_file() and name not in (graph_name(self._graphs), *self._graphs):
+            if path.is_symlink():  # which may lead to any file of the user
+                contents.missing.append(f"{RUN}/{name}: a symbolic link, left out")
+            elif path.is_file() and name not in (graph_name(self._graphs), *self._graphs):
                 contents.files[f"{RUN}/{name}"] = self._relocated(name, path.read_bytes())
         contents.missing += [
             f"{RUN}/{file.file}: not written at the end of the run: {file.reason}"

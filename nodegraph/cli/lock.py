@@ -30,7 +30,7 @@ def lock(arguments: Namespace) -> int:
 
     graph = graph_of(arguments)
     path = arguments.out or arguments.graph.with_suffix(SUFFIX)
-    if path.is_dir() or (path.exists() and not is_lock(path)):
+    if path.exists() and not (path.is_file() and is_lock(path)):
         raise NodegraphError(f"{path} exists and is not a lock; name another file with --out")
     refuse_unwritable(path)
     FileNames(graph)  # raises for files that a lock must not name, before anything has run

@@ -345,6 +345,14 @@ class Graph:
         entries = dict.fromkeys((*shown, *files))
         return tuple(entry for entry in entries if entry[0] in self.nodes)
 
+    def is_reported(self, node: str, port: str, labels: Mapping[str, Label]) -> bool:
+        """Return whether the report shows one of `reported` at these labels.
+
+        Entries of the report may fix axes; without such an entry all labels are shown.
+        """
+        fixed = [entry.at for entry in self.spec.report if (entry.node, entry.port) == (node, port)]
+        return not fixed or any(at.items() <= labels.items() for at in fixed)
+
     def until(self, names: Iterable[str]) -> Graph:
         """Return the graph of these nodes and all that they need; its report shows these nodes.
 

@@ -185,7 +185,11 @@ class SettingsReader:
             return None
         path = shipped or self._folder(written) / text
         if _exists(path):
-            return path.resolve()
+            if path.is_file() or path.is_dir():
+                return path.resolve()
+            message = f"{where}: not a regular file, but a device or a pipe: {text}"
+            self._problems.add(self._namespace.place(written), message)
+            return None
         hint = nearest(path.name, _names_beside(path), what="in that folder there is")
         self._problems.add(self._namespace.place(written), f"{where}: no such file: {text}", hint)
         return None

@@ -68,6 +68,8 @@ def _text_of(path: Path) -> str:
             names = ", ".join(file.name for file in _graph_files(path)) or "there is none"
             problem = Problem(place, "is a folder", f"name the graph file in it: {names}")
             raise GraphError([problem])
+        if path.exists() and not path.is_file():
+            raise GraphError([Problem(place, "is not a regular file, but a device or a pipe")])
         if path.stat().st_size > _MOST_BYTES:
             raise GraphError([Problem(place, "too large to be a graph file")])
         return path.read_text(encoding="utf-8")

@@ -155,6 +155,8 @@ def _axis(value: Any, names: FileNames) -> Any:
 
 def _text(path: Path) -> str:
     try:
+        if path.exists() and not path.is_file():
+            raise NodegraphError(f"{path}: not a regular file")
         if path.stat().st_size > _MOST_BYTES:
             raise NodegraphError(f"{path}: too large to be a lock")
         return path.read_text(encoding=_ENCODING)

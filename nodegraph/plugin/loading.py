@@ -20,6 +20,8 @@ from nodegraph.import_time import LOADED
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import hooks
 
+_MOST_BYTES = 10_000_000  # of a plugin file
+
 
 @dataclass(frozen=True)
 class Plugin:
@@ -102,7 +104,10 @@ def from_file(path: Path, *, known: Container[Node] = ()) -> Plugin:
         If the file does not exist or does not import.
     """
     if not path.is_file():
-        raise NodegraphError(f"{path}: no such plugin file")
+        reason = "not a regular file" if path.exists() else "no such plugin file"
+        raise NodegraphError(f"{path}: {reason}")
+    if path.stat().st_size > _MOST_BYTES:
+        raise NodegraphError(f"{path}: too large to be a plugin file")
     spec = importlib.util.spec_from_file_location(path.stem, path)
     if spec is None or spec.loader is None:
         raise NodegraphError(f"{path}: a plugin file is Python, with the suffix .py")

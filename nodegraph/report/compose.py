@@ -142,6 +142,8 @@ def _results(run: Run) -> Iterator[_Result]:
             name = output or (first if rest else "")
             values = run[f"{node}.{output}" if output else node]
             for labels in values.labels():
+                if not run.plan.graph.is_reported(node, port, labels):
+                    continue
                 yield _Result(node, "" if name == node else name, labels, values)
 
 

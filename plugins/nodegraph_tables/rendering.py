@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nodegraph import Rendered
 from nodegraph_tables.cells import Cell, Column, columns_of
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 _FOLDED_FROM = 200
 """Rows from which a table is folded in the page and cut in a terminal."""
 
+_FORMULAS = ("=", "+", "-", "@", "\t", "\r")
 _SHORT = 24
 _MOST_BESIDE = 2
 """With more such columns, intervals stand below their means also where there is room."""
@@ -47,7 +48,11 @@ _LATEX = str.maketrans(
 
 
 def render_table(table: Table, title: str) -> Rendered:
-    """Return a table as HTML, plain text, CSV (full precision) and LaTeX (booktabs)."""
+    """Return a table as HTML, plain text, CSV (full precision) and LaTeX (booktabs).
+
+    Texts in the CSV that a spreadsheet would take for a formula, as they begin with ``=``, ``+``,
+    ``-`` or ``@`` and are no numbers, begin with an apostrophe there.
+    """
     table = _with_named_rows(table)
     columns, info = columns_of(table), info_of(table)
     caption = info.title or title
@@ -55,11 +60,31 @@ def render_table(table: Table, title: str) -> Rendered:
         html=_html(caption, columns, info.notes),
         text=_text(columns, info.notes),
         files={
-            ".csv": table.to_csv(index=False, lineterminator="\n").encode(),
+            ".csv": _csv(table),
             ".tex": _latex(caption, columns).encode(),
         },
         answer=info.answer,
     )
+
+
+def _csv(table: pd.DataFrame) -> bytes:
+    from pandas.api.types import is_numeric_dtype
+
+    guarded = table.rename(columns=_without_formula)
+    for place, kind in enumerate(table.dtypes):
+        if not is_numeric_dtype(kind):
+            guarded.isetitem(place, table.iloc[:, place].map(_without_formula))
+    return guarded.to_csv(index=False, lineterminator="\n").encode()
+
+
+def _without_formula(cell: Any) -> Any:
+    if not isinstance(cell, str) or not cell.startswith(_FORMULAS):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
 
 
 def _with_named_rows(table: pd.DataFrame) -> pd.DataFrame:

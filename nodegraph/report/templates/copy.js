@@ -15,6 +15,8 @@
     numeric: [...table.tHead.rows[table.tHead.rows.length - 1].cells].map((cell) => cell.classList.contains("number")),
     caption: table.caption?.textContent.trim() ?? "",
   });
+  // a spreadsheet would compute what begins like this and is no number
+  const guarded = (text) => (/^[=+\-@\t\r]/.test(text) && Number.isNaN(Number(text)) ? `'${text}` : text);
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const csv = (table) => {
     const columns = columnsOf(table);
@@ -22,7 +24,7 @@
       const cells = [...row.cells].map(exactOf);
       return columns.map(({ column, part }) => cells[column]?.[part] ?? "");
     });
-    return [columns.map(({ name }) => name), ...rows].map((row) => row.map(quoted).join(",")).join("\n") + "\n";
+    return [columns.map(({ name }) => name), ...rows].map((row) => row.map(guarded).map(quoted).join(",")).join("\n") + "\n";
   };
   const markdown = (table) => {
     const { heads, rows, numeric } = partsOf(table);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +15,11 @@ from nodegraph import node
 @node("fill.mine")
 def mine(x: float) -> float:
     return x * 100
+"""
+READER = """
+@node("toy.read")
+def read(*, file: InputFile) -> float:
+    return float(file.read_text())
 """
 Command = Callable[..., tuple[int, str, str]]
 
@@ -35,6 +41,32 @@ def test_check_tells_what_would_run(command: Command) -> None:
     ]
     command("run", "toy.yaml", "--only", "length=1")
     assert "8 steps, 4 of them stored" in command("check", "toy.yaml")[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (["pipe"], "pipe: "),
+        (["zero.yaml"], "zero.yaml: "),
+        (["toy.yaml", "--plugin", "pipe"], "pipe: "),
+        (["file.yaml", "--set", "file=pipe"], "--set file: "),
+        (["file.yaml"], "file.yaml:3:41: "),
+    ],
+)
+def test_devices_and_pipes_are_refused_at_once(
+    command: Command, words: list[str], place: str
+) -> None:
+    os.mkfifo("pipe")
+    reader = "from nodegraph import InputFile\n" + READER
+    Path("toys.py").write_text(Path("toys.py").read_text() + reader)
+    Path("zero.yaml").symlink_to("/dev/zero")
+    Path("file.yaml").write_text(
+        "nodegraph: 1\ninputs: {file: zero.yaml}\nnodes: {a: {use: toy.read, with: {file: $file}}}"
+    )
+    status, _, err = command("check", *words)
+    assert status == 2
+    assert place in err
+    assert "not a regular file" in err
 
 
 def test_check_takes_choices(command: Command) -> None:

@@ -33,6 +33,14 @@ def test_a_second_run_keeps_the_first(command: Command) -> None:
     assert len([path for path in Path().iterdir() if path.name.startswith("here")]) == 2
 
 
+def test_a_report_shows_an_entry_where_it_fixes_axes(command: Command) -> None:
+    entry = "report: [{from: gaps, at: {length: 5}}]"
+    Path("toy.yaml").write_text(f"{Path('toy.yaml').read_text()}{entry}\n")
+    _, out, _ = command("run", "toy.yaml")
+    assert "gaps gappy length=5" in out
+    assert "length=1" not in out
+
+
 def test_a_refusal_is_no_failure(command: Command) -> None:
     status, _, err = command("run", "toy.yaml", "--set", "start=-8")
     assert status == 0

@@ -133,6 +133,15 @@ def test_the_star_of_the_best_is_explained_where_there_is_one() -> None:
     ]
 
 
+def test_texts_that_a_spreadsheet_would_compute_are_guarded_in_the_csv_file() -> None:
+    texts = ["=1+1", "+x", "-x", "@sum", "-1.5", "a=b", None]
+    frame = pd.DataFrame({"=name": texts, "value": range(-3, 4)})
+    rows = list(csv.reader(StringIO(render_table(frame, "t").files[".csv"].decode())))
+    assert rows[0] == ["'=name", "value"]
+    assert [row[0] for row in rows[1:]] == ["'=1+1", "'+x", "'-x", "'@sum", "-1.5", "a=b", ""]
+    assert rows[1][1] == "-3"
+
+
 def test_the_csv_file_has_every_digit() -> None:
     frame = table(name=["a,b", "c\nd"], value=[0.1 + 0.2, float("nan")], whole=[1, 2])
     text = render_table(frame, "t").files[".csv"].decode()
