@@ -73,7 +73,7 @@ def _csv(table: pd.DataFrame) -> bytes:
     guarded = table.rename(columns=_without_formula)
     for place, kind in enumerate(table.dtypes):
         if not is_numeric_dtype(kind):
-            guarded.isetitem(place, table.iloc[:, place].map(_without_formula))
+            guarded.isetitem(place, list(map(_without_formula, table.iloc[:, place])))
     return guarded.to_csv(index=False, lineterminator="\n").encode()
 
 
