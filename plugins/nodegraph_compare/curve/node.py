@@ -25,6 +25,7 @@ from nodegraph_compare.question import (
     unit_of,
 )
 from nodegraph_compare.ties import at_most
+from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 
@@ -282,6 +283,7 @@ def curve(
         notes=(
             *notes(axes, marked, level, unit_names(scores, axes)),
             *losses(scores, axes, curves, level, skipped=True),
+            *unused_axes(scores, axes.compare),
         ),
         units={name: unit for name in valued if unit and name in frame},
     )

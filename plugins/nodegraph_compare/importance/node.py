@@ -24,6 +24,7 @@ from nodegraph_compare.question import (
     unit_of,
 )
 from nodegraph_compare.ties import ROUNDING, tied
+from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 
@@ -237,6 +238,7 @@ def importance(
         "the factor, all others equal, between which the best changes.",
         *grid.dropped,
         *absences(scores.absent, question.compare),
+        *unused_axes(scores, question.compare),
     )
     unit = unit_of(scores, question.metric)
     shares = ("eta squared", "partial eta squared", "winner changes")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
-from nodegraph import InputFile, Truth, node
+from nodegraph import GraphError, InputFile, Truth, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
 
@@ -371,3 +373,109 @@ def test_the_truth_may_lie_in_the_folder_from_which_methods_read(
         assert "take/a.txt -> capture.output -> error.estimate" in problem.message
     else:
         assert graph_of(written.replace("@@", ""), more=more)
+
+
+def test_a_used_graph_that_damages_takes_the_truth(
+    files: Callable[..., None],
+    graph_of: Callable[..., Graph],
+    messages_of: Callable[..., list[str]],
+) -> None:
+    damage = """
+        inputs: {recording: float}
+        nodes: {gaps: {use: gaps.cut, in: $recording}READERS}
+        outputs: {gappy: gaps.gappy, truth: gaps.truth, hidden: gaps.hidden}
+        """
+    outer = """
+        nodes:
+          face: {use: synthesize.face}
+          damage: {use: damage.yaml, in: @@face.truth}
+          fill: {use: fill.hold, in: damage}
+          error: {use: score.gaps, in: {estimate: fill, truth: damage.truth, hidden: damage.hidden}}
+        """
+    files(damage=damage.replace("READERS", ""))
+    assert graph_of(outer.replace("@@", ""), more=MORE)
+    (message,) = messages_of(
+        outer, more=MORE, damage=damage.replace("READERS", ", h: {use: fill.hold, in: $recording}")
+    )
+    assert "'recording' must not see it" in message
+
+
+class Wired(NamedTuple):
+    """A random graph: for each node its kind and what feeds it, as (node, output) pairs."""
+
+    kinds: tuple[str, ...]
+    feeds: tuple[tuple[tuple[int, str], ...], ...]
+
+    def text(self) -> str:
+        """Return the graph as a file."""
+        uses = {"read": "read.number", "hold": "fill.hold", "two": "fill.two", "cut": "noise.add"}
+        lines = ["nodes:", "  text: {use: text.count}"]
+        for number, (kind, feeds) in enumerate(zip(self.kinds, self.feeds, strict=True)):
+            if kind == "score":
+                (estimate, truth) = (f"n{node}.{output}" for node, output in feeds)
+                wires = f"{{estimate: {estimate}, truth: {truth}, hidden: text}}"
+                lines.append(f"  n{number}: {{use: score.gaps, in: {wires}}}")
+                continue
+            ports = dict(zip(("recording", "reference"), feeds, strict=False))
+            wires = ", ".join(f"{port}: n{node}.{output}" for port, (node, output) in ports.items())
+            lines.append(f"  n{number}: {{use: {uses[kind]}, in: {{{wires}}}}}")
+        return "\n".join(lines)
+
+    def damaging(self, node: int) -> Iterator[int]:
+        """Yield the first damaging nodes on all ways back that begin with a node."""
+        if self.kinds[node] == "cut":
+            yield node
+        else:
+            for source, _ in self.feeds[node]:
+                yield from self.damaging(source)
+
+    def ways(self, node: int) -> Iterator[tuple[tuple[int, str], ...]]:
+        """Yield every way, as wires, that ends at a node."""
+        yield ()
+        for source, output in self.feeds[node]:
+            for way in self.ways(source):
+                yield (*way, (source, output))
+
+    def leaks(self) -> bool:
+        """Return whether the last node, a score, sees what it is scored against."""
+        estimate, truth = self.feeds[-1]
+        for hiding in self.damaging(truth[0]):
+            upstream = {source for way in self.ways(hiding) for source, _ in way}
+            for way in self.ways(estimate[0]):
+                wires = (*way, estimate)
+                begins = wires[0][0] in upstream or wires[0] == (hiding, "truth")
+                if begins and (hiding, "noisy") not in wires:
+                    return True
+        return False
+
+
+@st.composite
+def graphs(draw: st.DrawFn) -> Wired:
+    kinds = ["read"]
+    feeds: list[tuple[tuple[int, str], ...]] = [()]
+    wire: list[tuple[int, str]] = [(0, "output")]
+    truths: list[tuple[int, str]] = []
+    for number in range(1, draw(st.integers(3, 7))):
+        kind = draw(st.sampled_from(["read", "hold", "two", "cut", "cut"]))
+        plain = st.sampled_from(wire)
+        count = {"read": 0, "two": 2}.get(kind, 1)
+        kinds.append(kind)
+        feeds.append(tuple(draw(plain) for _ in range(count)))
+        wire.append((number, "noisy" if kind == "cut" else "output"))
+        truths += [(number, "truth")] if kind == "cut" else []
+    score = (draw(st.sampled_from(wire)), draw(st.sampled_from([*wire, *truths])))
+    return Wired((*kinds, "score"), (*feeds, score))
+
+
+@settings(
+    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(wired=graphs())
+def test_leaks_of_random_graphs_are_those_of_every_way(
+    graph_of: Callable[..., Graph], wired: Wired
+) -> None:
+    if wired.leaks():
+        with pytest.raises(GraphError, match="is scored against what"):
+            graph_of(wired.text(), more=(*MORE, count))
+    else:
+        assert graph_of(wired.text(), more=(*MORE, count))

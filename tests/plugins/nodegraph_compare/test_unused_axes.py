@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import product
 
 import pandas as pd
 import pytest
 
-from nodegraph import Across, Label
+from nodegraph import Across, Label, get_node
 from nodegraph_compare.table.node import table
 from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_mocap import Table
@@ -60,3 +61,15 @@ def test_the_methods_that_an_axis_concerns_are_named(
     assert all(name in " ".join(sentences) for name in names)
     notes = " ".join(info_of(table(scores, compare=compare, blocks=("trial",)).table).notes)
     assert all(name in notes for name in names)
+
+
+@pytest.mark.parametrize(
+    ("node", "settings"),
+    [("compare.ranks", {}), ("compare.curve", {"x": "neighbours"}), ("compare.importance", {})],
+)
+def test_every_comparison_names_them(node: str, settings: dict[str, str]) -> None:
+    scores = gathered({"ridge": ("neighbours",)})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = get_node(node)(scores, compare="fill", **settings)
+    assert "only mean, muscle depend on neighbours" in " ".join(info_of(result.table).notes)
