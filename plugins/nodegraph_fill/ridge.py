@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
@@ -41,8 +42,8 @@ def ridge(
     For each gap, the markers that are present all through it and at its ends, the nearest in
     the reference shape first, predict the missing one: ``P[t, m] = c + W x[t]`` with x their
     coordinates and W, c the least ``sum |c + W x - P|^2 + penalty |W|^2`` over the frames in
-    which all of them are present (5,000 of these, evenly spread, where there are more), by
-    `sklearn.linear_model.Ridge`. No frame need be complete.
+    which all of them are present (5,000 of these, evenly spread, where there are more). No frame
+    need be complete.
 
     Where no marker is present all through the gap, or no two frames to learn from, the gap
     stays missing, counted in a warning, as does a marker that is never measured. Samples that
@@ -96,7 +97,7 @@ def _estimate(recording: Trajectories, gaps: Gaps, neighbours: int, penalty: flo
             known = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
             model = _learnt(known, recording.positions[lesson, marker], penalty)
             now = recording.positions[window][:, predictors]
-            predicted = model.predict(now.reshape(len(now), -1))
+            predicted = model(now.reshape(len(now), -1))
             estimate[window, marker] = predicted
             before[gap], after[gap] = predicted[0], predicted[-1]
     return Estimate(estimate, ends=(before, after))
@@ -111,10 +112,18 @@ def _nearest_first(recording: Trajectories) -> NDArray[np.intp]:
     return np.asarray(order[:, 1:])
 
 
-def _learnt(known: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float) -> Any:
-    from sklearn.linear_model import Ridge
-
-    return Ridge(alpha=penalty).fit(known, wanted)
+def _learnt(
+    known: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Return the prediction of wanted, (F, 3), from rows like the known ones, (F, P)."""
+    middle, output = known.mean(axis=0), wanted.mean(axis=0)
+    known, wanted = known - middle, wanted - output
+    squares, vectors = np.linalg.eigh(known.T @ known)
+    # along the others nothing varies but by rounding
+    varied = squares > len(squares) * np.finfo(np.float64).eps * squares[-1]
+    squares, vectors = squares[varied], vectors[:, varied]
+    weights = vectors / (squares + penalty) @ (vectors.T @ (known.T @ wanted))
+    return lambda rows: np.asarray((rows - middle) @ weights + output)
 
 
 def _frames_with(
