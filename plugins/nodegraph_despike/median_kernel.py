@@ -40,21 +40,47 @@ def medians(positions: Any, reach: int) -> Any:
     """
     frames, markers = positions.shape[:2]
     place, spread = np.empty((frames, markers), np.int64), np.full((frames, markers), np.inf)
-    inside = np.empty(min(2 * reach + 1, frames), np.int64)
-    total, distance = np.empty(len(inside)), np.empty(len(inside))
+    width = min(2 * reach + 1, frames)
+    inside, slots = np.empty(width, np.int64), np.empty(width, np.int64)
+    total, distance = np.empty(width), np.empty(width)
+    # of every two frames of the window, each in the row and column of its number modulo width
+    apart = np.empty((width, width))
     for marker in range(markers):
         track = positions[:, marker].copy()
+        for frame in range(min(reach, frames)):
+            _enter(apart, track, frame)
         for now in range(frames):
+            if now + reach < frames:
+                _enter(apart, track, now + reach)
             place[now, marker] = now
             count = _gather(inside, track, now, reach)
             if count == 0:
                 continue
-            _sum_distances(total[:count], track, inside[:count])
-            place[now, marker] = _least(total[:count], inside[:count], now)
             for index in range(count):
-                distance[index] = _apart(track, inside[index], place[now, marker])
+                slots[index] = inside[index] % width
+            _sum_distances(total[:count], apart, slots[:count])
+            median = _least(total[:count], inside[:count], now)
+            for index in range(count):
+                distance[index] = apart[slots[index], median % width]
+            place[now, marker] = median
             spread[now, marker] = _middle(distance[:count])
     return place, spread
+
+
+@inlined
+def _enter(apart: Any, track: Any, frame: int) -> None:
+    """Write the distances of a frame from those before it that share a window with it."""
+    width = len(apart)
+    slot = frame % width
+    apart[slot, slot] = 0.0
+    for other in range(max(0, frame - width + 1), frame):
+        x, y, z = (
+            track[frame, 0] - track[other, 0],
+            track[frame, 1] - track[other, 1],
+            track[frame, 2] - track[other, 2],
+        )
+        length = math.sqrt(x * x + y * y + z * z)
+        apart[slot, other % width] = apart[other % width, slot] = length
 
 
 @inlined
@@ -74,13 +100,13 @@ def _gather(inside: Any, track: Any, now: int, reach: int) -> int:
 
 
 @inlined
-def _sum_distances(total: Any, track: Any, inside: Any) -> None:
+def _sum_distances(total: Any, apart: Any, slots: Any) -> None:
     total[:] = 0.0
-    for row in range(len(inside)):
+    for row in range(len(slots)):
         for other in range(row):
-            apart = _apart(track, inside[row], inside[other])
-            total[row] += apart
-            total[other] += apart
+            length = apart[slots[row], slots[other]]
+            total[row] += length
+            total[other] += length
 
 
 @inlined
@@ -106,13 +132,3 @@ def _middle(values: Any) -> float:
     half = len(values) // 2
     middle: float = values[half]
     return middle if len(values) % 2 else 0.5 * (values[half - 1] + middle)
-
-
-@inlined
-def _apart(track: Any, frame: int, other: int) -> float:
-    x, y, z = (
-        track[frame, 0] - track[other, 0],
-        track[frame, 1] - track[other, 1],
-        track[frame, 2] - track[other, 2],
-    )
-    return math.sqrt(x * x + y * y + z * z)
