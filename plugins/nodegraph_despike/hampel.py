@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_despike.repair import repaired
-from nodegraph_despike.vector_median import Reach, running_median
+from nodegraph_despike.vector_median import Reach, running_median, running_spread
 from nodegraph_mocap import Trajectories
 
 _NORMAL = 1.4826
@@ -65,7 +65,8 @@ def hampel(
     Trajectories
         The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
-    median, distance, spread = running_median(recording, reach)
+    median, distance = running_median(recording, reach)
+    spread = running_spread(recording, median, reach)
     judged = np.isfinite(spread)
     bar = threshold * _NORMAL * np.where(judged, spread, 0.0)
     bad = judged & (distance > bar)

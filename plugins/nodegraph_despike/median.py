@@ -58,6 +58,6 @@ def median(
     Trajectories
         The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
-    middle, distance, _ = running_median(recording, reach)
+    middle, distance = running_median(recording, reach)
     bad = distance > threshold
     return repaired(recording, np.where(bad[..., None], middle, recording.positions))

@@ -22,7 +22,7 @@ _TIE = 1.0 + 1e-9
 
 @compiled
 def medians(positions: Any, reach: int) -> Any:
-    """Return, for each sample, the vector median of its window and the spread about it.
+    """Return the vector median of each sample's window, and the sample's distance from it.
 
     Parameters
     ----------
@@ -33,54 +33,73 @@ def medians(positions: Any, reach: int) -> Any:
 
     Returns
     -------
-    (T, M) array of int
-        The frame of the median; its own frame where the sample is not judged.
+    (T, M, 3) array of float64
+        The median; the sample itself where it is not judged.
     (T, M) array of float64
-        Median distance of the window's samples from it; infinite where it is not judged.
+        0 where it is not judged, NaN where missing.
     """
     frames, markers = positions.shape[:2]
-    place, spread = np.empty((frames, markers), np.int64), np.full((frames, markers), np.inf)
+    medians, off = positions.copy(), np.empty((frames, markers))
     width = min(2 * reach + 1, frames)
-    inside, slots = np.empty(width, np.int64), np.empty(width, np.int64)
-    total, distance = np.empty(width), np.empty(width)
-    # of every two frames of the window, each in the row and column of its number modulo width
+    slots, inside = np.arange(frames) % width, np.empty(width, np.int64)
+    total = np.empty(width)
+    # of every two frames of the window, each with its slot as row and column
     apart = np.empty((width, width))
     for marker in range(markers):
         track = positions[:, marker].copy()
         for frame in range(min(reach, frames)):
-            _enter(apart, track, frame)
+            _enter(apart, track, slots, frame)
         for now in range(frames):
             if now + reach < frames:
-                _enter(apart, track, now + reach)
-            place[now, marker] = now
+                _enter(apart, track, slots, now + reach)
+            off[now, marker] = apart[slots[now], slots[now]]
             count = _gather(inside, track, now, reach)
             if count == 0:
                 continue
-            for index in range(count):
-                slots[index] = inside[index] % width
-            _sum_distances(total[:count], apart, slots[:count])
+            _sum_distances(total[:count], apart, slots, inside[:count])
             median = _least(total[:count], inside[:count], now)
+            medians[now, marker] = track[median]
+            off[now, marker] = apart[slots[now], slots[median]]
+    return medians, off
+
+
+@compiled
+def spreads(positions: Any, medians: Any, reach: int) -> Any:
+    """Return the median distance of each window's samples from the window's vector median.
+
+    Parameters
+    ----------
+    positions, medians : (T, M, 3) arrays of float64
+    reach
+        Frames on each side.
+
+    Returns
+    -------
+    (T, M) array of float64
+        Infinite where a sample is not judged.
+    """
+    frames, markers = positions.shape[:2]
+    spread = np.full((frames, markers), np.inf)
+    width = min(2 * reach + 1, frames)
+    inside, distance = np.empty(width, np.int64), np.empty(width)
+    for marker in range(markers):
+        track = positions[:, marker].copy()
+        for now in range(frames):
+            count = _gather(inside, track, now, reach)
             for index in range(count):
-                distance[index] = apart[slots[index], median % width]
-            place[now, marker] = median
-            spread[now, marker] = _middle(distance[:count])
-    return place, spread
+                distance[index] = _apart(track[inside[index]], medians[now, marker])
+            if count:
+                spread[now, marker] = _middle(distance[:count])
+    return spread
 
 
 @inlined
-def _enter(apart: Any, track: Any, frame: int) -> None:
-    """Write the distances of a frame from those before it that share a window with it."""
-    width = len(apart)
-    slot = frame % width
-    apart[slot, slot] = 0.0
-    for other in range(max(0, frame - width + 1), frame):
-        x, y, z = (
-            track[frame, 0] - track[other, 0],
-            track[frame, 1] - track[other, 1],
-            track[frame, 2] - track[other, 2],
-        )
-        length = math.sqrt(x * x + y * y + z * z)
-        apart[slot, other % width] = apart[other % width, slot] = length
+def _enter(apart: Any, track: Any, slots: Any, frame: int) -> None:
+    """Write the distances of a frame from itself and from those before it in its windows."""
+    slot = slots[frame]
+    for other in range(max(0, frame - len(apart) + 1), frame + 1):
+        length = _apart(track[frame], track[other])
+        apart[slot, slots[other]] = apart[slots[other], slot] = length
 
 
 @inlined
@@ -100,11 +119,11 @@ def _gather(inside: Any, track: Any, now: int, reach: int) -> int:
 
 
 @inlined
-def _sum_distances(total: Any, apart: Any, slots: Any) -> None:
+def _sum_distances(total: Any, apart: Any, slots: Any, inside: Any) -> None:
     total[:] = 0.0
-    for row in range(len(slots)):
+    for row in range(len(inside)):
         for other in range(row):
-            length = apart[slots[row], slots[other]]
+            length = apart[slots[inside[row]], slots[inside[other]]]
             total[row] += length
             total[other] += length
 
@@ -132,3 +151,9 @@ def _middle(values: Any) -> float:
     half = len(values) // 2
     middle: float = values[half]
     return middle if len(values) % 2 else 0.5 * (values[half - 1] + middle)
+
+
+@inlined
+def _apart(point: Any, other: Any) -> float:
+    x, y, z = point[0] - other[0], point[1] - other[1], point[2] - other[2]
+    return math.sqrt(x * x + y * y + z * z)

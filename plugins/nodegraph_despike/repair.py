@@ -38,7 +38,8 @@ def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
     count = np.count_nonzero(changed)
     if not count:
         return recording
-    moved = np.linalg.norm(positions[changed] - recording.positions[changed], axis=1)
+    apart = positions - recording.positions
+    moved = np.sqrt(np.einsum("tmc,tmc->tm", apart, apart)[changed])
     share = count / np.count_nonzero(recording.present)
     warnings.warn(
         f"{count} samples repaired ({share:.2%} of those present), moved by {moved.mean():.3g} mm "

@@ -28,7 +28,7 @@ Reach = Annotated[int, Field(ge=1), Unit("frames")]
 
 def running_median(
     recording: Trajectories, reach: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the vector median of each sample's window.
 
     Parameters
@@ -44,14 +44,44 @@ def running_median(
         Millimetres; the sample itself where it is not judged.
     distance : (T, M) array of float64
         From the sample to it; 0 where it is not judged, NaN where missing.
-    spread : (T, M) array of float64
-        The median of the distances from the window's samples to it; infinite where not judged.
     """
     from nodegraph_despike import median_kernel
 
-    # A window longer than the take is the whole take; a reach beyond it would only overflow.
-    reach = min(reach, recording.frames)
-    place, spread = median_kernel.medians(np.ascontiguousarray(recording.positions), reach)
-    median = np.take_along_axis(recording.positions, place[..., None], axis=0)
-    distance = np.linalg.norm(recording.positions - median, axis=2)
-    return median, distance, spread
+    medians: tuple[NDArray[np.float64], NDArray[np.float64]]
+    medians = median_kernel.medians(_contiguous(recording), _within(reach, recording))
+    return medians
+
+
+def running_spread(
+    recording: Trajectories, median: NDArray[np.float64], reach: int
+) -> NDArray[np.float64]:
+    """Return the median of the distances from the samples of each window to its vector median.
+
+    Parameters
+    ----------
+    recording
+        T frames of M markers.
+    median
+        (T, M, 3) mm, as from `running_median`.
+    reach
+        Frames on each side.
+
+    Returns
+    -------
+    (T, M) array of float64
+        Millimetres; infinite where the sample is not judged.
+    """
+    from nodegraph_despike import median_kernel
+
+    spread: NDArray[np.float64]
+    spread = median_kernel.spreads(_contiguous(recording), median, _within(reach, recording))
+    return spread
+
+
+def _contiguous(recording: Trajectories) -> NDArray[np.float64]:
+    return np.ascontiguousarray(recording.positions)
+
+
+def _within(reach: int, recording: Trajectories) -> int:
+    """Return a reach that is not beyond the take, where the window is the same as the take."""
+    return min(reach, recording.frames)
