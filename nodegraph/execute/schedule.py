@@ -75,7 +75,9 @@ class Schedule:
         self._cache = cache
         self._observer = observer
         self._keep = frozenset(keep)
-        self._ready: list[tuple[int, str]] = []  # steps with their keys
+        # a heap of steps with their keys: calls are handed out in the order of the plan,
+        # whichever of them became possible first
+        self._ready: list[tuple[int, str]] = []
         self._waiting: dict[int, int] = {}  # how many steps each still waits for
         self._readers: dict[int, list[int]] = {}  # which steps wait for each
         self._unread: dict[int, int] = {}  # how many steps have yet to read each
@@ -195,6 +197,7 @@ class Schedule:
 
     def _is_first_of_key(self, index: int, key: str) -> bool:
         """Whether no other step of the same key is being computed; else wait for that one."""
+        # steps of one key have one result: the others find it stored once the first is done
         first = self._first_of_key.setdefault(key, index)
         if first == index or first in self.outcomes:
             self._first_of_key[key] = index

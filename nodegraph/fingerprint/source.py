@@ -146,6 +146,7 @@ def syntax_digest(tree: ast.AST, marks: Marks) -> str:
         kind = type(node)
         if kind is list:
             parts = [child for child in node if not is_idle(child)]
+            # tells where the list ends: else two trees could have the same tokens
             tokens.append(len(parts))
             stack += parts
         elif kind in _LEAVES:
@@ -727,6 +728,7 @@ class Sources:
         return self._known
 
     def _summary(self, file: str) -> Summary:
+        # before the file is looked at, so that an edit while it is read counts as a later one
         now = time.time_ns()
         try:
             state = os.stat(file)
@@ -760,6 +762,7 @@ def is_source(file: str) -> bool:
 def _still_true(entry: Any, state: os.stat_result) -> Summary | None:
     try:
         same = (entry["size"], entry["mtime_ns"]) == (state.st_size, state.st_mtime_ns)
+        # what was read right after a change may have changed again without another time
         if same and entry["mtime_ns"] + SETTLED <= entry["read_ns"]:
             return from_plain(entry["summary"])
     except (TypeError, KeyError, ValueError, AttributeError):

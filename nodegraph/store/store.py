@@ -183,6 +183,7 @@ def packed_parts(entry: Entry, blobs: Blobs) -> Iterator[tuple[str, list[Buffer]
     Unreadable
         If a blob is not what it was, or an output is not what its digest says.
     """
+    # each blob once, and all of them before anything is unpacked: a result is read whole or not
     known = {name: blobs.get(name, size) for name, size in entry.blobs().items()}
     for (part, parts), digest in zip(entry.outputs, entry.digests, strict=True):
         buffers: list[Buffer] = []
@@ -303,6 +304,7 @@ class Store:
         if entry is None:
             self._remove_damaged(path, "a stored result is damaged")
         elif time.time() - changed > _HOUR:
+            # the time of its last use, by which pruning chooses; to the hour is enough
             with suppress(OSError):
                 os.utime(path)
         return entry
@@ -349,6 +351,7 @@ class Store:
         try:
             packed = [self.packer.pack(value) for value in values]
             entry, content = entry_of(key, about, packed, self._blobs)
+            # last: whoever finds the entry finds all blobs that it names
             files.write(f"{self._entries}/{key[:2]}", f"{key[2:]}.json", content)
         except Unstorable as error:
             with self._lock:

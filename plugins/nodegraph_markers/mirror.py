@@ -22,7 +22,7 @@ class Mirror(NamedTuple):
     offset: float
 
     def signed(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how far points lie to the normal's side, mm."""
+        """Return the signed distance of points from the plane, mm."""
         return np.asarray(points @ self.normal - self.offset)
 
     def reflect(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

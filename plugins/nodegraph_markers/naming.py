@@ -1,4 +1,4 @@
-"""Which track is which marker: poses, expected places and names, found in turns."""
+"""Assignment of tracks to markers: poses, expected places and names, in alternation."""
 
 from __future__ import annotations
 

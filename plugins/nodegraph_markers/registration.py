@@ -16,14 +16,14 @@ _AT_ONCE = 1000
 
 
 class Match(NamedTuple):
-    """Points that were brought onto a shape.
+    """Pose and assignment that bring points onto a shape.
 
     Attributes
     ----------
     rotation : (3, 3) array
     translation : (3,) array
     point, place : (L,) arrays of int
-        Which point is at which place of the shape; none twice.
+        Numbers of the points, and of the places of the shape that they are at; none twice.
     cost : float
         Mean over the places of the squared distance to their point, mm^2; none counts more than
         the squared width, nor does a place without a point.
@@ -37,7 +37,7 @@ class Match(NamedTuple):
 
 
 def register(points: NDArray[np.float64], shape: NDArray[np.float64], width: float) -> Match | None:
-    """Return how points fit a shape best by a proper rigid motion, from any pose.
+    """Return the proper rigid motion by which points fit a shape best, from any pose.
 
     Six points far apart make twenty triangles. Each is laid on the triangles of the shape whose
     sides are as long to within the width, the 150 most alike of them; and so are twenty of the

@@ -14,7 +14,7 @@ _ON_A_LINE = 1e-3
 
 
 class Poses(NamedTuple):
-    """What takes each frame's points onto the shape: ``R p + t``.
+    """Rigid motions of each frame's points onto the shape: ``R p + t``.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ def fit_robustly(
     width: float,
     fewest: int = 3,
 ) -> Poses:
-    """Return the poses when points count the less the farther they are from their places.
+    """Return the poses of a robust fit, in which far points count less.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def fit_robustly(
 
 
 def on_a_line(shape: NDArray[np.float64]) -> bool:
-    """Return whether points, (N, 3), tell no rotation."""
+    """Return whether points, (N, 3), lie on a line, so that their rotation is undefined."""
     sizes = np.linalg.svd(shape - shape.mean(axis=0), compute_uv=False)
     return bool(sizes[1] ** 2 <= _ON_A_LINE * sizes[0] ** 2)
 

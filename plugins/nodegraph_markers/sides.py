@@ -1,4 +1,4 @@
-"""Which marker of a pair is the left one, and which way is up and to the front."""
+"""Left and right of pairs of markers, and the directions up and to the front."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _LEFT, _RIGHT = (
 
 
 class Axes(NamedTuple):
-    """A face's own directions, unit vectors: across it, up and to the front.
+    """Directions of a face as unit vectors: across it, up and to the front.
 
     Attributes
     ----------
     across : (3,) array
-        The normal of its mirror plane; whether to its left or right is not known.
+        The normal of its mirror plane; its sign is arbitrary.
     up, front : (3,) arrays
-        As far as geometry and movement tell.
+        As guessed from geometry and movement.
     """
 
     across: NDArray[np.float64]
@@ -42,12 +42,12 @@ class Axes(NamedTuple):
 
 
 def side_by_name(name: str, other: str) -> int:
-    """Return what the names of a pair tell: 1 if the first is the left one, -1 if the second is.
+    """Return which name of a pair is of the left side: 1 for the first, -1 for the second.
 
-    Two names tell when one becomes the other by putting ``left`` for ``right``, or l for r, in
-    one place, in letters of either case (``Leyebrow`` and ``Reyebrow``, ``LFHD`` and ``RFHD``,
-    ``Chin_L1`` and ``Chin_R1``); else where one bears such a word or letter by itself, and the
-    other bears the opposite or none (``L_brow2`` and ``R_brow3``). 0 where they do not tell.
+    Two names have sides if one becomes the other by putting ``left`` for ``right``, or l for r,
+    in one place, in letters of either case (``Leyebrow`` and ``Reyebrow``, ``LFHD`` and ``RFHD``,
+    ``Chin_L1`` and ``Chin_R1``); or if one bears such a word or letter by itself, and the other
+    bears the opposite or none (``L_brow2`` and ``R_brow3``). 0 if they have none.
     """
     small, other_small = name.lower(), other.lower()
     if _becomes(small, other_small):
@@ -62,12 +62,11 @@ def face_axes(
     across: NDArray[np.float64],
     motion: NDArray[np.float64] | None,
 ) -> Axes:
-    """Return which way is up and to the front on a face whose mirror plane is known.
+    """Return the directions up and to the front of a face whose mirror plane is known.
 
     Up lies along the greatest extent within the plane, the front along the other. The front is
     where the middle of the face stands out from its sides. Up is the end that moves less, for
-    jaw and mouth move most; of a face that is not known to move, the wider end. All of this is
-    likely, not certain.
+    jaw and mouth move most; without motion, the wider end. This is a guess, which may be wrong.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A face's shape in the frame of its head, and how much each marker moves there."""
+"""Shape of a face in the frame of its head, and the motion of each marker there."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class HeadFrame(NamedTuple):
         Median place of each marker, mm, along the shape's principal axes; NaN for one that is
         never present.
     motion : (M,) array of float64, or None
-        How far it is from there, 90th percentile over the frames, mm; None for a single frame.
+        Distance from there, 90th percentile over the frames, mm; None for a single frame.
     """
 
     shape: NDArray[np.float64]
@@ -37,7 +37,7 @@ class HeadFrame(NamedTuple):
 
 
 def head_frame(recording: Trajectories) -> HeadFrame:
-    """Return a take's shape and motion once the head's own motion is taken out.
+    """Return a take's shape and motion without the motion of the head.
 
     Each frame is fitted rigidly to the shape by the half of the markers that moves least, which
     is found in turns: fit, take the median shape, choose the half, fit again. At most 600

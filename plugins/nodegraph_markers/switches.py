@@ -1,4 +1,4 @@
-"""Tracks that go over from one marker to another, cut there; samples that stay under a name."""
+"""Tracks that switch from one marker to another: where to cut them, and which samples stay."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def cut(tracks: Tracks, named: NDArray[np.intp]) -> tuple[Tracks, NDArray[np.int
     A sample is at another marker when it is more than half the gate from where its own is
     expected, and less than half as far from where that one is. Three or more such samples in
     sequence, all at one marker, are cut out, if tracks are at home at that marker elsewhere, but
-    in less than half of these frames: else it is the face that moves. All samples of a track at
-    one marker are one piece.
+    in less than half of these frames; otherwise the face itself has moved. All samples of a track
+    at one marker are one piece.
 
     Parameters
     ----------
@@ -45,10 +45,10 @@ def cut(tracks: Tracks, named: NDArray[np.intp]) -> tuple[Tracks, NDArray[np.int
 
 
 def nearest_samples(tracks: Tracks, named: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Return which samples stay under their track's name, (T, K).
+    """Return which samples keep their track's name, (T, K).
 
     Of several tracks of a marker, in a frame that they share, the one that is nearer to where
-    the marker is expected keeps its sample; the earlier one, where there is no telling.
+    the marker is expected keeps its sample; without an expected place, the earlier one.
     """
     expectation = tracks.expectation(named)
     nearest = np.full((len(tracks.present), len(tracks.shape)), np.inf)

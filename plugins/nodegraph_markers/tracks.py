@@ -1,4 +1,4 @@
-"""Tracks beside a shape whose places they may be, and where each marker is expected."""
+"""Tracks, the shape to whose places they are assigned, and where each marker is expected."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LITTLE = 1e-3
 
 
 class Expectation(NamedTuple):
-    """What the tracks that have names tell of every frame.
+    """Poses and expected places in every frame, by the named tracks.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Tracks:
 
     @property
     def fewest(self) -> int:
-        """How many named points a frame needs to have a pose."""
+        """Number of named points that a frame needs to have a pose."""
         return min(4, len(self.shape))
 
     @cached_property
@@ -93,7 +93,7 @@ class Tracks:
         return marked
 
     def poses(self, named: NDArray[np.intp]) -> Poses:
-        """Return the pose of each frame, as the tracks that have names tell."""
+        """Return the pose of each frame, by the named tracks."""
         return self._poses(self.marked(named))
 
     def expectation(self, named: NDArray[np.intp]) -> Expectation:
@@ -109,7 +109,7 @@ class Tracks:
     def distances(
         self, expectation: Expectation, frame: NDArray[np.intp], track: NDArray[np.intp] | int
     ) -> NDArray[np.float64]:
-        """Return how far samples are from where each marker is expected, (N, M).
+        """Return the distances of samples from where each marker is expected, (N, M).
 
         Parameters
         ----------

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Across, Label, node
+from nodegraph import Across, Label, listed, node
 from nodegraph_mocap import Figure, Table
-from nodegraph_plot.columns import axis_labels, check_number, first_float
 from nodegraph_tables import info_of
 from nodegraph_tables.style import looks
 
@@ -56,10 +55,10 @@ def scatter(
     if not len(scores):
         raise ValueError("there is no table to draw")
     across = scores.values()[0]
-    upwards = metric or first_float(across)
+    upwards = metric or _first_float(across)
     by = compare or next(iter(reversed(tuple(scores.axes))), "")
     if by and by not in scores.axes:
-        raise ValueError(f"no axis {by!r} is gathered; there are {axis_labels(scores)}")
+        raise ValueError(f"no axis {by!r} is gathered; there are {_axis_labels(scores)}")
     points = {name: _points(scores, by, name, x, upwards) for name in _labels(scores, by)}
     _warn(points)
     units = {x: "", upwards: "", **info_of(across).units}
@@ -89,7 +88,7 @@ def _column(
         if isinstance(label, (int, float)):
             return np.full(len(table), float(label))
         raise ValueError(f"axis {name!r} has the label {label!r}, which is no number")
-    check_number(table, name, scores)
+    _check_number(table, name, scores)
     return table[name].to_numpy(dtype=np.float64)
 
 
@@ -106,3 +105,33 @@ def _warn(points: dict[str, NDArray[np.float64]]) -> None:
 
 def _named(name: str, units: dict[str, str]) -> str:
     return f"{name} ({units[name]})" if units.get(name) else name
+
+
+def _first_float(table: Table) -> str:
+    """Return the name of the first column of floats.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    for name, kind in table.dtypes.items():
+        if kind.kind == "f":
+            return str(name)
+    raise ValueError(f"the table has no column of floats; it has {listed(table.columns)}")
+
+
+def _check_number(table: Table, name: str, scores: Across[Table]) -> None:
+    """Raise a ValueError if a table has no such column, or one that holds no numbers."""
+    if name not in table:
+        raise ValueError(
+            f"no column or axis {name!r}; there are the columns {listed(table.columns)} "
+            f"and the axes {_axis_labels(scores)}"
+        )
+    if table[name].dtype.kind not in "iufb":
+        raise ValueError(f"column {name!r} holds no numbers")
+
+
+def _axis_labels(scores: Across[Table]) -> str:
+    """Return the gathered axes as text."""
+    return ", ".join(scores.axes) or "none"

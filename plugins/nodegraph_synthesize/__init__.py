@@ -1,4 +1,4 @@
-"""Made faces, of which everything is known, and known damage for any recording."""
+"""Synthetic faces with known ground truth, and known damage for any recording."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
 
 @hookimpl
 def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
-    """Return what every node that adds noise or impulses promises."""
+    """Return the contracts of nodes that add noise or impulses."""
     from nodegraph_synthesize.contracts import CONTRACTS
 
     return CONTRACTS
@@ -29,5 +29,5 @@ def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
 
 @hookimpl
 def nodegraph_bibtex() -> str:
-    """Return what the nodes of this package cite."""
+    """Return the BibTeX of this package."""
     return (Path(__file__).parent / "references.bib").read_text(encoding="utf-8")

@@ -1,9 +1,9 @@
-"""How strongly each muscle acts over time: speech, expressions and blinks, in [0, 1].
+"""Activation of each muscle over time, in [0, 1]: speech, expressions and blinks.
 
 Speech comes in phrases with pauses. Within a phrase the jaw opens once a syllable and the
-muscles of the lips follow each sound; brows and smiles come and go more slowly; the eyes blink
-briefly and mostly together. Besides, whole expressions are held for seconds, and some of them
-are spoken through. All of it begins from rest.
+muscles of the lips follow each sound; brows and smiles change more slowly; the eyes blink
+briefly and mostly together. Whole expressions are held for seconds, some of them during speech.
+Everything begins at rest.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ _GAPS = (0.3, 1.7)
 
 @dataclass(frozen=True)
 class Habits:
-    """How one actor speaks and looks.
+    """Habits of one actor.
 
     Attributes
     ----------
     syllables : float
         Per second, within a phrase.
     silence : float
-        Share of the time in pauses, about.
+        Approximate share of time in pauses.
     jaw : float
         How far the jaw opens on a strong syllable, 0 to 1.
     pace : float

@@ -1,4 +1,4 @@
-"""One actor: its proportions, the strength of its muscles and its habits, all from a seed."""
+"""Actors: proportions, muscle strengths and habits, drawn from a seed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Actor:
-    """What makes an actor.
+    """Properties of an actor.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Actor:
     habits: Habits
 
     def anatomy(self, points: NDArray[np.float64]) -> Anatomy:
-        """Return what moves (N, 3) points of the neutral face."""
+        """Return the anatomy that moves (N, 3) points of the neutral face."""
         return make_anatomy(points, self.proportions, self.strengths)
 
 
@@ -53,7 +53,7 @@ def draw_actor(seed: int) -> Actor:
 
 
 def head_of(actor: Actor, markers: int) -> tuple[Head, MarkerSet]:
-    """Return the actor's head with so many markers, and what is known of these."""
+    """Return the actor's head with a number of markers, and their layout."""
     surface = make_surface(actor.proportions)
     layout = make_layout(markers, surface.places)
     head = Head(

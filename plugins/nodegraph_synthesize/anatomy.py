@@ -1,6 +1,6 @@
-"""How a face moves: its points, its muscles and its jaw, put together.
+"""Movement of a face by its muscles and its jaw.
 
-A pose is computed in the order in which it happens: the jaw turns about the line through its
+A pose is computed in this order: the jaw turns about the line through its
 joints, which slide forwards; the muscles pull each point, from where the jaw has left it, towards
 their attachments, and eyes close; the skin gives way less and less; and it slides over the skull
 instead of leaving it. So the displacement is not linear in the activations, and muscles that act
@@ -48,7 +48,7 @@ _STRETCH = 30.0
 
 @dataclass(frozen=True)
 class Anatomy:
-    """Points on one actor's face and what moves them.
+    """Points on an actor's face, and the muscles that move them.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class Anatomy:
 def make_anatomy(
     points: NDArray[np.float64], proportions: Proportions, strengths: Mapping[str, float]
 ) -> Anatomy:
-    """Return what moves (N, 3) points of the neutral face of these proportions."""
+    """Return the anatomy that moves (N, 3) points of a neutral face of these proportions."""
     pulls = {
         name: pull_of(muscle, points, proportions) for name, muscle in linear_muscles().items()
     }
@@ -123,9 +123,9 @@ def make_anatomy(
 
 
 def draw_strengths(random: np.random.Generator) -> dict[str, float]:
-    """Return how strong a random actor's muscles are; left and right alike.
+    """Return the muscle strengths of a random actor, equal on both sides.
 
-    Everybody's eyes close, no more and no less.
+    The eyelids always have strength 1, so that the eyes close exactly.
     """
     drawn = np.exp(np.clip(0.15 * random.standard_normal(len(KINDS)), -0.3, 0.3))
     strength = dict(zip(KINDS, drawn.tolist(), strict=True)) | {EYELIDS: 1.0}

@@ -1,4 +1,4 @@
-"""What every node that adds noise or impulses promises, whoever wrote it."""
+"""Contracts of nodes that add noise or impulses, third-party ones included."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def gives_spiky_truth_and_impulses(tried: Tried) -> Iterator[str]:
 
 
 def truth_is_the_recording(tried: Tried) -> Iterator[str]:
-    """Give as the truth what port `truth` has, or else the recording itself."""
+    """Return as the truth the value of port `truth`, or else the recording itself."""
     source = "truth" if isinstance(tried.inputs.get("truth"), Trajectories) else "recording"
     expected, truth = tried.inputs.get(source), tried.outputs.get("truth")
     if not isinstance(expected, Trajectories) or not isinstance(truth, Trajectories):

@@ -1,4 +1,4 @@
-"""What spoils a recording: measurement noise, impulses, occlusions, and points without names."""
+"""Damage of a recording: noise, impulses, occlusions, and points without names."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def occlusions(
         Of all samples that are hidden, below 1; exact to one sample.
     frames
     points
-        (M, 3) mm, the neutral: who is whose neighbour.
+        (M, 3) mm, the neutral face, which decides the neighbours.
     """
     wanted = round(share * frames * len(points))
     marker, start, length = _occlusion_events(random, share, frames, points)

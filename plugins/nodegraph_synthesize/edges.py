@@ -1,4 +1,4 @@
-"""Lines between markers, to draw a face by."""
+"""Edges between markers, by which a face is drawn."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Expressions that are held: a smile, a frown, a surprise, one after the other.
 
-Each has an onset, an apex of seconds and an offset. Which muscles take part is what the action
-units of the Facial Action Coding System say of it (Ekman and Friesen 1978): a smile is 6 + 12,
-sadness 1 + 4 + 15 + 17, surprise 1 + 2 + 26, and so on. No two times are alike: the strength of
-every muscle differs, and when it sets in, and one side is a little stronger than the other.
+Each has an onset, an apex of seconds and an offset. The muscles that take part are those of its
+action units in the Facial Action Coding System (Ekman and Friesen 1978): a smile is 6 + 12,
+sadness 1 + 4 + 15 + 17, surprise 1 + 2 + 26, and so on. Strength and onset of every
+muscle differ each time, and one side is a little stronger.
 """
 
 from __future__ import annotations
@@ -82,9 +82,9 @@ class Held:
     Attributes
     ----------
     levels : (T, K) array
-        How strongly each channel acts for the expressions' sake, in [0, 1].
+        Activation of each channel by expressions, in [0, 1].
     hush : (T,) array
-        How much they take from speech, in [0, 1].
+        Reduction of speech, in [0, 1].
     """
 
     levels: NDArray[np.float64]
@@ -120,7 +120,7 @@ def held_expressions(
 
 @dataclass(frozen=True)
 class _Script:
-    """What is held when: n expressions, more than fit into the take."""
+    """The times of n expressions, which are more than fit into the take."""
 
     starts: NDArray[np.float64]
     times: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""How eyes close: the skin of the upper lid slides down over the eyeball to the lower lid.
+"""Closing of the eyes: the skin of the upper lid slides down over the eyeball to the lower lid.
 
 An open eye is about 10 mm high, and a marker of 3 to 4 mm sits on the skin of a lid, some 2 mm
 from its edge. So two markers one above the other, 15 mm apart on the open eye, are still 4 to

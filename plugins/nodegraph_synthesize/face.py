@@ -1,4 +1,4 @@
-"""A made face: everything about it is known."""
+"""A synthetic face with known ground truth."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class SyntheticFace(NamedTuple):
-    """What `synthesize.face` gives."""
+    """Outputs of `synthesize.face`."""
 
     captured: Trajectories
     detections: Detections

@@ -27,7 +27,7 @@ class Spiky(NamedTuple):
     spiky : Trajectories
         The recording with impulses.
     truth : Trajectories
-        What errors are measured to: the truth that was put in, else the recording as it came.
+        The truth that was given, else the recording without impulses.
     impulses : Mask
         The samples that an impulse has hit.
     """

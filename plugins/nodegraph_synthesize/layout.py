@@ -1,4 +1,4 @@
-"""Where the markers sit: a facial layout of 60, thinned or made denser to any number."""
+"""Places of markers: a facial layout of 60, thinned or made denser to any number."""
 
 from __future__ import annotations
 

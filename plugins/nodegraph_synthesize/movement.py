@@ -1,4 +1,4 @@
-"""What moves besides the muscles: the head as a whole, and the skin a little by itself."""
+"""Movement other than by muscles: of the head as a whole, and of the skin a little by itself."""
 
 from __future__ import annotations
 

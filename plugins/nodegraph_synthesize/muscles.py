@@ -91,16 +91,16 @@ KINDS = tuple(dict.fromkeys(map(kind_of, CHANNELS)))
 
 @dataclass(frozen=True)
 class Pull:
-    """What one muscle does to points of the neutral face.
+    """Displacements of points of the neutral face by one muscle.
 
     Attributes
     ----------
     points : (n,) array
-        Which points it moves at all.
+        The points that it moves.
     attachment : (3,) array
-        Where to, mm.
+        The point towards which it pulls, mm.
     amounts : (n,) array
-        How far at full activation, mm.
+        Displacements at full activation, mm.
     """
 
     points: NDArray[np.intp]
@@ -118,7 +118,7 @@ def linear_muscles() -> dict[str, LinearMuscle]:
 
 
 def pull_of(muscle: LinearMuscle, points: NDArray[np.float64], proportions: Proportions) -> Pull:
-    """Return what a linear muscle does to (N, 3) points of the neutral face."""
+    """Return the pull of a linear muscle on (N, 3) points of the neutral face."""
     ends = np.array([muscle.attachment, muscle.insertion])
     attachment, insertion = on_face(ends, proportions)
     line = insertion - attachment

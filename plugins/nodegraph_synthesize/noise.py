@@ -22,7 +22,7 @@ class Noisy(NamedTuple):
     noisy : Trajectories
         The recording with noise on every present sample.
     truth : Trajectories
-        What errors are measured to: the truth that was put in, else the recording as it came.
+        The truth that was given, else the recording without noise.
     """
 
     noisy: Trajectories
