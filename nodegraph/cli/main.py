@@ -36,7 +36,7 @@ class _Command(NamedTuple):
 def program() -> int:
     """Run the command that the process was started with."""
     # most commands end before collecting garbage would pay
-    gc.set_threshold(50_000, 20, 20)
+    gc.set_threshold(200_000, 20, 20)
     status = main()
     gc.freeze()
     gc.disable()
