@@ -6,10 +6,15 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 from tests.environments import ROOT, build, one_wheel
 from tests.studies import Studies
+
+# no draw depends on the day or the speed of the machine
+hypothesis.settings.register_profile("tests", max_examples=30, deadline=None, derandomize=True)
+hypothesis.settings.load_profile("tests")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph import Across, GraphError, node
@@ -156,7 +156,6 @@ def graph_text(specs: list[RandomNode]) -> str:
     return f"nodegraph: 1\n{'axes:' if axes else ''}\n{axes}nodes:\n{nodes}\n"
 
 
-@settings(max_examples=60, deadline=None)
 @given(graphs())
 def test_a_run_equals_a_naive_evaluation(specs: list[RandomNode]) -> None:
     registry = Registry.of([join, flip, make, gather])
@@ -187,7 +186,6 @@ report: [n2]
 """
 
 
-@settings(max_examples=200, deadline=None)
 @given(st.data())
 def test_a_damaged_graph_raises_only_graph_errors(data: st.DataObject) -> None:
     lines = GOOD.splitlines(keepends=True)

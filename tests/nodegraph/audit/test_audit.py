@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import os
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,13 +12,23 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from nodegraph import Refusal, node
+from nodegraph.api import reported
 from nodegraph.audit.audit import AGAIN, PROCESS, STORED, THREADS, Audited, audit, cases
 from nodegraph.audit.drift import Grade
-from nodegraph.execute import Run
+from nodegraph.execute import HowToRun, Run, execute, open_store
+from nodegraph.graph import Choices, build
+from nodegraph.graphfile import read_graph_text
+from nodegraph.plan import plan
+from nodegraph.plugin.registry import Registry
 
 RunOf = Callable[..., Run]
-AuditOf = Callable[[str], dict[str, Audited]]
-_calls = itertools.count(1)
+CALLS: Counter[str] = Counter()
+
+
+def count(name: str) -> int:
+    """Return how often a node has been called in this process."""
+    CALLS[name] += 1
+    return CALLS[name]
 
 
 @node("odd.make")
@@ -34,13 +44,13 @@ def good(x: np.ndarray) -> np.ndarray:
 @node("odd.counts")
 def counts(x: np.ndarray) -> np.ndarray:
     result = x.copy()
-    result[3] += next(_calls)
+    result[3] += count("counts")
     return result
 
 
 @node("odd.drifts")
 def drifts(x: np.ndarray) -> np.ndarray:
-    return x * (1 + 1e-15 * next(_calls))
+    return x * (1 + 1e-15 * count("drifts"))
 
 
 @node("odd.process")
@@ -55,7 +65,7 @@ def threads(x: np.ndarray) -> int:
 
 @node("odd.refuses_later")
 def refuses_later(x: np.ndarray) -> float:
-    if next(_calls) > 1:
+    if count("refuses_later") > 1:
         raise Refusal("had enough")
     return 1.0
 
@@ -83,77 +93,97 @@ ODD = (
 )  # fmt: skip
 
 
-def text_of(method: str) -> str:
-    return f"""
-    nodes:
-      make: {{use: odd.make}}
-      tested: {{use: {method}, in: make}}
-    """
+GRAPH = """
+nodes:
+  make: {use: odd.make}
+  good: {use: odd.good, in: make}
+  drifts: {use: odd.drifts, in: make}
+  counts: {use: odd.counts, in: make}
+  process: {use: odd.process, in: make}
+  threads: {use: odd.threads, in: make}
+  refuses_later: {use: odd.refuses_later, in: make}
+  items: {use: odd.items}
+  appends: {use: odd.appends, in: items}
+  refused: {use: odd.limit, with: {below: 3}}
+"""
+VARYING = """
+nodes:
+  make: {use: odd.make}
+  tested: {use: odd.counts, in: make}
+  after: {use: odd.good, in: tested}
+"""
 
 
-@pytest.fixture
-def audited(run_of: RunOf, tmp_path: Path) -> AuditOf:
-    """Return a function that runs a graph and returns what its audit found, by node."""
+@pytest.fixture(scope="module")
+def audited(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Audited]:
+    """What the audit of a graph of odd nodes reports, by node."""
+    CALLS.clear()
+    registry = Registry.of(ODD, plugin="odd")
+    folder = tmp_path_factory.mktemp("audited")
+    spec = read_graph_text(f"nodegraph: 1{GRAPH}", "odd.yaml", folder)
+    store = open_store(registry, folder / "store", pytest.fail)
+    graph = build(spec, registry, Choices(folder=folder))
+    run = execute(plan(graph), how=HowToRun("serial"), store=store, keep=reported(graph))
+    indices = [index for steps in cases(run).values() for index in steps]
+    return {result.step.node: result for result in audit(run, indices)}
 
-    def audit_graph(text: str) -> dict[str, Audited]:
-        global _calls
-        _calls = itertools.count(1)
-        run = run_of(text, more=ODD, store=tmp_path / "store")
-        indices = [index for steps in cases(run).values() for index in steps]
-        return {result.step.node: result for result in audit(run, indices)}
 
-    return audit_graph
-
-
-def test_a_deterministic_node_is_identical_under_every_condition(audited: AuditOf) -> None:
-    result = audited(text_of("odd.good"))["tested"]
+def test_a_deterministic_node_is_identical_under_every_condition(
+    audited: dict[str, Audited],
+) -> None:
+    result = audited["good"]
     assert result == Audited(result.step, Grade.IDENTICAL)
 
 
 @pytest.mark.parametrize(
-    ("method", "grade", "conditions", "varies"),
+    ("node", "grade", "conditions", "varies"),
     [
-        ("odd.drifts", "close", {AGAIN, THREADS, STORED}, False),
-        ("odd.counts", "differs", {AGAIN, THREADS, STORED}, True),
-        ("odd.process", "differs", {PROCESS}, True),
-        ("odd.threads", "differs", {THREADS}, False),
-        ("odd.refuses_later", "differs", {STORED}, True),
+        ("drifts", "close", {AGAIN, THREADS, STORED}, False),
+        ("counts", "differs", {AGAIN, THREADS, STORED}, True),
+        ("process", "differs", {PROCESS}, True),
+        ("threads", "differs", {THREADS}, False),
+        ("refuses_later", "differs", {STORED}, True),
     ],
 )
 def test_a_result_that_varies_is_reported_with_the_conditions(
-    audited: AuditOf, method: str, grade: str, conditions: set[str], varies: bool
+    audited: dict[str, Audited], node: str, grade: str, conditions: set[str], varies: bool
 ) -> None:
-    result = audited(text_of(method))["tested"]
+    result = audited[node]
     assert result.grade == grade
     # another process counts its own calls, and may have come to the same number
-    ignored = {PROCESS} if method != "odd.process" else set()
+    ignored = {PROCESS} if node != "process" else set()
     assert set(result.conditions) - ignored == conditions
     assert result.varies == varies
 
 
-def test_a_difference_is_located(audited: AuditOf) -> None:
-    [text] = audited(text_of("odd.counts"))["tested"].details
+def test_a_difference_is_located(audited: dict[str, Audited]) -> None:
+    [text] = audited["counts"].details
     assert text.startswith("value[3]: ")
 
 
-def test_a_node_that_refuses_when_it_is_repeated_is_reported(audited: AuditOf) -> None:
-    [text] = audited(text_of("odd.refuses_later"))["tested"].details
+def test_a_node_that_refuses_when_it_is_repeated_is_reported(audited: dict[str, Audited]) -> None:
+    [text] = audited["refuses_later"].details
     assert "done" in text
     assert "refused (had enough)" in text
 
 
-def test_a_node_that_modifies_an_input_is_reported_with_its_name(audited: AuditOf) -> None:
-    result = audited("nodes: {items: {use: odd.items}, a: {use: odd.appends, in: items}}")["a"]
+def test_a_node_that_modifies_an_input_is_reported_with_its_name(
+    audited: dict[str, Audited],
+) -> None:
+    result = audited["appends"]
     [text] = result.details
     assert result.grade is Grade.MUTATES
     assert text.endswith(" input x")
     assert not result.varies
 
 
+def test_a_step_without_a_result_has_the_grade_of_its_state(audited: dict[str, Audited]) -> None:
+    assert (audited["refused"].grade, audited["refused"].details) == ("refused", ("too high",))
+
+
 def test_a_step_is_not_blamed_for_inputs_that_vary(run_of: RunOf, tmp_path: Path) -> None:
-    text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: tested}}\n"
     for _ in range(2):
-        run = run_of(text, more=ODD, store=tmp_path / "store")
+        run = run_of(VARYING, more=ODD, store=tmp_path / "store")
         grades = {
             result.step.node: result.grade for result in audit(run, range(len(run.plan.steps)))
         }
@@ -161,15 +191,14 @@ def test_a_step_is_not_blamed_for_inputs_that_vary(run_of: RunOf, tmp_path: Path
 
 
 def test_later_runs_neither_load_nor_store_results_that_vary(run_of: RunOf, tmp_path: Path) -> None:
-    text = f"{text_of('odd.counts')}  after: {{use: odd.good, in: tested}}\n"
     store = tmp_path / "store"
-    first = run_of(text, more=ODD, store=store)
+    first = run_of(VARYING, more=ODD, store=store)
     assert first.cache is not None
     assert not first.cache.not_stored
-    assert run_of(text, more=ODD, store=store).counts()["stored"] == 3
+    assert run_of(VARYING, more=ODD, store=store).counts()["stored"] == 3
     list(audit(first, [1]))
 
-    later = run_of(text, more=ODD, store=store)
+    later = run_of(VARYING, more=ODD, store=store)
     assert later.cache is not None
     reasons = list(later.cache.not_stored)
     assert len(reasons) == 2
@@ -191,10 +220,3 @@ def test_the_first_combination_with_a_result_represents_a_method(run_of: RunOf) 
     run = run_of(text, more=ODD)
     assert cases(run) == {("limit", ""): (run.plan.cells["limit"][0.5,],)}
     assert cases(run, every=True) == {("limit", ""): tuple(run.plan.cells["limit"].values())}
-
-
-def test_a_step_without_a_result_has_the_grade_of_its_state(audited: AuditOf) -> None:
-    text = "nodes: {a: {use: odd.limit, with: {below: 3}}, b: {use: odd.limit}}"
-    results = audited(text)
-    assert (results["a"].grade, results["a"].details) == ("refused", ("too high",))
-    assert results["b"].grade == "identical"

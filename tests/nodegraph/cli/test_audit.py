@@ -19,6 +19,7 @@ def dies(x: float) -> float:
     os._exit(7)
 """
 _STORE = ("--store", "kept")
+_HERE = (*_STORE, "--executor", "serial")
 
 
 def add(nodes: str) -> None:
@@ -34,7 +35,7 @@ def rows(out: str) -> list[list[str]]:
 
 
 def test_a_line_per_node_and_method(command: Command) -> None:
-    status, out, err = command("audit", "toy.yaml", *_STORE)
+    status, out, err = command("audit", "toy.yaml", *_HERE)
     assert status == 0, out + err
     assert rows(out) == [
         ["a", "toy.number", "identical", "1"],
@@ -48,7 +49,7 @@ def test_a_line_per_node_and_method(command: Command) -> None:
 
 
 def test_all_combinations_on_demand(command: Command) -> None:
-    words = ("--set", "start=-5", "--all", *_STORE)
+    words = ("--set", "start=-5", "--all", *_HERE)
     status, out, _ = command("audit", "toy.yaml", *words)
     assert status == 0, out
     strict = next(row for row in rows(out) if row[1] == "fill.strict")
@@ -59,7 +60,7 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
     command: Command,
 ) -> None:
     add("  odd: {use: odd.process, in: a}\n")
-    status, out, _ = command("audit", "toy.yaml", *_STORE)
+    status, out, _ = command("audit", "toy.yaml", *_HERE)
     assert status == 1
     assert rows(out)[-1][:3] == ["odd", "odd.process", "differs"]
     assert "odd.process: results are no longer stored" in out
@@ -70,7 +71,7 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
     assert f"1 results are not stored: {reason}" in out
     assert "this result is one of several, and is not stored" in Path("ran/run.json").read_text()
     # the same again, with the same code: an audit does not take it back
-    assert reason in command("audit", "toy.yaml", "--only", "fill=hold", *_STORE)[1]
+    assert reason in command("audit", "toy.yaml", "--only", "fill=hold", *_HERE)[1]
 
     assert command("cache", "clear", *_STORE, nodes=False)[0] == 0
     assert "an audit found" not in command("run", "toy.yaml", *_STORE, "--out", "ran")[1]
@@ -78,10 +79,10 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
 
 def test_an_edit_ends_the_doubt(command: Command) -> None:
     add("  odd: {use: odd.process, in: a}\n")
-    assert command("audit", "toy.yaml", *_STORE)[0] == 1
+    assert command("audit", "toy.yaml", *_HERE)[0] == 1
     path = Path("toys.py")
     path.write_text(path.read_text().replace("float(os.getpid())", "x"))
-    status, out, _ = command("audit", "toy.yaml", *_STORE)
+    status, out, _ = command("audit", "toy.yaml", *_HERE)
     assert status == 0, out
     assert "an audit found" not in out
 

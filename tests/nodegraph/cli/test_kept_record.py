@@ -125,11 +125,19 @@ def limited(most: int, *words: str) -> subprocess.CompletedProcess[str]:
     return ended
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
-@pytest.mark.parametrize("cache", [[], ["--no-cache"]], ids=["stored", "not stored"])
-@pytest.mark.parametrize("kind", ["list", "mapping", "tuple", "alone"])
+@pytest.mark.parametrize(
+    ("kind", "executor", "cache"),
+    [
+        ("list", "serial", ()),
+        ("mapping", "serial", ("--no-cache",)),
+        ("tuple", "threads", ()),
+        ("alone", "threads", ("--no-cache",)),
+        ("list", "processes", ("--no-cache",)),
+        ("alone", "processes", ()),
+    ],
+)
 def test_a_value_that_cannot_be_copied_fails_its_step_alone(
-    command: Command, kind: str, cache: list[str], executor: str
+    command: Command, kind: str, executor: str, cache: tuple[str, ...]
 ) -> None:
     graph(
         f"  once: {{use: once.{kind}}}\n"

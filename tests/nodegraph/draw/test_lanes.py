@@ -2,14 +2,13 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.draw.lanes import lanes
 from nodegraph.draw.layering import Segment
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(10, 19)), max_size=30, unique=True))
 def test_segments_in_one_lane_stand_apart_unless_they_belong_together(
     pairs: list[tuple[int, int]],

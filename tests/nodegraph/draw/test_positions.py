@@ -3,7 +3,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
@@ -11,7 +11,6 @@ from nodegraph.draw.layering import Net, Segment
 from nodegraph.draw.positions import crossings, order_layers, spread
 
 
-@settings(deadline=None)
 @given(st.integers(1, 12), st.data())
 def test_spread_is_the_least_squares_solution(count: int, data: st.DataObject) -> None:
     numbers = st.floats(-50, 50)
@@ -25,7 +24,6 @@ def test_spread_is_the_least_squares_solution(count: int, data: st.DataObject) -
     assert all(np.diff(places) >= np.array(apart) - 1e-9)
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 5), st.integers(6, 11)), max_size=20, unique=True))
 def test_crossings_are_counted_and_never_added(pairs: list[tuple[int, int]]) -> None:
     layers = [list(range(6)), list(range(6, 12))]

@@ -6,7 +6,7 @@ from itertools import pairwise
 from xml.etree import ElementTree
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, svg
@@ -175,7 +175,6 @@ def test_boxes_stand_apart_and_arrows_run_down_around_them() -> None:
     check(fill())
 
 
-@settings(max_examples=25, deadline=None)
 @given(st.integers(1, 60), st.integers(0, 10**6), st.integers(1, 4))
 def test_any_graph_is_drawn_so(count: int, seed: int, links: int) -> None:
     check(scattered(count, seed, links))
@@ -293,7 +292,6 @@ def dotted(count: int, seed: int) -> Picture:
     return plain(names, list(dict.fromkeys([*ways, *((names[a], names[b]) for a, b in more)])))
 
 
-@settings(max_examples=25, deadline=None)
 @given(st.integers(1, 60), st.integers(0, 10**6))
 def test_any_frames_are_drawn_so(count: int, seed: int) -> None:
     root = check(dotted(count, seed))

@@ -87,7 +87,7 @@ def test_where_machine_code_is_kept_does_not_count(answers: dict[str, Reached]) 
     assert "platformdirs" not in reached.versions
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(data=st.data())
 def test_the_order_of_asking_does_not_count(
     functions: dict[str, Callable[..., Any]],

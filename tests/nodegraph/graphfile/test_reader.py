@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph import GraphError
@@ -195,7 +195,6 @@ def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
     assert not read_graph_file(path).problems
 
 
-@settings(max_examples=150, deadline=None)
 @given(
     st.lists(
         st.tuples(st.floats(0, 1, exclude_max=True), st.integers(1, 255), st.integers(0, 3)),

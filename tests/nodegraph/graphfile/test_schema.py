@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 from pydantic import Field
@@ -400,7 +400,6 @@ def _change(draw: st.DrawFn, data: Any, path: tuple[Any, ...]) -> None:
         holder[path[-1]] = copy.deepcopy(draw(st.sampled_from(ODD)))
 
 
-@settings(max_examples=400, deadline=None)
 @given(data=damaged())
 def test_no_graph_that_the_loader_takes_is_refused(data: dict[str, Any], judge: Any) -> None:
     refusals = judge.refusals(data)

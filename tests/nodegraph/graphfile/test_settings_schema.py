@@ -154,7 +154,7 @@ def test_no_plain_value_that_the_loader_takes_is_refused(name: str, judge: Any) 
 
 
 @pytest.mark.parametrize("name", TYPES)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(value=VALUES, held=VALUES)
 def test_no_value_that_the_loader_takes_is_refused(
     name: str, judge: Any, value: Any, held: Any

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -42,7 +42,6 @@ def fitted(positions: Array, shape: Array, **changes: Any) -> Any:
     )
 
 
-@settings(deadline=None, max_examples=150, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
     count=st.integers(3, 12),

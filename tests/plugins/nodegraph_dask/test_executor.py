@@ -235,15 +235,15 @@ def test_a_run_is_complete_though_a_worker_is_killed(
     mark = tmp_path / "killed"
     text = """
         inputs: {mark: ""}
-        axes: {k: {count: 1999}}
+        axes: {k: {count: 199}}
         nodes:
           x: {use: away.number}
-          a: {use: away.killed_once, in: x, with: {mark: $mark, number: $k, at: 700}}
+          a: {use: away.killed_once, in: x, with: {mark: $mark, number: $k, at: 70}}
         """
     run = study(text, OWN, mark=str(mark))
     assert mark.exists()
-    assert run.counts() == {**run.counts(), "done": 2000, "failed": 0}
-    assert [value for _, value in run["a"]] == [7 + k for k in range(1999)]
+    assert run.counts() == {**run.counts(), "done": 200, "failed": 0}
+    assert [value for _, value in run["a"]] == [7 + k for k in range(199)]
 
 
 def test_a_node_that_kills_its_worker_fails_alone(study: Callable[..., Run]) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_despike.acceleration import acceleration
@@ -34,7 +34,6 @@ def plainly(recording: Trajectories, threshold: float) -> np.ndarray:
     return expected
 
 
-@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10_000), threshold=st.sampled_from([1e3, 1e4, 1e5]))
 def test_equals_a_plain_statement(
     gappy: Callable[[int], Trajectories], quietly: Quietly, seed: int, threshold: float

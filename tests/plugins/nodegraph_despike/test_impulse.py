@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_despike.impulse import impulse
@@ -77,7 +77,6 @@ def plainly(recording: Trajectories, order: str, factor: float) -> list[list[Poi
     return expected
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 10_000), order=st.sampled_from(ORDERS), factor=st.sampled_from([0.5, 1.5])
 )

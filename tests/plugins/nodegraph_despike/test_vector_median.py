@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_despike.vector_median import running_median, running_spread
@@ -33,7 +33,6 @@ def plain_median(recording: Trajectories, marker: int, now: int, window: list[in
     return min(near, key=lambda value: (abs(value - now), value))
 
 
-@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10_000), reach=st.integers(1, 6))
 def test_equals_a_plain_statement(
     gappy: Callable[[int], Trajectories], seed: int, reach: int

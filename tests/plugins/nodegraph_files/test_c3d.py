@@ -261,7 +261,6 @@ def test_random_bytes_are_refused(tmp_path: Path, tail: bytes, start: int) -> No
         read_c3d(path)
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_a_written_recording_reads_back(data: Any) -> None:
     import tempfile

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
@@ -149,7 +149,6 @@ def any_recording(draw: Any) -> Trajectories:
     return Trajectories(positions=positions, markers=tuple(names), rate=rate)
 
 
-@settings(max_examples=60, deadline=None)
 @given(any_recording())
 def test_any_recording_is_read_alike_everywhere(recording: Trajectories) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_files import marker_set_text, read_marker_set_yaml
@@ -138,7 +138,6 @@ def marker_sets(draw: Any) -> MarkerSet:
     )
 
 
-@settings(max_examples=150, deadline=None)
 @given(marker_sets())
 def test_a_text_reads_back_equal(marker_set: MarkerSet) -> None:
     import tempfile

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
@@ -69,7 +69,6 @@ def test_the_squared_distances_of_the_worked_example() -> None:
     assert table["farthest"][0] == "c"
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     missing=arrays.arrays(np.bool_, (2, 5, 4)),
     one_frame=st.booleans(),

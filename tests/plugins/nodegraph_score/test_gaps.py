@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.node.decorator import node_of
@@ -68,7 +68,6 @@ def plainly(estimate: Any, truth: Any, marker: int, first: int, last: int) -> di
     }
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 99),
     hidden=st.lists(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.node.decorator import node_of
@@ -82,7 +82,6 @@ def plainly(
     }
 
 
-@settings(max_examples=60, deadline=None)
 @given(seed=st.integers(0, 10_000), frames=st.integers(1, 12))
 def test_every_number_is_the_documented_one(seed: int, frames: int) -> None:
     values = spiked(seed, frames)

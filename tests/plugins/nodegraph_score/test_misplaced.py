@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_score.steps import misplaced
 
 
-@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 999), far=st.sampled_from([0.0, 2000.0]))
 def test_it_is_the_nearest_of_all_places(seed: int, far: float) -> None:
     rng = np.random.default_rng(seed)

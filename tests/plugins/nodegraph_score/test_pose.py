@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -58,7 +58,6 @@ def test_a_head_that_is_seen_from_behind_does_not_jump() -> None:
     np.testing.assert_allclose(steps, np.tile([0.0, 0.5, 0.0], (20, 1)), atol=1e-6)
 
 
-@settings(max_examples=30, deadline=None)
 @given(angle=st.floats(0.0, 180.0), seed=st.integers(0, 99))
 def test_two_rotations_are_apart_by_the_angle_between_them(angle: float, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_mocap import Origin, Trajectories
@@ -20,7 +20,6 @@ def recording(positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> T
     return Trajectories(positions=positions, markers=names, rate=60.0)
 
 
-@settings(deadline=None, max_examples=60, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_equals_its_definition(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.stats import chisquare, ks_2samp
@@ -73,7 +73,6 @@ def test_every_run_is_the_plain_one(k: int, dimensions: int) -> None:
     same_as_plain(rows_of(dimensions, dimensions=dimensions), draws)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_on_a_grid_where_most_rows_are_equal_and_most_distances_too(data: Any) -> None:
     count = data.draw(st.integers(1, 12))

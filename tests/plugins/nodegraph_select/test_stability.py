@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -27,7 +27,6 @@ def matrix(pairs: int, chosen: list[frozenset[int]]) -> NDArray[np.bool_]:
     return matrix_
 
 
-@settings(deadline=None)
 @given(SELECTIONS)
 def test_every_number_and_the_best_as_they_are_defined(
     case: tuple[int, list[frozenset[int]]],

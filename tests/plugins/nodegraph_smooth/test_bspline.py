@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
@@ -80,7 +80,6 @@ def test_clamped_is_the_quasi_uniform_curve_at_the_greville_abscissae(
     np.testing.assert_allclose(smoothed.positions[:, 0], expected, rtol=0, atol=1e-11)
 
 
-@settings(deadline=None, max_examples=60, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.sampled_from(ORDERS), ends=st.sampled_from(ENDS[::2])
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_smooth.knots import fit, spans_of
@@ -21,7 +21,6 @@ def truncated_powers(
     return np.column_stack(columns)
 
 
-@settings(deadline=None, max_examples=150, derandomize=True)
 @given(
     degree=st.integers(2, 9),
     more=st.integers(0, 60),

@@ -39,7 +39,7 @@ def changed(name: str, factors: Mapping[str, float]) -> dict[str, Any]:
 
 
 @EVERY
-@settings(deadline=None, max_examples=15, derandomize=True)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_each_run_is_smoothed_by_itself(
     gappy: Callable[[int], Trajectories],

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
@@ -67,7 +67,6 @@ def test_as_many_as_asked_and_exactly_where_they_are_said_to_be(
     np.testing.assert_array_equal(made.spiky.origin, take.origin)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     present=arrays.arrays(np.bool_, st.tuples(st.integers(1, 25), st.integers(1, 5))),
     share=st.floats(0.0, 0.2),
@@ -92,7 +91,6 @@ def test_each_has_an_untouched_sample_on_each_side_or_the_error_counts(
     assert np.count_nonzero(hit) == round(share * np.count_nonzero(present))
 
 
-@settings(max_examples=30, deadline=None)
 @given(
     shares=st.tuples(st.floats(0.0, 0.2), st.floats(0.0, 0.2)).map(sorted),
     sizes=st.tuples(st.floats(0.1, 50.0), st.floats(0.1, 50.0)),

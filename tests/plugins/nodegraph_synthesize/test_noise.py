@@ -70,7 +70,7 @@ def test_gaps_and_origins_stay() -> None:
     assert (noisy.positions != take.positions)[take.present].all()
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(sigma=st.floats(0.01, 10.0), seed=st.integers(0, 2**40))
 def test_another_sigma_is_the_same_noise_at_another_scale(sigma: float, seed: int) -> None:
     take = recording(20, 3)

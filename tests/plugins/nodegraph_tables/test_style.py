@@ -6,7 +6,7 @@ import io
 from xml.etree import ElementTree as ET
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -46,7 +46,6 @@ def drawn(text: str) -> list[str]:
     ]
 
 
-@settings(deadline=None)
 @given(PRINTABLE)
 @example(r"$\frac$")
 @example("$x_1$")

@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
@@ -82,7 +82,6 @@ def test_the_gate_is_half_the_spacing() -> None:
     assert gate_of([3], [3], [9]) == np.inf
 
 
-@settings(deadline=None)
 @given(
     arrays(np.float64, (12, 3), elements=st.integers(-5, 5)),
     st.lists(st.integers(0, 12), min_size=2, max_size=2),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_blendshapes.solve import bounded, kernel, search_kernel
@@ -47,7 +47,6 @@ def as_system(columns: Matrix, targets: Matrix) -> search_kernel.System:
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
 @given(seed=st.integers(0, 10**6), shapes=st.integers(1, 12), more=st.integers(0, 20))
-@settings(max_examples=25, deadline=None)
 def test_as_scipy(low: float, high: float, seed: int, shapes: int, more: int) -> None:
     columns, targets = problem(seed, shapes, shapes + more)
     solution = least_squares(columns, targets, low, high)
@@ -95,7 +94,6 @@ def test_large_weights_that_cancel_leave_no_more_than_rounding() -> None:
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
 @given(seed=st.integers(0, 10**6), shapes=st.integers(2, 5), noise=st.sampled_from([0.0, 0.5]))
-@settings(max_examples=25, deadline=None)
 def test_ties_have_the_least_norm(
     low: float, high: float, seed: int, shapes: int, noise: float
 ) -> None:
@@ -215,7 +213,6 @@ def test_shares_that_cannot_be_determined_are_counted(monkeypatch: pytest.Monkey
 
 
 @given(seed=st.integers(0, 10**6), high=st.sampled_from([1.0, INF]))
-@settings(max_examples=25, deadline=None)
 def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
     columns, targets = problem(seed, 7, 15)
     lengths = np.linalg.norm(columns, axis=1)

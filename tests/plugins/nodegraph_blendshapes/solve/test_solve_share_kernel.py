@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_blendshapes.solve.share_kernel import ENOUGH, share
@@ -25,7 +25,6 @@ def orthonormal(seed: int, shapes: int, rank: int) -> Matrix:
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (-0.5, 1.0), (0.0, INF)])
 @given(seed=st.integers(0, 10**6), shapes=st.integers(2, 5), at_bounds=st.booleans())
-@settings(max_examples=40, deadline=None)
 def test_the_shortest(low: float, high: float, seed: int, shapes: int, at_bounds: bool) -> None:
     random = np.random.default_rng(seed)
     projector = orthonormal(seed, shapes, int(random.integers(1, shapes)))

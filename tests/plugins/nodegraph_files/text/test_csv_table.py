@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -183,7 +183,6 @@ def test_quoted_cells(write: Write) -> None:
 NAMES = st.text(string.ascii_letters + '.,;_" #éß', min_size=1, max_size=6)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_what_is_written_reads_back_equal(data: Any) -> None:
     names = data.draw(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -106,7 +106,6 @@ def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, told:
         read_csv(written(text))
 
 
-@settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_what_pandas_writes_reads_back_equal(tmp_path_factory: Any, data: Any) -> None:
     names = data.draw(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -109,7 +109,6 @@ def test_frames_that_the_timecode_skips_are_missing(write: Write) -> None:
     assert (read.values[[0, 1, 2, 4, 5, 9, 10], 0] * 1e4).tolist() == pytest.approx(range(7))
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.data())
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_every_row_comes_to_the_frame_of_its_timecode(data: Any) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_files.text import table as reading
@@ -45,7 +45,6 @@ CELLS = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
 @given(st.lists(st.lists(CELLS, min_size=1, max_size=4), min_size=1, max_size=4), st.data())
 def test_the_fast_way_reads_what_the_slow_one_does(
     table: list[list[str]], data: st.DataObject
@@ -59,7 +58,6 @@ def test_the_fast_way_reads_what_the_slow_one_does(
         np.testing.assert_array_equal(fast, slowly(asked))
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(*[st.floats()] * 3), min_size=1, max_size=20))
 def test_every_number_reads_back_equal(numbers: list[tuple[float, ...]]) -> None:
     text = "".join(",".join(map(repr, row)) + "\n" for row in numbers)

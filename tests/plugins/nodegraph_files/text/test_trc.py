@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -316,7 +316,6 @@ def test_a_text_in_utf_16_says_so_itself(tmp_path: Path) -> None:
 NAMES = st.text(string.ascii_letters + '.,;_" #éß', min_size=1, max_size=6)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_what_is_written_reads_back_equal(data: Any) -> None:
     names = data.draw(

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
@@ -14,7 +14,6 @@ SHAPES = array_shapes(min_dims=2, max_dims=2, min_side=0, max_side=9)
 NUMBERS = arrays(np.float64, SHAPES, elements=st.floats(-REACH, REACH) | st.just(np.nan))
 
 
-@settings(deadline=None)
 @given(NUMBERS, st.sampled_from([0.01, 0.5, 1e-4]))
 def test_numbers_come_back_to_half_a_step(values: np.ndarray, step: float) -> None:
     blob = Blob()
@@ -26,7 +25,6 @@ def test_numbers_come_back_to_half_a_step(values: np.ndarray, step: float) -> No
     assert np.all(np.abs(back * step - values)[known] <= step / 2 * (1 + 1e-6))
 
 
-@settings(deadline=None)
 @given(st.lists(st.sampled_from([MOST_STEPS, -MOST_STEPS, 0, 1]), min_size=1, max_size=12))
 def test_the_farthest_numbers_come_back_beside_the_farthest_others(given: list[int]) -> None:
     values = np.array([given], dtype=np.float64)
