@@ -17,6 +17,19 @@ hypothesis.settings.register_profile("tests", max_examples=30, deadline=None, de
 hypothesis.settings.load_profile("tests")
 
 
+LONG = (
+    *("test_style", "test_stored_studies", "test_fill_study", "test_third_party"),
+    *("test_installation", "test_locked_studies", "test_tracking_study"),
+)
+"""Modules that take longest."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the long tests, so that no process waits for one of them at the end."""
+    order = {name: place for place, name in enumerate(LONG)}
+    items.sort(key=lambda item: order.get(item.path.stem, len(LONG)))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _not_the_users_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Keep fixtures that live longer than a test from the user's store, too."""

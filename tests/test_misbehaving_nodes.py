@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests.studies import ROOT, command
+
 NODES = """\
 import os, sys, time
 from pathlib import Path
@@ -63,31 +64,36 @@ nodes:
 """
 
 
-def command(folder: Path, *words: str) -> list[str]:
+def words_for(folder: Path, *words: str) -> list[str]:
     (folder / "nodes.py").write_text(NODES)
     graph = str(folder / "bad.yaml")
-    run = ["run", graph, "--plugin", str(folder / "nodes.py"), "--out", str(folder / "out")]
-    return [sys.executable, "-m", "nodegraph.cli.main", *run, *words]
+    return [
+        "run",
+        graph,
+        "--plugin",
+        str(folder / "nodes.py"),
+        "--out",
+        str(folder / "out"),
+        *words,
+    ]
 
 
-def environment() -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])}
-
-
-def ended(folder: Path, bad: str, *words: str) -> tuple[int, dict[str, Any], str]:
-    """Run the graph with one bad node; return exit status, record and errors."""
-    (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
-    finished = subprocess.run(
-        command(folder, *words),
-        env=environment(),
-        capture_output=True,
+def started(folder: Path, *words: str) -> subprocess.Popen[str]:
+    """Start the program."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "nodegraph.cli.main", *words_for(folder, *words)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])},
+        stderr=subprocess.PIPE,
         text=True,
-        check=False,
-        timeout=100,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    assert "Traceback" not in finished.stderr
-    record = json.loads((folder / "out" / "run.json").read_text())
-    return finished.returncode, record, finished.stderr
+
+
+def record_of(folder: Path, bad: str, *words: str) -> dict[str, Any]:
+    """Run the graph with one bad node; return the record."""
+    (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
+    assert command(*words_for(folder, *words), folder=folder).status == 1
+    return dict(json.loads((folder / "out" / "run.json").read_text()))
 
 
 BAD = {
@@ -101,16 +107,14 @@ BAD = {
 
 @pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
 def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
-    status, record, _ = ended(tmp_path, ", ".join(BAD), "--executor", executor)
-    assert status == 1
+    record = record_of(tmp_path, ", ".join(BAD), "--executor", executor)
     assert record["counts"] == {**record["counts"], "done": 2, "failed": 4}
     failed = {step["use"]: step["reason"] for step in record["steps"] if step["state"] == "failed"}
     assert failed == BAD
 
 
 def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path) -> None:
-    status, record, _ = ended(tmp_path, "bad.dies", "--executor", "processes", "--jobs", "1")
-    assert status == 1
+    record = record_of(tmp_path, "bad.dies", "--executor", "processes", "--jobs", "1")
     [failed] = (step for step in record["steps"] if step["state"] == "failed")
     assert failed["use"] == "bad.dies"
     assert "exit status 7" in failed["reason"]
@@ -119,12 +123,10 @@ def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path
 
 def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: Path) -> None:
     (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, good.sum", "good.sum, bad.dies"))
-    words = ["--executor", "serial"]
     for _ in range(2):
-        finished = subprocess.run(
-            command(tmp_path, *words), env=environment(), check=False, timeout=60
-        )
-        assert finished.returncode == 7
+        process = started(tmp_path, "--executor", "serial")
+        process.communicate(timeout=60)
+        assert process.returncode == 7
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     kinds = [json.loads(line)["event"] for line in events]
     assert (kinds.count("stored"), kinds.count("done")) == (2, 0)
@@ -135,19 +137,13 @@ def test_a_node_that_never_returns_is_interrupted(tmp_path: Path, executor: str)
     sign = tmp_path / "sign"
     bad = f"{{make: {{use: good.sum}}, bad: {{use: bad.sleeps, with: {{sign: {sign}}}}}}}"
     (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
-    started = subprocess.Popen(
-        command(tmp_path, "--executor", executor, "--jobs", "2"),
-        env=environment(),
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
+    process = started(tmp_path, "--executor", executor, "--jobs", "2")
     while not sign.exists():
-        assert started.poll() is None, started.stderr and started.stderr.read()
+        assert process.poll() is None, process.stderr and process.stderr.read()
         time.sleep(0.01)
-    started.send_signal(signal.SIGINT)
-    _, errors = started.communicate(timeout=30)
-    assert started.returncode == 130
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
     assert "the same command continues from there" in errors
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     assert [json.loads(line)["event"] for line in events].count("done") >= 1

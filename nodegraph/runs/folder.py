@@ -72,13 +72,17 @@ class RunFolder:
         try:
             path.mkdir(parents=True, exist_ok=True)
             self._events: FileIO = (path / EVENTS).open("ab", buffering=0)
-            self._size = 0
-            if not _locked(self._events):
-                self._events.close()
-                raise _busy(path)
-            self._write_graphs({**(used or {}), graph_name(used or ()): graph})
         except OSError as error:
             self._undo()
+            raise _unwritable(path, error) from error
+        self._size = 0
+        if not _locked(self._events):
+            self._events.close()
+            raise _busy(path)
+        try:
+            self._write_graphs({**(used or {}), graph_name(used or ()): graph})
+        except OSError as error:
+            self.abandon()
             raise _unwritable(path, error) from error
 
     def hear(self, event: Event) -> None:

@@ -107,22 +107,22 @@ def steps(data: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return {step["node"]: step for step in data["steps"]}
 
 
-def limited(most: int, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run a command in a process of its own, in which a file can have so many bytes and no more.
+@pytest.fixture
+def limited(command: Command) -> Command:
+    """Give a command while a file can have so many bytes and no more.
 
     That is what a disk with so much space left amounts to.
     """
-    ended = subprocess.run(
-        [sys.executable, "-m", "nodegraph.cli.main", *words, "--plugin", "toys.py"],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])},
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert "Traceback" not in ended.stderr
-    assert "internal error" not in ended.stderr
-    return ended
+
+    def call(most: int, *words: str) -> tuple[int, str, str]:
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
+        try:
+            return command(*words)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+    return call
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,11 @@ def test_a_run_without_losses_records_none(command: Command) -> None:
 
 def test_the_record_is_there_though_the_program_ends_while_it_renders(command: Command) -> None:
     graph("  good: {use: toy.word}\n  bad: {use: toy.word, with: {text: die}}")
-    ended = limited(resource.RLIM_INFINITY, "run", "toy.yaml")
+    ended = subprocess.run(
+        [sys.executable, "-m", "nodegraph.cli.main", "run", "toy.yaml", "--plugin", "toys.py"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])},
+        check=False,
+    )
     assert ended.returncode == 7
     assert {name: step["state"] for name, step in steps(record()).items()} == {
         "good": "done",
@@ -209,13 +213,13 @@ def test_the_record_is_there_though_the_program_ends_while_it_renders(command: C
     assert "was not written" in err
 
 
-def test_a_full_disk_costs_the_report_and_not_the_record() -> None:
+def test_a_full_disk_costs_the_report_and_not_the_record(limited: Command) -> None:
     graph("  good: {use: toy.word}")
-    ended = limited(15_000, "run", "toy.yaml", "--no-cache")
-    assert ended.returncode == 1
-    assert "runs/toy/report.html: cannot be written: File too large" in ended.stderr
-    assert "a word" in ended.stdout
-    assert "report.html" not in ended.stdout
+    status, out, err = limited(15_000, "run", "toy.yaml", "--no-cache")
+    assert status == 1
+    assert "runs/toy/report.html: cannot be written: File too large" in err
+    assert "a word" in out
+    assert "report.html" not in out
     data = record()
     assert data["counts"]["done"] == 1
     assert data["not_written"] == [{"file": "report.html", "reason": "File too large"}]
@@ -223,18 +227,20 @@ def test_a_full_disk_costs_the_report_and_not_the_record() -> None:
     assert paths_in(Path("runs/toy")) == names
 
 
-def test_what_did_not_fit_is_named_and_the_rest_is_whole(command: Command) -> None:
+def test_what_did_not_fit_is_named_and_the_rest_is_whole(
+    command: Command, limited: Command
+) -> None:
     size = 300_000
     graph(
         f"  good: {{use: toy.word}}\n  long: {{use: toy.word, with: {{times: {size}}}}}\n"
         f"  much: {{use: write.much, with: {{size: {size}}}}}"
     )
-    ended = limited(200_000, "run", "toy.yaml", "--no-cache")
-    assert ended.returncode == 1
+    status, _, err = limited(200_000, "run", "toy.yaml", "--no-cache")
+    assert status == 1
     lost = ["long.csv", "much/much.txt"]
     assert [file["file"] for file in record()["not_written"]] == lost
     for name in lost:
-        assert f"runs/toy/{name}: cannot be written: File too large" in ended.stderr
+        assert f"runs/toy/{name}: cannot be written: File too large" in err
     page = Path("runs/toy/report.html").read_text()
     assert page.rstrip().endswith("</html>")
     for name in (*lost, "good.csv", "long.tex", "much/little.txt"):
@@ -245,30 +251,32 @@ def test_what_did_not_fit_is_named_and_the_rest_is_whole(command: Command) -> No
     assert command("report", "runs/toy", nodes=False)[0] == 0
 
 
-def test_a_record_that_does_not_fit_is_reported_and_the_rest_is_written(command: Command) -> None:
+def test_a_record_that_does_not_fit_is_reported_and_the_rest_is_written(
+    command: Command, limited: Command
+) -> None:
     graph("  good: {use: toy.word}")
-    ended = limited(600, "run", "toy.yaml", "--no-cache")
-    assert ended.returncode == 1
-    assert "runs/toy/run.json: cannot be written: File too large" in ended.stderr
-    assert "runs/toy/report.html: cannot be written: File too large" in ended.stderr
+    status, _, err = limited(600, "run", "toy.yaml", "--no-cache")
+    assert status == 1
+    assert "runs/toy/run.json: cannot be written: File too large" in err
+    assert "runs/toy/report.html: cannot be written: File too large" in err
     assert Path("runs/toy/good.csv").read_text() == "a word"
     assert not Path("runs/toy/run.json").exists()
     assert command("run", "toy.yaml")[0] == 0
 
 
-def test_a_record_that_cannot_be_written_again_stays_as_it_was() -> None:
+def test_a_record_that_cannot_be_written_again_stays_as_it_was(limited: Command) -> None:
     graph(f"  bad: {{use: toy.word, with: {{text: fail {'i' * 20_000}}}}}")
-    ended = limited(100_000, "run", "toy.yaml", "--no-cache")
-    assert ended.returncode == 1
-    assert "runs/toy/run.json: cannot be written: File too large" in ended.stderr
+    status, _, err = limited(100_000, "run", "toy.yaml", "--no-cache")
+    assert status == 1
+    assert "runs/toy/run.json: cannot be written: File too large" in err
     assert record()["counts"]["done"] == 1
 
 
-def test_a_full_disk_leaves_whole_lines_of_events() -> None:
+def test_a_full_disk_leaves_whole_lines_of_events(limited: Command) -> None:
     nodes = (f"  n{at}: {{use: toy.word, with: {{times: {at}}}}}" for at in range(50))
     graph("\n".join(nodes))
-    ended = limited(5_000, "run", "toy.yaml", "--no-cache")
-    assert "runs/toy/events.jsonl ends here: File too large" in ended.stderr
+    _, _, err = limited(5_000, "run", "toy.yaml", "--no-cache")
+    assert "runs/toy/events.jsonl ends here: File too large" in err
     text = Path("runs/toy/events.jsonl").read_text()
     assert text.endswith("\n")
     kinds = [json.loads(line)["event"] for line in text.splitlines()]
@@ -277,24 +285,26 @@ def test_a_full_disk_leaves_whole_lines_of_events() -> None:
 
 
 def test_a_run_that_does_not_fit_at_all_leaves_the_earlier_one_where_it_was(
-    command: Command,
+    command: Command, limited: Command
 ) -> None:
     graph("  good: {use: toy.word}")
     assert command("run", "toy.yaml")[0] == 0
     before = {name: Path("runs/toy", name).read_bytes() for name in paths_in(Path("runs/toy"))}
     with Path("toy.yaml").open("a") as file:
         file.write(f"notes: {'long ' * 1000}\n")
-    ended = limited(3000, "run", "toy.yaml", "--no-cache")
-    assert ended.returncode == 2
-    assert "runs/toy/graph.yaml" in ended.stderr
+    status, _, err = limited(3000, "run", "toy.yaml", "--no-cache")
+    assert status == 2
+    assert "runs/toy/graph.yaml" in err
     assert [path.name for path in Path("runs").iterdir()] == ["toy"]
     assert {name: Path("runs/toy", name).read_bytes() for name in before} == before
 
 
-def test_a_full_disk_leaves_no_part_of_an_export(command: Command) -> None:
+def test_a_full_disk_leaves_no_part_of_an_export(command: Command, limited: Command) -> None:
     graph("  a: {use: toy.number}")
     assert command("run", "toy.yaml", "--store", "kept")[0] == 0
-    ended = limited(9000, "export", "runs/toy", "a", "--store", "kept", "--out", "there/a.txt")
-    assert ended.returncode == 2
-    assert "there/a.txt: cannot be written: File too large" in ended.stderr
+    status, _, err = limited(
+        9000, "export", "runs/toy", "a", "--store", "kept", "--out", "there/a.txt"
+    )
+    assert status == 2
+    assert "there/a.txt: cannot be written: File too large" in err
     assert not list(Path("there").iterdir())
