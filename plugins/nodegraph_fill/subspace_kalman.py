@@ -26,7 +26,7 @@ _LEAST_DRIFT = 1e-12
 
 @node(
     "fill.subspace_kalman",
-    cite="burke_lasenby2016",
+    cite=("burke_lasenby2016", "lei2018"),
     adapted=(
         "from Burke and Lasenby 2016: the subspace and the steps are learnt from the take as "
         "soft-impute completes it, and each coordinate has its own noise"
@@ -62,11 +62,15 @@ def subspace_kalman(
     in the gap are.
 
     Written samples have a `sigma`: the root of the mean over the coordinates of
-    ``C P[t] C' + var(v)``, P being the covariance of x, before the ends are met, which the
-    model does not know of. Present samples keep the recording's sigma, NaN where it has none. The
-    noise of neighbouring markers is not as independent as the model has it: on two real faces
-    errors, the ends not met, were 1.3 to 2.2 times sigma with one marker missing, 2.5 to 5 times
-    with ten or twenty at once.
+    ``C P[t] C' + var(v)``, P being the covariance of x, times a factor per length of gap. The
+    model alone does not know how wrong its subspace is: 45 frames long, its 95 % intervals held
+    73 % of the errors on ten synthetic faces. So the gaps are laid over the take a second time,
+    later by half its length, where samples tell the error, and the model is learnt again without
+    these; the factor is the 95 % quantile of ``|error| / sigma`` over the coordinates of the 20
+    held-out gaps nearest in length, divided by 1.96, as in split conformal prediction (Lei et
+    al., 2018). Ten synthetic faces and gaps of 5, 15 and 45 frames: the intervals hold 95 to 97 %
+    of the errors. Where fewer than ten gaps can be held out, sigma is NaN. Present samples keep
+    the recording's sigma, NaN where it has none.
 
     A marker that is never measured stays missing, counted in a warning. Samples that are
     present come out as they went in; those that an earlier fill has made count like measured

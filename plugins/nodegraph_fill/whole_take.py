@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph_fill.held_out import calibrated
 from nodegraph_fill.meet_ends import Ends, check_ends, meet_ends
 from nodegraph_mocap import Origin, Trajectories
 
@@ -25,7 +26,7 @@ class Estimate:
     positions : (T, M, 3) array of float64
         Millimetres, in the gaps and, without `ends`, at their ends; NaN where there is none.
     sigma : (T, M) array of float64, or None
-        Standard deviation in the gaps, mm; None if the model does not know it.
+        Standard deviation in the gaps, mm, to be calibrated; None if the model does not know it.
     ends : two (G, 3) arrays of float64, or None
         What the model makes of the sample before and of the sample after each gap, mm, if that
         is not what `positions` has there; NaN where there is none.
@@ -59,13 +60,17 @@ def fill_from(
     otherwise
         Why the model may have no estimate.
     """
+
+    def fill(recording: Trajectories, gaps: Gaps) -> Trajectories:
+        return _written(recording, gaps, model(recording, gaps), ends)
+
     check_ends(ends)
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
     wanted = gaps.subset(~(long | gaps.never))
     filled = recording
     if len(wanted.start):
-        filled = _written(recording, wanted, model(recording, wanted), ends)
+        filled = calibrated(fill, recording, wanted)
     reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
     warn_left(filled, reasons, otherwise, stacklevel=3)
     return filled

@@ -1,0 +1,100 @@
+"""Standard deviations scaled by the errors in gaps whose content is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_fill.gaps import Gaps
+from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_LEVEL, _REACH = 0.95, 1.959963984540054
+"""An interval that holds this share of errors reaches so many standard deviations."""
+_ALIKE = 20
+"""Held-out gaps, those of the nearest length, that a gap is judged by."""
+_LEAST = 10
+
+
+def calibrated(
+    fill: Callable[[Trajectories, Gaps], Trajectories], recording: Trajectories, gaps: Gaps
+) -> Trajectories:
+    """Return the recording filled, with a `sigma` that 95 % of errors lie within 1.96 times.
+
+    The gaps are laid over the recording again, later by half its length and from its end on to
+    its beginning, wherever the marker is present there and on both sides. The samples that they
+    hide are filled, too, all others being known but for the gaps. The sigma of a gap is
+    multiplied by ``q / 1.96``, with q the 95 % quantile of ``|error| / sigma`` over the
+    coordinates in the 20 held-out gaps whose length is nearest to its own, by the logarithm: no
+    distribution of the errors is assumed, but that gaps err as those held out do. It is the
+    normalized score of split conformal prediction (Lei et al., 2018), per length of gap.
+
+    Parameters
+    ----------
+    fill
+        Takes a recording and its gaps to fill, and gives all samples in them a sigma, or none.
+    recording
+        Trajectories with gaps.
+    gaps
+        Those to fill.
+
+    Returns
+    -------
+    Trajectories
+        The recording filled; sigma is NaN in the gaps if fewer than 10 could be held out.
+    """
+    filled = fill(recording, gaps)
+    if filled.sigma is None or np.isnan(filled.sigma[gaps.mask]).all():
+        return filled
+    held, sigma = _moved(recording, gaps), filled.sigma.copy()
+    gap, frame, marker, _ = gaps.samples
+    if len(held.start) < _LEAST:
+        sigma[frame, marker] = np.nan
+    else:
+        scale = _scale(recording, held, fill(_without(recording, held), held))
+        sigma[frame, marker] *= scale(gaps.length)[gap]
+    return replace(filled, sigma=sigma)
+
+
+def _moved(recording: Trajectories, gaps: Gaps) -> Gaps:
+    """Return the gaps half a take later, as far as they hide present samples between others."""
+    frames = recording.frames
+    start = (gaps.start + frames // 2) % frames
+    stop = start + gaps.length
+    before = np.pad(np.cumsum(~recording.present, axis=0), ((1, 0), (0, 0)))
+    inner = (start > 0) & (stop < frames)
+    first, last = np.where(inner, start - 1, 0), np.where(inner, stop + 1, 0)
+    free = before[last, gaps.marker] == before[first, gaps.marker]
+    return Gaps(gaps.marker, start, stop, gaps.shape).subset(inner & free)
+
+
+def _without(recording: Trajectories, gaps: Gaps) -> Trajectories:
+    positions = np.where(gaps.mask[..., None], np.nan, recording.positions)
+    return recording.with_samples(positions, changed=gaps.mask, origin=Origin.MISSING)
+
+
+def _scale(
+    recording: Trajectories, held: Gaps, filled: Trajectories
+) -> Callable[[NDArray[np.intp]], NDArray[np.float64]]:
+    """Return what the sigma of gaps of some lengths is to be multiplied by."""
+    gap, frame, marker, _ = held.samples
+    assert filled.sigma is not None
+    error = np.abs(filled.positions[frame, marker] - recording.positions[frame, marker])
+    sigma = filled.sigma[frame, marker, None]
+    errors = np.divide(error, sigma, out=np.where(error > 0.0, np.inf, 0.0), where=sigma > 0.0)
+
+    def of(length: int) -> float:
+        apart = np.abs(np.log(held.length / length))
+        alike = np.argsort(apart, kind="stable")[:_ALIKE]
+        return float(np.quantile(errors[np.isin(gap, alike)], _LEVEL)) / _REACH
+
+    def scale(lengths: NDArray[np.intp]) -> NDArray[np.float64]:
+        known, which = np.unique(lengths, return_inverse=True)
+        return np.array([of(length) for length in known])[which]
+
+    return scale

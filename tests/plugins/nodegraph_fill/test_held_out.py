@@ -1,0 +1,72 @@
+"""Standard deviations scaled by the errors in gaps whose content is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_mocap import Trajectories
+
+FRAMES, MARKERS = 200, 40
+LENGTHS = (3, 12)
+OFF = np.random.default_rng(2).normal(size=(FRAMES, MARKERS, 3))
+OFF[: FRAMES // 2] = 0.0
+"""What the model is wrong by: nothing in the gaps, much half a take later."""
+Positions = NDArray[np.float64]
+
+
+def gappy(markers: int = MARKERS) -> Positions:
+    """Markers at the origin, each with a gap: three frames, or twelve of every second one."""
+    positions = np.zeros((FRAMES, markers, 3))
+    for marker in range(markers):
+        positions[4 + marker :][: LENGTHS[marker % 2], marker] = np.nan
+    return positions
+
+
+def sigma_of(recording: Trajectories, own: float) -> Positions:
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        return Estimate(OFF[:, : gaps.shape[1]], np.full(gaps.shape, own))
+
+    sigma = fill_from(recording, None, model, ends="as_published").sigma
+    assert sigma is not None
+    return sigma
+
+
+def reach(markers: range | list[int]) -> float:
+    """Return the 95 % quantile of the errors half a take after the gaps of some markers."""
+    errors = [OFF[104 + m :][: LENGTHS[m % 2], m] for m in markers]
+    return float(np.quantile(np.abs(np.concatenate(errors)), 0.95))
+
+
+@pytest.mark.parametrize("own", [0.1, 5.0])
+def test_95_in_100_errors_half_a_take_later_are_within(
+    recorded: Callable[..., Trajectories], own: float
+) -> None:
+    sigma = sigma_of(recorded(gappy()), own)
+    for marker in (0, 1, 38, 39):
+        gap = sigma[4 + marker :][: LENGTHS[marker % 2], marker]
+        expected = reach(range(marker % 2, MARKERS, 2))
+        np.testing.assert_allclose(1.96 * gap, expected, rtol=1e-4)
+    assert np.count_nonzero(~np.isnan(sigma)) == 20 * 3 + 20 * 12
+
+
+def test_a_gap_is_held_out_where_the_marker_is_present_around_it(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    positions = gappy()
+    positions[103, 0] = np.nan
+    sigma = sigma_of(recorded(positions), 1.0)
+    expected = reach([1, *range(2, MARKERS, 2)])
+    np.testing.assert_allclose(1.96 * sigma[4, 0], expected, rtol=1e-4)
+
+
+def test_of_fewer_than_ten_held_out_gaps_nothing_is_concluded(
+    recorded: Callable[..., Trajectories],
+) -> None:
+    assert np.isnan(sigma_of(recorded(gappy(9)), 1.0)).all()
+    assert not np.isnan(sigma_of(recorded(gappy(10)), 1.0)).all()
