@@ -22,3 +22,8 @@ def labels_of(labels: Mapping[str, Any]) -> str:
 def name_at(node: str, labels: Mapping[str, Any]) -> str:
     """Return the name of one combination of a node: ``fill(fill=muscle, length=5)``."""
     return f"{node}({labels_of(labels)})" if labels else node
+
+
+def printable(text: str) -> str:
+    """Return a text with what UTF-8 cannot encode, such as parts of a file's name, escaped."""
+    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()

@@ -71,14 +71,10 @@ def _table(box: Box, label: str) -> str:
 
 def _ports(sockets: Sequence[Socket], side: str, span: int) -> str:
     cells = [
-        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{_markup(_socket(socket))}</TD>'
+        f'<TD PORT="{side}{index}" COLSPAN="{span // len(sockets)}">{_markup(str(socket))}</TD>'
         for index, socket in enumerate(sockets)
     ]
     return f"<TR>{''.join(cells)}</TR>" if cells else ""
-
-
-def _socket(socket: Socket) -> str:
-    return f"{socket.name}: {socket.type}" if socket.type else socket.name
 
 
 def _edge(arrow: Arrow, numbers: Mapping[str, int], boxes: Mapping[str, Box]) -> str:

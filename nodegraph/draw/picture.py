@@ -17,6 +17,9 @@ class Socket:
     name: str
     type: str = ""
 
+    def __str__(self) -> str:
+        return f"{self.name}: {self.type}" if self.type else self.name
+
 
 @dataclass(frozen=True, slots=True)
 class Box:

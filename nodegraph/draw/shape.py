@@ -195,7 +195,7 @@ def _slots(
     if rest:
         names = tuple(socket.name for socket in rest)
         more = f"+{len(rest)} more" if slots else f"{len(rest)} ports"
-        slots.append(_Slot(names, (("type", more),), ", ".join(map(_socket_text, rest))))
+        slots.append(_Slot(names, (("type", more),), ", ".join(map(str, rest))))
     return slots
 
 
@@ -203,11 +203,7 @@ def _slot(socket: Socket, fixed: Sequence[str]) -> _Slot:
     lines = [("port", shortened(socket.name, 24))]
     lines += [("type", shortened(socket.type, 28))] if socket.type else []
     lines += [("fixed", shortened(f"at {text}", 34)) for text in dict.fromkeys(fixed)]
-    return _Slot((socket.name,), tuple(lines), _socket_text(socket))
-
-
-def _socket_text(socket: Socket) -> str:
-    return f"{socket.name}: {socket.type}" if socket.type else socket.name
+    return _Slot((socket.name,), tuple(lines), str(socket))
 
 
 def _strip_width(slots: Sequence[_Slot]) -> float:

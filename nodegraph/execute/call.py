@@ -15,6 +15,7 @@ from types import CodeType
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
+from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
 from nodegraph.plan import Gathered, Plan, Step
@@ -123,7 +124,7 @@ def perform(call: Call) -> Outcome:
             values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
-        reason = _printable(message_of(refusal)) or "no reason given"
+        reason = printable(message_of(refusal)) or "no reason given"
         outcome = Outcome(State.REFUSED, reason=reason)
     except KeyboardInterrupt:
         raise
@@ -133,7 +134,7 @@ def perform(call: Call) -> Outcome:
         _warnings.reset(token)
     outcome.seconds = time.perf_counter() - start
     if messages:
-        outcome.warnings = tuple(dict.fromkeys(map(_printable, messages)))
+        outcome.warnings = tuple(dict.fromkeys(map(printable, messages)))
     return outcome
 
 
@@ -152,7 +153,7 @@ def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
         reason, place = f"{what}: {reason}", place or _definition(node)
     trace = "".join(traceback.format_exception(error))
     return Outcome(
-        State.FAILED, reason=_printable(reason), trace=_printable(trace), place=_printable(place)
+        State.FAILED, reason=printable(reason), trace=printable(trace), place=printable(place)
     )
 
 
@@ -234,11 +235,6 @@ def _definition(node: Node) -> str:
 
 def _code(node: Node) -> CodeType | None:
     return getattr(inspect.unwrap(node.function), "__code__", None)
-
-
-def _printable(text: str) -> str:
-    """Return a text without what cannot be encoded, such as parts of a file's unreadable name."""
-    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()
 
 
 def skipped(plan: Plan, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome | None:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from nodegraph.errors import NodegraphError
+from nodegraph.formatting import printable
 from nodegraph.state import State
 from nodegraph.store import files
 from nodegraph.store.codec import Packed, Packer, Unreadable, Unstorable, digest_of
@@ -134,10 +135,10 @@ def entry_of(key: str, about: About, packed: Sequence[Packed], blobs: Blobs) -> 
     entry = Entry(
         key=key,
         node=about.node,
-        step=_writable(about.step),
+        step=printable(about.step),
         state=about.state,
-        reason=_writable(about.reason),
-        warnings=tuple(map(_writable, about.warnings)),
+        reason=printable(about.reason),
+        warnings=tuple(map(printable, about.warnings)),
         seconds=about.seconds,
         created=time.time(),
         digests=tuple(output.digest for output in packed),
@@ -228,11 +229,6 @@ def _buffers(packed: Packed, blobs: Blobs) -> list[_Part]:
 
 def _sum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _writable(text: str) -> str:
-    """Return a text without halves of characters, such as a file's unreadable name has."""
-    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()
 
 
 _HOUR = 3600.0

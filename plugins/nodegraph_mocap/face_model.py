@@ -52,6 +52,15 @@ class HeadMotion(Value):
         _check_orthonormal(rotations)
         set_fields(self, rotations=rotations, translations=translations, scales=scales)
 
+    @staticmethod
+    def still(frames: int) -> HeadMotion:
+        """Return the motion of a head that does not move."""
+        return HeadMotion(
+            rotations=np.tile(np.eye(3), (frames, 1, 1)),
+            translations=np.zeros((frames, 3)),
+            scales=np.ones(frames),
+        )
+
     @property
     def frames(self) -> int:
         """Number of frames, T."""

@@ -49,7 +49,7 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
         Weights: weights,
         Animation: animations,
         HeadMotion: lambda: {
-            name: _still(recording.frames) for name, recording in recordings().items()
+            name: HeadMotion.still(recording.frames) for name, recording in recordings().items()
         },
     }
 
@@ -153,10 +153,10 @@ def weights() -> dict[str, Weights]:
 
 def animations() -> dict[str, Animation]:
     """Return the head with its weights, and with head motion but where some are missing."""
-    head, driven = _head(), weights()
+    head, driven, still = _head(), weights(), HeadMotion.still
     return {
-        "complete": Animation(head=head, weights=driven["complete"], head_motion=_still(FRAMES)),
-        "one frame": Animation(head=head, weights=driven["one frame"], head_motion=_still(1)),
+        "complete": Animation(head=head, weights=driven["complete"], head_motion=still(FRAMES)),
+        "one frame": Animation(head=head, weights=driven["one frame"], head_motion=still(1)),
         "gaps": Animation(head=head, weights=driven["gaps"]),
     }
 
@@ -236,11 +236,3 @@ def _head() -> Head:
 def _weights(frames: int) -> Weights:
     values = np.random.default_rng(4).uniform(0.0, 1.0, (frames, len(SHAPES)))
     return Weights(values=values, names=SHAPES, rate=RATE)
-
-
-def _still(frames: int) -> HeadMotion:
-    return HeadMotion(
-        rotations=np.tile(np.eye(3), (frames, 1, 1)),
-        translations=np.zeros((frames, 3)),
-        scales=np.ones(frames),
-    )

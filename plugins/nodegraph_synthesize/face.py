@@ -25,7 +25,7 @@ from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on
 from nodegraph_synthesize.damage import occlusions, unlabelled
 from nodegraph_synthesize.movement import head_motion as motion_of_head
-from nodegraph_synthesize.movement import moved, no_head_motion, skin_movement
+from nodegraph_synthesize.movement import moved, skin_movement
 from nodegraph_synthesize.muscles import CHANNELS
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def synthesize_face(
     head, marker_set = head_of(actor, markers)
     points = head.vertices[head.marker_vertices]
     weights = activations(random_for("activations", seed), actor.habits, frames, rate)
-    motion = _motion(seed, actor, frames, rate) if head_motion else no_head_motion(frames)
+    motion = _motion(seed, actor, frames, rate) if head_motion else HeadMotion.still(frames)
     aligned = _aligned(seed, actor, points, weights, rate)
     truth = _recording(moved(aligned, motion), marker_set, rate)
     hidden = occlusions(random_for("occlusions", seed), missing, frames, points)

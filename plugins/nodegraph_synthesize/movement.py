@@ -50,15 +50,6 @@ def head_motion(
     )
 
 
-def no_head_motion(frames: int) -> HeadMotion:
-    """Return the motion of a head that is held still."""
-    return HeadMotion(
-        rotations=np.tile(np.eye(3), (frames, 1, 1)),
-        translations=np.zeros((frames, 3)),
-        scales=np.ones(frames),
-    )
-
-
 def moved(aligned: NDArray[np.float64], motion: HeadMotion) -> NDArray[np.float64]:
     """Return (T, M, 3) ``s R aligned + t``."""
     turned = aligned @ motion.rotations.transpose(0, 2, 1)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from nodegraph_mocap import HeadMotion
 from nodegraph_synthesize.movement import (
     head_motion,
     moved,
-    no_head_motion,
     rotations_of,
     skin_movement,
 )
@@ -40,7 +40,7 @@ def test_moved_points_are_turned_then_shifted() -> None:
     points = np.random.default_rng(0).standard_normal((30, 4, 3))
     expected = motion.rotations[7] @ points[7, 2] + motion.translations[7]
     np.testing.assert_allclose(moved(points, motion)[7, 2], expected, rtol=0, atol=1e-12)
-    np.testing.assert_array_equal(moved(points, no_head_motion(30)), points)
+    np.testing.assert_array_equal(moved(points, HeadMotion.still(30)), points)
 
 
 def test_the_skin_moves_little_and_neighbours_alike() -> None:
