@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_graph, add_store
 from nodegraph.cli.output import columns
+from nodegraph.errors import listed
 
 if TYPE_CHECKING:
     from nodegraph.plan import Plan
 
+_MOST_USES = 4
 HELP = "Validate a graph and show its plan."
 
 
@@ -44,7 +46,7 @@ def check(arguments: Namespace) -> int:
 def _rows(plan: Plan, stored: Container[int]) -> Iterator[tuple[str, ...]]:
     yield "node", "uses", "along", "steps", "stored"
     for node in plan.graph.nodes.values():
-        uses = ", ".join(method.node.name for method in node.methods.values())
+        uses = listed((method.node.name for method in node.methods.values()), _MOST_USES)
         along = " x ".join(f"{axis} ({len(plan.graph.axes[axis].labels)})" for axis in node.axes)
         steps = set(plan.cells[node.name].values())
         yield node.name, uses, along, str(len(steps)), str(sum(step in stored for step in steps))

@@ -14,17 +14,20 @@ from argparse import SUPPRESS, Action, ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from io import TextIOWrapper
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
-from nodegraph.errors import NodegraphError
+from nodegraph.errors import GraphError, NodegraphError, Place
 
 COMMANDS = (
     "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
     "audit", "export", "report", "cite", "archive", "cache", "schema",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
+
+_EXCERPT = 60  # characters of a line that are shown on either side of an error
 
 
 class _Command(NamedTuple):
@@ -63,6 +66,9 @@ def main(words: Sequence[str] | None = None) -> int:
             # the reader of the output has closed it; Python must not flush it again at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
+        except GraphError as error:
+            print(f"nodegraph: {_with_excerpts(error)}", file=sys.stderr)
+            return 2
         except (NodegraphError, OSError) as error:
             print(f"nodegraph: {error}", file=sys.stderr)
             return 2
@@ -72,6 +78,29 @@ def main(words: Sequence[str] | None = None) -> int:
         except Exception as error:
             print(f"nodegraph: {_internal_error(error)}", file=sys.stderr)
             return 1
+
+
+def _with_excerpts(error: GraphError) -> str:
+    """Return the errors of a graph, each with its line and a caret below the column."""
+    texts: list[str] = []
+    for problem in error.problems:
+        place, _, hint = str(problem).partition("\n")
+        texts += [place, *_excerpt(problem.place), *([hint] if hint else [])]
+    return "\n".join(texts)
+
+
+def _excerpt(place: Place) -> list[str]:
+    if not place.line or not os.path.isfile(place.file):
+        return []
+    try:
+        with open(place.file, encoding="utf-8") as file:
+            line = next(islice(file, place.line - 1, None), "").rstrip()
+    except (OSError, ValueError):
+        return []
+    start = max(place.column - _EXCERPT, 0)
+    shown = "".join(each if each.isprintable() else " " for each in line[start:][: 2 * _EXCERPT])
+    number = f"{place.line:>5} | "
+    return [f"{number}{shown}", f"{'':>5} | {' ' * (place.column - 1 - start)}^"] if shown else []
 
 
 def _commands(words: Sequence[str]) -> Mapping[str, _Command]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser, Namespace
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nodegraph.cli.arguments import add_graph, add_store
+from nodegraph.cli.output import few, first_and_more
 from nodegraph.errors import NodegraphError, listed, nearest
 
 if TYPE_CHECKING:
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
 HELP = "Explain why the steps of a node are not cached."
 
 _MOST_STEPS = 3
+_AT_LABELS = re.compile(r"(([\w.]+)\(.*?\)): (.*)", re.DOTALL)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -51,16 +55,36 @@ def why(arguments: Namespace) -> int:
     steps = list(Why(planned, cache, record).explain(arguments.node))
     stored = sum(step.stored for step in steps)
     print(f"{arguments.node}: {stored} of {len(steps)} steps are stored; compared with {folder}")
-    for reason, names in _by_reason(steps).items():
-        print(f"\n{listed(names, _MOST_STEPS)}\n{reason}")
+    for names, lines in _by_reason(steps):
+        print("\n".join(["", listed(names, _MOST_STEPS), *(f"    {line}" for line in few(lines))]))
     return 0
 
 
-def _by_reason(steps: list[Explanation]) -> dict[str, list[str]]:
-    """Return the names of steps by what is printed of them."""
-    names: dict[str, list[str]] = defaultdict(list)
+def _by_reason(steps: list[Explanation]) -> Iterator[tuple[list[str], list[str]]]:
+    """Yield the names of steps, and what is printed of them.
+
+    Changes that are the same at several combinations of a node are one line.
+    """
+    groups: dict[tuple[Any, ...], list[Explanation]] = defaultdict(list)
     for step in steps:
         if step.changes or not step.stored:
-            lines = [*step.changes, *(["stored under its new key"] if step.stored else [])]
-            names["\n".join(f"    {line}" for line in lines)].append(step.step.name)
-    return names
+            changes = dict.fromkeys(_node_and_text(line)[::2] for line in step.changes)
+            groups[(step.stored, *changes)].append(step)
+    for same in groups.values():
+        places: dict[tuple[str, str], dict[str, None]] = defaultdict(dict)
+        for step in same:
+            for line in step.changes:
+                node, name, text = _node_and_text(line)
+                places[node, text][name] = None
+        lines = [
+            f"{first_and_more(next(iter(names)), len(names), node)}: {text}" if node else text
+            for (node, text), names in places.items()
+        ]
+        lines += ["stored under its new key"] * same[0].stored
+        yield [step.step.name for step in same], lines
+
+
+def _node_and_text(line: str) -> tuple[str, str, str]:
+    """Return node, name with labels, and the rest of a line such as ``gaps(length=5): ...``."""
+    match = _AT_LABELS.fullmatch(line)
+    return (match[2], match[1], match[3]) if match else ("", "", line)

@@ -205,6 +205,7 @@ class Values:
                 raise NodegraphError(
                     f"{self.node!r} has no axis {axis!r}; {nearest(axis, self.axes)}"
                 )
+            self._label(axis, labels)  # a wrong label before axes that are left out
         combination = tuple(self._label(axis, labels) for axis in self.axes)
         plan = self.run.plan
         if combination not in plan.cells[self.node]:

@@ -31,6 +31,7 @@ from nodegraph.plugin.registry import Registry
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
+_LIST_TYPES = {"list_type", "tuple_type", "set_type", "frozen_set_type"}
 _encode = json.JSONEncoder(default=str).encode
 _REASONS = {
     "missing": "must be given",
@@ -207,6 +208,10 @@ def _messages(where: str, node: Node, error: ValidationError) -> Iterator[tuple[
             yield "", f"{where}: settings of {node.name}: {detail['msg']}", ""
             continue
         name = str(detail["loc"][0])
+        if detail["type"] in _LIST_TYPES and isinstance(detail["input"], (str, int, float)):
+            message = f"{where}: setting {name!r} of {node.name} is a list"
+            yield name, message, f"write [{detail['input']}]"
+            continue
         reason = _REASONS.get(detail["type"])
         reason = reason or f"{_clause(detail['msg'])}, got {detail['input']!r}"
         setting = node.settings.get(name)

@@ -222,13 +222,14 @@ class NodeReader:
 
     def _is_mapping(self, item: Located, what: str, keys: Iterable[str]) -> bool:
         if not isinstance(item.value, dict):
-            hint = nearest("", keys, what="keys")
+            hint = space_hint(item.value, keys) or nearest("", keys, what="keys")
             self._problems.add(item.place, f"{what} must be a mapping", hint)
             return False
         for key in item.value:
             if key not in keys:
                 message = f"{what}: unknown key {key!r}"
-                self._problems.add(item.keys[key], message, nearest(key, keys))
+                hint = space_hint(key, keys) or nearest(key, keys)
+                self._problems.add(item.keys[key], message, hint)
         return True
 
     def _is_word(self, item: Located, message: str) -> bool:
@@ -236,6 +237,12 @@ class NodeReader:
             return True
         self._problems.add(item.place, f"{message}, not {item.plain()!r}")
         return False
+
+
+def space_hint(written: Any, keys: Iterable[str]) -> str:
+    """Return what to write for ``key:value``, which YAML takes for a single word, or ""."""
+    key, colon, value = written.partition(":") if isinstance(written, str) else ("", "", "")
+    return f"put a space after the colon: {key}: {value}" if colon and key in keys else ""
 
 
 def _with_variables(item: Located) -> Any:

@@ -13,7 +13,7 @@ from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graphfile.axes import read_axis
 from nodegraph.graphfile.keys import FORMAT, IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL, Form
-from nodegraph.graphfile.nodes import NodeReader, read_reference
+from nodegraph.graphfile.nodes import NodeReader, read_reference, space_hint
 from nodegraph.graphfile.spec import GraphSpec, InputSpec, MethodSpec, Reference, SkipSpec
 from nodegraph.graphfile.yaml_text import Located, read_yaml
 
@@ -131,7 +131,7 @@ class _SpecReader:
             raise GraphError([Problem(root.place, message, nearest("", TOP_LEVEL, what="keys"))])
         for key in root.value:
             if key not in TOP_LEVEL:
-                hint = nearest(key, TOP_LEVEL)
+                hint = space_hint(key, TOP_LEVEL) or nearest(key, TOP_LEVEL)
                 self._problems.add(root.keys[key], f"unknown key {key!r}", hint)
         self._check_format(root)
         nodes = root.value.get("nodes")

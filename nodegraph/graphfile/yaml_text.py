@@ -25,6 +25,7 @@ _INTEGER = re.compile(r"[-+]?[0-9]+")
 _OCTAL_OR_HEX = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)")
+_NO_SPACE = re.compile(r" *(?:- )?([A-Za-z_][\w.]*):[^\s/]")
 _CONSTANTS = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -99,10 +100,32 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
 
 
 def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
-    line = "".join(text.splitlines()[place.line - 1 : place.line])
+    lines = text.splitlines()
+    line = "".join(lines[place.line - 1 : place.line])
     if line[place.column - 1 : place.column] == "\t":
         return "a tab; indent with spaces"
+    problem = error.problem or ""
+    if problem.startswith("mapping values are not allowed"):
+        if ": " in line[: place.column - 1]:
+            return "a second ': ' in a value; quote a text that contains one: \"a: b\""
+        above = "".join(lines[place.line - 2 : place.line - 1])
+        if match := _NO_SPACE.match(above):
+            return f"line {place.line - 1} has no space after the colon; write '{match[1]}: ...'"
+        return _misaligned(line, f"the one above by {_indent(above)}")
+    if problem == "did not find expected key" and (start := error.context_mark):
+        return _misaligned(line, f"the mapping from line {start.line + 1} on by {start.column}")
     return ", ".join(part for part in (error.context, error.problem) if part)
+
+
+def _misaligned(line: str, other: str) -> str:
+    return (
+        f"this line is indented by {_indent(line)}, {other}; keys of one mapping begin in the same "
+        "column"
+    )
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip(" "))
 
 
 def scalar(text: str) -> Any:

@@ -23,18 +23,50 @@ def comparisons() -> tuple[Comparison, ...]:
 
 
 def compare_tables(before: Table, now: Table) -> Iterator[str]:
-    """Yield which columns differ, in how many rows and by how much."""
+    """Yield which columns differ, in how many rows and by how much.
+
+    Rows are compared by their names, which are their cells in the first columns without fractions
+    that tell all rows apart in both tables; if there are none, by their places.
+    """
     names, names_now = tuple(map(str, before.columns)), tuple(map(str, now.columns))
     if names != names_now:
         yield from name_differences("columns", names, names_now)
-    if len(before) != len(now):
+    rows = _row_names(before, now)
+    if rows is not None:
+        were, are = rows
+        if were != are:
+            yield from name_differences("rows", were, are)
+        places, places_now = ({name: place for place, name in enumerate(each)} for each in rows)
+        both = [name for name in were if name in places_now]
+        before = before.iloc[[places[name] for name in both]]
+        now = now.iloc[[places_now[name] for name in both]]
+    elif len(before) != len(now):
         yield f"had {len(before)} rows, now {len(now)}"
         return
+    else:
+        both = list(map(str, range(len(before))))
     for column in (name for name in before.columns if name in now.columns):
         was, values = before[column].to_numpy(), now[column].to_numpy()
         differs = differences(was, values)
         if differs.any():
-            yield f"{column}: {_rows(differs)}: {_change(was, values, differs)}"
+            yield f"{column}: {_rows(differs, both)}: {_change(was, values, differs)}"
+
+
+def _row_names(before: Table, now: Table) -> tuple[list[str], list[str]] | None:
+    """Return the names of the rows of both tables, or None if nothing tells them apart."""
+    tables = (before, now)
+    columns: list[Any] = []
+    for column in before.columns:
+        if column not in now.columns or any(table[column].dtype.kind in "fc" for table in tables):
+            continue
+        columns.append(column)
+        if all(not table.duplicated(columns).any() for table in tables):
+            names = [
+                [", ".join(map(str, row)) for row in table[columns].itertuples(index=False)]
+                for table in tables
+            ]
+            return names[0], names[1]
+    return None
 
 
 def compare_drawings(before: StoredFigure, now: StoredFigure) -> Iterator[str]:
@@ -61,9 +93,9 @@ def name_differences(what: str, before: Sequence[str], now: Sequence[str]) -> It
         yield f"{what} in another order"
 
 
-def _rows(differs: NDArray[np.bool_]) -> str:
-    places = np.flatnonzero(differs)
-    return f"row{'s' if len(places) > 1 else ''} {listed(places.tolist(), _NAMED)}"
+def _rows(differs: NDArray[np.bool_], names: Sequence[str]) -> str:
+    changed = [names[place] for place in np.flatnonzero(differs).tolist()]
+    return f"row{'s' if len(changed) > 1 else ''} {listed(changed, _NAMED)}"
 
 
 def _change(was: NDArray[Any], now: NDArray[Any], differs: NDArray[np.bool_]) -> str:

@@ -69,6 +69,28 @@ def test_devices_and_pipes_are_refused_at_once(
     assert "not a regular file" in err
 
 
+@pytest.mark.parametrize(
+    ("text", "place", "hint"),
+    [
+        ("title: gaps: a study\n", "2:12", "quote a text"),
+        ("nodes:\n  a:\n    use: toy.number\n     with: {}\n", "5:10", "indented by 5"),
+        ("nodes:\n  a:\n    use: toy.number\n   with: {}\n", "5:4", "indented by 3"),
+        ("nodes:\n  a:\n    use:toy.number\n    with: {}\n", "5:9", "line 4 has no space"),
+        ("nodes: {a: {use:toy.number}}\n", "2:13", "use: toy.number"),
+    ],
+)
+def test_mistakes_in_colons_and_indentation_are_shown_below_the_line(
+    command: Command, text: str, place: str, hint: str
+) -> None:
+    Path("bad.yaml").write_text(f"nodegraph: 1\n{text}")
+    _, _, err = command("check", "bad.yaml")
+    assert f"bad.yaml:{place}: " in err
+    assert hint in err
+    line, column = map(int, place.split(":"))
+    source = f"nodegraph: 1\n{text}".splitlines()[line - 1]
+    assert f"    {line} | {source}\n      | {' ' * (column - 1)}^" in err
+
+
 def test_check_takes_choices(command: Command) -> None:
     status, out, _ = command(
         "check", "toy.yaml", "--set", "start=7", "--axis", "length=1,2,3", "--only", "fill=hold"

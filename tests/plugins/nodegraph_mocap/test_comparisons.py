@@ -82,8 +82,21 @@ def test_tables_have_columns_rows_and_sizes(other: dict[str, Any], said: str) ->
 
 def test_a_table_of_texts_and_its_columns() -> None:
     one = DataFrame({"take": ["a", "b"], "n": [1, 2]})
-    assert told(one, DataFrame({"take": ["a", "c"], "n": [1, 2]})) == ("take: row 1: b, now c",)
+    assert told(one, DataFrame({"take": ["a", "c"], "n": [1, 2]})) == (
+        "rows only before: b",
+        "rows only now: c",
+    )
     assert told(one, one[["n", "take"]])[0] == "columns in another order"
+
+
+def test_rows_are_compared_by_their_names() -> None:
+    one = DataFrame({"fill": ["a", "a", "b"], "k": [1, 2, 1], "rmse": [1.0, 2.0, 3.0]})
+    other = DataFrame({"fill": ["b", "a", "c"], "k": [1, 2, 1], "rmse": [3.5, 2.0, 9.0]})
+    assert told(one, other) == (
+        "rows only before: a, 1",
+        "rows only now: c, 1",
+        "rmse: row b, 1: by up to 0.5 (3, now 3.5)",
+    )
 
 
 def test_masks_and_drawings() -> None:
