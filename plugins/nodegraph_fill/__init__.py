@@ -14,6 +14,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the fills."""
     from nodegraph_fill.akima import akima
     from nodegraph_fill.bilinear import bilinear
+    from nodegraph_fill.burke_lasenby import burke_lasenby
     from nodegraph_fill.cubic import cubic
     from nodegraph_fill.guenter import guenter
     from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
@@ -33,6 +34,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     return (
         akima,
         bilinear,
+        burke_lasenby,
         cubic,
         guenter,
         lin_ouhyoung,

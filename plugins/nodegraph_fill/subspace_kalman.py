@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -10,13 +9,14 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.low_rank import LowRank, Principal
+from nodegraph_fill.low_rank import LowRank
 from nodegraph_fill.meet_ends import Ends, are_met
-from nodegraph_fill.whole_take import Estimate, HiddenEnds, TakeMatrix, fill_from
+from nodegraph_fill.state_space import StateSpace
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    pass
 
 _SHRINKAGE = 0.001
 _LEAST_NOISE = 1e-5
@@ -102,95 +102,29 @@ def subspace_kalman(
     """
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        return _smoothed(TakeMatrix.of(recording), gaps, variance, ends)
+        matrix = TakeMatrix.of(recording)
+        space = _learnt(matrix, variance)
+        if not space.noise.all():
+            # nothing ever moves
+            return Estimate(matrix.positions(matrix.rows), np.zeros(gaps.shape))
+        return space.estimate(matrix, gaps, ends, with_sigma=True)
 
     return fill_from(recording, max_gap, model, ends=ends)
 
 
-@dataclass(frozen=True)
-class _Model:
-    """The subspace, and the variances of v and covariances of w as the kernel takes them."""
-
-    subspace: Principal
-    noise: NDArray[np.float64]
-    drift: NDArray[np.float64]
-
-    @staticmethod
-    def of(matrix: TakeMatrix, variance: float) -> _Model:
-        """Learn the model."""
-        low_rank = LowRank(matrix, _SHRINKAGE)
-        subspace = low_rank.principal(variance)
-        rows, basis = low_rank.rows - subspace.middle, subspace.basis
-        states = rows @ basis
-        steps = np.diff(states, axis=0)
-        drift = steps.T @ steps / max(len(steps), 1)
-        left = np.where(matrix.missing, 0.0, rows - states @ basis.T)
-        noise = (left**2).sum(axis=0) / np.count_nonzero(~matrix.missing, axis=0)
-        return _Model(
-            subspace,
-            np.maximum(noise, _LEAST_NOISE * subspace.total / len(noise)),
-            drift + _LEAST_DRIFT * subspace.total * np.eye(len(drift)),
-        )
-
-    def likelihood(
-        self, rows: NDArray[np.float64], known: NDArray[np.bool_]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return what the known entries of rows tell of the state, as the kernel takes it."""
-        weight = np.where(known, 1.0 / self.noise, 0.0)
-        information = (weight @ self._products()).reshape(len(rows), *self.drift.shape)
-        return information, (weight * rows) @ self.subspace.basis
-
-    def spread(self, covariances: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the variance of each entry of rows, (T, P), from the states' covariances."""
-        return covariances.reshape(len(covariances), -1) @ self._products().T + self.noise
-
-    def _products(self) -> NDArray[np.float64]:
-        """Return the products of every two numbers in each row of C, (P, D * D)."""
-        basis = self.subspace.basis
-        return (basis[:, :, None] * basis[:, None, :]).reshape(len(basis), -1)
-
-
-def _smoothed(matrix: TakeMatrix, gaps: Gaps, variance: float, ends: Ends) -> Estimate:
-    from nodegraph_fill import kalman_kernel
-
-    model = _Model.of(matrix, variance)
-    if not model.noise.all():
-        # nothing ever moves
-        return Estimate(matrix.positions(matrix.rows), np.zeros(gaps.shape))
-    middle, basis = model.subspace.middle, model.subspace.basis
-    rows = matrix.rows - middle
-    states, covariances = kalman_kernel.smooth(
-        *model.likelihood(rows, ~matrix.missing), model.subspace.variances, model.drift
+def _learnt(matrix: TakeMatrix, variance: float) -> StateSpace:
+    low_rank = LowRank(matrix, _SHRINKAGE)
+    subspace = low_rank.principal(variance)
+    rows, basis = low_rank.rows - subspace.middle, subspace.basis
+    states = rows @ basis
+    steps = np.diff(states, axis=0)
+    drift = steps.T @ steps / max(len(steps), 1)
+    left = np.where(matrix.missing, 0.0, rows - states @ basis.T)
+    noise = (left**2).sum(axis=0) / np.count_nonzero(~matrix.missing, axis=0)
+    return StateSpace(
+        subspace.middle,
+        basis,
+        noise=np.maximum(noise, _LEAST_NOISE * subspace.total / len(noise)),
+        first=subspace.variances,
+        drift=drift + _LEAST_DRIFT * subspace.total * np.eye(len(drift)),
     )
-    positions = matrix.positions(states @ basis.T + middle)
-    estimate = Estimate(positions, _sigma(matrix, gaps, model, covariances))
-    if ends == "as_published":
-        return estimate
-    hidden = matrix.hidden_ends(gaps)
-    beside = _without(model, matrix, rows, states, covariances, hidden)
-    return replace(estimate, ends=hidden.of_gaps(matrix.positions(beside @ basis.T + middle)))
-
-
-def _without(
-    model: _Model,
-    matrix: TakeMatrix,
-    rows: NDArray[np.float64],
-    states: NDArray[np.float64],
-    covariances: NDArray[np.float64],
-    ends: HiddenEnds,
-) -> NDArray[np.float64]:
-    """Return the states, (E, D), without the contribution of the hidden samples."""
-    hidden = ends.missing & ~matrix.missing[ends.frame]
-    information, vector = model.likelihood(rows[ends.frame], hidden)
-    covariance, state = covariances[ends.frame], states[ends.frame, :, None]
-    system = np.eye(len(model.drift)) - covariance @ information
-    return np.asarray(np.linalg.solve(system, state - covariance @ vector[:, :, None])[..., 0])
-
-
-def _sigma(
-    matrix: TakeMatrix, gaps: Gaps, model: _Model, covariances: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    sigma = np.full(gaps.shape, np.nan)
-    spread = model.spread(covariances).reshape(len(covariances), -1, 3).mean(axis=2)
-    sigma[:, matrix.seen] = np.sqrt(spread)
-    return sigma

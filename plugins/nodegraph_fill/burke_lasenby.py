@@ -1,0 +1,112 @@
+"""A Kalman smoother in the subspace of the complete frames."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import Refusal, Unit, node
+from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.meet_ends import Ends, are_met
+from nodegraph_fill.state_space import StateSpace
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_mocap import Trajectories
+
+_UNKNOWN = 1e9
+"""Times the noise: as good as no knowledge of the state before the first frame."""
+
+
+@node("fill.burke_lasenby", cite="burke_lasenby2016", lookahead=None, ends=are_met)
+def burke_lasenby(
+    recording: Trajectories,
+    *,
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.0025,
+    noise: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 0.001,
+    ends: Ends = "as_published",
+    max_gap: MaxGap = None,
+) -> Trajectories:
+    """Fill gaps by a Kalman smoother in the subspace of complete frames (Burke & Lasenby, 2016).
+
+    Frames that have every marker, all coordinates in a row, teach the model: their mean m and
+    the singular value decomposition of what is left without it, ``U S V'``. C are the first d
+    columns of V, as many as keep the sum of their singular values within ``1 - tolerance`` of
+    that of all. A frame is ``m + C x[t] + v[t]``, where ``x[t+1] = x[t] + w[t]`` is a random
+    walk; w has the covariance ``C' diag(s) C`` with s the standard deviations of the
+    coordinates' steps from one complete frame to the next, and v is noise, alike and independent
+    in all coordinates. A Kalman filter forward and the smoother of Rauch, Tung and Striebel
+    backward give the mean of x, all present samples being known, and so the missing ones.
+
+    The numbers, and s for the variances that would stand there, are those of the authors' Python
+    code (MoGapFill); so `noise` too stands for a variance. That code takes the gain of its pass
+    back from the frame before, a slip that is not repeated here, and starts from a random state
+    of variance 1e12, which makes no difference. `fill.subspace_kalman` is the same idea without
+    complete frames.
+
+    A take with fewer than two complete frames is refused. A marker that is never measured stays
+    missing, counted in a warning, and is no part of "every marker". Samples that are present come
+    out as they went in; those that an earlier fill has made count like measured ones. Does not
+    depend on where the origin lies, but depends on the axes, by s, and on the unit by `noise`.
+
+    For `ends` met, the estimate beside a gap is that which leaves the samples there out, as those
+    in the gap are.
+
+    Looks at the whole take.
+
+    Parameters
+    ----------
+    recording
+        Trajectories with gaps.
+    tolerance
+        Share of the sum of the singular values that is left out.
+    noise
+        What stands for the variance of a coordinate's noise.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
+
+    Raises
+    ------
+    Refusal
+        If there are gaps to fill, and fewer than two complete frames.
+    """
+
+    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        matrix = TakeMatrix.of(recording)
+        space = _learnt(matrix, tolerance, noise)
+        # noise that is set and not learnt is no measure of errors
+        return space.estimate(matrix, gaps, ends, with_sigma=False)
+
+    return fill_from(recording, max_gap, model, ends=ends)
+
+
+def _learnt(matrix: TakeMatrix, tolerance: float, noise: float) -> StateSpace:
+    complete = np.asarray(~matrix.missing.any(axis=1))
+    rows = matrix.rows[complete]
+    if len(rows) < 2:
+        raise Refusal(
+            f"needs two complete frames: {len(rows)} of {len(complete)} have every marker that is "
+            "ever measured"
+        )
+    middle = rows.mean(axis=0)
+    _, values, components = np.linalg.svd(rows - middle, full_matrices=False)
+    kept = np.cumsum(values) <= (1.0 - tolerance) * values.sum()
+    basis = np.ascontiguousarray(components[: max(1, np.count_nonzero(kept))].T)
+    spread = np.diff(rows, axis=0).std(axis=0)
+    return StateSpace(
+        middle,
+        basis,
+        noise=np.full(len(middle), noise),
+        first=np.full(basis.shape[1], _UNKNOWN * noise),
+        drift=(basis.T * spread) @ basis,
+    )
