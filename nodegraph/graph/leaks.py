@@ -81,9 +81,11 @@ def _check_known(
     network: nx.MultiDiGraph[str],
     problems: Problems,
 ) -> None:
-    """Record entries of ``known`` that come from the plain outputs of damaging nodes alone.
+    """Record entries of ``known`` from which the check follows no way.
 
-    What a node without inputs gives, such as a made face and its model, may be listed.
+    They come from the plain outputs of damaging nodes alone, or from a node without inputs and
+    feed damaging nodes alone. What a node without inputs gives besides, such as a made face and
+    its model, may be listed.
     """
     free = [_free_of(node, network) for node in damaging]
     entries: dict[Place, list[Reference]] = {}  # one, or one per output of a used graph
@@ -97,14 +99,25 @@ def _check_known(
             if any(node == known.node and known.port in ("", output) for known in references)
             for origin in several
         }
+        names = " and ".join(sorted(node.name for node in damaging))
+        reason = ""
         if not any(is_free(*output) for output in named for is_free in free):
-            names = " and ".join(sorted(node.name for node in damaging))
-            problems.add(
-                place,
-                f"known: {references[0]} comes from nothing but what {names} leaves to be seen, "
-                "so that this changes nothing",
-                "leave it out: methods may know that in any case",
-            )
+            reason = f"comes from nothing but what {names} leaves to be seen"
+        elif all(_is_hidden(*output, damaging, network) for output in named):
+            reason = f"feeds nothing but {names}"
+        if reason:
+            message = f"known: {references[0]} {reason}, so that this changes nothing"
+            problems.add(place, message, "leave it out")
+
+
+def _is_hidden(
+    name: str, output: str, damaging: Collection[GraphNode], network: nx.MultiDiGraph[str]
+) -> bool:
+    """Whether an output of a node without inputs feeds damaging nodes alone."""
+    edges = network.out_edges(name, data=True)
+    readers = {target for _, target, edge in edges if edge["flow"].output == output}
+    hiding = {node.name for node in damaging}
+    return bool(readers) and readers <= hiding and not network.in_degree(name)
 
 
 def _free_of(node: GraphNode, network: nx.MultiDiGraph[str]) -> Callable[[str, str], bool]:
