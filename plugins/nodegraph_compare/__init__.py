@@ -15,12 +15,13 @@ if TYPE_CHECKING:
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
     from nodegraph_compare.agreement.node import agreement
+    from nodegraph_compare.bayes.node import bayes
     from nodegraph_compare.curve.node import curve
     from nodegraph_compare.importance.node import importance
     from nodegraph_compare.ranks.node import ranks
     from nodegraph_compare.table.node import table
 
-    return (agreement, curve, importance, ranks, table)
+    return (agreement, bayes, curve, importance, ranks, table)
 
 
 @hookimpl

@@ -37,6 +37,8 @@ FEWEST_FLIPPED: Final = 6
 _ENUMERATED = 12
 _FLIPS = 4095
 _GRID = 80
+_LEAST = 1e-300
+"""Variance that stands for none at all."""
 
 
 @dataclass(frozen=True)
@@ -236,7 +238,7 @@ def posterior(
     squares = np.square(d - mean).sum(axis=-1)[..., np.newaxis]
     quantile = (np.arange(_GRID) + 0.5) / _GRID
     between = squares / (count - 1) * np.square(np.tan(np.pi * quantile / 2))
-    total = between + np.asarray(variance)[..., np.newaxis]
+    total = np.maximum(between + np.asarray(variance)[..., np.newaxis], _LEAST)
     weight = -(count - 1) / 2 * np.log(total) - squares / (2 * total)
     weight = np.exp(weight - weight.max(axis=-1, keepdims=True))
     weight /= weight.sum(axis=-1, keepdims=True)

@@ -350,3 +350,37 @@ def _metric(scores: Across[Table], metric: str | None) -> str:
                 f"metric {column!r} is no column of numbers{where}; there are: {listed(numbers)}"
             )
     return column
+
+
+def suited_margin(equivalent: float | str, question: Question, unit: str, *, ratio: bool) -> Margin:
+    """Return the margin that a setting states, if it suits the metric.
+
+    Parameters
+    ----------
+    equivalent
+        The setting.
+    question
+        What is compared.
+    unit
+        Of the metric.
+    ratio
+        Whether the metric has ratios.
+
+    Raises
+    ------
+    ValueError
+        If it is a ratio and the metric has none, or has another unit than the metric.
+    """
+    margin = margin_of(equivalent)
+    if margin.ratio and not ratio:
+        example = f"0.05 {unit}".rstrip()
+        raise ValueError(
+            f"equivalent: {question.metric} has means of 0 or below, which have no ratio; give a "
+            f"difference, such as {example}"
+        )
+    if not margin.ratio and margin.unit != unit:
+        raise ValueError(
+            f"equivalent: {margin} is not in the unit of {question.metric}, "
+            f"{unit or 'which has none'}"
+        )
+    return margin

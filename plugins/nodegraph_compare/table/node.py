@@ -16,7 +16,6 @@ from nodegraph_compare.question import (
     Better,
     Clusters,
     Equivalent,
-    Margin,
     Names,
     OneColumn,
     OneLabel,
@@ -24,7 +23,7 @@ from nodegraph_compare.question import (
     Question,
     ask,
     blocks_name,
-    margin_of,
+    suited_margin,
     unit_of,
 )
 from nodegraph_compare.suspects import suspects
@@ -217,7 +216,9 @@ def table(
         else {}
     )
     ratio = by_ratio([*gathered, *plain.values()], question.better)
-    margin = _margin(equivalent, question, unit, ratio=ratio)
+    margin = None
+    if equivalent is not None:
+        margin = suited_margin(equivalent, question, unit, ratio=ratio)
     summarised = partial(
         summarise, end=question.better, ratio=ratio, against=against, margin=margin
     )
@@ -241,27 +242,6 @@ def table(
         ),
     )
     return Compared(with_info(means, info), draw(question, summaries, look, unit))
-
-
-def _margin(
-    equivalent: float | str | None, question: Question, unit: str, *, ratio: bool
-) -> Margin | None:
-    """Return the margin in the form in which methods are compared."""
-    if equivalent is None:
-        return None
-    margin = margin_of(equivalent)
-    if margin.ratio and not ratio:
-        example = f"0.05 {unit}".rstrip()
-        raise ValueError(
-            f"equivalent: {question.metric} has means of 0 or below, which have no ratio; give a "
-            f"difference, such as {example}"
-        )
-    if not margin.ratio and margin.unit != unit:
-        raise ValueError(
-            f"equivalent: {margin} is not in the unit of {question.metric}, "
-            f"{unit or 'which has none'}"
-        )
-    return margin
 
 
 def _laid_out(

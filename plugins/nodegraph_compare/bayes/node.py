@@ -1,0 +1,312 @@
+"""How probable it is that a method is better, practically equal, or worse."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from nodegraph import Across, Refusal, listed, node
+from nodegraph_compare.blocks import groups
+from nodegraph_compare.inference import FEWEST_JUDGED, posterior
+from nodegraph_compare.labels import compared_looks, named_label
+from nodegraph_compare.left_out import (
+    MOST_GROUPS,
+    block_text,
+    end_text,
+    filled,
+    group_text,
+    left_out,
+    narrowed,
+    start_text,
+)
+from nodegraph_compare.question import (
+    Better,
+    Clusters,
+    Equivalent,
+    Names,
+    OneColumn,
+    OneLabel,
+    OneName,
+    Question,
+    ask,
+    blocks_name,
+    sign_of,
+    suited_margin,
+    unit_of,
+)
+from nodegraph_compare.scope import caution, cluster_text, scope
+from nodegraph_compare.table.summary import by_ratio, summarise
+from nodegraph_mocap import Figure, Table
+from nodegraph_tables import TableInfo, with_info
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from nodegraph import Label
+    from nodegraph_compare.blocks import Group
+    from nodegraph_compare.question import Margin
+    from nodegraph_compare.table.summary import Summary
+
+SIDES = ("better", "equivalent", "worse")
+CLEAR = 0.95
+
+
+class Believed(NamedTuple):
+    """Probabilities and their picture."""
+
+    table: Table
+    figure: Figure
+
+
+@dataclass(frozen=True)
+class Beliefs:
+    """Probabilities of one group, against one of its methods.
+
+    Attributes
+    ----------
+    summary : Summary
+    reference : int
+    places : tuple of int
+        The other methods that have numbers.
+    mean, new : (3, len(places)) arrays of float64
+        That the mean over clusters, and that a further cluster, is better, equivalent, or worse.
+    """
+
+    summary: Summary
+    reference: int
+    places: tuple[int, ...]
+    mean: NDArray[np.float64]
+    new: NDArray[np.float64]
+
+    @property
+    def group(self) -> Group:
+        """What is compared."""
+        return self.summary.group
+
+
+@node("compare.bayes", cite=("corani2017statistical", "gelman2006prior"))
+def bayes(
+    scores: Across[Table],
+    *,
+    metric: OneColumn = None,
+    compare: OneName = None,
+    within: Names = (),
+    blocks: Names = (),
+    clusters: Clusters = (),
+    better: Better = "declared",
+    baseline: OneLabel = None,
+    equivalent: Equivalent = 1.1,
+    fallback: OneLabel = None,
+) -> Believed:
+    """How probable it is that a method is better, practically equal, or worse than another.
+
+    With d the differences of two methods in C clusters, of logarithms of their mean errors as in
+    `compare.table`: ``d_c ~ N(mu, tau^2 + v)``, mu flat, tau half-Cauchy with the sd of d as its
+    scale (Gelman 2006). The variance ``v = s^2 mean(1 / n_c)`` of a cluster's own mean, of n_c
+    blocks, is pooled over clusters: where errors are skewed, a cluster's own variance goes with
+    its mean, and models with one of its own find equality that is not there. Of ratios, s^2 is
+    the variance within clusters of ``x_i / M_i - x_j / M_j``, with x the value of a block and M
+    the cluster's mean. After Corani et al. (2017), who give each cluster its own variance.
+
+    The probabilities are those of mu below, within, and above the margin, and of a further
+    cluster, whose difference varies by tau^2 more. They are not adjusted for the number of
+    methods: hold what one of many shows against `compare.table`.
+
+    Parameters
+    ----------
+    scores
+        Tables, a row per unit (a gap, a marker, a take).
+    metric
+        The column of numbers to compare. Default: the first column of floats.
+    compare
+        The axis, or column, whose labels are compared. Default: the last gathered axis that is
+        not in `within` or `blocks`.
+    within
+        Axes, or columns: each combination of their labels is compared by itself.
+    blocks
+        Axes, or columns, whose combinations are the paired blocks, within each cluster. Default:
+        every gathered axis that is not compared or in `within`, and the first column of the
+        tables where it identifies the unit of a row.
+    clusters
+        Axes, or columns, whose combinations are the independent units. Default: the axes along
+        which the data differ, but for those in `compare` and `within`.
+    better
+        Which end of the metric is the better one: ``lower`` or ``higher``. ``declared``: as the
+        scores declare it, else ``lower``.
+    baseline
+        A label of `compare` that the others are compared to. Default: the best of each group.
+    equivalent
+        Within which methods count as practically equal: a ratio, such as 1.1, or a difference
+        with the metric's unit, such as ``0.05 mm``.
+    fallback
+        A label of `compare`, whose value stands where another method has none in a block.
+
+    Returns
+    -------
+    table
+        A row per combination of `within` and other method: ``blocks``, ``better``,
+        ``equivalent`` and ``worse``, and the same for a further cluster.
+    figure
+        The probabilities as bars.
+
+    Raises
+    ------
+    ValueError
+        If a name is neither axis nor column or is used twice, neither end of the metric is the
+        better one, or the margin does not suit the metric.
+    Refusal
+        If no group has five clusters.
+    """
+    from nodegraph_compare.bayes.figure import draw
+
+    question = ask(
+        scores,
+        metric=metric,
+        compare=compare,
+        within=within,
+        blocks=blocks,
+        clusters=clusters,
+        better=better,
+    )
+    if question.better == "none":
+        raise ValueError(f"{question.metric} has no better end; give `better`")
+    gathered = groups(scores, question)
+    look = compared_looks(scores, question, gathered)
+    against = named_label(tuple(look), baseline)
+    instead = named_label(tuple(look), fallback, "fallback")
+    if instead is not None:
+        gathered = tuple(group.filled(instead) for group in gathered)
+    ratio = by_ratio(gathered, question.better)
+    margin = suited_margin(equivalent, question, unit_of(scores, question.metric), ratio=ratio)
+    known = [
+        belief
+        for group in gathered
+        if (belief := beliefs(group, question, against, margin)) is not None
+    ]
+    if not known:
+        of = cluster_text(question) if question.clusters else "clusters, such as actors"
+        most = max((len(np.unique(group.cluster)) for group in gathered), default=0)
+        raise Refusal(
+            f"needs two methods in {FEWEST_JUDGED} {of}; "
+            f"{f'there are {most}' if question.clusters else 'all is of one recording'}"
+        )
+    return Believed(
+        _table(known, question, margin, (*left_out(scores, question, gathered),), instead,
+               blocks_name(scores, question)),
+        draw(known, question, margin),
+    )  # fmt: skip
+
+
+def beliefs(
+    group: Group, question: Question, against: Label | None, margin: Margin
+) -> Beliefs | None:
+    """Return the probabilities of a group; None where it has too few clusters or methods.
+
+    Parameters
+    ----------
+    group, question
+        What is compared.
+    against
+        The baseline's label; None for the best of the group.
+    margin
+        Within which methods count as equal.
+    """
+    ratio = margin.ratio
+    summary = summarise(group, question.better, ratio=ratio, against=against)
+    reference = summary.best if against is None else summary.against
+    usable = np.flatnonzero(group.usable)
+    if summary.units.kind != "clusters" or not summary.judged or reference not in usable:
+        return None
+    y = sign_of(question.better) * summary.units.numbers(ratio)
+    size = np.log(margin.size) if ratio else margin.size
+    at = int(np.flatnonzero(usable == reference)[0])
+    others = [place for place in range(len(usable)) if place != at]
+    d = (y - y[:, [at]]).T
+    variance = _variance(group, summary, at, ratio=ratio)
+    mean, new = (
+        np.array([posterior(d[other], variance[other], size, new=further) for other in others]).T
+        for further in (False, True)
+    )
+    return Beliefs(summary, int(usable[at]), tuple(usable[others].tolist()), mean, new)
+
+
+def _variance(group: Group, summary: Summary, at: int, *, ratio: bool) -> NDArray[np.float64]:
+    """Return (K,) the variance of a cluster's mean difference, pooled over clusters."""
+    kept = group.complete
+    values = group.values[kept][:, group.usable]
+    _, cluster = np.unique(group.cluster[kept], return_inverse=True)
+    means = summary.units.means[cluster]
+    relative = values / means if ratio else values - means
+    within = relative - relative[:, [at]]
+    blocks = np.bincount(cluster)
+    freedom = len(values) - len(blocks)
+    if not freedom:  # a block in each: all variance is between clusters
+        return np.zeros(values.shape[1])
+    return np.asarray(np.square(within).sum(axis=0) / freedom * (1 / blocks).mean())
+
+
+def _table(
+    known: Sequence[Beliefs],
+    question: Question,
+    margin: Margin,
+    lost: tuple[str, ...],
+    fallback: Label | None,
+    blocks: str,
+) -> Table:
+    from pandas import DataFrame
+
+    name = question.compare or "method"
+    further = f"new {cluster_text(question).removesuffix('s')}"
+    frame = DataFrame(
+        [
+            dict(zip(question.within, belief.group.labels, strict=True))
+            | {name: belief.group.methods[place], "blocks": int(belief.summary.blocks[place])}
+            | dict(zip(SIDES, belief.mean[:, at].tolist(), strict=True))
+            | {f"{further} {side}": p for side, p in zip(SIDES, belief.new[:, at], strict=True)}
+            for belief in known
+            for at, place in enumerate(belief.places)
+        ]
+    )
+    within = f" within {', '.join(question.within)}" if question.within else ""
+    info = TableInfo(
+        title=f"Probabilities for {question.metric} by {name}{within}",
+        answer=tuple(
+            f"{_answer(belief, question, margin, fallback, blocks)}."
+            for belief in known[:MOST_GROUPS]
+        ),
+        notes=(
+            f"{block_text(question)} {end_text(question)} The independent units are "
+            f"{cluster_text(question)}, which weigh equally.",
+            f"Probabilities that the mean over {cluster_text(question)}, and that a further one, "
+            f"is better, within {margin} of the reference, or worse; undecided where none reaches "
+            f"{CLEAR}. Not adjusted for the number of methods.",
+            *lost,
+        ),
+        labels=(*question.within, name),
+    )
+    return with_info(frame, info)
+
+
+def _answer(
+    belief: Beliefs, question: Question, margin: Margin, fallback: Label | None, blocks: str
+) -> str:
+    group, units = belief.group, belief.summary.units
+    sides: dict[str, list[str]] = {side: [] for side in (*SIDES, "undecided")}
+    for at, place in enumerate(belief.places):
+        largest = int(np.argmax(belief.mean[:, at]))
+        p = belief.mean[largest, at]
+        side = SIDES[largest] if p >= CLEAR else "undecided"
+        sides[side].append(f"{group.methods[place]} ({SIDES[largest]}: {p:.2f})")
+    texts = [f"{side}: {listed(names)}" for side, names in sides.items() if names]
+    over = narrowed(group, blocks)
+    few = caution(units, question)
+    return (
+        f"{start_text(group_text(group, question))}against {group.methods[belief.reference]}, with "
+        f"a margin of {margin}, the mean {question.metric} {scope(units, question, blocks)}"
+        f"{f' ({over})' if over else ''}{filled(group, fallback, blocks)} is "
+        f"{'; '.join(texts)}{f'; {few}' if few else ''}"
+    )
