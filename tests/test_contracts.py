@@ -20,6 +20,7 @@ from nodegraph_files import sample_folder
 HERE = Path(__file__).parent
 REQUIRED: Mapping[str, Callable[[], Mapping[str, Any]]] = {
     "blendshapes.from_frames": lambda: {"frames": {"smile": 15, "jawOpen": 30}},
+    "compare.bayes": lambda: {"clusters": ("gap",)},
     "compare.curve": lambda: {"x": "frames"},
     "markers.rename": lambda: {"names": {"nose": "forehead", "forehead": "nose"}},
     "plot.scatter": lambda: {"x": "rmse"},

@@ -13,7 +13,7 @@ def table_specimens() -> dict[str, Table]:
     from pandas import DataFrame
 
     errors = {
-        "complete": [0.5, 1.25, 0.75, 2.0],
+        "complete": [0.5, 1.25, 0.75, 2.0, 1.5],
         "gaps": [0.5, np.nan, 0.75, 2.0],
         "all missing": [np.nan, np.nan],
         "one frame": [0.25],
@@ -25,7 +25,7 @@ def table_specimens() -> dict[str, Table]:
         table = DataFrame(
             {
                 "gap": gap,
-                "marker": np.array(["brow", "cheek", "lip", "nose"], dtype=object)[gap],
+                "marker": np.array(["brow", "cheek", "lip", "nose", "jaw"], dtype=object)[gap],
                 "start": 10 * gap,
                 "frames": 5 + gap,
                 "rmse": np.array(rmse, dtype=np.float64),
