@@ -14,7 +14,7 @@ from nodegraph_tables.style import BLUE, GREY, LIGHT
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from nodegraph_compare.bayes.node import Beliefs
+    from nodegraph_compare.bayes.beliefs import Beliefs
     from nodegraph_compare.question import Margin, Question
 
 _MOST_PANELS = 12

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
 from nodegraph import Across, Refusal, listed, node
+from nodegraph_compare.bayes.beliefs import SIDES, Beliefs, beliefs
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.inference import FEWEST_JUDGED, posterior
+from nodegraph_compare.inference import FEWEST_JUDGED
 from nodegraph_compare.labels import compared_looks, named_label
 from nodegraph_compare.left_out import (
     MOST_GROUPS,
@@ -22,7 +22,6 @@ from nodegraph_compare.left_out import (
     start_text,
 )
 from nodegraph_compare.question import (
-    Better,
     Clusters,
     Equivalent,
     Names,
@@ -32,26 +31,20 @@ from nodegraph_compare.question import (
     Question,
     ask,
     blocks_name,
-    sign_of,
     suited_margin,
     unit_of,
 )
 from nodegraph_compare.scope import caution, cluster_text, scope
-from nodegraph_compare.table.summary import by_ratio, summarise
+from nodegraph_compare.table.summary import by_ratio
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from nodegraph import Label
-    from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Margin
-    from nodegraph_compare.table.summary import Summary
 
-SIDES = ("better", "equivalent", "worse")
 CLEAR = 0.95
 
 
@@ -60,32 +53,6 @@ class Believed(NamedTuple):
 
     table: Table
     figure: Figure
-
-
-@dataclass(frozen=True)
-class Beliefs:
-    """Probabilities of one group, against one of its methods.
-
-    Attributes
-    ----------
-    summary : Summary
-    reference : int
-    places : tuple of int
-        The other methods that have numbers.
-    mean, new : (3, len(places)) arrays of float64
-        That the mean over clusters, and that a further cluster, is better, equivalent, or worse.
-    """
-
-    summary: Summary
-    reference: int
-    places: tuple[int, ...]
-    mean: NDArray[np.float64]
-    new: NDArray[np.float64]
-
-    @property
-    def group(self) -> Group:
-        """What is compared."""
-        return self.summary.group
 
 
 @node("compare.bayes", cite=("corani2017statistical", "gelman2006prior"))
@@ -97,7 +64,7 @@ def bayes(
     within: Names = (),
     blocks: Names = (),
     clusters: Clusters = (),
-    better: Better = "declared",
+    better: Literal["declared", "lower", "higher"] = "declared",
     baseline: OneLabel = None,
     equivalent: Equivalent = 1.1,
     fallback: OneLabel = None,
@@ -199,54 +166,6 @@ def bayes(
                blocks_name(scores, question)),
         draw(known, question, margin),
     )  # fmt: skip
-
-
-def beliefs(
-    group: Group, question: Question, against: Label | None, margin: Margin
-) -> Beliefs | None:
-    """Return the probabilities of a group; None where it has too few clusters or methods.
-
-    Parameters
-    ----------
-    group, question
-        What is compared.
-    against
-        The baseline's label; None for the best of the group.
-    margin
-        Within which methods count as equal.
-    """
-    ratio = margin.ratio
-    summary = summarise(group, question.better, ratio=ratio, against=against)
-    reference = summary.best if against is None else summary.against
-    usable = np.flatnonzero(group.usable)
-    if summary.units.kind != "clusters" or not summary.judged or reference not in usable:
-        return None
-    y = sign_of(question.better) * summary.units.numbers(ratio)
-    size = np.log(margin.size) if ratio else margin.size
-    at = int(np.flatnonzero(usable == reference)[0])
-    others = [place for place in range(len(usable)) if place != at]
-    d = (y - y[:, [at]]).T
-    variance = _variance(group, summary, at, ratio=ratio)
-    mean, new = (
-        np.array([posterior(d[other], variance[other], size, new=further) for other in others]).T
-        for further in (False, True)
-    )
-    return Beliefs(summary, int(usable[at]), tuple(usable[others].tolist()), mean, new)
-
-
-def _variance(group: Group, summary: Summary, at: int, *, ratio: bool) -> NDArray[np.float64]:
-    """Return (K,) the variance of a cluster's mean difference, pooled over clusters."""
-    kept = group.complete
-    values = group.values[kept][:, group.usable]
-    _, cluster = np.unique(group.cluster[kept], return_inverse=True)
-    means = summary.units.means[cluster]
-    relative = values / means if ratio else values - means
-    within = relative - relative[:, [at]]
-    blocks = np.bincount(cluster)
-    freedom = len(values) - len(blocks)
-    if not freedom:  # a block in each: all variance is between clusters
-        return np.zeros(values.shape[1])
-    return np.asarray(np.square(within).sum(axis=0) / freedom * (1 / blocks).mean())
 
 
 def _table(
