@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the plugin's nodes."""
     from nodegraph_score.alignment import alignment
+    from nodegraph_score.calibration import calibration
     from nodegraph_score.distance import distance
     from nodegraph_score.gaps import gaps
     from nodegraph_score.head_motion import head_motion
@@ -28,6 +29,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
 
     return (
         alignment,
+        calibration,
         distance,
         gaps,
         head_motion,

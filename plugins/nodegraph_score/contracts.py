@@ -25,7 +25,7 @@ def gives_a_table(tried: Tried) -> Iterator[str]:
 
 
 def the_answer_scores_zero(tried: Tried) -> Iterator[str]:
-    """Score no error, in every column of millimetres, where the estimate is the answer itself."""
+    """Score no error, in millimetres better low, where the estimate is the answer itself."""
     answer = next((tried.inputs[name] for name in _ANSWERS if name in tried.inputs), None)
     if answer is None or "estimate" not in tried.inputs:
         return
@@ -34,8 +34,10 @@ def the_answer_scores_zero(tried: Tried) -> Iterator[str]:
         yield "declines the answer as an estimate"
         return
     table = next(iter(outputs.values()))
-    for column, unit in info_of(table).units.items():
-        if unit.startswith("mm") and column in table and np.any(table[column].abs() > 0):
+    info = info_of(table)
+    for column, unit in info.units.items():
+        error = unit.startswith("mm") and info.better.get(column, "lower") == "lower"
+        if error and column in table and np.any(table[column].abs() > 0):
             yield f"column {column!r} has {table[column].abs().max():.3g} {unit}"
 
 

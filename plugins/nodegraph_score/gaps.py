@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Table, Trajectories
+from nodegraph_score.hidden_errors import hidden_errors
 from nodegraph_score.suspect import impulses
 from nodegraph_tables import BetterEnd, TableInfo, with_info
 
@@ -92,15 +93,11 @@ def gaps(
     ValueError
         If frame counts or markers differ, or the truth lacks a hidden sample.
     """
-    _check(estimate, truth, hidden)
-    mask = hidden.hidden[:, _columns(hidden.markers, truth.markers)].T
-    estimated = estimate.positions[:, _columns(estimate.markers, truth.markers)].transpose(1, 0, 2)
-    error = estimated - truth.positions.transpose(1, 0, 2)
-    _check_truth(truth, mask)
+    error, mask = hidden_errors(estimate, truth, hidden)
     jumps = np.zeros(mask.shape)
     markers = mask.any(axis=1)
     jumps[markers] = impulses(truth.positions[:, markers]).T
-    return _table(_find(mask), error, np.isfinite(estimated[..., 0]), jumps, truth.markers)
+    return _table(_find(mask), error, np.isfinite(error[..., 0]), jumps, truth.markers)
 
 
 @dataclass(frozen=True)
@@ -244,33 +241,3 @@ def _notes(whole: NDArray[np.bool_], missing: int, samples: int) -> list[str]:
     )
     warnings.warn(note, stacklevel=4)
     return [f"{note}."]
-
-
-def _columns(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
-    place = {name: column for column, name in enumerate(names)}
-    return [place[name] for name in wanted]
-
-
-def _check(estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
-    for what, frames, markers in (
-        ("estimate", estimate.frames, estimate.markers),
-        ("hidden", hidden.hidden.shape[0], hidden.markers),
-    ):
-        if frames != truth.frames:
-            raise ValueError(f"{what} has {frames} frames, the truth has {truth.frames}")
-        lacks = [name for name in truth.markers if name not in set(markers)]
-        adds = [name for name in markers if name not in set(truth.markers)]
-        if lacks or adds:
-            lists = (("lacks", lacks), ("has besides", adds))
-            differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-            raise ValueError(f"{what} and truth differ in their markers: {what} {differences}")
-
-
-def _check_truth(truth: Trajectories, mask: NDArray[np.bool_]) -> None:
-    unknown = mask & ~truth.present.T
-    if unknown.any():
-        marker, frame = np.argwhere(unknown)[0]
-        raise ValueError(
-            f"frame {frame}, marker {truth.markers[marker]!r}: hidden, but the truth has no "
-            f"sample there ({np.count_nonzero(unknown)} such samples)"
-        )
