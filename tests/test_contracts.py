@@ -43,6 +43,31 @@ REQUIRED: Mapping[str, Callable[[], Mapping[str, Any]]] = {
 SMALL: Mapping[str, Mapping[str, Any]] = {"gaps.cut": {"length": 2, "count": 3}}
 """Values for choices of settings, with which a node accepts more of the specimens."""
 
+TAKES_AND_GIVES_ANSWERS = {
+    "gaps.cut": (["truth"], ["truth"]),
+    "impulses.add": (["truth"], ["truth", "impulses"]),
+    "noise.add": (["truth"], ["truth"]),
+    "plot.error_map": (["truth"], []),
+    "plot.faces": (["truth"], []),
+    "plot.playback": (["truth"], []),
+    "plot.spectra": (["truth"], []),
+    "plot.trajectories": (["truth"], []),
+    "points.scatter": (["truth"], ["truth"]),
+    "read.truth": ([], ["output"]),
+    "score.alignment": (["head_motion"], []),
+    "score.distance": (["reference"], []),
+    "score.gaps": (["truth"], []),
+    "score.head_motion": (["truth"], []),
+    "score.impulses": (["truth", "impulses"], []),
+    "score.smoothness": (["truth"], []),
+    "score.steps": (["truth"], []),
+    "score.tracking": (["truth"], []),
+    "score.unselected": (["reference"], []),
+    "score.weights_mse": (["reference"], []),
+    "synthesize.face": ([], ["truth", "weights", "head_motion", "impulses"]),
+}
+"""The ports that take and give the answer, of the nodes that have such."""
+
 INSTALLED = default_registry()
 
 
@@ -65,6 +90,15 @@ def test_every_plugin_is_installed_and_imports() -> None:
 @pytest.mark.parametrize(("node", "settings"), list(cases()))
 def test_node_keeps_its_promises(node: Node, settings: Mapping[str, Any]) -> None:
     check_node(node.function, settings={**required(node), **settings})
+
+
+def test_what_takes_and_gives_the_answer_is_marked() -> None:
+    marked = {}
+    for node in (registered.node for registered in INSTALLED):
+        ports = [[port.name for port in side if port.truth] for side in (node.inputs, node.outputs)]
+        if any(ports):
+            marked[node.name] = tuple(ports)
+    assert marked == TAKES_AND_GIVES_ANSWERS
 
 
 @pytest.mark.parametrize("plugin", INSTALLED.loaded, ids=lambda plugin: plugin.name)

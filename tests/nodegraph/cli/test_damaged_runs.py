@@ -93,7 +93,7 @@ def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
                 ), message
                 assert message.endswith("run the graph again"), message
             else:
-                read_by(command, READERS if count < 3 else ())
+                read_by(command, READERS if count < 2 else ())
 
 
 @pytest.mark.parametrize(

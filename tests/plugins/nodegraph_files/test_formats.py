@@ -71,13 +71,16 @@ def positions(folder: Path) -> float:
         return float(archive["positions"][0, 0, 0])
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
 @pytest.mark.parametrize(
-    ("name", "content"),
-    [("take.csv", "TOY 5"), ("take.TOY", "other 5"), ("folder/recording.toy", "other 5")],
+    ("name", "content", "executor"),
+    [
+        ("take.csv", "TOY 5", "serial"),
+        ("take.TOY", "other 5", "threads"),
+        ("folder/recording.toy", "other 5", "processes"),
+    ],
 )
 def test_it_is_recognized_by_content_suffix_and_name_in_a_folder(
-    run: Run, executor: str, name: str, content: str
+    run: Run, name: str, content: str, executor: str
 ) -> None:
     write_plugin()
     path = Path(name)

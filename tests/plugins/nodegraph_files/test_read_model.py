@@ -6,15 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nodegraph.testing import check_node
 from nodegraph_files import read_marker_set_yaml, sample_folder
 from nodegraph_files.readers import read_model
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"
-
-
-def test_the_node_keeps_its_promises() -> None:
-    check_node(read_model, settings={"path": sample_folder("face")})
 
 
 @pytest.mark.parametrize("name", ["face", "actor_a", "actor_b", "actor_c"])

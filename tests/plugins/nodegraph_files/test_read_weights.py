@@ -5,19 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nodegraph.testing import check_node
 from nodegraph_files import npz_bytes, read_live_link
 from nodegraph_files.readers import read_weights
 from nodegraph_mocap import Trajectories
 
 DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 TABLE = "Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,1,0.25\n00:00:00:02.000,1,0.5\n"
-
-
-def test_the_node_keeps_its_promises(tmp_path: Path) -> None:
-    path = tmp_path / "weights.csv"
-    path.write_text(TABLE)
-    check_node(read_weights, settings={"path": path})
 
 
 @pytest.mark.parametrize("name", ["it.csv", "it.txt", "it"])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import nodegraph as ng
-from nodegraph.testing import check_node
 from nodegraph_files import animation_bytes, head_bytes
 from nodegraph_files.readers import read_head
 from nodegraph_files.writers import write_glb
@@ -34,10 +33,6 @@ def test_what_is_fed_is_written() -> None:
 def test_nothing_fed_is_an_error() -> None:
     with pytest.raises(ValueError, match="feed an animation or a head"):
         write_glb()
-
-
-def test_the_node_keeps_its_promises() -> None:
-    check_node(write_glb)
 
 
 def test_a_graph_writes_a_head_that_reads_back(tmp_path: Path) -> None:

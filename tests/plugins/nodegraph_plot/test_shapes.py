@@ -10,13 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 
-import nodegraph_mocap
-import nodegraph_plot
 from nodegraph import Across
-from nodegraph.node.decorator import node_of
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 from nodegraph_plot.shapes import shapes
 from tests.plugins.nodegraph_plot import made_face
@@ -46,15 +40,6 @@ def segments(axis: Any) -> list[Any]:
     """Return the lines of the reference, of the shape, and between the two."""
     drawn = [artist for artist in axis.collections if isinstance(artist, LineCollection)]
     return [np.array(artist.get_segments()).reshape(-1, 2, 2) for artist in drawn]
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(shapes)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "shapes: Across[Trajectories]",
-        "references: Across[Trajectories]",
-    ]
 
 
 def test_the_worked_example_as_it_is() -> None:
@@ -135,8 +120,3 @@ def test_nothing_but_missing_points_is_an_empty_panel() -> None:
     nothing = Trajectories(positions=np.full((1, 3, 3), np.nan), markers=tuple(X), rate=1.0)
     (axis,) = shapes(of(a=nothing), of(a=nothing)).axes
     assert axis.get_title() == "a\nno point is in both"
-
-
-def test_it_keeps_the_promises_of_a_node() -> None:
-    plugins = [Plugin("mocap", nodegraph_mocap), Plugin("plot", nodegraph_plot)]
-    check_node(shapes, registry=Registry(loaded=plugins))

@@ -12,13 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-import nodegraph_mocap
-import nodegraph_score
 from nodegraph import Absent, Across, Refusal
-from nodegraph.node.decorator import node_of
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import HeadMotion, Trajectories
 from nodegraph_score.alignment import COLUMNS, alignment
 from nodegraph_tables import info_of
@@ -74,17 +68,6 @@ def quietly(*inputs: Any, **settings: Any) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return alignment(*inputs, **settings)
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(alignment)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "recordings: Across[Trajectories]",
-        "head_motion: Truth[HeadMotion]",
-        "removed: Across[HeadMotion] | None",
-    ]
-    assert [port.name for port in definition.outputs] == ["table", "figure"]
 
 
 def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
@@ -310,8 +293,3 @@ def test_the_figure_has_a_bar_per_component_filled_by_the_head() -> None:
     np.testing.assert_allclose(heights[1], rows["share"] * rows["head motion"].clip(0, 1))
     assert all(bar.get_height() == 0.0 for bar in yes.containers[1])
     actual.figure.savefig(io.BytesIO(), format="svg")
-
-
-def test_it_keeps_the_promises_of_a_score() -> None:
-    plugins = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
-    check_node(alignment, registry=Registry(loaded=plugins))

@@ -13,12 +13,6 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-import nodegraph_mocap
-import nodegraph_score
-from nodegraph.node.decorator import node_of
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 from nodegraph_score.distance import UNITS, distance
 from nodegraph_tables import info_of
@@ -41,16 +35,6 @@ def flat(*frames: NDArray[np.float64]) -> Trajectories:
 def without(take: Trajectories, missing: NDArray[np.bool_]) -> Trajectories:
     positions = np.where(missing[..., None], np.nan, take.positions)
     return Trajectories(positions=positions, markers=take.markers, rate=take.rate)
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(distance)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "estimate: Trajectories",
-        "reference: Truth[Trajectories]",
-    ]
-    assert not definition.settings
 
 
 def test_the_squared_distances_of_the_worked_example() -> None:
@@ -160,8 +144,3 @@ def test_the_table_says_what_its_columns_are() -> None:
     assert list(table.columns) == [*UNITS, "farthest"]
     assert info_of(table).units == UNITS
     assert (info_of(table).title, info_of(table).notes) == ("Distances", ())
-
-
-def test_it_keeps_what_scores_promise() -> None:
-    loaded = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
-    check_node(distance, registry=Registry(loaded=loaded))

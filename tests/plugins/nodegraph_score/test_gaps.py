@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_score.gaps import gaps
 from nodegraph_tables import info_of
@@ -198,13 +197,3 @@ def test_inputs_stay_as_they_are() -> None:
         gaps(estimate, recording(1), mask((0, 3, 4)))
     assert np.array_equal(before, estimate.positions)
     assert (estimate.origin == Origin.MEASURED).all()
-
-
-def test_the_ports_are_those_of_a_score() -> None:
-    described = node_of(gaps)
-    assert described is not None
-    assert [str(port) for port in described.inputs] == [
-        "estimate: Trajectories",
-        "truth: Truth[Trajectories]",
-        "hidden: Mask",
-    ]

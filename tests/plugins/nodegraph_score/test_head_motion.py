@@ -8,12 +8,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import nodegraph_mocap
-import nodegraph_score
-from nodegraph.node.decorator import node_of
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import HeadMotion
 from nodegraph_score.head_motion import head_motion
 from nodegraph_tables import info_of
@@ -26,15 +20,6 @@ def motion(frames: int = 10) -> HeadMotion:
         translations=rng.normal(0, 5, (frames, 3)),
         scales=np.ones(frames),
     )
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(head_motion)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "estimate: HeadMotion",
-        "truth: Truth[HeadMotion]",
-    ]
 
 
 def test_each_error_is_reported_in_its_unit() -> None:
@@ -73,8 +58,3 @@ def test_a_mirror_image_is_refused() -> None:
     mirrored = replace(motion(), rotations=motion().rotations @ np.diag([1.0, 1.0, -1.0]))
     with pytest.raises(ValueError, match="estimate, frame 0"):
         head_motion(mirrored, motion())
-
-
-def test_it_keeps_the_promises_of_a_score() -> None:
-    plugins = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
-    check_node(head_motion, registry=Registry(loaded=plugins))

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
 from nodegraph_score.impulses import UNITS, impulses
 from nodegraph_tables import info_of
@@ -177,12 +176,6 @@ def test_every_number_has_its_unit() -> None:
     assert list(table.columns) == ["marker", *UNITS]
     first = next(name for name in table.columns if table[name].dtype.kind == "f")
     assert first == "rmse"
-
-
-def test_truth_and_impulses_are_answers() -> None:
-    definition = node_of(impulses)
-    assert definition is not None
-    assert [port.name for port in definition.inputs if port.truth] == ["truth", "impulses"]
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import nodegraph_mocap
-import nodegraph_score
 from nodegraph import Absent, Across
-from nodegraph.node.decorator import node_of
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Trajectories
 from nodegraph_score.steps import COLUMNS, steps
 from nodegraph_tables import info_of
@@ -54,15 +48,6 @@ def rows(stages: Across[Trajectories], against: Trajectories | None = None) -> l
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return steps(stages, against or truth()).to_dict("records")
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(steps)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "stages: Across[Trajectories]",
-        "truth: Truth[Trajectories]",
-    ]
 
 
 def test_a_repair_counts_over_the_samples_that_it_changed() -> None:
@@ -204,8 +189,3 @@ def test_recordings_of_something_else_are_reported() -> None:
     other = take(truth().positions, ("w", "x", "y", "z"))
     with pytest.raises(ValueError, match="captured has no marker of the truth: it has w, x, y, z"):
         steps(chain(captured=other, fill=truth()), truth())
-
-
-def test_it_keeps_the_promises_of_a_score() -> None:
-    plugins = [Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)]
-    check_node(steps, registry=Registry(loaded=plugins))

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from nodegraph import get_node
-from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Selection, Table, Trajectories
 from nodegraph_score.unselected import UNITS, unselected
 from nodegraph_tables import info_of
@@ -35,17 +34,6 @@ def quietly(*inputs: object) -> Table:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return unselected(*inputs)  # type: ignore[arg-type]
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(unselected)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "estimate: Trajectories",
-        "reference: Truth[Trajectories]",
-        "selection: Selection",
-    ]
-    assert not definition.settings
 
 
 def test_every_number_by_a_plain_loop() -> None:

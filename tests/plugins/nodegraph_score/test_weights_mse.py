@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_score.weights_mse import UNITS, weights_mse
 from nodegraph_tables import info_of
@@ -28,17 +27,6 @@ def quietly(estimate: Weights, reference: Weights) -> Table:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return weights_mse(estimate, reference)
-
-
-def test_ports_are_as_promised() -> None:
-    definition = node_of(weights_mse)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "estimate: Weights",
-        "reference: Truth[Weights]",
-        "selection: Selection | None",
-    ]
-    assert not definition.settings
 
 
 def test_every_number_by_a_plain_loop() -> None:

@@ -17,7 +17,6 @@ from nodegraph.graph import Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Origin
 from nodegraph_track.points_literal import literal
 
@@ -125,7 +124,3 @@ def test_a_graph_with_wrong_points_is_refused(tmp_path: Path, points: str, messa
 def test_the_rate_is_a_positive_number(tmp_path: Path, rate: str) -> None:
     with pytest.raises(GraphError, match=r"setting 'rate' of points\.literal"):
         graph(tmp_path, "{a: [1, 2]}", f", rate: {rate}")
-
-
-def test_it_keeps_what_nodes_promise() -> None:
-    check_node(literal, settings={"points": {"a": [1, 2]}}, registry=REGISTRY)
