@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import rankdata, wilcoxon
 
@@ -58,7 +58,6 @@ def test_holm_by_hand() -> None:
     assert result == pytest.approx([0.04, np.nan, 0.09, 0.09, 0.5], nan_ok=True)
 
 
-@settings(max_examples=50, deadline=None)
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=12))
 def test_holm_keeps_the_order_and_only_raises(values: list[float]) -> None:
     p = np.array(values)

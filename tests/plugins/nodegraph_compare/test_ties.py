@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pandas.testing import assert_frame_equal
@@ -173,7 +173,6 @@ def test_nothing_to_compare_stays_nothing(values: Any) -> None:
     arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(1, 6)), elements=MAGNITUDES),
     st.data(),
 )
-@settings(max_examples=60, deadline=None)
 def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.DataObject) -> None:
     """Also on numbers on which a grid would have its borders."""
     eps = data.draw(arrays(np.float64, values.shape, elements=st.sampled_from([-1e-12, 0, 1e-12])))
@@ -189,7 +188,6 @@ def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.Da
         np.float64, st.integers(1, 200), elements=st.integers(0, 300).map(lambda at: 1 + at / 3e10)
     )
 )
-@settings(deadline=None)
 def test_many_close_values_do_not_run_into_one(values: Any) -> None:
     result = settled(values, values)
     assert np.abs(result - values).max() <= 1.01 * ROUNDING

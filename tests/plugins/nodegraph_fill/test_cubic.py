@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import make_interp_spline
 
@@ -13,7 +13,6 @@ from nodegraph_fill.cubic import cubic
 from nodegraph_mocap import Trajectories
 
 
-@settings(deadline=None, max_examples=60, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_equals_the_interpolating_b_spline(
     gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories], seed: int

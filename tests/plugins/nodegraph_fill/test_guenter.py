@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.guenter import guenter
@@ -18,7 +18,6 @@ def weigh(distances: list[float]) -> list[float]:
     return [1 / len(distances)] * len(distances)
 
 
-@settings(deadline=None, max_examples=150, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
     neighbours=st.sampled_from([1, 3, 20]),

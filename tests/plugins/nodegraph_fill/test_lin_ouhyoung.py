@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
@@ -24,7 +24,6 @@ def weigh(distances: list[float]) -> list[float]:
     return [weight / sum(weights) for weight in weights]
 
 
-@settings(deadline=None, max_examples=150, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
     neighbours=st.sampled_from([1, 2, 8, "one_ring"]),

@@ -6,14 +6,13 @@ import itertools
 from collections.abc import Callable
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.linear import linear
 from nodegraph_mocap import Trajectories
 
 
-@settings(deadline=None, max_examples=100, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1), max_gap=st.sampled_from([None, 1, 4]))
 def test_equals_numpy_interp(
     gappy: Callable[[int], Trajectories],

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.muscle import muscle
@@ -29,7 +29,6 @@ def weigh_normalized(distances: list[float]) -> list[float]:
     return [weight / sum(weights) for weight in weights]
 
 
-@settings(deadline=None, max_examples=150, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
     normalize=st.booleans(),

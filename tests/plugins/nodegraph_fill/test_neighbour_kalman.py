@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -57,7 +57,6 @@ def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) 
     return expected
 
 
-@settings(deadline=None, max_examples=40, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 5]))
 def test_equals_the_textbooks_filter(
     gappy: Callable[[int], Trajectories],

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -20,7 +20,6 @@ def line(body: NDArray[np.float64], first: int, last: int, frame: int) -> NDArra
     return np.asarray(body[first] + (body[last] - body[first]) * (frame - first) / (last - first))
 
 
-@settings(deadline=None, max_examples=80, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1), max_gap=st.sampled_from([None, 3]))
 def test_equals_the_plain_formula(
     gappy: Callable[[int], Trajectories],

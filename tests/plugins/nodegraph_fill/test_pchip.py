@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.gaps import Gaps
@@ -14,7 +14,6 @@ from nodegraph_fill.pchip import pchip
 from nodegraph_mocap import Trajectories
 
 
-@settings(deadline=None, max_examples=60, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_never_leaves_the_range_of_a_gaps_ends(
     gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories], seed: int

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -56,7 +56,6 @@ def seen_from(recording: Trajectories, end: int, frame: int, marker: int, k: int
     return np.asarray(turn.apply(then[marker] - then[body].mean(axis=0)) + now[body].mean(axis=0))
 
 
-@settings(deadline=None, max_examples=40, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 4, 6]))
 def test_equals_scipys_fit_from_both_ends(
     gappy: Callable[[int], Trajectories],

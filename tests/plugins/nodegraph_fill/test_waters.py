@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.waters import waters
@@ -24,7 +24,6 @@ def weigh(distances: list[float], full: float = 15.0, end: float = 45.0) -> list
     return [0.0]
 
 
-@settings(deadline=None, max_examples=100, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
     radii=st.sampled_from([(15.0, 45.0), (2.0, 20.0), (40.0, 60.0)]),

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
@@ -140,7 +140,6 @@ def _fits_half_space(directions: NDArray[np.float64]) -> bool:
     return bool((sides >= 0).all(axis=0).any())
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     missing=arrays.arrays(np.float64, (30, 8), elements=st.floats(0, 1)),
     pattern=st.sampled_from(PATTERNS),

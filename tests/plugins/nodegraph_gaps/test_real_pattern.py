@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
@@ -81,7 +81,6 @@ def test_without_gaps_there_is_no_pattern(gaps: tuple[tuple[int, int, int]], run
         read_pattern(with_gaps(*gaps), 60.0)
 
 
-@settings(max_examples=80, deadline=None)
 @given(
     missing=arrays.arrays(np.bool_, (20, 4)),
     rate=st.sampled_from([10.0, 30.0, 60.0, 100.0, 120.0, 250.0]),

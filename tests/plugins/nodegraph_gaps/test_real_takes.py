@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -77,7 +77,6 @@ def test_the_shoulders_gaps_on_a_face(name: str, seed: int) -> None:
     assert hidden.sum() / face.rate == pytest.approx(seconds, rel=0.02)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     name=st.sampled_from(["animface/jaw", "animface/cheeks"]),
     length=st.sampled_from([1, 5, 10, 20, 50, 100, 200]),

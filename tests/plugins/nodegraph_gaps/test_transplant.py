@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
@@ -101,7 +101,6 @@ def test_every_time_can_be_drawn() -> None:
     assert begins == {1, 2, 3}
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     taken=arrays.arrays(np.bool_, (20, 4)),
     missing=arrays.arrays(np.float64, (60, 6), elements=st.floats(0, 1)),

@@ -8,9 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import nodegraph_compare
 from nodegraph import Across
-from nodegraph.node.decorator import node_of
 from nodegraph_compare.agreement.node import agreement
 from nodegraph_tables import TableInfo, info_of, with_info
 
@@ -125,10 +123,3 @@ def test_groups_and_labels_with_markup() -> None:
     assert result.table["sd"].tolist() == [0, 0]
     assert result.figure.axes[0].get_title().startswith("side l\n" + r"\$a\$ <b>")
     result.figure.savefig(io.BytesIO(), format="svg")
-
-
-def test_the_node_and_its_citations() -> None:
-    described = node_of(agreement)
-    assert described is not None
-    shipped = nodegraph_compare.nodegraph_bibtex()
-    assert all(f"{{{key}," in shipped for key in described.cite)

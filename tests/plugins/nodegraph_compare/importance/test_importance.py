@@ -7,9 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import nodegraph_compare
 from nodegraph import Absent, Across
-from nodegraph.node.decorator import node_of
 from nodegraph_compare.importance.node import REST, importance
 from nodegraph_tables import info_of
 
@@ -166,10 +164,3 @@ def test_too_many_cells_are_refused() -> None:
     table = pd.DataFrame({name: np.arange(300.0) for name in ("a", "b", "c", "rmse")})
     with pytest.raises(ValueError, match=r"cells are more than .*; labels: a 300, b 300, c 300"):
         importance(Across.of({"x": table}, axis="f"), metric="rmse", factors=("a", "b", "c"))
-
-
-def test_the_node_and_its_citations() -> None:
-    described = node_of(importance)
-    assert described is not None
-    shipped = nodegraph_compare.nodegraph_bibtex()
-    assert all(f"{{{key}," in shipped for key in described.cite)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pandas import DataFrame
@@ -51,7 +51,6 @@ def test_the_sums_of_squares_are_those_of_statsmodels() -> None:
     assert variances[()] == pytest.approx(peer["Residual"])
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     arrays(np.float64, st.tuples(*[st.integers(1, 4)] * 3), elements=st.floats(-100, 100)),
 )
@@ -98,7 +97,6 @@ def test_nothing_at_all_leaves_nothing() -> None:
     assert 0 in [len(value) for value in whole(np.full((2, 3), NAN))]
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     arrays(
         np.float64,

@@ -10,7 +10,6 @@ import pytest
 from matplotlib.colors import to_hex
 from scipy.stats import friedmanchisquare
 
-import nodegraph_compare
 from nodegraph import Absent, Across
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.ranks.node import Ranked
@@ -293,11 +292,9 @@ def test_labels_with_markup_and_long_ones_are_drawn_as_they_are() -> None:
     assert all(len(text) < 60 for text in texts(result))
 
 
-def test_the_node_and_its_citations() -> None:
+def test_the_outputs_have_their_names() -> None:
     described = node_of(ranks_of)
     assert described is not None
     assert [str(port) for port in described.outputs] == [
         "table: Table", "figure: Figure", "pairs: Table", "overall: Table",
     ]  # fmt: skip
-    shipped = nodegraph_compare.nodegraph_bibtex()
-    assert all(f"{{{key}," in shipped for key in described.cite)
