@@ -10,6 +10,7 @@ import time
 from collections.abc import Container, Iterable
 from dataclasses import dataclass
 from functools import cache
+from importlib.machinery import SourceFileLoader
 from importlib.metadata import Distribution, entry_points
 from pathlib import Path
 from traceback import walk_tb
@@ -109,7 +110,7 @@ def from_file(path: Path, *, known: Container[Node] = ()) -> Plugin:
     if path.stat().st_size > _MOST_BYTES:
         raise NodegraphError(f"{path}: too large to be a plugin file")
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    if spec is None or spec.loader is None:
+    if spec is None or not isinstance(spec.loader, SourceFileLoader):
         raise NodegraphError(f"{path}: a plugin file is Python, with the suffix .py")
     module = importlib.util.module_from_spec(spec)
     vars(module)[LOADED] = time.time_ns()
@@ -117,8 +118,9 @@ def from_file(path: Path, *, known: Container[Node] = ()) -> Plugin:
     if previous is None or LOADED in vars(previous):
         sys.modules[path.stem] = module  # where classes of its values are looked up by name
     try:
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        spec.loader.exec_module(module)
+        # the bytes of the digest, and no bytecode of an edit less than a second before
+        source = path.read_bytes()
+        exec(spec.loader.source_to_code(source, str(path)), vars(module))
     except (Exception, SystemExit) as error:
         if sys.modules.get(path.stem) is module:
             del sys.modules[path.stem]
@@ -127,7 +129,7 @@ def from_file(path: Path, *, known: Container[Node] = ()) -> Plugin:
         raise NodegraphError(f"{path}: the plugin does not import: {reason}") from error
     if not hasattr(module, "nodegraph_nodes"):
         _add_nodes_hook(module, known)
-    return Plugin(path.stem, module, digest=digest)
+    return Plugin(path.stem, module, digest=hashlib.sha256(source).hexdigest())
 
 
 def nodes_of(plugin: Plugin) -> tuple[Any, ...]:
