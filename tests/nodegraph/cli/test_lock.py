@@ -194,7 +194,7 @@ def test_a_label_that_is_a_place_of_one_machine_is_refused(locked: Locked, tmp_p
     status, _, err = locked("--axis", f"source={path}")
     assert status == 2
     assert f"axis source: the label {path} " in err
-    assert "give the axis names: {name: path}" in err
+    assert "{label: path, ...}" in err
 
 
 def test_a_file_that_the_command_names_is_called_by_how_it_lies_to_the_graph(
