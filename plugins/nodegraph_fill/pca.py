@@ -13,6 +13,7 @@ from nodegraph_fill.gaps import Gaps, MaxGap
 from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.reference_shape import reference_shape
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +29,10 @@ _FAR = 0.5
 @node(
     "fill.pca",
     cite="gloersen_federolf2016",
-    adapted="from Gloersen and Federolf 2016: B0' B where their code multiplies by B' B0",
+    adapted=(
+        "from Gloersen and Federolf 2016: B0' B where their code multiplies by B' B0, and a "
+        "weight scale that goes with the size of the face unless it is set (theirs: 200 mm)"
+    ),
     lookahead=None,
     ends=are_met,
 )
@@ -36,7 +40,7 @@ def pca(
     recording: Trajectories,
     *,
     strategy: Strategy = "each",
-    weight_scale: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 200.0,
+    weight_scale: Annotated[float | None, Field(gt=0, allow_inf_nan=False), Unit("mm")] = None,
     weight_missing: Annotated[float, Field(gt=0, le=1)] = 0.02,
     singular_values: Annotated[float, Field(gt=0, le=1)] = 0.99,
     ends: Ends = "as_published",
@@ -69,7 +73,7 @@ def pca(
     that one is no part of "every marker". Samples that are present come out as they went in;
     those that an earlier fill has made count like measured ones. Does not depend on where the
     origin lies; but depends on the axes, each coordinate being scaled by itself, and on the unit
-    by `weight_scale`.
+    by a `weight_scale` that is set.
 
     Looks at the whole take.
 
@@ -80,7 +84,9 @@ def pca(
     strategy
         Whether each marker is filled by itself or all that have gaps together.
     weight_scale
-        How quickly a marker's weight falls with its distance.
+        How quickly a marker's weight falls with its distance; none: the mean distance of any two
+        markers. 200 is the authors', for bodies; on three faces the mean distance was 83 to 88 mm
+        and mean errors changed by less than 5 %.
     weight_missing
         The weight of the marker that is filled.
     singular_values
@@ -111,11 +117,12 @@ def pca(
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
         positions = np.full_like(recording.positions, np.nan)
         centred, middle = _without_mean(recording)
+        scale = weight_scale or _mean_distance(recording)
         groups = _each if strategy == "each" else _together
         estimated = False
         for wanted, predictors, distance in groups(recording, np.unique(gaps.marker)):
             complete = np.asarray(recording.present[:, wanted | predictors].all(axis=1))
-            weight = np.exp(-(distance**2) / (2.0 * weight_scale**2))
+            weight = np.exp(-(distance**2) / (2.0 * scale**2))
             weight[wanted] = weight_missing
             estimated |= bool(complete.any())
             if complete.any() and predictors.any():
@@ -161,6 +168,14 @@ def _distances(recording: Trajectories, marker: int | np.intp) -> NDArray[np.flo
     count = np.count_nonzero(both, axis=0)
     total = np.linalg.norm(np.nan_to_num(apart), axis=2).sum(axis=0)
     return np.where(count, total / np.maximum(count, 1), np.nan)
+
+
+def _mean_distance(recording: Trajectories) -> float:
+    shape = reference_shape(recording)
+    shape = shape[~np.isnan(shape[:, 0])]
+    total = float(np.linalg.norm(shape[:, None] - shape, axis=2).sum())
+    # all markers in one place weigh alike, whatever the scale
+    return total / max(len(shape) * (len(shape) - 1), 1) or 1.0
 
 
 def _without_mean(

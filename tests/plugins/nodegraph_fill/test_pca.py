@@ -76,7 +76,9 @@ def test_together_all_markers_with_gaps_are_hidden(recorded: Callable[..., Traje
     gappy = take()
     gappy[20:30, 0] = gappy[45:50, 4] = np.nan
     filled = pca(recorded(gappy), strategy="together")
-    output = reconstructed(gappy, [0, 4], [1, 2, 3, 5], 200.0, 0.02, 0.99)
+    shape = gappy[~np.isnan(gappy[..., 0]).any(axis=1)][0]
+    apart = np.linalg.norm(shape[:, None] - shape, axis=2)[np.triu_indices(6, k=1)].mean()
+    output = reconstructed(gappy, [0, 4], [1, 2, 3, 5], apart, 0.02, 0.99)
     np.testing.assert_allclose(filled.positions[20:30, 0], output[20:30, 0], rtol=0, atol=1e-7)
     np.testing.assert_allclose(filled.positions[45:50, 4], output[45:50, 1], rtol=0, atol=1e-7)
 
@@ -91,7 +93,9 @@ def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
         positions[20:30, 0] = positions[40:45, 1] = np.nan
         moved = positions.copy()
         moved[:, 1] += np.random.default_rng(1).normal(size=(60, 3))
-        first, second = (pca(recorded(p)).positions[20:30, 0] for p in (positions, moved))
+        first, second = (
+            pca(recorded(p), weight_scale=200.0).positions[20:30, 0] for p in (positions, moved)
+        )
         assert np.array_equal(first, second) is not used
 
 
