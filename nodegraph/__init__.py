@@ -12,6 +12,7 @@ from nodegraph.errors import (
     listed,
     nearest,
 )
+from nodegraph.node.declaration import Declared
 from nodegraph.node.decorator import node
 from nodegraph.node.ports import (
     Absent,
@@ -54,6 +55,7 @@ __all__ = [
     "Comparison",
     "Conclusion",
     "Contract",
+    "Declared",
     "Deprecated",
     "Files",
     "Format",

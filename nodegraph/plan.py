@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +12,7 @@ from nodegraph.formatting import name_at
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graphfile.spec import Reference
+from nodegraph.node.declaration import Declared
 from nodegraph.node.ports import Absent, Label
 from nodegraph.state import State
 
@@ -44,6 +45,8 @@ class Gathered:
     unused : tuple of (tuple of str)
         For each entry, the axes at all of whose labels it is the same output; empty where every
         entry differs along all axes.
+    methods : mapping of axis to mapping of label to Declared
+        What the alternatives of an axis declare.
     """
 
     axes: tuple[str, ...]
@@ -52,6 +55,7 @@ class Gathered:
     known: tuple[tuple[Label, ...], ...]
     sources: tuple[str, ...]
     unused: tuple[tuple[str, ...], ...]
+    methods: Mapping[str, Mapping[Label, Declared]] = field(compare=False)  # entries imply it
 
     def skipped(self) -> tuple[Absent, ...]:
         """Return the combinations left out as a node sees them."""
@@ -179,6 +183,7 @@ class _Planner:
         self._skipped: dict[str, dict[Combination, str]] = {}
         self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}
         self._source_axes: dict[str, frozenset[str]] = {}
+        self._methods: dict[str, Mapping[Label, Declared]] = {}
 
     def add(self, node: GraphNode) -> None:
         """Add the steps of a node; those of the nodes that feed it must be there."""
@@ -269,7 +274,20 @@ class _Planner:
             name for name, axis in zip(names, axes, strict=True) if self._feeds_source(axis, feed)
         )
         unused = _unused_axes(names, entries)
-        return Gathered(names, tuple(entries), tuple(absent), known, sources, unused)
+        methods = {
+            name: declared
+            for name, axis in zip(names, axes, strict=True)
+            if (declared := self._declared(axis))
+        }
+        return Gathered(names, tuple(entries), tuple(absent), known, sources, unused, methods)
+
+    def _declared(self, axis: str) -> Mapping[Label, Declared]:
+        """Return what the alternatives of an axis declare; nothing if it is not that of a node."""
+        if axis not in self._methods:  # needed for every combination of a node
+            node = self._graph.nodes.get(axis)
+            known = node.methods.values() if node is not None and node.has_alternatives else ()
+            self._methods[axis] = {method.label: _declared(method) for method in known}
+        return self._methods[axis]
 
     def _feeds_source(self, axis: str, feed: Gather) -> bool:
         """Whether the data differ along a gathered axis, or among a port's own labels."""
@@ -338,6 +356,23 @@ def _unused_axes(
                 for index in indices:
                     unused[index].append(axis)
     return tuple(map(tuple, unused))
+
+
+def _declared(method: Method) -> Declared:
+    """Return what a method declares: for its settings where they vary, what holds for all."""
+    node = method.node
+    declared: Declared = {"adapted": node.declaration.adapted} if node.declaration.adapted else {}
+    settings = list(method.settings.values.values())
+    frames = [node.lookahead(values) for values in settings]
+    known = [count for count in frames if isinstance(count, int)]
+    if None in frames:
+        declared["lookahead"] = None
+    elif known:
+        declared["lookahead"] = max(known)
+    ends = [met for values in settings if (met := node.meets_ends(values)) is not None]
+    if ends:
+        declared["ends"] = all(ends)
+    return declared
 
 
 def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:

@@ -278,7 +278,13 @@ class Schedule:
                 absent.append(Absent(labels, outcome.root.value, outcome.reason))
         known = dict(zip(source.axes, source.known, strict=True))
         return Across(
-            source.axes, tuple(entries), tuple(absent), known, source.sources, tuple(unused)
+            source.axes,
+            tuple(entries),
+            tuple(absent),
+            known,
+            source.sources,
+            tuple(unused),
+            source.methods,
         )
 
     def _lend(self, output: Output) -> Any:

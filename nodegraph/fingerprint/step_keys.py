@@ -75,7 +75,7 @@ def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, Re
 
 
 def _gathered(source: Gathered, results: Mapping[int, Result]) -> Iterator[str]:
-    yield repr((source.axes, source.known, source.sources, source.unused))
+    yield repr((source.axes, source.known, source.sources, source.unused, source.methods))
     for labels, output in source.entries:
         result = results[output.step]
         if result.state is State.DONE:

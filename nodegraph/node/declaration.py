@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, TypedDict
 
 
 class Undeclared(Enum):
@@ -22,6 +22,18 @@ LookAhead = int | None | Literal[Undeclared.UNDECLARED] | Callable[[Mapping[str,
 
 Ends = bool | None | Callable[[Mapping[str, Any]], bool]
 """Whether both ends of a gap are met, or what returns it for settings; None: not declared."""
+
+
+class Declared(TypedDict, total=False):
+    """What a method declares for its settings; what it does not declare is left out.
+
+    The text of what differs from the published method, the look-ahead in frames (None: the whole
+    take), and whether both ends of a gap are met.
+    """
+
+    adapted: str
+    lookahead: int | None
+    ends: bool
 
 
 @dataclass(frozen=True, slots=True)

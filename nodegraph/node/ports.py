@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Generic, NamedTuple, TypeVar
 
+from nodegraph.node.declaration import Declared
+
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
@@ -114,6 +116,8 @@ class Across(Generic[T_co]):
         For each entry, the gathered axes that nothing in it depends on, such as one that only
         another method's settings have: the entry stands at each label of it, with one value. Empty
         where every entry depends on all axes.
+    methods : mapping of axis to mapping of label to Declared
+        What the alternatives of a gathered axis declare.
     """
 
     axes: tuple[str, ...]
@@ -122,6 +126,7 @@ class Across(Generic[T_co]):
     known: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     sources: tuple[str, ...] | None = None
     unused: tuple[tuple[str, ...], ...] = ()
+    methods: Mapping[str, Mapping[Label, Declared]] = field(default_factory=dict)
 
     @staticmethod
     def of(

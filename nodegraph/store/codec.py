@@ -698,7 +698,7 @@ def _dict_again(together: Together, *plain: Any) -> dict[Any, Any]:
 
 
 def _across_again(together: Together, *plain: Any) -> Across[Any]:
-    axes, entries, absent, known, sources, unused = together.all(plain)
+    axes, entries, absent, known, sources, unused, methods = together.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
         and all(isinstance(labels, dict) for labels, _ in entries)
@@ -706,10 +706,11 @@ def _across_again(together: Together, *plain: Any) -> Across[Any]:
         and isinstance(known, dict)
         and (sources is None or isinstance(sources, tuple))
         and isinstance(unused, tuple)
+        and isinstance(methods, dict)
     )
     if not whole:
         raise Unreadable("what was gathered is not what is gathered")
-    return Across(axes, entries, absent, known, sources, unused)
+    return Across(axes, entries, absent, known, sources, unused, methods)
 
 
 def _absent_again(together: Together, *plain: Any) -> Absent:

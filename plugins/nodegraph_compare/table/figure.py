@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from nodegraph import Label
+    from nodegraph import Declared, Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Summary
     from nodegraph_tables.style import Look
@@ -35,7 +35,11 @@ _MOST_NAMES = 40
 
 
 def draw(
-    question: Question, summaries: Sequence[Summary], look: Mapping[Label, Look], unit: str
+    question: Question,
+    summaries: Sequence[Summary],
+    look: Mapping[Label, Look],
+    unit: str,
+    declared: Mapping[Label, Declared],
 ) -> Figure:
     """Return the figure: the last of `within` along x, a panel per combination of the others.
 
@@ -50,9 +54,12 @@ def draw(
         Of each compared label, in the order in which they are drawn.
     unit
         Of the metric.
+    declared
+        What the methods declare.
     """
+    marked = _marked(look, declared)
     if not question.within:
-        return _one_group(question, summaries, look, unit)
+        return _one_group(question, summaries, look, unit, marked)
     panels: dict[tuple[Label, ...], list[Summary]] = defaultdict(list)
     for summary in summaries:
         panels[summary.group.labels[:-1]].append(summary)
@@ -69,12 +76,31 @@ def draw(
     _scale(axes, summaries)
     for axis in axes[::_PANELS_PER_ROW]:
         axis.set_ylabel(_quantity(question, unit))
-    _legend(figure, summaries, look)
+    _legend(figure, summaries, look, marked)
     return figure
 
 
+def _marked(look: Mapping[Label, Look], declared: Mapping[Label, Declared]) -> dict[Label, str]:
+    """Return the names of methods with the marks in which they differ."""
+    adapted = {label for label, each in declared.items() if "adapted" in each}
+    whole = {label for label, each in declared.items() if each.get("lookahead", 0) is None}
+    marks = [
+        (mark, on)
+        for mark, on in (("*", adapted), ("\N{DEGREE SIGN}", whole))
+        if on and len(on) < len(look)
+    ]
+    return {
+        label: figure_text(label) + "".join(mark for mark, on in marks if label in on)
+        for label in look
+    }
+
+
 def _one_group(
-    question: Question, summaries: Sequence[Summary], look: Mapping[Label, Look], unit: str
+    question: Question,
+    summaries: Sequence[Summary],
+    look: Mapping[Label, Look],
+    unit: str,
+    marked: Mapping[Label, str],
 ) -> Figure:
     order = tuple(look)
     figure, (axis,) = _grid(1, len(order) * 2)
@@ -82,7 +108,11 @@ def _one_group(
         for place, label in enumerate(order):
             if label in summary.group.methods:
                 _point(axis, np.array([place]), [summary], label, look[label])
-    _ticks(axis, order, turn=len(order) > 4 or any(len(str(label)) > 12 for label in order))
+    _ticks(
+        axis,
+        [marked[label] for label in order],
+        turn=len(order) > 4 or any(len(str(label)) > 12 for label in order),
+    )
     axis.set_xlim(-0.6, len(order) - 0.4)
     _scale([axis], summaries)
     axis.set_xlabel(figure_text(question.compare or ""))
@@ -112,15 +142,15 @@ def _panel(
     for place in range(1, len(places), 2):
         axis.axvspan(place - 0.5, place + 0.5, color=PALE, alpha=0.6, linewidth=0, zorder=0)
     letters = sum(len(str(place)) + 1 for place in places)
-    _ticks(axis, places, turn=letters > 45)
+    _ticks(axis, [figure_text(place) for place in places], turn=letters > 45)
     axis.set_xlim(-0.5, len(places) - 0.5)
 
 
-def _ticks(axis: Axes, labels: Sequence[Label], *, turn: bool) -> None:
+def _ticks(axis: Axes, labels: Sequence[str], *, turn: bool) -> None:
     """Name the places along x; of many, some."""
     step = math.ceil(len(labels) / _MOST_TICKS) or 1
     named = range(0, len(labels), step)
-    axis.set_xticks(named, [figure_text(labels[place]) for place in named])
+    axis.set_xticks(named, [labels[place] for place in named])
     if turn:
         turned(axis)
 
@@ -165,7 +195,12 @@ def _scale(axes: Sequence[Axes], summaries: Sequence[Summary]) -> None:
         axis.spines[["top", "right"]].set_visible(False)
 
 
-def _legend(figure: Figure, summaries: Sequence[Summary], look: Mapping[Label, Look]) -> None:
+def _legend(
+    figure: Figure,
+    summaries: Sequence[Summary],
+    look: Mapping[Label, Look],
+    marked: Mapping[Label, str],
+) -> None:
     order = tuple(look)
     known = {
         label
@@ -174,7 +209,7 @@ def _legend(figure: Figure, summaries: Sequence[Summary], look: Mapping[Label, L
         if blocks
     }
     handles = [_handle(look[label]) for label in order[:_MOST_NAMES]]
-    names = [figure_text(label) + ("" if label in known else " (no value)") for label in order]
+    names = [marked[label] + ("" if label in known else " (no value)") for label in order]
     if len(order) > _MOST_NAMES:
         names[_MOST_NAMES - 1] += f", and {len(order) - _MOST_NAMES} more"
     if len(order) > 1:

@@ -13,7 +13,7 @@ from nodegraph_tables import TableInfo, with_info
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from nodegraph import Across, Label
+    from nodegraph import Across, Declared, Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Summary
     from nodegraph_mocap import Table
@@ -224,7 +224,12 @@ _VALUED = ("mean", "low", "high", "median")
 _LOST = {"refused": "refused", "left missing": "missing"}
 
 
-def long_table(summaries: Sequence[Summary], question: Question, unit: str) -> Table:
+def long_table(
+    summaries: Sequence[Summary],
+    question: Question,
+    unit: str,
+    declared: Mapping[Label, Declared],
+) -> Table:
     """Return a row per group and method, the best mean of each group first and marked.
 
     Columns that would hold nothing are left out: what was refused or left missing where nothing
@@ -236,13 +241,16 @@ def long_table(summaries: Sequence[Summary], question: Question, unit: str) -> T
         Of the comparison.
     unit
         Of the metric.
+    declared
+        What the methods declare.
     """
     from pandas import DataFrame
 
     columns: dict[str, list[Any]] = {}
     paired = paired_name(summaries)
+    marks = differing(declared)
     for summary in summaries:
-        for name, values in _columns(summary, question, paired).items():
+        for name, values in _columns(summary, question, paired, marks).items():
             columns.setdefault(name, []).extend(values)
     labels = (*question.within, *question.compared)
     frame = DataFrame({name: values for name, values in columns.items() if _holds(name, values)})
@@ -280,7 +288,12 @@ def paired_name(summaries: Sequence[Summary]) -> str:
     return "ratio" if all(summary.ratio for summary in summaries) else "difference"
 
 
-def _columns(summary: Summary, question: Question, name: str) -> Mapping[str, Sequence[Any]]:
+def _columns(
+    summary: Summary,
+    question: Question,
+    name: str,
+    marks: Mapping[str, Mapping[Label, str]],
+) -> Mapping[str, Sequence[Any]]:
     group, paired = summary.group, summary.paired
     labels = zip(question.within, group.labels, strict=True)
     columns: dict[str, Any] = {name: [label] * len(group.methods) for name, label in labels}
@@ -297,6 +310,9 @@ def _columns(summary: Summary, question: Question, name: str) -> Mapping[str, Se
     for rule in (COMMON, WORST):
         columns[f"mean, {rule}"] = of[rule].mean if rule in of else nothing
     columns |= {name: getattr(group, attribute) for name, attribute in _LOST.items()}
+    columns |= {
+        head: [texts.get(method, "") for method in group.methods] for head, texts in marks.items()
+    }
     return {name: [values[place] for place in summary.ranked] for name, values in columns.items()}
 
 
@@ -307,6 +323,26 @@ def _wins(summary: Summary) -> list[str]:
         return [""] * len(summary.level)
     count = len(summary.units.means)
     return [f"{wins:.0f}/{count}" if np.isfinite(wins) else "" for wins in paired.wins]
+
+
+def differing(declared: Mapping[Label, Declared]) -> dict[str, dict[Label, str]]:
+    """Return what methods declare as columns of text, where it differs among them."""
+    columns = {
+        "adapted": {label: "yes" if "adapted" in each else "" for label, each in declared.items()},
+        "looks ahead": {label: _ahead(each) for label, each in declared.items()},
+        "meets ends": {
+            label: {True: "yes", False: "no", None: ""}[each.get("ends")]
+            for label, each in declared.items()
+        },
+    }
+    return {head: texts for head, texts in columns.items() if len({*texts.values()}) > 1}
+
+
+def _ahead(declared: Declared) -> str:
+    frames = declared.get("lookahead", -1)
+    if frames is None:
+        return "whole take"
+    return "" if frames < 0 else f"{frames} frames"
 
 
 def _holds(name: str, values: Sequence[Any]) -> bool:

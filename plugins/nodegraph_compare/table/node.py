@@ -44,7 +44,9 @@ from nodegraph_tables.info import Part
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+
+    from nodegraph import Declared
 
 
 _PARTS: tuple[Part, ...] = ("low", "high", "p")
@@ -171,7 +173,9 @@ def table(
         worse; ``margin``, the smallest within which the method is shown to be equal by two
         one-sided tests; ``wins``, in how many of the units it is better. Where there are any,
         ``refused`` (share of the combinations that were refused or failed) and ``left missing``
-        (share of the rows without a number); with `fallback`, the means by the two other rules.
+        (share of the rows without a number); with `fallback`, the means by the two other rules;
+        and what methods declare, where they differ: ``adapted`` (not as published), ``looks
+        ahead`` (frames, or the whole take) and ``meets ends`` (of gaps).
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
         Its answer has a sentence per group: which mean is best, over what, which methods are not
@@ -181,7 +185,8 @@ def table(
         deviations above the median). Its notes list what was left out, and the best mean of each
         group is marked.
     figure
-        Means and intervals.
+        Means and intervals; an asterisk marks methods that are not as published, a ring those
+        that look at the whole take, where methods differ.
 
     Raises
     ------
@@ -230,7 +235,13 @@ def table(
     ]
     several = blocks_name(scores, question)
     layout = completed(layout, question)
-    means = _laid_out(summaries, question, layout, tuple(look), unit)
+    order = tuple(look)
+    declared = {
+        label: each
+        for label, each in scores.methods.get(question.compare or "", {}).items()
+        if label in order
+    }
+    means = _laid_out(summaries, question, layout, order, unit, declared)
     info = info_of(means)
     info = replace(
         info,
@@ -238,10 +249,15 @@ def table(
         notes=(
             *notes(summaries, question, against, instead),
             *info.notes,
+            *(
+                f"{label}: adapted {each['adapted']}"
+                for label, each in declared.items()
+                if "adapted" in each
+            ),
             *left_out(scores, question, [summary.group for summary in summaries]),
         ),
     )
-    return Compared(with_info(means, info), draw(question, summaries, look, unit))
+    return Compared(with_info(means, info), draw(question, summaries, look, unit, declared))
 
 
 def _laid_out(
@@ -250,11 +266,12 @@ def _laid_out(
     layout: Layout,
     order: Sequence[Label],
     unit: str,
+    declared: Mapping[Label, Declared],
 ) -> Table:
     by = f" by {question.compare}" if question.compare else ""
     within = f" within {', '.join(question.within)}" if question.within else ""
     if not layout.columns:
-        means = long_table(summaries, question, unit)
+        means = long_table(summaries, question, unit, declared)
         title = f"{question.metric}{by}{within}"
         note: tuple[str, ...] = ()
         if not {"refused", "left missing"}.isdisjoint(means):

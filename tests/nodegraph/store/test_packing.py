@@ -188,6 +188,8 @@ def test_what_was_gathered_comes_back() -> None:
         ("fill", "trial"),
         (({"fill": "linear", "trial": 3}, 1.5), ({"fill": "", "trial": True}, 2.5)),
         (Absent({"fill": "muscle", "trial": 4}, "refused", "no complete frame"),),
+        sources=("trial",),
+        methods={"fill": {"linear": {"lookahead": None, "ends": True}}},
     )
     assert there_and_back(gathered) == gathered
     assert there_and_back(Absent({"a": 1}, "failed", "x")) == Absent({"a": 1}, "failed", "x")

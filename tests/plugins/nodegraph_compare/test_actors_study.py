@@ -39,7 +39,12 @@ def take(*, seed: int = 0) -> Take:
     return Take(seed)
 
 
-@node("made.error", cite="none")
+def ahead(settings):
+    """Return the look-ahead in frames."""
+    return None if settings["kind"] == "plain" else 3
+
+
+@node("made.error", cite="none", lookahead=ahead)
 def error(take: Take, *, kind: str = "plain", trial: int = 0, broken: bool = False) -> Annotated[
     Table, Columns("gap", "marker", "rmse")
 ]:
@@ -113,6 +118,8 @@ def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
     assert "plain has the lowest mean rmse (" in text
     assert "no verdict stands: over common gaps shy has the best mean" in text
     assert "mean, worst of block" in text
+    assert re.search(r"plain +.* whole take", text)
+    assert re.search(r"shy +.* 3 frames", text)
     assert run("fallback: other", use="compare.ranks") == 0
     assert "missing gaps as by other (shy" in capsys.readouterr().out
 
