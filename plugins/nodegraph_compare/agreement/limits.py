@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.ties import apart, differ
+from nodegraph_compare.units import MOST_RECORDINGS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +53,11 @@ class Limits:
     of_slope: Interval
 
 
-def limits(first: NDArray[np.float64], second: NDArray[np.float64]) -> Limits:
+def limits(
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+    cluster: NDArray[np.intp] | None = None,
+) -> Limits:
     """Return bias and limits of agreement (Bland & Altman 1986) with exact normal intervals.
 
     The limits are ``bias -+ 1.96 sd``. The interval of the bias is Student's. That of a limit,
@@ -60,12 +65,29 @@ def limits(first: NDArray[np.float64], second: NDArray[np.float64]) -> Limits:
     are ``bias + t sd / sqrt(N)`` with t the quantiles of the noncentral t distribution of N - 1
     degrees of freedom and noncentrality ``-+ 1.96 sqrt(N)``. The slope is that of the least-squares
     line of the difference on the mean of the pair (Bland & Altman 1999), its interval Student's.
+
+    Over C clusters, three or more, the bias is the mean of the clusters' means, and the variance
+    that of a single pair, between and within them: with s^2 the pooled variance within, and n_c
+    pairs in each, ``sd^2 = max(var(means) - s^2 mean(1 / n_c), 0) + s^2`` (Bland & Altman 1999,
+    section 5.3). Intervals are those of C pairs, and the slope is that of the clusters' means.
     """
     difference, middle = apart(first, second), (first + second) / 2
     count = len(difference)
     bias = float(difference.mean()) if count else np.nan
     sd = float(difference.std(ddof=1)) if count > 1 else np.nan
-    slope, of_slope = _slope(middle, difference)
+    of, place = (
+        (np.empty(0), np.empty(0)) if cluster is None else np.unique(cluster, return_inverse=True)
+    )
+    along = (middle, difference)
+    if len(of) > MOST_RECORDINGS:
+        blocks = np.bincount(place)
+        means = np.bincount(place, difference) / blocks
+        along = (np.bincount(place, middle) / blocks, means)
+        freedom = max(count - len(of), 1)
+        within = float(np.square(difference - means[place]).sum()) / freedom
+        between = max(float(means.var(ddof=1)) - within * float((1 / blocks).mean()), 0.0)
+        bias, sd, count = float(means.mean()), float(np.sqrt(between + within)), len(of)
+    slope, of_slope = _slope(*along)
     return Limits(
         middle,
         difference,
@@ -74,7 +96,7 @@ def limits(first: NDArray[np.float64], second: NDArray[np.float64]) -> Limits:
         lower=bias - REACH * sd,
         upper=bias + REACH * sd,
         slope=slope,
-        of_bias=_bound(bias, sd, count, 0.0),
+        of_bias=_bound(bias, float(along[1].std(ddof=1)) if count > 1 else sd, count, 0.0),
         of_lower=_bound(bias, sd, count, -REACH),
         of_upper=_bound(bias, sd, count, REACH),
         of_slope=of_slope,
@@ -128,6 +150,7 @@ def pairs_of(group: Group, baseline: Label | None) -> Iterator[Pair]:
         places = [(at, other) for other in bases for at in range(len(group.methods)) if at != other]
     for first, second in places:
         both = group.values[:, [first, second]]
-        both = both[np.isfinite(both).all(axis=1)]
+        known = np.isfinite(both).all(axis=1)
+        found = limits(both[known, 0], both[known, 1], group.cluster[known])
         names = group.methods
-        yield Pair(group, names[first], names[second], limits(both[:, 0], both[:, 1]))
+        yield Pair(group, names[first], names[second], found)

@@ -10,7 +10,16 @@ from nodegraph_compare.blocks import groups
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.labels import compared_labels, named_label
 from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
-from nodegraph_compare.question import Names, OneColumn, OneLabel, OneName, Question, ask, unit_of
+from nodegraph_compare.question import (
+    Clusters,
+    Names,
+    OneColumn,
+    OneLabel,
+    OneName,
+    Question,
+    ask,
+    unit_of,
+)
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 
@@ -36,6 +45,7 @@ def agreement(
     compare: OneName = None,
     within: Names = (),
     blocks: Names = (),
+    clusters: Clusters = (),
     baseline: OneLabel = None,
 ) -> Agreed:
     """How far two methods give the same numbers: bias and limits of agreement.
@@ -66,6 +76,11 @@ def agreement(
         Axes, or columns, whose combinations are the paired blocks. Default: every gathered axis
         that is not compared or in `within`, and the first column of the tables where it
         identifies the unit of a row.
+    clusters
+        Axes, or columns, whose combinations are the independent units. Over three or more, the
+        bias is the mean of their means, the limits are those of a single block, and intervals
+        are those of so many pairs; within one or two recordings, blocks are taken as independent.
+        Default: the axes along which the data differ, but for those in `compare` and `within`.
     baseline
         A label of `compare`: only pairs with it, as the second. Default: each pair of labels.
 
@@ -86,7 +101,9 @@ def agreement(
     """
     from nodegraph_compare.agreement.figure import draw
 
-    question = ask(scores, metric=metric, compare=compare, within=within, blocks=blocks)
+    question = ask(
+        scores, metric=metric, compare=compare, within=within, blocks=blocks, clusters=clusters
+    )
     gathered = groups(scores, question)
     order = compared_labels(scores, question, gathered)
     against = named_label(order, baseline)

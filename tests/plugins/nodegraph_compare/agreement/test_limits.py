@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import linregress, t
+from scipy.stats import linregress, t, ttest_1samp
 
 from nodegraph_compare.agreement.limits import REACH, limits
 
@@ -80,3 +80,16 @@ def test_ten_thousand_blocks_have_intervals() -> None:
     result = limits(random.normal(size=10_000), np.zeros(10_000))
     assert result.of_upper[0] < result.upper < result.of_upper[1]
     assert result.of_upper[1] - result.of_upper[0] < 0.08
+
+
+def test_over_clusters_the_bias_is_that_of_their_means_and_the_limits_those_of_a_block() -> None:
+    random = np.random.default_rng(0)
+    cluster = np.repeat(np.arange(6), 30)
+    d = random.normal(size=6)[cluster] + 0.5 * random.normal(size=180)
+    found = limits(d + 5.0, np.full(180, 5.0), cluster)
+    means = d.reshape(6, 30).mean(axis=1)
+    within = d.reshape(6, 30).var(axis=1, ddof=1).mean()
+    assert found.bias == pytest.approx(means.mean())
+    assert found.sd == pytest.approx(np.sqrt(means.var(ddof=1) - within / 30 + within))
+    peer = ttest_1samp(means, 0.0).confidence_interval()
+    assert found.of_bias == pytest.approx((peer.low, peer.high))
