@@ -17,6 +17,7 @@ AUTO = "auto"
 _AXES = {"x": 0, "y": 1, "z": 2}
 _NEAR = np.cos(np.radians(30))
 _FEWEST = 4
+_CLEARLY = 1.8  # times as high as deep are the markers of a face, from 2.4 on
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ def frontal(recording: Trajectories, view: str) -> View:
 
     The face is the mean of its measured samples. With a marker set that has pairs, the face's
     left is on the right of the picture; forward is the direction across the pairs and across the
-    face's height in which the middle of the face stands out; up follows from the two. Without
+    face's height in which the middle of the face stands out; up follows from the two. Where height
+    and depth are alike, as those of a whole head, up is the recording's y or z axis. Without
     pairs, forward is the face's least extent, likewise, and up is the recording's y or z axis,
     whichever lies in the picture, or along the face's greatest extent if both do. Directions
     within 30 degrees of the recording's own axes are moved onto them.
@@ -113,9 +115,26 @@ def _from_pairs(
     points: NDArray[np.float64], left: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     lateral = points @ left
-    forward = _extents(points - np.outer(lateral, left))[1]
-    forward = _outward(forward, points, lateral**2)
+    profile = points - np.outer(lateral, left)
+    sizes = np.linalg.svd(profile, compute_uv=False)
+    if sizes[0] < _CLEARLY * sizes[1]:
+        return left, _up_of_head(points, left)
+    forward = _outward(_extents(profile)[1], points, lateral**2)
     return left, np.cross(forward, left)
+
+
+def _up_of_head(points: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the y or z axis, across left, from which the middle stands out more to the front."""
+    lateral = points @ left
+    upright = [axis - (axis @ left) * left for axis in np.eye(3)[1:]]
+    axes = [axis / np.linalg.norm(axis) for axis in upright if np.linalg.norm(axis) > 0.5]
+
+    def tilt(up: NDArray[np.float64]) -> float:
+        depth = points @ np.cross(left, up)
+        depth = depth - depth.mean()
+        return float(depth @ (lateral**2 - (lateral**2).mean()) / np.linalg.norm(depth))
+
+    return min(axes, key=tilt)
 
 
 def _from_extents(

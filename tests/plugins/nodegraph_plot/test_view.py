@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_plot.view import frontal
 from tests.plugins.nodegraph_plot import made_face
 
@@ -45,6 +45,25 @@ def test_pairs_show_the_face_upright_however_the_axes_lie(rotation: NDArray[np.f
 @pytest.mark.parametrize("rotation", [np.eye(3), Z_UP, Z_UP_FACING_X, Y_UP_FACING_X], ids=str)
 def test_without_pairs_y_or_z_is_up(rotation: NDArray[np.float64]) -> None:
     assert_upright(made_face.truth(marker_set=None), rotation)
+
+
+@pytest.mark.parametrize("rotation", [np.eye(3), Z_UP], ids=["y up", "z up"])
+def test_a_whole_head_that_is_deeper_than_high_is_upright(rotation: NDArray[np.float64]) -> None:
+    half = np.abs(np.random.default_rng(5).normal(size=(40, 3)))
+    half *= [70, 100, 115] / np.linalg.norm(half, axis=1, keepdims=True)
+    half[:, 1:] *= np.random.default_rng(6).choice([-1, 1], (40, 2))
+    nose = [[5.0, 0.0, 140.0], [5.0, -10.0, 145.0], [10.0, -15.0, 135.0]]
+    left = np.concatenate([half, nose])
+    points = np.concatenate([left, left * [-1, 1, 1]])
+    names = [f"{side}{place}" for side in "lr" for place in range(len(left))]
+    pairs = tuple((f"l{place}", f"r{place}") for place in range(len(left)))
+    head = Trajectories(
+        positions=points[np.newaxis],
+        markers=tuple(names),
+        rate=1.0,
+        marker_set=MarkerSet(markers=tuple(names), pairs=pairs),
+    )
+    assert_upright(head, rotation)
 
 
 @pytest.mark.parametrize("degrees", [0, 45, 60, 130, 200, 300])
