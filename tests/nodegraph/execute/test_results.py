@@ -65,6 +65,7 @@ def test_values_that_were_released_are_computed_again(run: Run, calls: list[str]
         (lambda run: run["gaps.trth"], r"'gaps' has no output 'trth'; did you mean 'truth'"),
         (lambda run: run["a"].at(kk=1), r"'a' has no axis 'kk'; did you mean 'k'"),
         (lambda run: run["a"].at(k=3), r"'k' has no label 3; there is: 1, 2"),
+        (lambda run: run["fill"].at(fill="hld"), r"no label 'hld'; did you mean 'hold'"),
         (lambda run: run["a"].value, r"several values along 'k'; there is: 1, 2"),
         (lambda run: run["fill"].at(k=2, fill="hold"), r"skip: k = 2, fill = hold"),
     ],
