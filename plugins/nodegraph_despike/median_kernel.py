@@ -120,12 +120,11 @@ def _gather(inside: Any, track: Any, now: int, reach: int) -> int:
 
 @inlined
 def _sum_distances(total: Any, apart: Any, slots: Any, inside: Any) -> None:
-    total[:] = 0.0
     for row in range(len(inside)):
-        for other in range(row):
-            length = apart[slots[inside[row]], slots[inside[other]]]
-            total[row] += length
-            total[other] += length
+        line, length = apart[slots[inside[row]]], 0.0
+        for other in range(len(inside)):
+            length += line[slots[inside[other]]]
+        total[row] = length
 
 
 @inlined
