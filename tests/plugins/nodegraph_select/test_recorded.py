@@ -97,10 +97,13 @@ def test_every_run_settles(name: str) -> None:
 
 
 def left(recording: Trajectories, chosen: tuple[str, ...]) -> float:
-    """Return the share of all motion that a regression from some markers does not predict."""
-    centred = recording.positions - recording.positions.mean(axis=0)
+    """Return the share of all motion that a regression from some markers does not predict.
+
+    Every fourth frame is enough for it.
+    """
+    centred = recording.positions[::4] - recording.positions[::4].mean(axis=0)
     every = centred.reshape(len(centred), -1)
-    some = recording.keep(chosen).positions
+    some = recording.keep(chosen).positions[::4]
     some = (some - some.mean(axis=0)).reshape(len(centred), -1)
     rest = every - some @ np.linalg.lstsq(some, every, rcond=1e-9)[0]
     return float((rest**2).sum() / (every**2).sum())
@@ -110,9 +113,7 @@ def left(recording: Trajectories, chosen: tuple[str, ...]) -> float:
 def test_at_ten_markers_what_avoids_repetition_beats_chance(name: str) -> None:
     recording = take(name)
     chance = np.median([left(recording, random(recording, k=10, seed=i).chosen) for i in range(20)])
-    methods: tuple[Callable[..., Selection], ...] = (greedy, qr)
-    for select in methods:
-        assert left(recording, select(recording, k=10).chosen) < chance
-    assert left(recording, greedy(recording, k=10).chosen) < left(
-        recording, variance(recording, k=10).chosen
-    )
+    methods: tuple[Callable[..., Selection], ...] = (greedy, qr, variance)
+    rest = {method: left(recording, method(recording, k=10).chosen) for method in methods}
+    assert rest[qr] < chance
+    assert rest[greedy] < min(chance, rest[variance])
