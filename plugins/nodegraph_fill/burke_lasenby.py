@@ -38,8 +38,9 @@ def burke_lasenby(
     in all coordinates. A Kalman filter forward and the smoother of Rauch, Tung and Striebel
     backward give the mean of x, all present samples being known, and so the missing ones.
 
-    The numbers, and s for the variances that would stand there, are those of the authors' Python
-    code (MoGapFill); so `noise` too stands for a variance. That code takes the gain of its pass
+    The paper's text could not be checked. The numbers, and s for the variances that would stand
+    there, are those of the authors' Python code (MoGapFill); so `noise` too stands for a variance.
+    That code takes the gain of its pass
     back from the frame before, a slip that is not repeated here, and starts from a random state
     of variance 1e12, which makes no difference. `fill.subspace_kalman` is the same idea without
     complete frames.
