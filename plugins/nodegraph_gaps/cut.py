@@ -15,6 +15,7 @@ from nodegraph_gaps.places import free_places, place_events
 from nodegraph_gaps.transplant import transplanted
 from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
+from nodegraph_mocap.streams import Seed, entropy
 from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def cut(
     count: Annotated[int, Field(ge=1), Unit("gap events")] = 20,
     simultaneous: Annotated[int, Field(ge=1), Unit("markers")] = 1,
     pattern: Pattern = "random",
-    seed: Annotated[int, Field(ge=0)] = 0,
+    seed: Seed = 0,
 ) -> Cut:
     """Hide measured samples in gap events, to ask a fill for them.
 
@@ -118,7 +119,8 @@ def cut(
         take's last frame, with a present sample before it only. occlusion: a marker and those
         nearest to it, in bursts, see below.
     seed
-        Same seed, same gaps.
+        Same seed, same gaps. A list, such as ``[$trial, $recording]`` in a graph, is another
+        seed for each recording.
 
     Returns
     -------
@@ -132,7 +134,7 @@ def cut(
         no gap, or another setting than `seed` is given. With `truth`: if its frames, rate or
         markers are not those of the recording, or it lacks a sample that is hidden.
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(entropy(seed))
     if pattern_from is None:
         hidden = _events(recording, length, count, simultaneous, pattern, random)
     else:

@@ -8,8 +8,7 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Selection, Trajectories
-from nodegraph_mocap.streams import random_for
-from nodegraph_select.checks import check_whole
+from nodegraph_mocap.streams import Seed, random_for
 from nodegraph_select.pairs import pairs_of
 from nodegraph_select.ranking import count_of, first_pairs
 
@@ -20,7 +19,7 @@ def random(
     like: Selection | None = None,
     *,
     k: Annotated[int, Field(ge=1)] | None = None,
-    seed: Annotated[int, Field(ge=0)] = 0,
+    seed: Seed = 0,
 ) -> Selection:
     """Choose pairs of markers at random.
 
@@ -40,7 +39,8 @@ def random(
     k
         Number of markers; one more where the last pair exceeds it, as pairs stay whole.
     seed
-        Which random order.
+        Which random order. A list, such as ``[$trial, $recording]`` in a graph, is another
+        seed for each recording.
 
     Returns
     -------
@@ -56,7 +56,6 @@ def random(
         neither or both of `k` and `like`.
     """
     count = count_of(recording, k, like)
-    check_whole("seed", seed, 0)
     pairs = pairs_of(recording)
     # by name, so that nothing hangs on the order in a file
     drawn = random_for("select.random", seed).permutation(

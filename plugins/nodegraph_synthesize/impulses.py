@@ -11,7 +11,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Mask, Trajectories
-from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.streams import Seed, random_for
 from nodegraph_mocap.truth import truth_of
 from nodegraph_synthesize.damage import lone_samples, offsets
 
@@ -44,7 +44,7 @@ def add(
     *,
     share: Annotated[float, Field(ge=0.0, le=0.2), Unit("share")] = 0.005,
     size: Annotated[float, Field(gt=0.0, le=1000.0), Unit("mm")] = 5.0,
-    seed: Annotated[int, Field(ge=0)] = 0,
+    seed: Seed = 0,
 ) -> Spiky:
     """Put single samples off by one distance, each in a random direction.
 
@@ -72,7 +72,8 @@ def add(
     size
         Distance of each hit sample from where it was.
     seed
-        Same seed and present samples, same places and directions.
+        Same seed and present samples, same places and directions. A list, such as
+        ``[$trial, $recording]`` in a graph, is another seed for each recording.
 
     Returns
     -------
@@ -108,7 +109,7 @@ def _inside(present: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _check(
-    hit: NDArray[np.bool_], present: NDArray[np.bool_], wanted: int, share: float, seed: int
+    hit: NDArray[np.bool_], present: NDArray[np.bool_], wanted: int, share: float, seed: Seed
 ) -> None:
     samples, fitting = np.count_nonzero(present), np.count_nonzero(hit)
     if fitting < wanted:

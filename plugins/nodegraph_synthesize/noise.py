@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.streams import Seed, random_for
 from nodegraph_mocap.truth import truth_of
 
 
@@ -35,7 +35,7 @@ def add(
     truth: Truth[Trajectories] | None = None,
     *,
     sigma: Annotated[float, Field(ge=0.0, le=100.0), Unit("mm")] = 0.1,
-    seed: Annotated[int, Field(ge=0)] = 0,
+    seed: Seed = 0,
 ) -> Noisy:
     """Add white Gaussian noise to every present sample.
 
@@ -60,7 +60,8 @@ def add(
         Standard deviation of each coordinate; the distance from the recording is ``sqrt(3)`` of
         it, root mean square.
     seed
-        Same seed, same noise.
+        Same seed, same noise. A list, such as ``[$trial, $recording]`` in a graph, is another
+        seed for each recording.
 
     Returns
     -------

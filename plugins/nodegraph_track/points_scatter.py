@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.streams import Seed, random_for
 from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def scatter(
     *,
     dropout: Annotated[float, Field(ge=0.0, lt=1.0), Unit("share")] = 0.0,
     ghosts: Annotated[float, Field(ge=0.0), Unit("share")] = 0.0,
-    seed: Annotated[int, Field(ge=0)] = 0,
+    seed: Seed = 0,
 ) -> Scattered:
     """Take the names off a recording's points, drop some, add ghosts, shuffle each frame.
 
@@ -63,7 +63,8 @@ def scatter(
     ghosts
         Ghosts per present sample of the recording: 0.01 adds one where there are a hundred.
     seed
-        Same seed and recording, same points.
+        Same seed and recording, same points. A list, such as ``[$trial, $recording]`` in a
+        graph, is another seed for each recording.
 
     Returns
     -------
