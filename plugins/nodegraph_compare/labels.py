@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 from nodegraph import nearest
@@ -73,3 +74,18 @@ def named_label(order: Sequence[Label], name: str | None, what: str = "baseline"
         if str(label) == name:
             return label
     raise ValueError(f"no {what} {name!r}; {nearest(name, order, what='compared are')}")
+
+
+def fallback_label(order: Sequence[Label], name: str | None) -> Label | None:
+    """Return the label whose values stand for missing ones, or None, with a warning, if it is out.
+
+    A graph names it for all methods of a family, and a command may run a few of these.
+    """
+    if name is not None and name not in map(str, order):
+        warnings.warn(
+            f"the fallback {name!r} is not among those compared: blocks that a method lacks are "
+            "left out",
+            stacklevel=3,
+        )
+        return None
+    return named_label(order, name, "fallback")

@@ -9,7 +9,7 @@ import numpy as np
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.inference import LEVEL
-from nodegraph_compare.labels import compared_looks, named_label
+from nodegraph_compare.labels import compared_looks, fallback_label
 from nodegraph_compare.left_out import block_text, end_text, left_out
 from nodegraph_compare.question import (
     Better,
@@ -150,7 +150,7 @@ def ranks(
     )
     gathered = groups(scores, question)
     look = compared_looks(scores, question, gathered)
-    instead = named_label(tuple(look), fallback, "fallback")
+    instead = fallback_label(tuple(look), fallback)
     if instead is not None:
         gathered = tuple(group.filled(instead) for group in gathered)
     rankings = [rank(group, question.better, test) for group in gathered]

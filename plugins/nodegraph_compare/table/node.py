@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import compared_looks, named_label
+from nodegraph_compare.labels import compared_looks, fallback_label, named_label
 from nodegraph_compare.left_out import left_out
 from nodegraph_compare.question import (
     Better,
@@ -211,7 +211,7 @@ def table(
     gathered = groups(scores, question)
     look = compared_looks(scores, question, gathered)
     against = named_label(tuple(look), baseline, "baseline")
-    instead = named_label(tuple(look), fallback, "fallback")
+    instead = fallback_label(tuple(look), fallback)
     unit = unit_of(scores, question.metric)
     doubted = [suspects(scores, question, group) for group in gathered]
     doubtful = np.concatenate([*(each.rows for each in doubted), np.empty(0, dtype=np.intp)])

@@ -4,10 +4,11 @@ from dataclasses import replace
 from typing import Any
 
 import pandas as pd
+import pytest
 
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import groups, label_order
-from nodegraph_compare.labels import compared_looks
+from nodegraph_compare.labels import compared_looks, fallback_label
 from nodegraph_compare.question import Question, ask
 
 TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
@@ -52,3 +53,10 @@ def test_a_method_looks_the_same_whichever_others_are_compared() -> None:
     assert list(looks[1]) == ["muscle", "ridge"]
     assert {name: looks[0][name] for name in looks[1]} == looks[1]
     assert compared_looks(some, question_of(some), groups(some, question_of(some))) != looks[1]
+
+
+def test_a_fallback_that_is_not_compared_is_warned_of_and_left_out() -> None:
+    assert fallback_label(("linear", "cubic"), "cubic") == "cubic"
+    assert fallback_label(("linear",), None) is None
+    with pytest.warns(UserWarning, match="'cubic' is not among those compared"):
+        assert fallback_label(("linear",), "cubic") is None
