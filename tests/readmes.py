@@ -12,7 +12,6 @@ from nodegraph.cli.main import main
 
 ROOT = Path(__file__).parents[1]
 FEW = {
-    "trial: {count: 20}": "trial: [3]",
     "length: [5, 15, 45]": "length: [5, 45]",
     "alternatives: fill.*": "alternatives: [fill.muscle, fill.linear, fill.cubic]",
 }
@@ -50,8 +49,9 @@ def run_command(words: list[str]) -> None:
 
 
 def write_small_study(path: Path) -> None:
-    """Write the study of fills with a few labels, without its drawings of faces."""
-    text = (ROOT / "graphs" / "fill.yaml").read_text().partition("  trajectories:\n")[0]
+    """Write the study of fills on one face with a few labels, without its drawings."""
+    text = (ROOT / "graphs" / "fill.yaml").read_text().partition("  conditions:\n")[0]
+    text = re.sub(r"    face_[^12]: .*\n", "", text)
     text += "report: [table, ranks.table, ranks.figure]\n"
     for long, short in FEW.items():
         assert long in text

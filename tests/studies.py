@@ -15,13 +15,18 @@ from nodegraph.cli.main import main
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
 GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
+TWO = ("--only", "recording=face_1,face_2")
 FEW = {
-    "alignment": ("--axis", "actor=0,1"),
-    "fill": ("--axis", "trial=0,1", "--only", "length=5,45"),
-    "impulses": ("--axis", "trial=[0, 1, 8]"),
-    "marker_selection": ("--axis", "k=10,20,35,50", "--set", "runs=30"),
-    "spline_orders": ("--axis", "trial=0,1,2"),
-    "tracking": ("--axis", "trial=0,1,2"),
+    "alignment": ("--axis", "actor=0,1", "--only", "data=take,scans"),
+    "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual"),
+    "impulses": TWO,
+    "marker_selection": (
+        *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),
+        *("--axis", "seed=0", "--set", "runs=30"),
+    ),
+    "pipeline": ("--axis", "actor=0,1", "--only", "damage=usual,clean"),
+    "spline_orders": TWO,
+    "tracking": TWO,
 }
 """A few combinations of each graph that takes longer."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from nodegraph.plugin.registry import Registry
 from tests.studies import DATA, FEW, ROOT, Studies, command, needs_recordings, table
 
 GRAPH = ROOT / "graphs" / "fill.yaml"
-JAW = ("--set", f"recording={DATA / 'animface' / 'jaw.c3d'}")
+JAW = ("--axis", f"recording={DATA / 'animface' / 'jaw.c3d'}")
+TRIALS = "trial=[0, 1, 2, 3]"
 FILLS = {"guenter", "lin_ouhyoung", "muscle", "waters", "linear"}
 
 
@@ -22,18 +24,23 @@ def rows_of(folder: Path) -> list[dict[str, str]]:
 
 
 def errors_of(folder: Path) -> dict[tuple[str, str], float]:
-    return {(row["fill"], row["length"]): float(row["mean"]) for row in rows_of(folder)}
+    """Return the mean error by method and length, of fills that meet the ends of gaps."""
+    return {
+        (row["fill"], row["length"]): float(row["mean"])
+        for row in rows_of(folder)
+        if row["ends"] == "met"
+    }
 
 
 @pytest.fixture(scope="module")
 def built_in(studies: Studies) -> Path:
-    """A run on built-in data, with two trials of two lengths."""
+    """A run on two faces, with two lengths."""
     return studies.few("fill")
 
 
 def test_the_table_has_every_method_at_every_length(built_in: Path) -> None:
-    found = {(row["fill"], row["length"]) for row in rows_of(built_in)}
-    assert {(fill, length) for fill in FILLS for length in ("5", "45")} <= found
+    found = {(row["fill"], row["length"], row["ends"]) for row in rows_of(built_in)}
+    assert found >= set(product(FILLS, ("5", "45"), ("as_published", "met")))
     assert all(int(row["blocks"]) > 0 for row in rows_of(built_in))
 
 
@@ -54,8 +61,12 @@ def test_the_record_agrees_with_the_events(built_in: Path) -> None:
         assert sum(event["event"] == state for event in events) == record["counts"][state]
     assert record["counts"]["done"] + record["counts"]["stored"] == len(record["steps"])
     cuts = [step for step in record["steps"] if step["node"] == "gaps"]
-    assert {(one["settings"]["length"], one["settings"]["seed"]) for one in cuts} == {
-        (length, seed) for length in (5, 45) for seed in (0, 1)
+    assert {(cut["settings"]["length"], cut["labels"]["recording"]) for cut in cuts} == set(
+        product((5, 45), ("face_1", "face_2"))
+    )
+    assert {tuple(cut["settings"]["seed"]) for cut in cuts} == {
+        (0, "sample:face_1"),
+        (0, "sample:face_2"),
     }
 
 
@@ -89,7 +100,7 @@ def test_five_lines_join_the_comparison(studies: Studies, tmp_path: Path) -> Non
         "def mine(recording: Trajectories) -> Trajectories:\n"
         "    return recording\n"
     )
-    words = ("--axis", "trial=0", "--only", "length=5", "--plugin", "my_fill.py")
+    words = ("--only", "recording=face_1", "--only", "length=5", "--plugin", "my_fill.py")
     folder = studies.run("fill", *words, folder=tmp_path)
     installed = set(Registry.installed().family("fill"))
     assert installed >= FILLS
@@ -101,7 +112,7 @@ def test_five_lines_join_the_comparison(studies: Studies, tmp_path: Path) -> Non
     "name", ["animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d"]
 )
 def test_real_recordings_end_with_a_table(studies: Studies, name: str) -> None:
-    words = ("--set", f"recording={DATA / name}", "--axis", "trial=0", "--only", "length=15")
+    words = ("--axis", f"recording={DATA / name}", "--only", "length=15")
     assert {fill for fill, _ in errors_of(studies.run("fill", *words))} >= FILLS
 
 
@@ -109,8 +120,8 @@ def test_real_recordings_end_with_a_table(studies: Studies, name: str) -> None:
 def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
     run = ng.run(
         GRAPH,
-        set={"recording": str(DATA / "animface" / "jaw.c3d")},
-        only={"fill": ["muscle", "linear"]},
+        axis={"recording": [str(DATA / "animface" / "jaw.c3d")], "trial": range(6)},
+        only={"fill": ["muscle", "linear"], "ends": ["as_published"], "condition": ["usual"]},
         until=["error"],
     )
     scores = run["error"].frame().dropna(subset="rmse")
@@ -126,7 +137,7 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
 def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(
     studies: Studies,
 ) -> None:
-    words = ("--axis", "trial=[0, 1, 2, 3]", "--only", "length=5,45")
+    words = ("--axis", TRIALS, "--only", "length=5,45", "--only", "ends=met")
     errors = errors_of(studies.run("fill", *JAW, *words))
     assert {fill for fill, _ in errors} >= FILLS
     best = {
@@ -134,7 +145,7 @@ def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(
         for length in ("5", "45")
     }
     assert best["5"][0] == "cubic"
-    assert best["45"][0] in {"soft_impute", "kalman", "ridge", "bilinear"}
+    assert best["45"][0] in {"soft_impute", "subspace_kalman", "ridge", "bilinear"}
     assert errors["cubic", "45"] > 1.5 * errors[best["45"]]
 
 
@@ -150,7 +161,7 @@ def test_a_file_that_cannot_be_read_is_a_failed_step(
     tmp_path: Path, content: bytes, reason: str
 ) -> None:
     (tmp_path / "bad.c3d").write_bytes(content)
-    words = ("--set", "recording=bad.c3d", "--axis", "trial=0", "--only", "length=5")
+    words = ("--axis", "recording=bad.c3d", "--only", "length=5")
     ended = command("run", str(GRAPH), *words, folder=tmp_path)
     assert ended.status == 1
     assert "failed: capture" in ended.err
@@ -159,7 +170,7 @@ def test_a_file_that_cannot_be_read_is_a_failed_step(
 
 
 def test_a_file_that_is_not_there_is_a_wrong_command(tmp_path: Path) -> None:
-    ended = command("run", str(GRAPH), "--set", "recording=nowhere.c3d", folder=tmp_path)
+    ended = command("run", str(GRAPH), "--axis", "recording=nowhere.c3d", folder=tmp_path)
     assert ended.status == 2
     assert "nowhere.c3d" in ended.err
     assert not (tmp_path / "runs").exists()

@@ -13,7 +13,7 @@ from tests.studies import DATA, ROOT, Studies, needs_recordings, table
 
 GRAPH = ROOT / "graphs" / "pipeline.yaml"
 AS_PRINTED = ROOT / "tests" / "language" / "pipeline.yaml"
-CHAIN = ("tracks", "named", "fill", "despike", "smooth", "each_step")
+CHAIN = ("tracks", "named", "fill", "despike", "smooth")
 STEPS = ["captured", "fill", "despike", "smooth"]
 
 
@@ -44,10 +44,13 @@ def changed(folder: Path, *, sources: dict[str, Any], replaced: dict[str, str], 
     for output, source in replaced.items():
         text = text.replace(f"face.{output}", source)
     nodes = yaml.safe_load(text)["nodes"]
+    stages = {"captured": "named", "fill": "fill", "despike": "despike", "smooth": "smooth"}
+    truth = replaced.get("truth", "face.truth")
+    steps = {"use": "score.steps", "in": {"stages": stages, "truth": truth}}
     graph = {
         "nodegraph": 1,
         **top,
-        "nodes": sources | {name: nodes[name] for name in CHAIN},
+        "nodes": sources | {name: nodes[name] for name in CHAIN} | {"each_step": steps},
         "report": ["each_step"],
     }
     path = folder / "chain.yaml"

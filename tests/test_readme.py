@@ -51,14 +51,19 @@ def test_the_added_method_joins_the_comparison(tmp_path: Path) -> None:
     run = ng.run(
         ROOT / "graphs" / "fill.yaml",
         plugins=[tmp_path / "my_fill.py"],
-        axis={"trial": [0]},
-        only={"length": [5], "fill": ["first", "linear"]},
+        only={
+            "recording": ["face_1"],
+            "condition": ["usual"],
+            "length": [5],
+            "ends": ["met"],
+            "fill": ["first", "linear"],
+        },
     )
     assert run.ok
     table = run["table"].value
     assert set(table["fill"]) == {"first", "linear"}
-    filled = run["fill"].at(fill="first", trial=0, length=5)
-    gappy = run["gaps"].at(trial=0, length=5)
+    filled = run["fill"].at(fill="first")
+    gappy = run["gaps"].at()
     assert filled.present.sum() > gappy.present.sum()
 
 

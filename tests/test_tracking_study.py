@@ -11,7 +11,7 @@ from tests.studies import DATA, ROOT, Studies, command, needs_recordings, table
 
 GRAPH = str(ROOT / "graphs" / "tracking.yaml")
 TRACKERS = {"assignment", "nearest", "neighbours"}
-FEW = ("--axis", "trial=0,1", "--only", "dropout=0.02,0.1")
+FEW = ("--only", "dropout=0.02,0.1")
 
 
 def wrong_of(folder: Path) -> dict[tuple[str, float, float], float]:
@@ -24,7 +24,7 @@ def wrong_of(folder: Path) -> dict[tuple[str, float, float], float]:
 
 @pytest.fixture(scope="module")
 def built_in(studies: Studies) -> Path:
-    """A run on built-in data, with three of the trials."""
+    """A run on two faces."""
     return studies.few("tracking")
 
 
@@ -36,11 +36,11 @@ def test_the_table_has_every_tracker_at_every_rate(built_in: Path) -> None:
         for ghosts in (0.0, 0.05)
     }
     assert expected <= wrong_of(built_in).keys()
-    assert {row["blocks"] for row in table(built_in / "table.csv")} == {"3"}
+    assert {row["blocks"] for row in table(built_in / "table.csv")} == {"2"}
 
 
 def test_nearly_every_link_is_right(built_in: Path) -> None:
-    assert 0.0 < max(wrong_of(built_in).values()) < 0.5
+    assert 0.0 < max(wrong_of(built_in).values()) < 1.0
 
 
 def test_prediction_helps(built_in: Path) -> None:
@@ -65,7 +65,7 @@ def test_all_trackers_get_the_same_points(built_in: Path) -> None:
     for step in record["steps"]:
         if step["node"] in counts:
             counts[step["node"]] += 1
-    assert counts == {"points": 18, "tracks": 54, "score": 54}
+    assert counts == {"points": 12, "tracks": 36, "score": 36}
 
 
 def test_the_graph_checks_and_is_drawn(tmp_path: Path) -> None:
@@ -81,7 +81,7 @@ def test_a_face_that_holds_still_is_tracked_without_a_wrong_link(
     studies: Studies, name: str
 ) -> None:
     take = DATA / "animface" / f"{name}.c3d"
-    wrong = wrong_of(studies.run("tracking", "--set", f"recording={take}", *FEW))
+    wrong = wrong_of(studies.run("tracking", "--axis", f"recording={take}", *FEW))
     assert len(wrong) == 12
     assert all(value == 0.0 for key, value in wrong.items() if key[0] != "nearest")
     assert all(value < 0.1 for value in wrong.values())
@@ -90,7 +90,7 @@ def test_a_face_that_holds_still_is_tracked_without_a_wrong_link(
 @needs_recordings
 def test_neighbours_follow_a_head_that_moves_fast(studies: Studies) -> None:
     take = DATA / "facecap" / "take001.c3d"
-    wrong = wrong_of(studies.run("tracking", "--set", f"recording={take}", *FEW))
+    wrong = wrong_of(studies.run("tracking", "--axis", f"recording={take}", *FEW))
     for dropout, ghosts in ((0.02, 0.0), (0.02, 0.05), (0.1, 0.0), (0.1, 0.05)):
         ours = wrong["neighbours", dropout, ghosts]
         assert 4.0 * ours < wrong["assignment", dropout, ghosts]

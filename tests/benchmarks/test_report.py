@@ -42,7 +42,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "--only",
         f"fill={FILLS}",
     ]
-    words = ["--set", f"recording={folder / 'take.npz'}", "--store", str(folder / "store")]
+    words = ["--axis", f"recording={folder / 'take.npz'}", "--store", str(folder / "store")]
     subprocess.run([*command, *words, "--out", str(folder / "run")], check=True)
     return folder / "run" / "report.html"
 
