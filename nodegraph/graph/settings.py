@@ -210,7 +210,7 @@ def _messages(where: str, node: Node, error: ValidationError) -> Iterator[tuple[
         name = str(detail["loc"][0])
         if detail["type"] in _LIST_TYPES and isinstance(detail["input"], (str, int, float)):
             message = f"{where}: setting {name!r} of {node.name} is a list"
-            yield name, message, f"write [{detail['input']}]"
+            yield name, message, f"it is {setting_kind(node, name)}: write [{detail['input']}]"
             continue
         reason = _REASONS.get(detail["type"])
         reason = reason or f"{_clause(detail['msg'])}, got {detail['input']!r}"
