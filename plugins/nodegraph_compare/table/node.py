@@ -220,7 +220,8 @@ def table(
         if len(doubtful)
         else {}
     )
-    ratio = by_ratio([*gathered, *plain.values()], question.better)
+    filled = [] if instead is None else [group.filled(instead) for group in gathered]
+    ratio = by_ratio([*gathered, *plain.values(), *filled], question.better)
     margin = None
     if equivalent is not None:
         margin = suited_margin(equivalent, question, unit, ratio=ratio)
