@@ -16,6 +16,11 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
 GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
 TWO = ("--only", "recording=face_1,face_2")
+ONE = (
+    *("--only", "recording=face_1", "--only", "condition=usual", "--only", "ends=as_published"),
+    *("--axis", "length=45"),
+)
+"""One combination of the graph of fills for each method."""
 FEW = {
     "alignment": ("--axis", "actor=0,1", "--only", "data=take,scans"),
     "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual"),

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from nodegraph.lock.lockfile import read_lock
-from tests.studies import GRAPHS, ROOT, Studies
+from tests.studies import GRAPHS, ONE, ROOT, Studies
 
 LOCKS = sorted((ROOT / "graphs").glob("*.lock"))
 FILL = str(ROOT / "graphs" / "fill.yaml")
-SMALL = ("--axis", "trial=0", "--axis", "length=45", "--only", "fill=muscle,pca,linear")
+SMALL = (*ONE, "--only", "fill=muscle,pca,linear")
 ROUNDED = """
 import numpy as np
 
@@ -109,7 +109,8 @@ def test_an_edited_constant_of_a_method_is_located(
     lines = output[output.index("diverged: ") :].splitlines()
     assert status == 1
     assert lines[0].startswith("diverged: fill.lock: ")
-    assert lines[2].endswith(" fill(trial=0, length=45, fill=muscle)")
+    at = "recording=face_1, trial=0, condition=usual, length=45, ends=as_published, fill=muscle"
+    assert lines[2].endswith(f" fill({at})")
     assert "nodegraph_fill.muscle:muscle" in lines[3]
     assert lines[4].startswith("    by ")
     assert lines[5].startswith("    output")

@@ -14,11 +14,11 @@ from typing import Any
 
 import pytest
 
-from tests.studies import FEW, GRAPHS, ROOT, Studies
+from tests.studies import FEW, GRAPHS, ONE, ROOT, Studies
 
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
-SMALL = ("--axis", "trial=0", "--axis", "length=45", "--only", FILLS)
+SMALL = (*ONE, "--only", FILLS)
 Again = Callable[..., dict[str, Any]]
 
 
