@@ -79,6 +79,7 @@ class Environment:
             "HOME": str(self.home),
             "XDG_CACHE_HOME": str(self.home / ".cache"),
             "NUMBA_CACHE_DIR": "",
+            "PYTHONDONTWRITEBYTECODE": "1",  # what an installation holds is compared
             "NODEGRAPH_STORE": str(self.folder / "store"),
         }
         return run(str(path), *map(str, words), cwd=self.folder, variables=variables).stdout

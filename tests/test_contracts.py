@@ -55,6 +55,7 @@ TAKES_AND_GIVES_ANSWERS = {
     "points.scatter": (["truth"], ["truth"]),
     "read.truth": ([], ["output"]),
     "score.alignment": (["head_motion"], []),
+    "score.calibration": (["truth"], []),
     "score.distance": (["reference"], []),
     "score.gaps": (["truth"], []),
     "score.head_motion": (["truth"], []),

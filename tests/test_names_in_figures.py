@@ -25,8 +25,8 @@ SHOWN = {
 }
 """Labels, and how they are drawn."""
 
-WITHOUT_LABELS = {"compare.importance"}
-"""Nodes whose figures name the axes and no label."""
+WITHOUT_LABELS = {"compare.importance", "score.calibration"}
+"""Nodes whose figures name the axes or levels of coverage, and no label."""
 
 
 FIGURES = [

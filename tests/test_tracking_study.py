@@ -90,7 +90,8 @@ def test_a_face_that_holds_still_is_tracked_without_a_wrong_link(
 @needs_recordings
 def test_neighbours_follow_a_head_that_moves_fast(studies: Studies) -> None:
     take = DATA / "facecap" / "take001.c3d"
-    wrong = wrong_of(studies.run("tracking", "--axis", f"recording={take}", *FEW))
+    trials = ("--axis", "trial={count: 8}")
+    wrong = wrong_of(studies.run("tracking", "--axis", f"recording={take}", *trials, *FEW))
     for dropout, ghosts in ((0.02, 0.0), (0.02, 0.05), (0.1, 0.0), (0.1, 0.05)):
         ours = wrong["neighbours", dropout, ghosts]
         assert 4.0 * ours < wrong["assignment", dropout, ghosts]

@@ -115,9 +115,10 @@ def extent_of(positions: NDArray[np.float64]) -> float:
     some = some[there]
     if not len(some):
         return np.nan
-    # fmax and fmin pass over NaN
-    sides = np.fmax.reduce(some, axis=1) - np.fmin.reduce(some, axis=1)
-    return float(np.median(sides.max(axis=1)))
+    with np.errstate(over="ignore"):  # such lengths are refused where the recording is read
+        # fmax and fmin pass over NaN
+        sides = np.fmax.reduce(some, axis=1) - np.fmin.reduce(some, axis=1)
+        return float(np.median(sides.max(axis=1)))
 
 
 def unit_named(text: str) -> str | None:

@@ -21,6 +21,7 @@ MACHINE = {
     for name in (
         "errors",
         "kernels",
+        "node.declaration",
         "node.ports",
         "node.values",
         "plugin.formats",

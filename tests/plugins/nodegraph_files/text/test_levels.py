@@ -120,6 +120,6 @@ def test_what_pandas_writes_reads_back_equal(tmp_path_factory: Any, data: Any) -
     path.write_text(
         RATE + pd.DataFrame(positions.reshape(len(positions), -1), columns=columns).to_csv()
     )
-    read = read_csv(path)
+    read = read_csv(path, unit="mm")
     assert read.markers == tuple(names)
     np.testing.assert_array_equal(read.positions, positions)
