@@ -23,6 +23,7 @@ from nodegraph_compare.question import sign_of
 from nodegraph_compare.scope import caution, few_blocks, rules, scope
 from nodegraph_compare.table.sensitivity import (
     PLAIN,
+    behind_by_all_rules,
     change_to,
     objections,
     suspects_text,
@@ -235,13 +236,19 @@ class _Answer:
         worse = (summary.blocks > 0) & ~summary.bests
         if not worse.any():
             return []
-        close = _names(summary, worse & ~summary.behind)
+        behind = behind_by_all_rules(summary)
+        close = _names(summary, worse & ~behind)
         texts = ["every other method is clearly behind"]
         if close:
             more = np.count_nonzero(worse) - len(close)
             rest = f"; the {'other' if more == 1 else f'other {more}'} clearly behind"
             best = "them" if np.count_nonzero(summary.bests) > 1 else "it"
             texts = [f"not clearly apart from {best}: {listed(close)}{rest if more else ''}"]
+        if depends := _names(summary, summary.behind & ~behind):
+            texts.append(
+                f"clearly behind only with {self._fallback} in place of missing {self._blocks}: "
+                f"{listed(depends)}"
+            )
         if summary.margin is not None and summary.paired is not None:
             texts.append(_equal(summary, summary.paired))
         return texts

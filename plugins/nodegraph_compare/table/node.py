@@ -151,7 +151,7 @@ def table(
         A label of `compare`: where another method has no number in a block, this one's stands, as
         it would in use. What is refused is not missing at random: a method that refuses the
         hardest blocks looks better over the rest. Two other rules stand beside it, the blocks that
-        all methods have, and the worst value of the block: a verdict stands only if all three
+        all methods have, and the worst value of the block: a claim stands only if all three
         agree, and the answer says so.
     rows
         Axes, or columns, whose labels stand down the side of a table of means; those not in

@@ -13,6 +13,8 @@ from nodegraph_compare.table.summary import Variant
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from nodegraph import Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.suspects import Suspects
@@ -61,7 +63,7 @@ def summary_of(
 
 
 def objections(summary: Summary, blocks: str) -> str:
-    """Return what other rules for missing blocks say in place of the verdict; empty if the same.
+    """Return what is the best by other rules for missing blocks; empty if the same is.
 
     Parameters
     ----------
@@ -73,10 +75,17 @@ def objections(summary: Summary, blocks: str) -> str:
     variants = _variants(summary)
     named = {COMMON: f"over common {blocks}", WORST: f"with the worst error of {blocks} instead"}
     return " and ".join(
-        f"{text} {change}"
+        f"{text} {other}"
         for rule, text in named.items()
-        if rule in variants and (change := change_to(summary, variants[rule]))
+        if rule in variants and (other := _other_best(summary, variants[rule]))
     )
+
+
+def behind_by_all_rules(summary: Summary) -> NDArray[np.bool_]:
+    """Return (K,), the methods clearly behind by every rule for missing blocks."""
+    variants = _variants(summary)
+    rules = [variants[rule].behind for rule in (COMMON, WORST) if rule in variants]
+    return np.asarray(np.logical_and.reduce([summary.behind, *rules]))
 
 
 def suspects_text(summary: Summary, blocks: str) -> str:
@@ -106,10 +115,8 @@ def _variants(summary: Summary) -> dict[str, Summary]:
 
 def change_to(summary: Summary, other: Summary) -> str:
     """Return what another rule says in place of the verdict; empty where it says the same."""
-    bests, others = _names(summary, summary.bests), _names(other, other.bests)
-    if bests != others:
-        verb = "share" if len(others) > 1 else "has"
-        return f"{listed(others)} {verb} the best mean" if others else "nothing can be said"
+    if best := _other_best(summary, other):
+        return best
     behind, still = _names(summary, summary.behind), _names(other, other.behind)
     gone = [name for name in behind if name not in still]
     new = [name for name in still if name not in behind]
@@ -120,5 +127,14 @@ def change_to(summary: Summary, other: Summary) -> str:
     )
 
 
-def _names(summary: Summary, where: np.typing.NDArray[np.bool_]) -> list[str]:
+def _other_best(summary: Summary, other: Summary) -> str:
+    """Return what has the best mean by another rule; empty where the same has."""
+    bests, others = _names(summary, summary.bests), _names(other, other.bests)
+    if bests == others:
+        return ""
+    verb = "share" if len(others) > 1 else "has"
+    return f"{listed(others)} {verb} the best mean" if others else "nothing can be said"
+
+
+def _names(summary: Summary, where: NDArray[np.bool_]) -> list[str]:
     return [str(summary.group.methods[place]) for place in np.flatnonzero(where).tolist()]

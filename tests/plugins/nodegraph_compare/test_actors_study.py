@@ -64,7 +64,8 @@ def error(take: Take, *, kind: str = "plain", trial: int = 0, broken: bool = Fal
     hard = np.exp(actor + random.normal(size=10))
     noise = np.random.default_rng([take.seed, trial, sum(map(ord, kind))]).lognormal(0, 0.2, 10)
     rmse = {
-        "plain": hard, "other": 1.3 * hard, "shy": np.where(hard > 1.3, np.nan, 0.6 * hard)
+        "plain": hard, "other": 1.3 * hard, "shy": np.where(hard > 1.3, np.nan, 0.6 * hard),
+        "few": 1.3 * hard if take.seed < 3 else np.full(10, np.nan),
     }[kind] * noise
     if broken and take.seed == 0 and trial == 0:
         rmse = rmse.copy()
@@ -85,7 +86,7 @@ nodes:
     alternatives:
       other: {{use: made.error, with: {{kind: other}}}}
       plain: {{use: made.error, with: {{kind: plain}}}}
-      shy: {{use: made.error, with: {{kind: shy}}}}
+      {third}: {{use: made.error, with: {{kind: {third}}}}}
   answer: {{use: {use}, in: error, with: {{metric: rmse, blocks: [trial, gap], {more}}}}}
 report: [answer]
 """
@@ -98,8 +99,14 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Any:
     (folder / "made.py").write_text(NODES)
 
     def run_graph(more: str = "", *words: str, **settings: Any) -> int:
-        values = {"actors": 8, "broken": "false", "use": "compare.table", "more": more}
-        (folder / "graph.yaml").write_text(GRAPH.format(**{**values, **settings}))
+        values = {
+            "actors": 8,
+            "broken": "false",
+            "use": "compare.table",
+            "more": more,
+            "third": "shy",
+        }
+        (folder / "graph.yaml").write_text(GRAPH.format(**{**values, "more": more, **settings}))
         command = ["run", str(folder / "graph.yaml"), "--plugin", str(folder / "made.py"), *words]
         return main([*command, "--out", str(folder / "run"), "--jobs", "1"])
 
@@ -122,6 +129,17 @@ def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
     assert re.search(r"shy +.* 3 frames", text)
     assert run("fallback: other", use="compare.ranks") == 0
     assert "missing gaps as by other (shy" in capsys.readouterr().out
+
+
+def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
+    run: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("fallback: plain", third="few") == 0
+    text = capsys.readouterr().out
+    assert "plain has the lowest mean rmse (" in text
+    assert "no verdict stands" not in text
+    assert re.search(r"not clearly apart from it: \w+, \w+; clearly behind only with plain", text)
+    assert re.search(r"in place of missing gaps: .*other", text)
 
 
 def test_a_block_in_which_every_method_fails_is_named(
