@@ -208,13 +208,14 @@ def test_a_third_party_method_joins_the_comparison(place: Environment, tmp_path:
     assert "Standing still" in nodegraph(place, "show", "fill.hold", cwd=tmp_path).stdout
 
     nodegraph(place, "examples", "fill", cwd=tmp_path)
-    only_ours = nodegraph(place, "check", "fill.yaml", "--only", "fill=hold", cwd=tmp_path)
-    assert "fill.hold" in only_ours.stdout
-    axes = ("--axis", "trial=0,1", "--axis", "length=5")
-    nodegraph(place, "run", "fill.yaml", *axes, cwd=tmp_path)
+    checked = nodegraph(place, "check", "fill.yaml", "--only", "fill=hold,muscle", cwd=tmp_path)
+    assert "fill.hold" in checked.stdout
+    labels = ("length=5", "recording=face_1,face_2", "fill=hold,muscle,linear")
+    only = [word for label in labels for word in ("--only", label)]
+    nodegraph(place, "run", "fill.yaml", *only, cwd=tmp_path)
     with (tmp_path / "runs" / "fill" / "table.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["fill"] == "hold"]
-    assert [row["length"] for row in rows] == ["5"]
+    assert [(row["ends"], row["length"]) for row in rows] == [("as_published", "5"), ("met", "5")]
     assert float(rows[0]["mean"]) > 0.0
     assert "Standing still" in (tmp_path / "runs" / "fill" / "report.html").read_text("utf-8")
 
