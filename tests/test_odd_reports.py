@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+from tests.browser import BROWSER, Tab, open_tab
 from tests.studies import command
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
@@ -92,7 +92,7 @@ report: [table]
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as browser_tab:
+    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
         yield browser_tab
 
 
@@ -112,7 +112,7 @@ def odd(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Tab) -> None:
-    tab.said.clear()
+    tab.console.clear()
     tab.show(odd / "report.html")
     assert tab.value("window.ran") is None
     assert tab.value("document.querySelector('h1').textContent") == f"{MARKUP} & a question"
@@ -138,14 +138,14 @@ def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Tab) -> None:
     tab.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
     tab.click(".playback button")
     assert tab.value("window.ran") is None
-    assert tab.said == []
+    assert tab.console == []
 
 
 def test_the_page_beside_the_report_runs_no_markup_either(odd: Path, tab: Tab) -> None:
-    tab.said.clear()
+    tab.console.clear()
     tab.show(next(odd.glob("playback*.html")))
     assert tab.value("window.ran") is None
-    assert tab.said == []
+    assert tab.console == []
 
 
 def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> None:
@@ -177,7 +177,7 @@ def test_markers_without_edges_are_drawn_and_played(odd: Path, tab: Tab) -> None
 
 def test_thousands_of_rows_are_folded_and_sort(tmp_path: Path, tab: Tab) -> None:
     folder = run_of(MANY, tmp_path)
-    tab.said.clear()
+    tab.console.clear()
     tab.show(folder / "report.html")
     table = "document.querySelector('.result table')"
     assert tab.value(f"{table}.tBodies[0].rows.length") == 2 * 40 * 30
@@ -188,4 +188,4 @@ def test_thousands_of_rows_are_folded_and_sort(tmp_path: Path, tab: Tab) -> None
     tab.value(f"{table}.querySelectorAll('thead button')[0].click()")
     assert tab.value(f"{table}.tBodies[0].rows[0].cells[0].textContent") == "39"
     assert (folder / "report.html").stat().st_size < 10e6
-    assert tab.said == []
+    assert tab.console == []

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+from tests.browser import BROWSER, Tab, open_tab
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 from tests.studies import GRAPHS, Studies
 
@@ -99,7 +99,7 @@ CONTRAST = """
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as browser_tab:
+    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
         yield browser_tab
 
 
@@ -112,11 +112,11 @@ def run(request: pytest.FixtureRequest, studies: Studies) -> Path:
 @pytest.fixture
 def page(run: Path, tab: Tab) -> Iterator[Tab]:
     """The report of the run, opened on a desktop; its console must stay empty."""
-    tab.said.clear()
+    tab.console.clear()
     tab.prefer()
     tab.show(run / "report.html")
     yield tab
-    assert tab.said == []
+    assert tab.console == []
 
 
 def cells(text: str) -> tuple[list[str], list[list[str]]]:

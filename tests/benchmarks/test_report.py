@@ -11,7 +11,7 @@ import pytest
 from nodegraph import get_node
 from nodegraph_files import write_npz
 from tests.benchmarks.tables import Tables
-from tests.plugins.nodegraph_mocap.player.browser import BROWSER, opened
+from tests.browser import BROWSER, open_tab
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -51,12 +51,12 @@ def test_the_report_opens(report: Path, tmp_path: Path, tables: Tables) -> None:
     size = report.stat().st_size
     tables.put(CASE, "nodegraph", "MB", size / 1e6)
     loaded, drawn = [], []
-    with opened(tmp_path) as tab:
+    with open_tab(tmp_path) as tab:
         for _ in range(ROUNDS):
             tab.show(report)
             drawn.append(tab.value(DRAWN))
             loaded.append(tab.value(LOADED))
-        assert tab.said == []
+        assert tab.console == []
     tables.put(CASE, "nodegraph", "loaded s", min(loaded) / 1e3)
     tables.put(CASE, "nodegraph", "drawn s", min(drawn) / 1e3)
     assert size < LARGEST

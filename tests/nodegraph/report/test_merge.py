@@ -10,7 +10,7 @@ import pytest
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, Study, page
 from nodegraph.report.merge import merged
-from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+from tests.browser import BROWSER, Tab, open_tab
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -28,7 +28,7 @@ CORNERS = """
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as browser_tab:
+    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
         yield browser_tab
 
 

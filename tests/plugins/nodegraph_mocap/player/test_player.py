@@ -16,7 +16,7 @@ from nodegraph.report import Section, Study, page
 from nodegraph_mocap import Animation, HeadMotion, Origin, Panel, Playback, Trajectories
 from nodegraph_mocap.player.page import render_playback
 from nodegraph_mocap.specimens import FRAMES, animations, recordings
-from tests.plugins.nodegraph_mocap.player.browser import BROWSER, Tab, opened
+from tests.browser import BROWSER, Tab, open_tab
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
@@ -34,17 +34,17 @@ HOSTILE = "<img src=x onerror=\"document.title='ran'\">"
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with opened(tmp_path_factory.mktemp("profile")) as made:
-        yield made
+    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
+        yield browser_tab
 
 
 @pytest.fixture(autouse=True)
 def nothing_complains(request: pytest.FixtureRequest) -> Iterator[None]:
-    made: Tab = request.getfixturevalue("tab")
-    made.said.clear()
-    made.prefer()
+    tab: Tab = request.getfixturevalue("tab")
+    tab.console.clear()
+    tab.prefer()
     yield
-    assert made.said == []
+    assert tab.console == []
 
 
 def panel(shown: Trajectories | Animation, label: str = "one") -> Panel:

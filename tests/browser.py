@@ -30,10 +30,10 @@ _WITH_PIPES = (
 
 
 class Tab:
-    """One page: what is evaluated in it, pressed, dragged, and what its console says."""
+    """A page: evaluates in it, presses keys, moves the mouse, and keeps what its console prints."""
 
     def __init__(self, commands: int, answers: int) -> None:
-        self.said: list[str] = []
+        self.console: list[str] = []
         self._commands, self._answers = commands, answers
         self._rest = b""
         self._number = 0
@@ -47,17 +47,17 @@ class Tab:
     def send(self, method: str, **parameters: Any) -> dict[str, Any]:
         """Send a command and return its answer."""
         self._number += 1
-        asked = {"id": self._number, "method": method, "params": parameters}
+        command = {"id": self._number, "method": method, "params": parameters}
         if self._session:
-            asked["sessionId"] = self._session
-        os.write(self._commands, json.dumps(asked).encode() + b"\0")
+            command["sessionId"] = self._session
+        os.write(self._commands, json.dumps(command).encode() + b"\0")
         while True:
-            told = self._next()
-            if told.get("id") == self._number:
-                assert "error" not in told, told["error"]
-                result: dict[str, Any] = told["result"]
+            message = self._next()
+            if message.get("id") == self._number:
+                assert "error" not in message, message["error"]
+                result: dict[str, Any] = message["result"]
                 return result
-            self._listen(told)
+            self._listen(message)
 
     def show(
         self, file: Path, *, width: int = 1200, height: int = 900, touch: bool = False
@@ -78,17 +78,17 @@ class Tab:
 
     def prefer(self, **features: str) -> None:
         """Set what a reader prefers: ``prefers_color_scheme="dark"``."""
-        chosen = [{"name": k.replace("_", "-"), "value": v} for k, v in features.items()]
-        self.send("Emulation.setEmulatedMedia", features=chosen)
+        media = [{"name": k.replace("_", "-"), "value": v} for k, v in features.items()]
+        self.send("Emulation.setEmulatedMedia", features=media)
 
     def value(self, expression: str) -> Any:
         """Evaluate in the page; a promise is awaited."""
-        told = self.send(
+        answer = self.send(
             "Runtime.evaluate",
             **{"expression": expression, "awaitPromise": True, "returnByValue": True},
         )
-        assert "exceptionDetails" not in told, told["exceptionDetails"]
-        return told["result"].get("value")
+        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
+        return answer["result"].get("value")
 
     def press(self, key: str, *, shift: bool = False) -> None:
         """Press a key and let it go."""
@@ -115,12 +115,12 @@ class Tab:
         x, y = self.middle(selector)
         for number, fingers in enumerate(steps):
             kind = "touchMove" if number else "touchStart"
-            points = [{"x": x + one, "y": y + two} for one, two in fingers]
+            points = [{"x": x + right, "y": y + down} for right, down in fingers]
             self.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
         self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def mouse(self, kind: str, x: float, y: float) -> None:
-        """Tell the page that the mouse did something."""
+        """Send the page an event of the mouse, such as ``mouseMoved``."""
         self.send(
             "Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1
         )
@@ -132,8 +132,8 @@ class Tab:
 
     def picture(self, file: Path, *, whole: bool = False) -> None:
         """Save what is seen, or the whole page, as PNG."""
-        told = self.send("Page.captureScreenshot", captureBeyondViewport=whole)
-        file.write_bytes(base64.b64decode(told["data"]))
+        answer = self.send("Page.captureScreenshot", captureBeyondViewport=whole)
+        file.write_bytes(base64.b64decode(answer["data"]))
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
@@ -142,24 +142,24 @@ class Tab:
             assert read, "the browser has ended, or hangs"
             self._rest += read
         message, _, self._rest = self._rest.partition(b"\0")
-        told: dict[str, Any] = json.loads(message)
-        return told
+        decoded: dict[str, Any] = json.loads(message)
+        return decoded
 
-    def _listen(self, told: Mapping[str, Any]) -> None:
-        if told.get("method") == "Runtime.exceptionThrown":
-            self.said.append(str(told["params"]["exceptionDetails"]))
-        elif told.get("method") == "Runtime.consoleAPICalled":
-            self.said.append(str(told["params"]["args"]))
-        elif told.get("method") == "Log.entryAdded":
-            self.said.append(told["params"]["entry"]["text"])
+    def _listen(self, message: Mapping[str, Any]) -> None:
+        if message.get("method") == "Runtime.exceptionThrown":
+            self.console.append(str(message["params"]["exceptionDetails"]))
+        elif message.get("method") == "Runtime.consoleAPICalled":
+            self.console.append(str(message["params"]["args"]))
+        elif message.get("method") == "Log.entryAdded":
+            self.console.append(message["params"]["entry"]["text"])
 
 
 _LOADED = """
-new Promise((done) => {
+new Promise((resolve) => {
   const look = () => {
-    const all = [...document.querySelectorAll("figure.playback")];
-    const ready = (one) => one.playback || /cannot/.test(one.textContent);
-    if (document.readyState === "complete" && all.every(ready)) done(true);
+    const figures = [...document.querySelectorAll("figure.playback")];
+    const ready = (figure) => figure.playback || /cannot/.test(figure.textContent);
+    if (document.readyState === "complete" && figures.every(ready)) resolve(true);
     else setTimeout(look, 20);
   };
   look();
@@ -176,22 +176,22 @@ _BOX = """
 
 
 @contextmanager
-def opened(folder: Path) -> Iterator[Tab]:
-    """Start a browser whose profile lies in a folder; end it afterwards."""
-    commands, to_us = os.pipe(), os.pipe()
+def open_tab(folder: Path) -> Iterator[Tab]:
+    """Start a browser whose profile lies in a folder, and end it afterwards."""
+    commands, answers = os.pipe(), os.pipe()
     chromium = [str(BROWSER), *_QUIET, f"--user-data-dir={folder}", "--remote-debugging-pipe"]
-    wrapped = [sys.executable, "-c", _WITH_PIPES, str(commands[0]), str(to_us[1]), *chromium]
+    command = [sys.executable, "-c", _WITH_PIPES, str(commands[0]), str(answers[1]), *chromium]
     with subprocess.Popen(
-        wrapped, pass_fds=(commands[0], to_us[1]), stderr=subprocess.DEVNULL
+        command, pass_fds=(commands[0], answers[1]), stderr=subprocess.DEVNULL
     ) as process:
         os.close(commands[0])
-        os.close(to_us[1])
+        os.close(answers[1])
         try:
-            tab = Tab(commands[1], to_us[0])
+            tab = Tab(commands[1], answers[0])
             yield tab
             tab._session = ""
             tab.send("Browser.close")
         finally:
-            for end in (commands[1], to_us[0]):
-                os.close(end)
+            for pipe in (commands[1], answers[0]):
+                os.close(pipe)
             process.terminate()
