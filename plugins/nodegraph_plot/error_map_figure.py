@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_mocap import figure_text
-from nodegraph_plot.view import frontal
+from nodegraph_mocap.view import frontal
 from nodegraph_tables.style import GREY
 
 if TYPE_CHECKING:

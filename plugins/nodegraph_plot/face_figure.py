@@ -12,8 +12,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import Origin, figure_text
+from nodegraph_mocap.view import frontal
 from nodegraph_plot.recordings import true_positions
-from nodegraph_plot.view import frontal
 from nodegraph_tables.style import BLACK, BLUE, GREY, ORANGE
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ import numpy as np
 
 from nodegraph_mocap import Animation, Trajectories
 from nodegraph_mocap.playback import Panel
-from nodegraph_plot.view import frontal
+from nodegraph_mocap.view import frontal
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_plot.view import View
+    from nodegraph_mocap.view import View
 
 _OUTER = 0.1
 """Percent of the samples on each side that may lie outside: impulses must not shrink a face."""

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import figure_text
-from nodegraph_plot.view import frontal
+from nodegraph_mocap.view import frontal
 from nodegraph_tables.style import BLACK, GREY, LIGHT
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import figure_text
-from nodegraph_plot.view import frontal
+from nodegraph_mocap.view import frontal
 from nodegraph_tables.style import BLUE, GREY, LIGHT, ORANGE
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from matplotlib.collections import PathCollection
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap.view import frontal
 from nodegraph_plot.error_map import error_map
-from nodegraph_plot.view import frontal
 from tests.plugins.nodegraph_plot import made_face
 
 

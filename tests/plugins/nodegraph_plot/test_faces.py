@@ -10,8 +10,8 @@ from matplotlib.collections import LineCollection, PathCollection
 from nodegraph import Across
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap.view import frontal
 from nodegraph_plot.faces import faces
-from nodegraph_plot.view import frontal
 from tests.plugins.nodegraph_plot import made_face
 
 FRAME = 17

@@ -11,9 +11,9 @@ from nodegraph import Absent, Across, Refusal
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Animation, Trajectories
 from nodegraph_mocap.specimens import animations, recordings
+from nodegraph_mocap.view import frontal
 from nodegraph_plot import playback_limits
 from nodegraph_plot.playback import playback
-from nodegraph_plot.view import frontal
 from tests.plugins.nodegraph_plot import made_face
 
 

@@ -12,8 +12,8 @@ from matplotlib.colors import to_hex, to_rgba
 
 from nodegraph import Across, Refusal
 from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap.view import frontal
 from nodegraph_plot.selection import selection
-from nodegraph_plot.view import frontal
 from nodegraph_tables.style import GREY
 from tests.plugins.nodegraph_plot import made_face
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph_mocap import MarkerSet, Trajectories
-from nodegraph_plot.view import frontal
+from nodegraph_mocap.view import frontal
 from tests.plugins.nodegraph_plot import made_face
 
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
