@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import networkx as nx
 
@@ -11,6 +12,7 @@ from nodegraph.graph.axes import CombinationCounter, check_fixed_axes, node_axes
 from nodegraph.graph.flatten import FlatGraph
 from nodegraph.graph.methods import (
     ResolvedMethod,
+    at_first_labels,
     check_requires,
     deprecations,
     resolve_methods,
@@ -64,6 +66,10 @@ class Assembler:
             name: [source for method in methods for source in method.references()]
             for name, methods in self._methods.items()
         }
+        self._spec = replace(
+            spec,
+            report=tuple(at_first_labels(entry, self._namespace.axes) for entry in spec.report),
+        )
         self._nodes: dict[str, GraphNode] = {}
         self._wires = WireChecker(spec, self._nodes, self._namespace, problems)
         self._left_out: list[LeftOut] = []

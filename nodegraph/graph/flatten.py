@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from nodegraph.errors import Place, Problems
 from nodegraph.graph.methods import labelled
@@ -25,6 +25,8 @@ from nodegraph.graphfile.spec import (
 )
 from nodegraph.node.ports import Port
 from nodegraph.plugin.registry import Registered
+
+_Reference = TypeVar("_Reference", bound=Reference)
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ class _Flattening:
             for port, feed in wiring.items()
         }
 
-    def _redirected(self, source: Reference) -> Reference:
+    def _redirected(self, source: _Reference) -> _Reference:
         if (source.node, "") not in self._fitting:
             return source
         use = self._uses[source.node, ""]
@@ -232,7 +234,7 @@ class _Flattening:
             return replace(source, node=use.prefix + source.port, port="")
         return source
 
-    def _all_outputs(self, references: Iterable[Reference]) -> Iterator[Reference]:
+    def _all_outputs(self, references: Iterable[_Reference]) -> Iterator[_Reference]:
         """Yield references to nodes; that to a node which uses a graph means all its outputs."""
         for reference in references:
             ports = [reference.port]

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
+from typing import TypeVar
 
 from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest
 from nodegraph.graph.model import Axis, method_name
@@ -24,6 +25,7 @@ from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registered, Registry
 
 PASS = "pass"
+_Reference = TypeVar("_Reference", bound=Reference)
 
 
 @dataclass(frozen=True)
@@ -57,14 +59,15 @@ class ResolvedMethod:
         wiring: dict[str, Reference | Gathering] = {}
         for name, feed in self.wiring.items():
             if isinstance(feed, Reference):
-                wiring[name] = _at_first_labels(feed, axes)
+                wiring[name] = at_first_labels(feed, axes)
             else:
-                sources = {at: _at_first_labels(each, axes) for at, each in feed.sources.items()}
+                sources = {at: at_first_labels(each, axes) for at, each in feed.sources.items()}
                 wiring[name] = replace(feed, sources=sources)
         return replace(self, wiring=wiring)
 
 
-def _at_first_labels(source: Reference, axes: Mapping[str, Axis]) -> Reference:
+def at_first_labels(source: _Reference, axes: Mapping[str, Axis]) -> _Reference:
+    """Return a reference with each `FIRST` in it replaced by the label."""
     first = {name: axes[name].labels[0] for name in source.at if name in axes and axes[name].labels}
     at = {name: first.get(name, at) if at == FIRST else at for name, at in source.at.items()}
     return replace(source, at=at)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest
 from nodegraph.graphfile.axes import axis_from_option, is_pattern
-from nodegraph.graphfile.spec import GraphSpec, Reference
+from nodegraph.graphfile.spec import GraphSpec, Reference, ReportEntry
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
@@ -345,13 +345,16 @@ class Graph:
         entries = dict.fromkeys((*shown, *files))
         return tuple(entry for entry in entries if entry[0] in self.nodes)
 
-    def is_reported(self, node: str, port: str, labels: Mapping[str, Label]) -> bool:
-        """Return whether the report shows one of `reported` at these labels.
+    def report_entry(self, node: str, port: str, labels: Mapping[str, Label]) -> ReportEntry | None:
+        """Return the entry under which the report shows one of `reported` at these labels.
 
-        Entries of the report may fix axes; without such an entry all labels are shown.
+        Entries may fix axes: None where no entry has these labels. What is shown without being
+        listed has an entry without title and caption.
         """
-        fixed = [entry.at for entry in self.spec.report if (entry.node, entry.port) == (node, port)]
-        return not fixed or any(at.items() <= labels.items() for at in fixed)
+        entries = [
+            entry for entry in self.spec.report if (entry.node, entry.port) == (node, port)
+        ] or [ReportEntry(node, port, self.nodes[node].place)]
+        return next((entry for entry in entries if entry.at.items() <= labels.items()), None)
 
     def until(self, names: Iterable[str]) -> Graph:
         """Return the graph of these nodes and all that they need; its report shows these nodes.
@@ -372,7 +375,7 @@ class Graph:
             needed |= nx.ancestors(self.network, name)
         network = self.network.copy()  # unlike a subgraph view, it keeps the order of the nodes
         network.remove_nodes_from(self.nodes.keys() - needed)
-        report = tuple(Reference(name, "", self.nodes[name].place) for name in targets)
+        report = tuple(ReportEntry(name, "", self.nodes[name].place) for name in targets)
         return replace(self, network=nx.freeze(network), spec=replace(self.spec, report=report))
 
     def output_name(self, source: Reference) -> str:

@@ -13,6 +13,7 @@ from nodegraph.graphfile.keys import (
     MOST_LABELS,
     REFERENCE,
     REFERENCE_HINT,
+    REPORT_ENTRY,
     Form,
     Key,
 )
@@ -20,6 +21,7 @@ from nodegraph.graphfile.keys import (
 Schema = dict[str, Any]
 
 VARIABLE = rf"^\${IDENTIFIER}(\.{IDENTIFIER})?$"
+TEXT: Schema = {"type": ["string", "number", "boolean", "null"]}
 NAME: Schema = {"pattern": f"^{IDENTIFIER}$", "patternErrorMessage": IDENTIFIER_HINT}
 _REFERENCE: Schema = {
     "type": ["string", "object"],
@@ -84,9 +86,20 @@ def shared_definitions() -> dict[str, Schema]:
             **fixed_or({"additionalProperties": ref("feed")}),
         },
         "settings": {"type": ["object", "null"]},
+        "report": {"type": ["array", "null"], "items": _report_entry(fixed_forms)},
         "references": {"type": ["array", "null"], "items": ref("reference")},
         "axis": _axis(),
     }
+
+
+def _report_entry(forms: Mapping[Form, Schema]) -> Schema:
+    """Return the schema of an entry of ``report``: a reference, or one with title and caption."""
+    entry = {
+        "properties": properties(REPORT_ENTRY, {**forms, Form.TEXT: TEXT}),
+        "additionalProperties": False,
+    }
+    shows = {"type": "object", "required": ["show"]}
+    return {**_REFERENCE, "if": shows, "then": entry, "else": ref("reference")}
 
 
 def _axis() -> Schema:

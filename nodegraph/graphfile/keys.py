@@ -18,6 +18,7 @@ PASS = "pass"
 
 IDENTIFIER_HINT = "use letters, digits and _, not a digit first"
 REFERENCE_HINT = "write node, node.port, or {from: node.port, at: {axis: label}}"
+REPORT_HINT = "write node, node.port, or {show: node.port, at: ..., title: ..., caption: ...}"
 AXIS_HINT = (
     "write a list [5, 15], labels {a: 5, b: 15}, {count: 20}, {range: [5, 60, 5]} or "
     '{files: "data/*.csv"}'
@@ -37,6 +38,7 @@ class Form(Enum):
     NODES = auto()
     COMBINATIONS = auto()
     REFERENCES = auto()
+    REPORT = auto()
     DISTRIBUTIONS = auto()
     OUTPUTS = auto()
     NODE_NAME = auto()
@@ -77,7 +79,10 @@ TOP_LEVEL: Mapping[str, Key] = {
     "outputs": Key(
         Form.OUTPUTS, "What a graph gives when it is used as a node: name -> reference."
     ),
-    "report": Key(Form.REFERENCES, "What the report shows."),
+    "report": Key(
+        Form.REPORT,
+        "What the report shows: node, node.port, or {show: node.port, title: ..., caption: ...}.",
+    ),
 }
 
 NODE: Mapping[str, Key] = {
@@ -96,4 +101,11 @@ FAMILY: Mapping[str, Key] = {key: NODE[key] for key in ("in", "with")}
 FIXED_REFERENCE: Mapping[str, Key] = {
     "from": Key(Form.SOURCE, "node, or node.port."),
     "at": Key(Form.LABELS, "Axes that are fixed: {axis: label}; $first is an axis's first label."),
+}
+
+REPORT_ENTRY: Mapping[str, Key] = {
+    "show": FIXED_REFERENCE["from"],
+    "at": FIXED_REFERENCE["at"],
+    "title": Key(Form.TEXT, "The heading. Default: the value's own title."),
+    "caption": Key(Form.TEXT, "The text beside its number: Table 1. Default: the value's own."),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import PurePath
 from typing import Any
 
@@ -18,6 +19,8 @@ from nodegraph.graphfile.keys import (
     PASS,
     REFERENCE,
     REFERENCE_HINT,
+    REPORT_ENTRY,
+    REPORT_HINT,
     VARIABLE,
 )
 from nodegraph.graphfile.spec import (
@@ -25,6 +28,7 @@ from nodegraph.graphfile.spec import (
     MethodSpec,
     NodeSpec,
     Reference,
+    ReportEntry,
     Variable,
     Wiring,
     Written,
@@ -63,6 +67,43 @@ def _fixed_reference(item: Located, problems: Problems) -> Reference | None:
         return None
     labels = _fixed_labels(item.value["at"], problems) if "at" in item.value else {}
     return Reference(reference.node, reference.port, reference.place, labels)
+
+
+def read_report_entry(item: Located, problems: Problems) -> ReportEntry | None:
+    """Return what an entry of ``report`` shows, or None, with the error noted."""
+    parts = item.value if isinstance(item.value, dict) else {}
+    if "show" not in parts:
+        if isinstance(item.value, dict) and "from" not in parts:
+            problems.add(item.place, "an entry of 'report' needs 'show'", REPORT_HINT)
+            return None
+        return _entry(read_reference(item, problems))
+    for key in parts:
+        if key not in REPORT_ENTRY:
+            problems.add(item.keys[key], f"unknown key {key!r}", REPORT_HINT)
+    shown = parts["show"]
+    if isinstance(shown.value, dict):
+        problems.add(shown.place, "'show' is a node or one of its ports", REPORT_HINT)
+        return None
+    entry = _entry(read_reference(shown, problems))
+    at = _fixed_labels(parts["at"], problems) if "at" in parts else {}
+    title, caption = (read_text(key, parts.get(key), problems) for key in ("title", "caption"))
+    return None if entry is None else replace(entry, at=at, title=title, caption=caption)
+
+
+def _entry(source: Reference | None) -> ReportEntry | None:
+    if source is None:
+        return None
+    return ReportEntry(source.node, source.port, source.place, source.at)
+
+
+def read_text(key: str, item: Located | None, problems: Problems) -> str:
+    """Return the text at a key; an empty one, with the error noted, if there is something else."""
+    if item is None or item.value is None:
+        return ""
+    if isinstance(item.value, (dict, list)):
+        problems.add(item.place, f"{key!r} must be text")
+        return ""
+    return str(item.value)
 
 
 def _fixed_labels(item: Located, problems: Problems) -> dict[str, Any]:

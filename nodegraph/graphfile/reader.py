@@ -13,8 +13,21 @@ from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graphfile.axes import read_axis
 from nodegraph.graphfile.keys import FORMAT, IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL, Form
-from nodegraph.graphfile.nodes import NodeReader, read_reference, space_hint
-from nodegraph.graphfile.spec import GraphSpec, InputSpec, MethodSpec, Reference, SkipSpec
+from nodegraph.graphfile.nodes import (
+    NodeReader,
+    read_reference,
+    read_report_entry,
+    read_text,
+    space_hint,
+)
+from nodegraph.graphfile.spec import (
+    GraphSpec,
+    InputSpec,
+    MethodSpec,
+    Reference,
+    ReportEntry,
+    SkipSpec,
+)
 from nodegraph.graphfile.yaml_text import Located, read_yaml
 
 MOST_DEPTH = 50
@@ -114,6 +127,7 @@ class _SpecReader:
             Form.NODES: lambda key: self._mapping(key, NodeReader(self._problems).read),
             Form.COMBINATIONS: lambda key: self._list(key, self._combination),
             Form.REFERENCES: lambda key: self._list(key, self._reference),
+            Form.REPORT: lambda key: self._list(key, self._report_entry),
             Form.DISTRIBUTIONS: lambda key: self._list(key, self._distribution),
             Form.OUTPUTS: lambda key: self._mapping(key, lambda _, item: self._reference(item)),
         }
@@ -172,13 +186,7 @@ class _SpecReader:
         return list(item.keys.items()) if item and isinstance(item.value, dict) else []
 
     def _text(self, key: str) -> str:
-        item = self._sections.get(key)
-        if item is None:
-            return ""
-        if isinstance(item.value, (dict, list)):
-            self._problems.add(item.place, f"{key!r} must be text")
-            return ""
-        return str(item.value)
+        return read_text(key, self._sections.get(key), self._problems)
 
     def _mapping(self, key: str, read: Callable[[str, Located], Any]) -> dict[str, Any]:
         section = self._sections.get(key)
@@ -207,6 +215,9 @@ class _SpecReader:
 
     def _reference(self, item: Located) -> Reference | None:
         return read_reference(item, self._problems)
+
+    def _report_entry(self, item: Located) -> ReportEntry | None:
+        return read_report_entry(item, self._problems)
 
     def _distribution(self, item: Located) -> tuple[str, Place]:
         return str(item.plain()), item.place

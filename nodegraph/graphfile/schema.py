@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from nodegraph.graphfile.definitions import (
     NAME,
+    TEXT,
     Schema,
     fixed_or,
     one_of,
@@ -57,12 +58,13 @@ def _top_level_forms() -> dict[Form, Schema]:
     }
     return {
         Form.NUMBER: {"const": FORMAT},
-        Form.TEXT: {"type": ["string", "number", "boolean", "null"]},
+        Form.TEXT: TEXT,
         Form.INPUTS: _named(True),
         Form.AXES: _named(ref("axis")),
         Form.NODES: {**_named(ref("node")), "type": "object", "minProperties": 1},
         Form.COMBINATIONS: {"type": ["array", "null"], "items": combination},
         Form.REFERENCES: ref("references"),
+        Form.REPORT: ref("report"),
         Form.DISTRIBUTIONS: {"type": ["array", "null"], "items": {"type": "string"}},
         Form.OUTPUTS: _named(ref("reference")),
     }

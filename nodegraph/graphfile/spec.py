@@ -55,6 +55,20 @@ class Reference:
 
 
 @dataclass(frozen=True)
+class ReportEntry(Reference):
+    """What the report shows: a reference with its heading and its caption.
+
+    Attributes
+    ----------
+    title, caption : str
+        Empty for those of the value itself.
+    """
+
+    title: str = ""
+    caption: str = ""
+
+
+@dataclass(frozen=True)
 class Gathering:
     """``{label: reference, ...}`` for a port that gathers."""
 
@@ -206,7 +220,7 @@ class GraphSpec:
     known: tuple[Reference, ...]
     requires: tuple[tuple[str, Place], ...]
     outputs: Mapping[str, Reference]
-    report: tuple[Reference, ...]
+    report: tuple[ReportEntry, ...]
     problems: tuple[Problem, ...] = ()
     uses: Mapping[str, Path] = field(default_factory=dict)
     graphs: Mapping[Path, GraphSpec] = field(default_factory=dict)

@@ -43,7 +43,7 @@ def reported_by(run: Run) -> Iterator[Reported]:
         outputs = graph.nodes[node].outputs
         for output in [port] if port else outputs:
             for labels, value in run[f"{node}.{output}"].shown():
-                if not graph.is_reported(node, port, labels):
+                if graph.report_entry(node, port, labels) is None:
                     continue
                 kind = next((kind for kind in kinds if isinstance(value, kind.type)), None)
                 if kind is not None:

@@ -142,7 +142,7 @@ def _results(run: Run) -> Iterator[_Result]:
             name = output or (first if rest else "")
             values = run[f"{node}.{output}" if output else node]
             for labels in values.labels():
-                if not run.plan.graph.is_reported(node, port, labels):
+                if run.plan.graph.report_entry(node, port, labels) is None:
                     continue
                 yield _Result(node, "" if name == node else name, labels, values)
 

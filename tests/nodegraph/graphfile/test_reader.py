@@ -119,6 +119,11 @@ def test_alternatives_have_every_form() -> None:
         ("{trial: 0, fill: [strong, pass]}", "trial", "15:8", "an item of 'skip'"),
         ("known: [capture, ", "known: [capture.a.b, ", "16:9", "is not a reference"),
         ("report: [fill]", "report: fill", "19:9", "'report' must be a list"),
+        ("[fill]", "[{show: fill, titel: x}]", "19:23", "unknown key 'titel'"),
+        ("[fill]", "[{show: fill, title: [x]}]", "19:30", "'title' must be text"),
+        ("[fill]", "[{show: {from: fill}}]", "19:17", "'show' is a node or one of its ports"),
+        ("[fill]", "[{show: fill, at: 3}]", "19:27", "'at' is {axis: label}"),
+        ("[fill]", "[{title: x}]", "19:10", "an entry of 'report' needs 'show'"),
         ("    alternatives: {", "    use: x.y\n    alternatives: {", "12:5", "has both 'use' and"),
     ],
 )

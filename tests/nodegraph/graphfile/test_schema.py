@@ -106,7 +106,11 @@ def graph(**nodes: Any) -> dict[str, Any]:
         "skip": [{"i": 1, "w": ["a", "b"]}],
         "known": ["n0", "n1.output"],
         "outputs": {"out": "n2"},
-        "report": ["n2", {"from": "n1", "at": {"i": 1}}],
+        "report": [
+            "n2",
+            {"from": "n1", "at": {"i": 1}},
+            {"show": "n1", "at": {"i": "$first"}, "title": "A title", "caption": "In words."},
+        ],
     }
 
 
@@ -225,6 +229,9 @@ TOP: dict[str, dict[str, Any]] = {
     "output form": {"outputs": {"a": 3}}, "report": {"report": [1]},
     "report key": {"report": [{"from": "n0", "att": {}}]},
     "report from": {"report": [{"at": {}}]},
+    "report title": {"report": [{"show": "n0", "title": []}]},
+    "report entry": {"report": [{"show": "n0", "titel": "x"}]},
+    "report source": {"report": [{"show": {"from": "n0"}}]},
     "report label": {"report": [{"from": "n0", "at": [1]}]},
 }  # fmt: skip
 
