@@ -106,6 +106,7 @@ class Group:
 class Columns:
     """Columns of all rows as whole numbers: places in their lists of labels."""
 
+    names: tuple[str, ...]
     labels: tuple[tuple[Label, ...], ...]
     codes: tuple[NDArray[np.intp], ...]
     rows: int
@@ -166,7 +167,7 @@ def groups(
         labels, names = within.decoded(number), [compare.decoded(kind) for kind in kinds]
         place = np.searchsorted(kinds, methods[rows])
         blocks, of = np.unique(block[rows], return_inverse=True)
-        values, missing = _block_means(of, place, value[rows], len(blocks), len(kinds))
+        values, missing = block_means(of, place, value[rows], len(blocks), len(kinds))
         first = np.full(len(blocks), len(block), dtype=np.intp)
         np.minimum.at(first, of, rows)
         start, frames = (_common(time[rows], of, time[first]) for time in times)
@@ -198,7 +199,7 @@ def columns_of(scores: Across[Table], names: tuple[str, ...]) -> Columns:
         for name in names
     ]
     labels, codes = tuple(labels for labels, _ in columns), tuple(codes for _, codes in columns)
-    return Columns(labels, codes, sum(lengths))
+    return Columns(names, labels, codes, sum(lengths))
 
 
 def _axis(
@@ -251,7 +252,7 @@ def _split(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
     return dict(zip(distinct.tolist(), np.split(order, starts[1:]), strict=False))
 
 
-def _block_means(
+def block_means(
     block: NDArray[np.intp],
     method: NDArray[np.intp],
     value: NDArray[np.float64],

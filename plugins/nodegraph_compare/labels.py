@@ -85,7 +85,7 @@ def fallback_label(order: Sequence[Label], name: str | None) -> Label | None:
         warnings.warn(
             f"the fallback {name!r} is not among those compared: blocks that a method lacks are "
             "left out",
-            stacklevel=3,
+            stacklevel=4,
         )
         return None
     return named_label(order, name, "fallback")

@@ -10,7 +10,7 @@ import numpy as np
 from nodegraph_compare.blocks import columns_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -35,12 +35,15 @@ class Suspects:
 
     Attributes
     ----------
+    reasons : mapping of int to str
+        By the place of each block in the group.
     names : tuple of str
         Of each block, with the reason: ``trial 3, gap 5, marker chin: every method fails``.
     rows : array of int
         Their rows among those of all tables.
     """
 
+    reasons: Mapping[int, str]
     names: tuple[str, ...]
     rows: NDArray[np.intp]
 
@@ -61,11 +64,12 @@ def suspects(scores: Across[Table], question: Question, group: Group) -> Suspect
     for place in np.flatnonzero(_failed(group, question)).tolist():
         reasons.setdefault(place, "every method fails")
     if not reasons:
-        return Suspects((), np.empty(0, dtype=np.intp))
-    places = sorted(reasons)
+        return Suspects({}, (), np.empty(0, dtype=np.intp))
+    reasons = dict(sorted(reasons.items()))
+    places = list(reasons)
     labels = _labels(scores, question, group.first[places])
     names = tuple(f"{name}: {reasons[at]}" for name, at in zip(labels, places, strict=True))
-    return Suspects(names, group.rows[np.isin(group.block, places)])
+    return Suspects(reasons, names, group.rows[np.isin(group.block, places)])
 
 
 def _failed(group: Group, question: Question) -> NDArray[np.bool_]:
@@ -97,14 +101,19 @@ def _texts(scores: Across[Table]) -> NDArray[np.object_]:
     return np.concatenate([*parts, np.empty(0, dtype=object)])
 
 
-def _labels(scores: Across[Table], question: Question, rows: NDArray[np.intp]) -> Sequence[str]:
-    """Return what blocks are called, by a row of each."""
+def identifying(scores: Across[Table], question: Question) -> tuple[str, ...]:
+    """Return the axes and columns by which a reader finds a block, its marker among them."""
     names = tuple(dict.fromkeys((*question.clusters, *question.identity)))
     if "marker" not in names and all("marker" in table for table in scores.values()):
         names = (*names, "marker")
-    columns = columns_of(scores, names)
+    return names
+
+
+def _labels(scores: Across[Table], question: Question, rows: NDArray[np.intp]) -> Sequence[str]:
+    """Return what blocks are called, by a row of each."""
+    columns = columns_of(scores, identifying(scores, question))
     parts = [
         [f"{name} {labels[code]}" for code in codes[rows].tolist()]
-        for name, labels, codes in zip(names, columns.labels, columns.codes, strict=True)
+        for name, labels, codes in zip(columns.names, columns.labels, columns.codes, strict=True)
     ]
     return [", ".join(texts) for texts in zip(*parts, strict=True)]

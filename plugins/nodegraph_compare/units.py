@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -38,6 +38,8 @@ class Units:
         Number of clusters, 1 without any.
     means : (N, K) array of float64
         Over the blocks of each unit; of the kind ``nothing``, of each cluster.
+    place : (B,) array of int
+        The unit of each block; -1 for a block that does not count.
     strata : (N,) array of int or None
         The recording of each segment or draw, where there are several.
     fewest : int
@@ -49,6 +51,7 @@ class Units:
     kind: Kind
     clusters: int
     means: NDArray[np.float64]
+    place: NDArray[np.intp]
     strata: NDArray[np.intp] | None = None
     fewest: int = 0
     why: str = ""
@@ -97,12 +100,19 @@ def units_of(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_])
     kept
         (B,), the blocks that count; their values are not missing.
     """
-    cluster, values = group.cluster[kept], values[kept]
-    names, cluster = np.unique(cluster, return_inverse=True)
+    units = _of_kept(group, values[kept], kept)
+    place = np.full(len(kept), -1, dtype=np.intp)
+    place[kept] = units.place
+    return replace(units, place=place)
+
+
+def _of_kept(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_]) -> Units:
+    """Return the units of the blocks that count, with the place of each of these."""
+    names, cluster = np.unique(group.cluster[kept], return_inverse=True)
     count = len(names)
     if count > MOST_RECORDINGS:
         means, blocks = _means(values, cluster, count)
-        return Units("clusters", count, means, fewest=int(blocks.min()))
+        return Units("clusters", count, means, cluster, fewest=int(blocks.min()))
     overall, _ = _means(values, cluster, count)
     start, frames, draw = group.start[kept], group.frames[kept], group.draw[kept]
     if np.isfinite(start).all() and len(start):
@@ -126,12 +136,14 @@ def _draws(
     fewest = int(np.bincount(strata, minlength=count).min(initial=len(numbers)))
     if fewest < FEWEST:
         why = "one repetition" if fewest < 2 else f"{fewest} repetitions"
-        return Units("nothing", count, overall, why=why)
+        return Units("nothing", count, overall, cluster, why=why)
     # equally many of each recording, so that recordings weigh equally
     kept = np.concatenate([np.flatnonzero(strata == at)[:fewest] for at in range(count)])
     means, blocks = _means(values, place, len(numbers))
     several = strata[kept] if count > 1 else None
-    return Units("draws", count, means[kept], several, int(blocks.min()))
+    unit = np.full(len(numbers), -1, dtype=np.intp)
+    unit[kept] = np.arange(len(kept))
+    return Units("draws", count, means[kept], unit[place], several, int(blocks.min()))
 
 
 def _segments(
@@ -165,13 +177,13 @@ def _segments(
         if len(np.unique(place)) == parts * count:
             means, blocks = _means(values, place, parts * count)
             strata = np.repeat(np.arange(count), parts) if count > 1 else None
-            return Units("segments", count, means, strata, int(blocks.min()))
+            return Units("segments", count, means, place, strata, int(blocks.min()))
     why = "no block has a number for every method"
     if relative:
         first, last = spans[shortest]
         least = _SEGMENTS[-1][1] * lengths[shortest]
         why = f"too little is scored ({last - first:.0f} {unit}, and it takes {least:.0f})"
-    return Units("nothing", count, overall, why=why)
+    return Units("nothing", count, overall, cluster, why=why)
 
 
 def correlation_length(

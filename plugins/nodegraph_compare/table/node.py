@@ -10,8 +10,10 @@ import numpy as np
 
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import compared_looks, fallback_label, named_label
+from nodegraph_compare.comparison import prepare
 from nodegraph_compare.left_out import left_out
+from nodegraph_compare.overview.build import build_overview
+from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.question import (
     Better,
     Clusters,
@@ -21,10 +23,7 @@ from nodegraph_compare.question import (
     OneLabel,
     OneName,
     Question,
-    ask,
-    blocks_name,
     suited_margin,
-    unit_of,
 )
 from nodegraph_compare.suspects import suspects
 from nodegraph_compare.table.answer import answers, notes
@@ -57,10 +56,11 @@ _SHARES = (
 
 
 class Compared(NamedTuple):
-    """A comparison: its numbers and its picture."""
+    """A comparison: its numbers, its picture, and its verdicts with the blocks behind them."""
 
     table: Table
     figure: Figure
+    overview: Overview
 
 
 @node(
@@ -199,7 +199,7 @@ def table(
 
     layout = Layout(rows, columns)
     compare, within = implied(scores, compare, within, layout, blocks)
-    question = ask(
+    comparison = prepare(
         scores,
         metric=metric,
         compare=compare,
@@ -207,12 +207,10 @@ def table(
         blocks=blocks,
         clusters=clusters,
         better=better,
+        fallback=fallback,
     )
-    gathered = groups(scores, question)
-    look = compared_looks(scores, question, gathered)
-    against = named_label(tuple(look), baseline, "baseline")
-    instead = fallback_label(tuple(look), fallback)
-    unit = unit_of(scores, question.metric)
+    question, gathered, unit = comparison.question, comparison.groups, comparison.unit
+    against, instead = comparison.baseline(baseline), comparison.fallback
     doubted = [suspects(scores, question, group) for group in gathered]
     doubtful = np.concatenate([*(each.rows for each in doubted), np.empty(0, dtype=np.intp)])
     plain = (
@@ -220,8 +218,7 @@ def table(
         if len(doubtful)
         else {}
     )
-    filled = [] if instead is None else [group.filled(instead) for group in gathered]
-    ratio = by_ratio([*gathered, *plain.values(), *filled], question.better)
+    ratio = by_ratio([*gathered, *plain.values(), *comparison.filled], question.better)
     margin = None
     if equivalent is not None:
         margin = suited_margin(equivalent, question, unit, ratio=ratio)
@@ -234,9 +231,8 @@ def table(
         )
         for group, each in zip(gathered, doubted, strict=True)
     ]
-    several = blocks_name(scores, question)
     layout = completed(layout, question)
-    order = tuple(look)
+    order = comparison.methods
     declared = {
         label: each
         for label, each in scores.methods.get(question.compare or "", {}).items()
@@ -246,7 +242,7 @@ def table(
     info = info_of(means)
     info = replace(
         info,
-        answer=tuple(answers(summaries, question, unit, several, instead)),
+        answer=tuple(answers(summaries, question, unit, comparison.blocks, instead)),
         notes=(
             *notes(summaries, question, against, instead),
             *info.notes,
@@ -258,7 +254,11 @@ def table(
             *left_out(scores, question, [summary.group for summary in summaries]),
         ),
     )
-    return Compared(with_info(means, info), draw(question, summaries, look, unit, declared))
+    return Compared(
+        with_info(means, info),
+        draw(question, summaries, comparison.looks, unit, declared),
+        build_overview(comparison, summaries, doubted, declared),
+    )
 
 
 def _laid_out(

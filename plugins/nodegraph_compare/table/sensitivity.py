@@ -98,7 +98,7 @@ def suspects_text(summary: Summary, blocks: str) -> str:
     blocks
         What several blocks are called.
     """
-    other = _variants(summary).get(PLAIN)
+    other = without_suspects(summary)
     if other is None:
         return ""
     count = len(summary.suspects)
@@ -107,6 +107,11 @@ def suspects_text(summary: Summary, blocks: str) -> str:
     more = count - _NAMED
     rest = f"; and {more} more in the notes" if more > 0 else ""
     return f"without {several} ({'; '.join(summary.suspects[:_NAMED])}{rest}) {change}"
+
+
+def without_suspects(summary: Summary) -> Summary | None:
+    """Return the summary without suspect blocks; None where there are none."""
+    return _variants(summary).get(PLAIN)
 
 
 def _variants(summary: Summary) -> dict[str, Summary]:

@@ -42,6 +42,8 @@ class Paired:
     reference : int
     value, low, high : (K,) arrays of float64
         Ratio, or difference, of mean errors, and the ends of its interval.
+    difference, difference_low, difference_high : (K,) arrays of float64
+        Difference of the means over units, and the ends of its interval.
     p, flips : (K,) arrays of float64
         Of the floored Tukey rule, and of sign flips; NaN for too few units.
     effect : (K,) array of float64
@@ -58,6 +60,9 @@ class Paired:
     value: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
+    difference: NDArray[np.float64]
+    difference_low: NDArray[np.float64]
+    difference_high: NDArray[np.float64]
     p: NDArray[np.float64]
     flips: NDArray[np.float64]
     effect: NDArray[np.float64]
@@ -191,11 +196,10 @@ class Summary:
         sign, strata = sign_of(self.end), self.units.strata
         y = sign * self.units.numbers(self.ratio)
         found = contrasts(y, at, strata)
-        ends = [sign * end for end in found.interval][:: int(sign)]
+        plain = contrasts(sign * self.units.means, at, strata) if self.ratio else found
         shown = np.exp if self.ratio else np.asarray
-        margin = shown(found.margin)
-        if self.ratio and self.margin is not None and not self.margin.ratio:
-            margin = contrasts(sign * self.units.means, at, strata).margin
+        in_unit = self.margin is not None and not self.margin.ratio
+        margin = plain.margin if in_unit else shown(found.margin)
         flipped = self.judged and len(y) >= FEWEST_FLIPPED
         flips = found.p_of_flips if flipped else np.full(len(usable), np.nan)
 
@@ -207,12 +211,18 @@ class Summary:
 
         doubtful = np.zeros(self.level.shape, dtype=bool)
         doubtful[usable] = (found.p_alone <= LEVEL) & (flips > _DOUBTFUL)
+        ends, plain_ends = (
+            [sign * end for end in each.interval][:: int(sign)] for each in (found, plain)
+        )
         low, high = (spread(shown(end)) for end in ends)
         return Paired(
             reference,
             value=spread(shown(sign * found.mean)),
             low=low,
             high=high,
+            difference=spread(sign * plain.mean),
+            difference_low=spread(plain_ends[0]),
+            difference_high=spread(plain_ends[1]),
             p=spread(found.p if self.judged else np.full(len(usable), np.nan)),
             flips=spread(flips),
             effect=spread(found.effect),

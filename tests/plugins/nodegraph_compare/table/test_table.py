@@ -482,5 +482,9 @@ def test_scaling_the_metric_scales_the_table(rows: list[list[float]], factor: fl
 def test_the_outputs_have_their_names() -> None:
     described = node_of(table_of)
     assert described is not None
-    assert [str(port) for port in described.outputs] == ["table: Table", "figure: Figure"]
+    assert [str(port) for port in described.outputs] == [
+        "table: Table",
+        "figure: Figure",
+        "overview: Overview",
+    ]
     assert described.inputs[0].across

@@ -1,0 +1,1 @@
+"""The overview of a comparison: its verdicts at a glance, and every block behind them."""
