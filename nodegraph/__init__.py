@@ -37,11 +37,14 @@ if TYPE_CHECKING:
         Comparison,
         Conclusion,
         Contract,
+        Detail,
         Format,
+        Origin,
         Rendered,
         Renderer,
         Storage,
         Tried,
+        json_script,
     )
     from nodegraph.plugin.hooks import hookimpl
     from nodegraph.plugin.registry import get_node
@@ -57,6 +60,7 @@ __all__ = [
     "Contract",
     "Declared",
     "Deprecated",
+    "Detail",
     "Files",
     "Format",
     "GraphError",
@@ -65,6 +69,7 @@ __all__ = [
     "LabelOf",
     "NodeError",
     "NodegraphError",
+    "Origin",
     "Refusal",
     "Rendered",
     "Renderer",
@@ -77,6 +82,7 @@ __all__ = [
     "formats",
     "get_node",
     "hookimpl",
+    "json_script",
     "kernel",
     "listed",
     "load",

@@ -110,6 +110,12 @@ class Run:
         values = self.in_memory.get(index) or self._loaded(step) or self._computed(step)
         return tuple(map(self.packer.lend, values))
 
+    def has_at_hand(self, index: int) -> bool:
+        """Whether a step's values are in memory or stored, so that nothing is computed for them."""
+        if index in self.in_memory or self.cache is None or index not in self.cache:
+            return index in self.in_memory
+        return self.cache.gives(index, range(len(self.plan.steps[index].method.node.outputs)))
+
     def shown_of(self, index: int) -> tuple[Any, ...]:
         """Return a step's values, or the stand-ins that are stored of them to be shown."""
         stand_ins = self._loaded(self.plan.steps[index], stand_ins=True)

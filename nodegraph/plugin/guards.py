@@ -18,6 +18,7 @@ from nodegraph.plugin.hook_types import (
     Command,
     Comparison,
     Conclusion,
+    Detail,
     Format,
     Parts,
     Rendered,
@@ -104,8 +105,36 @@ def guard_renderer(renderer: Renderer, source: Source) -> Renderer:
     def render(value: Any, title: str) -> Any:
         return expect(renderer.render(value, title), Rendered)
 
+    def render_in_run(value: Any, title: str, origin: Any) -> Any:
+        assert renderer.render_in_run is not None
+        return expect(renderer.render_in_run(value, title, origin), Rendered)
+
     what = f"the renderer of {renderer.type.__name__}"
-    return replace(renderer, render=source.raising(what, render))
+    return replace(
+        renderer,
+        render=source.raising(what, render),
+        render_in_run=renderer.render_in_run and source.raising(what, render_in_run),
+    )
+
+
+def guard_detail(detail: Detail, source: Source) -> Detail:
+    """Return a detail that warns where another fails, and then shows nothing."""
+    name = detail.type.__name__
+
+    def pack(block: Any, inputs: Any) -> Any:
+        return expect(detail.pack(block, inputs), Mapping | None)
+
+    def layout(inputs: Any, column: str) -> Any:
+        return expect(detail.layout(inputs, column), Mapping | None)
+
+    def nothing(*arguments: Any) -> None:
+        return None
+
+    return replace(
+        detail,
+        pack=source.warning(f"the view of a block of {name}", pack, nothing, "it is not shown"),
+        layout=source.warning(f"the layout of {name}", layout, nothing, "it is not shown"),
+    )
 
 
 def guard_storage(storage: Storage, source: Source) -> Storage:

@@ -22,6 +22,7 @@ from nodegraph.plugin.guards import (
     guard_command,
     guard_comparison,
     guard_conclusion,
+    guard_detail,
     guard_executor,
     guard_format,
     guard_place,
@@ -34,6 +35,7 @@ from nodegraph.plugin.hook_types import (
     Comparison,
     Conclusion,
     Contract,
+    Detail,
     Format,
     Renderer,
     Storage,
@@ -52,6 +54,11 @@ class HookResults:
     def renderers(self) -> tuple[Renderer, ...]:
         """How values appear in a report; the last plugin comes first."""
         return tuple(guard_renderer(*pair) for pair in self._listed("nodegraph_renderers"))
+
+    @cached_property
+    def details(self) -> tuple[Detail, ...]:
+        """How blocks of a comparison are shown; the last plugin comes first."""
+        return tuple(guard_detail(*pair) for pair in self._listed("nodegraph_details"))
 
     @cached_property
     def comparisons(self) -> tuple[Comparison, ...]:

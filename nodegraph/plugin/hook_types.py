@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from html import escape
 from types import UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, Protocol, get_args, get_origin, get_type_hints
 
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,15}){1,2}")
 
@@ -63,8 +65,13 @@ class Rendered:
         JavaScript and CSS that the fragment needs. A page has each text once, however many values
         need it. Scripts run in this order once the page is complete.
     answer : tuple of str
-        Sentences with which the value answers the question of the study. The report begins with
-        them.
+        Sentences with which the value answers the question of the study, for a terminal; the
+        report begins with them where it has no lead.
+    lead : str
+        A fragment of HTML that answers the question at a glance. The first lead heads the report,
+        others stand at the value.
+    replaces : tuple of str
+        Other outputs of the node that the fragment shows too: the report only links their files.
 
     Raises
     ------
@@ -81,6 +88,8 @@ class Rendered:
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
     answer: tuple[str, ...] = ()
+    lead: str = ""
+    replaces: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_fields(self)
@@ -97,8 +106,73 @@ class Rendered:
                 raise TypeError(f"Rendered.{tag}s: expected a tuple of str")
             if any(f"</{tag}" in text.lower() for text in texts):
                 raise ValueError(f"Rendered.{tag}s: a {tag} in a page must not contain </{tag}")
-        if not all(isinstance(sentence, str) for sentence in self.answer):
-            raise TypeError("Rendered.answer: expected a tuple of str")
+        for name in ("answer", "replaces"):
+            if not all(isinstance(text, str) for text in getattr(self, name)):
+                raise TypeError(f"Rendered.{name}: expected a tuple of str")
+
+
+def json_script(value: Any, element_id: str) -> str:
+    """Return an element that holds data for the scripts of a page.
+
+    Parameters
+    ----------
+    value
+        Numbers that are finite, text, None, and lists and mappings of these.
+    element_id
+        By which `page.data` finds it.
+
+    Examples
+    --------
+    >>> json_script({"fill": "ridge", "rmse": 0.59}, "study")
+    '<script type="application/json" id="study">{"fill": "ridge", "rmse": 0.59}</script>'
+    """
+    content = json.dumps(value, allow_nan=False, ensure_ascii=False).replace("<", "\\u003c")
+    return f'<script type="application/json" id="{escape(element_id)}">{content}</script>'
+
+
+class Origin(Protocol):
+    """Where a value in a report comes from: what a renderer may ask of the run."""
+
+    @property
+    def node(self) -> str:
+        """The node in the graph."""
+
+    @property
+    def labels(self) -> Mapping[str, Any]:
+        """The combination that the value stands for."""
+
+    @property
+    def caption(self) -> str:
+        """The author's caption; empty without one."""
+
+    @property
+    def details(self) -> tuple[Detail, ...]:
+        """How plugins show single blocks of a comparison."""
+
+    def seconds(self, axis: str) -> Mapping[Any, float]:
+        """Return the median time of a step by label of an axis; empty if no node has the name."""
+
+    def uses(self, axis: str) -> Mapping[Any, str]:
+        """Return the full names of the methods by label of an axis: ``fill.ridge``."""
+
+    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
+        """Return what the step behind a gathered value had read, by port.
+
+        Parameters
+        ----------
+        labels
+            Of the gathered axes; others are ignored. The value is that of the node's first port
+            that gathers.
+
+        Returns
+        -------
+        mapping or None
+            None where a value is neither in memory nor stored, so that it had to be computed
+            again, or where there is no such step.
+        """
+
+    def command(self, labels: Mapping[str, Any]) -> str:
+        """Return the command that computes the step behind a gathered value; empty without one."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +184,9 @@ class Renderer:
     type : type
     render : callable
         ``render(value, title)`` returns a `Rendered`.
+    render_in_run : callable, optional
+        ``render_in_run(value, title, origin)`` takes its place in the report of a run, and may
+        use what the run knows of the value's `Origin`.
 
     Raises
     ------
@@ -119,6 +196,45 @@ class Renderer:
 
     type: type
     render: Callable[[Any, str], Rendered]
+    render_in_run: Callable[[Any, str, Origin], Rendered] | None = None
+
+    def __post_init__(self) -> None:
+        _check_fields(self)
+
+
+@dataclass(frozen=True)
+class Detail:
+    """Shows one block of a comparison: what each method made of it.
+
+    Attributes
+    ----------
+    type : type
+        Of the first input of the steps that scored the blocks.
+    pack : callable
+        ``pack(block, inputs)`` returns what the view of a block shows, as data for `json_script`,
+        or None if it has nothing to show. ``block`` maps columns such as ``marker`` and ``start``
+        to labels, ``inputs`` maps each method to what its score read, by port.
+    layout : callable
+        ``layout(inputs, column)`` returns where the labels of a column lie, or None:
+        ``{"title": "on the face", "names": [...], "points": [[x, y], ...], "edges": [[i, j], ...],
+        "regions": {name: [i, ...]}}``, y upwards; ``inputs`` is what one score read.
+    module : str
+        The module of a script whose ``show(element, packed, context)`` draws what was packed.
+    scripts, styles : tuple of str
+        JavaScript and CSS that the view needs.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    """
+
+    type: type
+    pack: Callable[[Mapping[str, Any], Mapping[str, Mapping[str, Any]]], Mapping[str, Any] | None]
+    layout: Callable[[Mapping[str, Any], str], Mapping[str, Any] | None]
+    module: str
+    scripts: tuple[str, ...] = ()
+    styles: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_fields(self)

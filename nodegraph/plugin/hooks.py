@@ -17,6 +17,7 @@ from nodegraph.plugin.hook_types import (
     Comparison,
     Conclusion,
     Contract,
+    Detail,
     Format,
     Renderer,
     Storage,
@@ -40,6 +41,11 @@ def nodegraph_bibtex() -> str:  # type: ignore[empty-body]
 @hookspec
 def nodegraph_renderers() -> Iterable[Renderer]:  # type: ignore[empty-body]
     """Return how values of the plugin's types appear in a report."""
+
+
+@hookspec
+def nodegraph_details() -> Iterable[Detail]:  # type: ignore[empty-body]
+    """Return how single blocks of a comparison are shown, by what their scores were given."""
 
 
 @hookspec

@@ -24,6 +24,7 @@ from nodegraph.plugin.hook_types import Rendered, Renderer
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.methods import Methods
 from nodegraph.report.notes import note_kinds, step_notes
+from nodegraph.report.origin import RunOrigin
 from nodegraph.report.study import (
     AxisRow,
     Kind,
@@ -69,7 +70,7 @@ def compose(
         Called with each file as soon as there is one; nothing is written by default.
     """
     graph = run.plan.graph
-    shown = _Shown(graph, write)
+    shown = _Shown(run, settings, write)
     for result in _results(run):
         shown.add(result)
     software, methods = versions(graph), Methods(run)
@@ -150,7 +151,9 @@ def _results(run: Run) -> Iterator[_Result]:
 class _Shown:
     """The results as the report shows them, and their files."""
 
-    def __init__(self, graph: Graph, write: Write) -> None:
+    def __init__(self, run: Run, settings: RunSettings, write: Write) -> None:
+        graph = run.plan.graph
+        self._run, self._settings = run, settings
         self._renderers: Iterable[Renderer] = graph.registry.hooks.renderers
         self._names = _FileNames(graph)
         self._write = write
@@ -172,8 +175,12 @@ class _Shown:
 
     def _render(self, result: _Result, value: Any) -> Rendered | None:
         for renderer in self._renderers:
-            if isinstance(value, renderer.type):
+            if not isinstance(value, renderer.type):
+                continue
+            if renderer.render_in_run is None:
                 return renderer.render(value, str(result))
+            origin = RunOrigin(self._run, self._settings, result.node, result.labels)
+            return renderer.render_in_run(value, str(result), origin)
         return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
 
     def _add_rendered(self, result: _Result, rendered: Rendered) -> None:
@@ -184,7 +191,7 @@ class _Shown:
         place = f"{result.combination.replace('=', ' ')}: " if result.labels else ""
         self.answer += [f"{place}{sentence}" for sentence in rendered.answer]
         # files may be large, and are written by now
-        self._add(result, replace(rendered, answer=(), files={}), links)
+        self._add(result, replace(rendered, files={}), links)
 
     def _add_files(self, result: _Result, value: Files) -> None:
         folder = self._names.stem(result, [""])
@@ -225,7 +232,15 @@ class _Shown:
         )
 
     def _add(self, result: _Result, rendered: Rendered, links: Iterable[Link]) -> None:
-        self.sections.append(Section(result.title, rendered, result.combination, tuple(links)))
+        section = Section(
+            result.title,
+            rendered,
+            result.combination,
+            tuple(links),
+            node=result.node,
+            output=result.output,
+        )
+        self.sections.append(section)
 
 
 _Words = list[list[object]]

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
+_SCRIPTS = ("modules", "helpers", "selection", "page", "copy")
 _SHOWN = 3
 _MANY = 24
 
@@ -33,23 +34,39 @@ class Titled:
     sections: tuple[Section, ...]
 
 
-def page(study: Study) -> str:
+_NO_SERVER = 'nodegraph.define("server", [], () => null);\n'
+
+
+def page(study: Study, *, server: str = _NO_SERVER) -> str:
     """Return the report of a study.
 
     The HTML of its sections and its drawing are taken as they are; every other text is escaped.
     The page fetches nothing, and its policy forbids it to: only scripts that were in the trusted
     parts when the page was made may run.
+
+    Parameters
+    ----------
+    study
+    server
+        The script that defines the module ``server``, through which other scripts get what is not
+        on the page; in a file there is none.
     """
-    own = [_source("page.js"), _source("copy.js")]
+    own = [_source(f"{name}.js") for name in _SCRIPTS]
+    own.append(server)
+    leads = [section for section in study.sections if section.rendered.lead]
+    first = leads[0] if leads else next(iter(study.sections), None)
     scripts = _once(own, (section.rendered.scripts for section in study.sections))
     styles = _once([_source("page.css")], (section.rendered.styles for section in study.sections))
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
+    trusted += [section.rendered.lead for section in leads]
     return (
         templates_of("nodegraph.report")
         .get_template("page.html")
         .render(
             study=study,
-            results=titled(study.sections),
+            first=first,
+            replaced=_replaced(study.sections),
+            results=titled(shown_first(study.sections)),
             kinds=note_kinds(study),
             notes=_markdown(study.notes_markdown),
             policy=policy(trusted, *scripts),
@@ -61,6 +78,18 @@ def page(study: Study) -> str:
             styles=styles,
         )
     )
+
+
+def _replaced(sections: Iterable[Section]) -> set[tuple[str, str]]:
+    """Return the nodes and outputs that other sections show too."""
+    return {(section.node, output) for section in sections for output in section.rendered.replaces}
+
+
+def shown_first(sections: Iterable[Section]) -> list[Section]:
+    """Return sections with those that have a lead before others of their node."""
+    listed = list(sections)
+    nodes = list(dict.fromkeys(section.node for section in listed))
+    return sorted(listed, key=lambda each: (nodes.index(each.node), not each.rendered.lead))
 
 
 def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
@@ -168,7 +197,7 @@ class _ScriptReader(HTMLParser):
         self._inside = False
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._inside = tag == "script"
+        self._inside = tag == "script" and dict(attrs).get("type") != "application/json"
         if self._inside:
             self.scripts.append("")
 

@@ -50,12 +50,16 @@ class Section:
     labels : str
         Which combination, if the node still has axes: ``length=5``.
     files : tuple of Link
+    node, output : str
+        Where it comes from.
     """
 
     title: str
     rendered: Rendered
     labels: str = ""
     files: tuple[Link, ...] = ()
+    node: str = ""
+    output: str = ""
 
 
 @dataclass(frozen=True, slots=True)

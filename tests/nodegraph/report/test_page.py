@@ -63,6 +63,8 @@ class Hostile:
             hints = get_type_hints(kind)
             # what is trusted, and what a paper says where the page says more
             trusted = {"graph_svg": "<svg></svg>", "in_print": "by name"}
+            if kind is Section:  # by these the page arranges sections
+                trusted |= {"node": "table", "output": "figure"}
             return kind(
                 **{
                     field.name: trusted.get(field.name) or self.make(hints[field.name])
@@ -123,7 +125,8 @@ def test_every_text_is_shown_and_none_is_run() -> None:
     for number, text in enumerate(hostile.texts):
         in_path = any(f"alert%28{number}%29" in path for path in paths)
         assert in_path or text in shown, f"text {number} is not shown as it is"
-    assert len(list(read.all("script"))) == len(("page.js", "copy.js"))
+    plain = Page(page(Study("A title")))
+    assert len(list(read.all("script"))) == len(list(plain.all("script"))) > 0
     assert not list(read.all("img"))
     assert not [name for _, attributes in read.tags for name in attributes if name.startswith("on")]
 

@@ -1,0 +1,94 @@
+"""Where a value in a report comes from: the steps behind it, their times and their inputs."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from statistics import median
+from typing import Any
+
+from nodegraph.execute import Run
+from nodegraph.node.ports import Label
+from nodegraph.plan import Gathered, Output, Step
+from nodegraph.plugin.hook_types import Detail
+from nodegraph.runs.settings import RunSettings
+from nodegraph.state import State
+
+_KEPT = 32
+"""Values at hand: the truth of a take, and what each method made of it."""
+
+
+@dataclass(frozen=True)
+class RunOrigin:
+    """The `nodegraph.Origin` of a value of a run."""
+
+    run: Run
+    settings: RunSettings
+    node: str
+    labels: Mapping[str, Label]
+    caption: str = ""
+    _values: OrderedDict[Output, Any] = field(default_factory=OrderedDict, repr=False)
+
+    @property
+    def details(self) -> tuple[Detail, ...]:
+        """How plugins show single blocks of a comparison."""
+        return self.run.plan.graph.registry.hooks.details
+
+    def seconds(self, axis: str) -> dict[Label, float]:
+        """Return the median time of a step by label of an axis; empty if no node has the name."""
+        times: dict[Label, list[float]] = defaultdict(list)
+        for step, outcome in self.run.settled(State.DONE):
+            if step.node == axis and axis in step.labels:
+                times[step.labels[axis]].append(outcome.seconds)
+        return {label: median(seconds) for label, seconds in times.items()}
+
+    def uses(self, axis: str) -> dict[Label, str]:
+        """Return the full names of the methods by label of an axis."""
+        node = self.run.plan.graph.nodes.get(axis)
+        if node is None or not node.has_alternatives:
+            return {}
+        return {label: method.node.name for label, method in node.methods.items()}
+
+    def inputs(self, labels: Mapping[str, Label]) -> dict[str, Any] | None:
+        """Return what the step behind a gathered value had read, by port."""
+        step = self._step(labels)
+        if step is None:
+            return None
+        outputs = {port: each for port, each in step.inputs.items() if isinstance(each, Output)}
+        if not all(self.run.has_at_hand(output.step) for output in outputs.values()):
+            return None
+        return {port: self._value(output) for port, output in outputs.items()}
+
+    def command(self, labels: Mapping[str, Label]) -> str:
+        """Return the command that computes the step behind a gathered value."""
+        step = self._step(labels)
+        return "" if step is None else self.settings.repeat(step)
+
+    def _step(self, labels: Mapping[str, Label]) -> Step | None:
+        gathered = self._gathered
+        if gathered is None or not all(axis in labels for axis in gathered.axes):
+            return None
+        output = self._outputs.get(tuple(labels[axis] for axis in gathered.axes))
+        return None if output is None else self.run.plan.steps[output.step]
+
+    @cached_property
+    def _gathered(self) -> Gathered | None:
+        plan = self.run.plan
+        axes = plan.graph.nodes[self.node].axes
+        index = plan.cells[self.node][tuple(self.labels[axis] for axis in axes)]
+        feeds = plan.steps[index].inputs.values()
+        return next((feed for feed in feeds if isinstance(feed, Gathered)), None)
+
+    @cached_property
+    def _outputs(self) -> dict[tuple[Label, ...], Output]:
+        return {} if self._gathered is None else dict(self._gathered.entries)
+
+    def _value(self, output: Output) -> Any:
+        if output not in self._values:
+            self._values[output] = self.run.values_of(output.step)[output.position]
+        self._values.move_to_end(output)
+        while len(self._values) > _KEPT:
+            self._values.popitem(last=False)
+        return self._values[output]

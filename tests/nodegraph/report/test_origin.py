@@ -1,0 +1,100 @@
+"""What a renderer may ask of the run: the steps behind a gathered value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nodegraph import Across, Origin, Rendered, Renderer, hookimpl, node
+from nodegraph.execute import execute
+from nodegraph.graph import build
+from nodegraph.graphfile import read_graph_text
+from nodegraph.plan import plan
+from nodegraph.plugin.loading import Plugin as Loaded
+from nodegraph.plugin.registry import Registry
+from nodegraph.report.compose import compose
+from nodegraph.runs.settings import RunSettings
+
+GRAPH = """\
+nodegraph: 1
+axes: {trial: [1, 2]}
+nodes:
+  source: {use: origin.source, with: {value: $trial}}
+  fill: {in: source, alternatives: {up: {use: origin.up}, down: {use: origin.down}}}
+  score: {use: origin.score, in: {estimate: fill, truth: source}}
+  table: {use: origin.gather, in: score}
+"""
+
+
+class Total(float):
+    pass
+
+
+@node("origin.source")
+def source(*, value: float = 1.0) -> float:
+    return value
+
+
+@node("origin.up")
+def up(value: float) -> float:
+    return value + 1.0
+
+
+@node("origin.down")
+def down(value: float) -> float:
+    return value - 1.0
+
+
+@node("origin.score")
+def score(estimate: float, truth: float) -> float:
+    return estimate - truth
+
+
+@node("origin.gather")
+def gather(scores: Across[float]) -> Total:
+    return Total(sum(scores.values()))
+
+
+class Plugin:
+    """Keeps the origins that its renderer gets."""
+
+    def __init__(self) -> None:
+        self.origins: list[Origin] = []
+
+    @hookimpl
+    def nodegraph_renderers(self) -> list[Renderer]:
+        def render_in_run(value: Total, title: str, origin: Origin) -> Rendered:
+            self.origins.append(origin)
+            return Rendered("", "shown", lead="<p>at a glance</p>")
+
+        return [Renderer(Total, lambda value, title: Rendered("", "alone"), render_in_run)]
+
+
+@pytest.fixture
+def origin() -> Origin:
+    plugin = Plugin()
+    registry = Registry.of([source, up, down, score, gather])
+    registry.loaded.append(Loaded("origins", plugin))
+    graph = build(read_graph_text(GRAPH, "origin.yaml", Path()), registry)
+    study = compose(execute(plan(graph), keep=list(graph.nodes)), RunSettings("origin.yaml")).study
+    assert [section.rendered.text for section in study.sections] == ["shown"]
+    return plugin.origins[0]
+
+
+def test_the_inputs_of_a_score_are_those_of_its_combination(origin: Origin) -> None:
+    assert origin.node == "table"
+    assert origin.inputs({"trial": 2, "fill": "up"}) == {"estimate": 3.0, "truth": 2.0}
+    assert origin.inputs({"trial": 1, "fill": "down", "gap": 7}) == {"estimate": 0.0, "truth": 1.0}
+    assert origin.inputs({"trial": 3, "fill": "up"}) is None
+    assert origin.inputs({"fill": "up"}) is None
+
+
+def test_methods_have_times_names_and_commands(origin: Origin) -> None:
+    assert set(origin.seconds("fill")) == {"up", "down"}
+    assert not origin.seconds("trial")
+    assert not origin.uses("trial")
+    assert origin.uses("fill") == {"up": "origin.up", "down": "origin.down"}
+    command = origin.command({"trial": 2, "fill": "up"})
+    assert "--until score" in command
+    assert "trial=2" in command
