@@ -10,8 +10,8 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Table, Trajectories
+from nodegraph_mocap.suspect import impulses
 from nodegraph_score.hidden_errors import hidden_errors
-from nodegraph_score.suspect import impulses
 from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph_mocap.animation import Animation
+from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
@@ -221,7 +222,7 @@ class _Packing:
         return {
             "kind": "markers",
             "markers": recording.markers,
-            "edges": _edges(recording),
+            "edges": edges_of(recording),
             "positions": entry,
             "like": first,
             "origin": self.blob.small(origin.T.astype(np.uint8)),
@@ -264,12 +265,6 @@ class _Packing:
 
     def _flat(self, values: NDArray[np.float64], step: float) -> dict[str, Any]:
         return self.blob.steps(values.reshape(-1, 1), step)[0]
-
-
-def _edges(recording: Trajectories) -> list[list[int]]:
-    place = {marker: column for column, marker in enumerate(recording.markers)}
-    edges = recording.marker_set.edges if recording.marker_set else ()
-    return [[place[a], place[b]] for a, b in edges if a in place and b in place]
 
 
 def _telling_second(playback: Playback) -> float:

@@ -10,8 +10,8 @@ import pytest
 
 from nodegraph import get_node
 from nodegraph_mocap import Mask, Trajectories
+from nodegraph_mocap.suspect import impulses
 from nodegraph_score.gaps import gaps
-from nodegraph_score.suspect import impulses
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_tables import info_of
 
