@@ -41,10 +41,9 @@ def layout(inputs: Mapping[str, Any], column: str) -> dict[str, Any] | None:
     if column != "marker" or not recordings:
         return None
     base = recordings[min(1, len(recordings) - 1)]
-    known = base.present.any(axis=0)
-    if not known.any():
+    base = base.keep(base.markers[column] for column in np.flatnonzero(base.present.any(axis=0)))
+    if not base.markers:
         return None
-    base = base.keep(name for name, here in zip(base.markers, known, strict=True) if here)
     points = frontal(base, AUTO).project(np.nanmedian(base.positions, axis=0))
     return {
         "title": "on the face",

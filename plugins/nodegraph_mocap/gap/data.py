@@ -86,12 +86,15 @@ class _Place:
     ----------
     marker : str
     frames : range
+    at : int
+        The frame at which the view opens.
     reason : str
         Why these frames, where the block itself names none.
     """
 
     marker: str
     frames: range
+    at: int
     reason: str = ""
 
     def of(self, values: NDArray[Any]) -> NDArray[Any]:
@@ -123,8 +126,10 @@ def pack(
         None where no method has a marker of the block.
     """
     scored = _scored(inputs)
-    place = scored and (_gap(block, scored) or _largest_error(block, scored))
-    if scored is None or place is None:
+    if scored is None:
+        return None
+    place = _gap(block, scored) or _largest_error(block, scored)
+    if place is None:
         return None
     estimates = {method: place.of(each) for method, each in scored.positions(place.marker).items()}
     return _packed(place, estimates, scored) if estimates else None
@@ -189,7 +194,8 @@ def _gap(block: Mapping[str, Any], scored: _Scored) -> _Place | None:
 def _around(marker: str, first: int, length: int, scored: _Scored) -> _Place:
     around = max(length, FEWEST_AROUND)
     frames = range(max(first - around, 0), min(first + length + around, scored.base.frames))
-    return _Place(marker, frames[:: max(1, -(-len(frames) // MOST_FRAMES))])
+    step = max(1, -(-len(frames) // MOST_FRAMES))
+    return _Place(marker, frames[::step], at=first + length // 2)
 
 
 def _largest_error(block: Mapping[str, Any], scored: _Scored) -> _Place | None:
@@ -209,7 +215,7 @@ def _largest_error(block: Mapping[str, Any], scored: _Scored) -> _Place | None:
     _, frame, name = max(farthest, key=lambda sample: sample[0])
     frames = range(max(frame - AROUND, 0), min(frame + AROUND + 1, base.frames))
     what = "a method errs most" if scored.truth else "methods differ most"
-    return _Place(name, frames, f"{what} in frame {frame}")
+    return _Place(name, frames, frame, f"{what} in frame {frame}")
 
 
 def _packed(
@@ -230,6 +236,7 @@ def _packed(
         "start": frames.start,
         "every": frames.step,
         "frames": len(frames),
+        "at": (place.at - frames.start) // frames.step,
         "reason": place.reason,
         "rate": base.rate,
         "unit": "mm",
@@ -268,7 +275,7 @@ def _judged(place: _Place, scored: _Scored) -> NDArray[np.bool_]:
 def _runs(flags: NDArray[np.bool_]) -> list[list[int]]:
     """Return the first and the last place of each run of True."""
     _, start, stop = runs_of(flags)
-    return np.stack([start, stop - 1], axis=1).tolist()
+    return [[int(first), int(last) - 1] for first, last in zip(start, stop, strict=True)]
 
 
 def _view(base: Trajectories) -> View:

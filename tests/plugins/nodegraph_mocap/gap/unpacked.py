@@ -31,7 +31,7 @@ def estimates(packed: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
 
 def truth(packed: dict[str, Any]) -> NDArray[np.float64]:
     """Return (F, 3) mm."""
-    return numbers(packed["truth"], -1, 3) + np.array(packed["centre"])
+    return np.asarray(numbers(packed["truth"], -1, 3) + np.array(packed["centre"]))
 
 
 def faces(packed: dict[str, Any]) -> NDArray[np.float64]:
