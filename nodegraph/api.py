@@ -50,7 +50,7 @@ class Run(execute.Run):
         ----------
         folder
             A run that is already there is kept: its folder is renamed to end with the time at
-            which it was written.
+            which it was written. Only one with the same graph, settings and results is replaced.
 
         Raises
         ------
@@ -84,7 +84,9 @@ class Run(execute.Run):
         from nodegraph.report.write import write_run
 
         try:
-            return write_run(self, self.settings, folder)
+            written = write_run(self, self.settings, folder)
+            folder.replace_same()
+            return written
         finally:
             folder.close()
 

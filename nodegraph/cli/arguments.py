@@ -21,9 +21,20 @@ _METAVARS = {
 def add_graph(parser: ArgumentParser) -> None:
     """Add a graph file and the options that choose among its inputs and labels."""
     parser.add_argument("graph", type=Path, metavar="GRAPH", help="Graph file.")
-    add_pairs(parser, "set", "Value of an input.")
-    add_pairs(parser, "axis", "Labels of an axis, in place of those in the graph: order=3,5.")
-    add_pairs(parser, "only", "Labels to keep, of an axis or of alternatives: fill=muscle,lin.")
+    add_pairs(parser, "set", "Value of an input: --set recording=mine.c3d, --set factor=1.5.")
+    add_pairs(
+        parser,
+        "axis",
+        "Labels of an axis, or of an input that becomes one, in place of those in the graph: "
+        "--axis order=3,5, --axis 'trial={count: 10}', --axis recording=a.c3d,b.c3d, "
+        "--axis 'recording={Ann: a.c3d, Bo: b.c3d}'.",
+    )
+    add_pairs(
+        parser,
+        "only",
+        "Labels to keep, of an axis or of a node with alternatives: --only fill=muscle,linear "
+        "--only length=15.",
+    )
     add_plugin(parser)
 
 

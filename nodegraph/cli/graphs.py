@@ -82,6 +82,8 @@ def run_of(
     cache: bool = True,
     until: Iterable[str] = (),
     listeners: Iterable[Listener] = (),
+    quiet: bool = False,
+    color: bool = True,
 ) -> Run:
     """Run a graph with the options of a command, and show its progress.
 
@@ -94,13 +96,15 @@ def run_of(
     cache
     until, listeners
         As in `nodegraph.api.run`.
+    quiet, color
+        As in `nodegraph.cli.progress.progress`.
     """
     from nodegraph.api import run_graph
     from nodegraph.cli.progress import progress
 
-    for line in left_out_lines(graph):
+    for line in () if quiet else left_out_lines(graph):
         say(line)
-    with progress() as display:
+    with progress(quiet=quiet, color=color) as display:
         if store is None and cache:
             store = store_of(arguments, graph, display.say)
         return run_graph(

@@ -19,11 +19,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
-from nodegraph.errors import GraphError, NodegraphError, Place
+from nodegraph.errors import GraphError, NodegraphError, Place, nearest
 
 COMMANDS = (
     "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
-    "audit", "export", "report", "cite", "archive", "cache", "schema",
+    "audit", "export", "report", "runs", "cite", "archive", "cache", "schema",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 
@@ -58,7 +58,7 @@ def main(words: Sequence[str] | None = None) -> int:
             commands = _commands(words)
             if words[:1] == ["help"]:
                 words = [*words[1:], "--help"]
-            arguments = _parser(commands, words).parse_args(words)
+            arguments = _parsed(commands, words)
             status = int(commands[arguments.command].call(arguments))
             sys.stdout.flush()
             return status
@@ -101,6 +101,20 @@ def _excerpt(place: Place) -> list[str]:
     shown = "".join(each if each.isprintable() else " " for each in line[start:][: 2 * _EXCERPT])
     number = f"{place.line:>5} | "
     return [f"{number}{shown}", f"{'':>5} | {' ' * (place.column - 1 - start)}^"] if shown else []
+
+
+def _parsed(commands: Mapping[str, _Command], words: Sequence[str]) -> Namespace:
+    """Return the arguments of a command; a mistyped one is answered with the nearest there is."""
+    parser = _parser(commands, words)
+    if words and not words[0].startswith("-") and words[0] not in commands:
+        parser.error(f"no command {words[0]!r}; {nearest(words[0], commands)}")
+    arguments, rest = parser.parse_known_args(words)
+    if rest:
+        options = [word for word in rest if word.startswith("-")]
+        known = list(arguments.parser._option_string_actions)
+        hints = [f"no option {word}; {nearest(word.partition('=')[0], known)}" for word in options]
+        arguments.parser.error("; ".join(hints) or f"too many arguments: {' '.join(rest)}")
+    return arguments
 
 
 def _commands(words: Sequence[str]) -> Mapping[str, _Command]:
@@ -167,6 +181,7 @@ def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentP
             if name not in COMMANDS:
                 add_plugin(choice)
             command.add_arguments(choice)
+            choice.set_defaults(parser=choice)
     return parser
 
 

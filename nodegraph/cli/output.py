@@ -7,9 +7,13 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import IO, TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import size_text
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 MOST = 12
 """How many items of a kind are printed."""
@@ -18,6 +22,21 @@ MOST = 12
 def say(text: str) -> None:
     """Print to standard error what is not a result."""
     print(text, file=sys.stderr)
+
+
+def console(stream: IO[str], *, color: bool = True) -> Console:
+    """Return what prints to a stream in the width of its terminal.
+
+    Parameters
+    ----------
+    stream
+    color
+        Whether to use colours and bold, if the stream is a terminal and ``NO_COLOR`` is not set.
+    """
+    from rich.console import Console
+
+    plain = not color or bool(os.environ.get("NO_COLOR"))
+    return Console(file=stream, color_system=None if plain else "auto", highlight=False)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:

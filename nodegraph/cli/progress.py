@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from abc import ABC, abstractmethod
 from collections import Counter
@@ -18,26 +19,35 @@ if TYPE_CHECKING:
 
 _MOST_LINES = 20
 _INTERVAL = 0.1
+_LONGEST = 40
 _COUNTS = ("run", State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 @contextmanager
-def progress() -> Iterator[Display]:
-    """Show the progress of a run, whose listener is the display that is returned."""
-    if sys.stderr.isatty():
-        with _bar() as bar, bar.closing():
+def progress(*, quiet: bool = False, color: bool = True) -> Iterator[Display]:
+    """Show the progress of a run, whose listener is the display that is returned.
+
+    Parameters
+    ----------
+    quiet
+        Whether to show nothing but steps that fail.
+    color
+    """
+    if sys.stderr.isatty() and not quiet:
+        with _bar(color=color) as bar, bar.closing():
             yield bar
     else:
-        lines = _Lines()
+        lines = _Quiet() if quiet else _Lines()
         with lines.closing():
             yield lines
 
 
 class Display(ABC):
-    """Shows events: how far the run is, and the first steps that fail or are refused."""
+    """Shows events: how far the run is, and the first step of each kind of failure or refusal."""
 
     def __init__(self) -> None:
-        self._lines = 0
+        self._kinds: set[tuple[str, str, str]] = set()
         self._more: Counter[str] = Counter()
         self._planned = 0
 
@@ -47,8 +57,7 @@ class Display(ABC):
             self._planned = event.detail["steps"]
         if event.kind in (State.FAILED, State.REFUSED):
             self._show_step(event)
-        elif event.kind not in (State.DONE, State.STORED, State.SKIPPED):
-            self.show(event)
+        self.show(event)
 
     @abstractmethod
     def say(self, text: str) -> None:
@@ -56,7 +65,7 @@ class Display(ABC):
 
     @abstractmethod
     def show(self, event: Event) -> None:
-        """Show an event that is not the end of a step."""
+        """Show what an event says of the whole run."""
 
     @contextmanager
     def closing(self) -> Iterator[None]:
@@ -74,25 +83,35 @@ class Display(ABC):
         return settled, settled + detail["left"] if detail["left"] else self._planned
 
     def _show_step(self, event: Event) -> None:
-        if self._lines == _MOST_LINES:
+        reason = _NUMBER.sub("", str(event.detail.get("reason", "")))
+        kind = (event.kind, event.node, reason)
+        if kind in self._kinds or len(self._kinds) == _MOST_LINES:
             self._more[event.kind] += 1
         else:
-            self._lines += 1
+            self._kinds.add(kind)
             self.say(settled_line(event))
 
 
 @contextmanager
-def _bar() -> Iterator[_Bar]:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+def _bar(*, color: bool) -> Iterator[_Bar]:
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    from nodegraph.cli.output import console
 
     columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
+        TimeElapsedColumn(),
+        BarColumn(bar_width=20),
         MofNCompleteColumn(),
         TextColumn("{task.fields[counts]}", markup=False),
+        TextColumn("{task.description}", markup=False),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=console(sys.stderr, color=color), transient=True) as bar:
         yield _Bar(bar, bar.add_task("planning", total=None, counts=""))
 
 
@@ -103,6 +122,7 @@ class _Bar(Display):
         super().__init__()
         self._bar = bar
         self._task = task
+        self._running: dict[int, str] = {}
         self._named = -_INTERVAL
 
     def say(self, text: str) -> None:
@@ -115,9 +135,20 @@ class _Bar(Display):
             settled, total = self.settled(event.detail)
             counts = counts_text(event.detail)
             self._bar.update(self._task, completed=settled, total=total, counts=counts)
-        elif event.kind == EventKind.STARTED and event.seconds - self._named >= _INTERVAL:
-            self._named = event.seconds
-            self._bar.update(self._task, description=event.node)
+        elif event.kind == EventKind.STARTED:
+            self._running[event.step] = name_at(event.node, event.labels)
+            if event.seconds - self._named >= _INTERVAL:
+                self._named = event.seconds
+                self._bar.update(self._task, description=self._now())
+        else:
+            self._running.pop(event.step, None)
+
+    def _now(self) -> str:
+        """Return what has run for longest, and how many others run."""
+        first = next(iter(self._running.values()))
+        short = first if len(first) <= _LONGEST else f"{first[: _LONGEST - 1]}…"
+        others = len(self._running) - 1
+        return f"{short} and {others} more" if others else short
 
 
 class _Lines(Display):
@@ -135,12 +166,13 @@ class _Lines(Display):
         if event.kind == EventKind.PLANNED:
             self.say(f"{self._planned} steps of {event.detail['nodes']} nodes")
         elif event.kind == EventKind.PROGRESS:
-            self._advance(event.detail)
+            self._advance(event)
         elif event.kind == EventKind.FINISHED:
             counts = {"run": event.detail[State.DONE], **event.detail}
             self.say(f"finished after {event.seconds:.1f} s: {counts_text(counts)}")
 
-    def _advance(self, detail: Mapping[str, Any]) -> None:
+    def _advance(self, event: Event) -> None:
+        detail = event.detail
         settled, total = self.settled(detail)
         tenths = 10 * settled // total if total else 0
         if tenths <= self._tenths:
@@ -150,7 +182,16 @@ class _Lines(Display):
         is_slow = detail["run"] or detail[State.FAILED]  # stored results take no time
         if is_slow and computed > self._computed:
             self._computed = computed
-            self.say(f"{settled} of {total} steps: {counts_text(detail)}")
+            after = _clock(event.seconds)
+            self.say(f"{after}  {settled} of {total} steps: {counts_text(detail)}")
+
+
+class _Quiet(_Lines):
+    """A line for each kind of failure, and no other."""
+
+    def __call__(self, event: Event) -> None:
+        if event.kind == State.FAILED:
+            super().__call__(event)
 
 
 def counts_text(detail: Mapping[str, Any]) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from nodegraph.cli.arguments import add_executor, add_graph, add_store
-from nodegraph.cli.output import say
+from nodegraph.cli.output import console, say
 
 HELP = "Run a graph and write its report."
 
@@ -32,13 +33,32 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="Neither use stored results nor store new ones.",
     )
     add_store(parser)
+    amount = parser.add_mutually_exclusive_group()
+    amount.add_argument(
+        "--full", action="store_true", help="Print whole tables, all warnings and all failures."
+    )
+    amount.add_argument(
+        "-q", "--quiet", action="store_true", help="Print nothing but errors and failures."
+    )
+    amount.add_argument(
+        "--json", action="store_true", help="Print answer, tables, warnings and files as JSON."
+    )
+    parser.add_argument(
+        "--open", action="store_true", help="Show the report in a browser when it is written."
+    )
+    parser.add_argument(
+        "--no-color",
+        action="store_false",
+        dest="color",
+        help="Print without colours and bold, as with NO_COLOR in the environment.",
+    )
 
 
 def run(arguments: Namespace) -> int:
-    """Run a graph, write its folder, and print its tables."""
+    """Run a graph, write its folder, and print what it gave."""
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
+    from nodegraph.cli.summary import print_summary, summary_json
     from nodegraph.execute import executor_of
-    from nodegraph.report.compose import summary
     from nodegraph.runs.folder import REPORT, RunFolder
 
     graph = graph_of(arguments)
@@ -53,6 +73,8 @@ def run(arguments: Namespace) -> int:
             cache=arguments.cache,
             until=arguments.until,
             listeners=[folder.hear],
+            quiet=arguments.quiet,
+            color=arguments.color,
         )
     except Exception:
         folder.abandon()
@@ -61,11 +83,20 @@ def run(arguments: Namespace) -> int:
         if arguments.cache:
             say("finished steps are stored; the same command continues from there")
         raise
-    if folder.moved:
-        say(f"the earlier run is now in {folder.moved}")
     written = finished.write_to(folder)
-    report = folder.path if REPORT in written.lost else folder.path / REPORT
-    print(f"{summary(written.study, finished)}\n\n{report}")
+    if folder.replaced and not arguments.quiet:
+        say(f"the earlier run in {folder.path} had the same results; it has been replaced")
+    elif folder.moved and not arguments.quiet:
+        say(f"the earlier run is now in {folder.moved}")
+    if arguments.json:
+        print(summary_json(written.study, finished, folder.path))
+    elif not arguments.quiet:
+        out = console(sys.stdout, color=arguments.color)
+        print_summary(written.study, finished, folder.path, out, full=arguments.full)
     for name, reason in written.lost.items():
         say(f"{folder.path / name}: cannot be written: {reason}")
+    if arguments.open and REPORT not in written.lost:
+        import webbrowser
+
+        webbrowser.open((folder.path / REPORT).resolve().as_uri())
     return 0 if written.study.ok and not written.lost else 1

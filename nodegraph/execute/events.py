@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
 from nodegraph.execute.call import Outcome
+from nodegraph.execute.remaining import Remaining
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
 
@@ -78,13 +79,7 @@ Listener = Callable[[Event], None]
 
 
 class EventLog:
-    """Turns what becomes of a plan's steps into events, and hands these to listeners.
-
-    Attributes
-    ----------
-    left : callable
-        Returns how many steps are still to be settled.
-    """
+    """Turns what becomes of a plan's steps into events, and hands these to listeners."""
 
     def __init__(self, listeners: tuple[Listener, ...], plan: Plan) -> None:
         self._listeners = listeners
@@ -93,7 +88,9 @@ class EventLog:
         self._ended: dict[int, State] = {}
         self._steps = len(plan.steps)
         self._interval = max(1, self._steps // _PROGRESS_EVENTS)
-        self.left: Callable[[], int] = lambda: self._steps - len(self._ended)
+        self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
+        self._remaining = Remaining((), {})
+        self._first: float | None = None
         self._emit(
             EventKind.PLANNED,
             None,
@@ -110,9 +107,32 @@ class EventLog:
         """Return the seconds since the run began."""
         return time.perf_counter() - self._start
 
+    def begin(
+        self, left: Callable[[], int], steps: Iterable[Step], seconds: Mapping[str, float]
+    ) -> None:
+        """Note what is to be computed, once stored results have been looked up.
+
+        Parameters
+        ----------
+        left
+            Returns how many steps are still to be settled.
+        steps
+            Those that are to be computed.
+        seconds
+            What a step of a method took in earlier runs.
+        """
+        self._left = left
+        self._remaining = Remaining(steps, seconds)
+
+    def medians(self) -> dict[str, float]:
+        """Return the median seconds of the steps that were computed, by method."""
+        return self._remaining.medians()
+
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""
         if self._listeners:
+            if self._first is None:
+                self._first = self.seconds()
             self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
 
     def settled(self, step: Step, outcome: Outcome) -> None:
@@ -120,6 +140,10 @@ class EventLog:
         if not self._listeners:
             return
         status = outcome.status
+        if status in (State.DONE, State.FAILED, State.REFUSED) and not outcome.stored:
+            self._remaining.add(step, outcome.seconds)
+        else:
+            self._remaining.drop(step)
         detail: dict[str, Any] = {"took": round(outcome.seconds, 6)}
         detail |= {"stored": True} if outcome.stored and status is not State.STORED else {}
         detail |= {"reason": outcome.message} if outcome.reason else {}
@@ -142,15 +166,16 @@ class EventLog:
 
     def _progress(self) -> dict[str, Any]:
         counts = self._counts
-        computed = counts[State.DONE] + counts[State.FAILED] + counts[State.REFUSED]
-        left = self.left()
+        left = self._left()
+        elapsed = self.seconds() - (self._first or 0.0)
+        to_go = self._remaining.estimate(elapsed)
         listed = (State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
         return {
             "run": counts[State.DONE],
             **{state.value: counts[state] for state in listed},
             "unneeded": self._steps - sum(counts.values()) - left,
             "left": left,
-            "to_go": round(self.seconds() / computed * left, 1) if computed else None,
+            "to_go": None if to_go is None else round(to_go, 1),
         }
 
     def _emit(self, kind: str, step: Step | None, detail: Mapping[str, Any]) -> None:

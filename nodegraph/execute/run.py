@@ -19,6 +19,9 @@ from nodegraph.plan import Plan
 from nodegraph.state import State
 from nodegraph.store import Packer, Store
 
+_SECONDS = "seconds"
+"""Under this name a store remembers how long a step of each method takes."""
+
 
 def execute(
     plan: Plan,
@@ -61,15 +64,18 @@ def execute(
             keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
             observer=log,
         )
-        log.left = lambda: schedule.left
+        earlier = store.recall(_SECONDS) if store is not None else {}
+        log.begin(lambda: len(schedule.left), map(plan.steps.__getitem__, schedule.left), earlier)
         with collecting_warnings(), one_thread_each() if schedule.left else nullcontext():
             for result in executor(schedule, how):
                 schedule.finish(*_checked(result, plan, how))
         if schedule.left:
             raise NodegraphError(
-                f"executor {how.executor!r} ended with {schedule.left} of {len(plan.steps)} steps "
-                "left to compute"
+                f"executor {how.executor!r} ended with {len(schedule.left)} of {len(plan.steps)} "
+                "steps left to compute"
             )
+        if store is not None and (medians := log.medians()):
+            store.remember(_SECONDS, earlier | medians)
     except BaseException:
         log.interrupted()
         raise

@@ -92,9 +92,9 @@ class Schedule:
         return self.plan.graph.registry
 
     @property
-    def left(self) -> int:
-        """How many steps are still to be settled, as far as is known."""
-        return len(self._waiting)
+    def left(self) -> Collection[int]:
+        """The steps that are still to be settled, as far as is known."""
+        return self._waiting.keys()
 
     def next(self) -> Call | None:
         """Return the next call that can be made now, or None."""

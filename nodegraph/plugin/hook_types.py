@@ -50,6 +50,29 @@ def _hints(kind: type) -> Mapping[str, Any]:
 
 
 @dataclass(frozen=True)
+class Grid:
+    """What a terminal shows of a comparison: a row per method, a column per group.
+
+    Attributes
+    ----------
+    title : str
+    head : tuple of str
+        What is compared, then the columns; a name may have several lines.
+    rows : tuple of tuple of str
+        The method, then a number per column.
+    best, tied : tuple of (row, column)
+        The best numbers, and those that the data cannot tell from them. Column 1 is the first
+        with numbers.
+    """
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    best: tuple[tuple[int, int], ...] = ()
+    tied: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
 class Rendered:
     """How a value appears: HTML for the report, text for a terminal, files beside the report.
 
@@ -72,6 +95,8 @@ class Rendered:
         others stand at the value.
     replaces : tuple of str
         Other outputs of the node that the fragment shows too: the report only links their files.
+    grid : Grid, optional
+        What a terminal shows in place of the text, which it may shorten.
 
     Raises
     ------
@@ -90,6 +115,7 @@ class Rendered:
     answer: tuple[str, ...] = ()
     lead: str = ""
     replaces: tuple[str, ...] = ()
+    grid: Grid | None = None
 
     def __post_init__(self) -> None:
         _check_fields(self)

@@ -1,4 +1,4 @@
-"""A run -> the study that its report shows, the files beside it, and a summary as text."""
+"""A run -> the study that its report shows, and the files beside it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Rendered, Renderer
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.methods import Methods
-from nodegraph.report.notes import note_kinds, step_notes
+from nodegraph.report.notes import step_notes
 from nodegraph.report.origin import RunOrigin
 from nodegraph.report.study import (
     AxisRow,
@@ -40,9 +40,6 @@ from nodegraph.runs.record import NotShown, versions
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
-_MOST_FAILURES = 5
-_MOST_WARNINGS = 5
-_WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 _FILES = (Link("what ran", RECORD), Link("events", EVENTS))
 
 Write = Callable[[str, bytes], str]
@@ -295,47 +292,3 @@ def _timings(run: Run) -> tuple[TimingRow, ...]:
         TimingRow(node, len(times), sum(times), max(times), stored[node])
         for node, times in seconds.items()
     )
-
-
-def summary(study: Study, run: Run) -> str:
-    """Return what a terminal shows of a run: tables, answer, warnings, how its steps ended."""
-    parts = [
-        f"{f'{section.title} {section.labels}'.strip()}\n{section.rendered.text}"
-        for section in study.sections
-        if section.rendered.text
-    ]
-    parts += ["\n".join(study.answer)] if study.answer else []
-    warned = _warnings(study)
-    parts += ["\n".join(warned)] if warned else []
-    counts = [
-        f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
-    ]
-    parts += [f"{len(run.plan.steps)} steps: {', '.join(counts)}"]
-    parts += [*_failures(study), *run.not_stored()]
-    return "\n\n".join(parts)
-
-
-def _warnings(study: Study) -> list[str]:
-    """Return the first kinds of warnings, which the report lists in full."""
-    groups = [
-        group for kind in note_kinds(study) if kind.kind == "warning" for group in kind.groups
-    ]
-    lines = [
-        f"warning: {group.node}: {group.reason}"
-        + (f" ({group.count} times)" if group.count > 1 else "")
-        for group in groups[:_MOST_WARNINGS]
-    ]
-    if len(groups) > _MOST_WARNINGS:
-        lines += [f"{len(groups) - _MOST_WARNINGS} more kinds of warnings; the report lists them"]
-    return lines
-
-
-def _failures(study: Study) -> Iterator[str]:
-    """Yield the first failures, with the command that repeats each step alone."""
-    failed = [note for note in study.notes if note.kind is Kind.FAILED]
-    for note in failed[:_MOST_FAILURES]:
-        where = f"{note.node} at {note.labels}" if note.labels else note.node
-        repeat = f"\n    repeat it alone: {note.repeat}" if note.repeat else ""
-        yield f"failed: {where}: {note.reason}{repeat}"
-    if len(failed) > _MOST_FAILURES:
-        yield f"{len(failed) - _MOST_FAILURES} more failed; the report says which and why"

@@ -23,6 +23,8 @@ STUDY = "study.json.gz"
 REPORT = "report.html"
 _GRAPH = "graph.yaml"
 _LONGEST_NUMBER = len(".9999")
+_HOW = ("executor", "jobs", "scheduler")
+"""Settings that decide no result."""
 
 
 def graph_name(used: Iterable[str]) -> str:
@@ -53,6 +55,8 @@ class RunFolder:
     ----------
     moved : Path or None
         The new path of the earlier run.
+    replaced : bool
+        Whether the earlier run was the same and is gone.
 
     Raises
     ------
@@ -65,6 +69,7 @@ class RunFolder:
         # a node may change the working directory while it runs
         self._place = path.absolute()
         self._begun = False
+        self.replaced = False
         try:
             self.moved = _make_room(path)
         except OSError as error:
@@ -119,6 +124,21 @@ class RunFolder:
         target = self._place / name
         files.write(str(target.parent), target.name, content)
 
+    def replace_same(self) -> None:
+        """Remove the earlier run if this one, which is written by now, is the same.
+
+        That is, if graph, settings and the keys of all results are equal, and its folder has no
+        file that this one lacks.
+        """
+        if self.moved is None:
+            return
+        earlier = self._place.with_name(self.moved.name)
+        if _files_in(earlier) <= _files_in(self._place):
+            identity = _identity(earlier)
+            if identity is not None and identity == _identity(self._place):
+                shutil.rmtree(earlier, ignore_errors=True)
+                self.replaced = True
+
     def close(self) -> None:
         """End the events, after which others may write to the folder."""
         self._events.close()
@@ -151,10 +171,27 @@ class RunFolder:
             self._place.with_name(self.moved.name).rename(self._place)
 
 
+def _files_in(folder: Path) -> set[Path]:
+    return {path.relative_to(folder) for path in folder.rglob("*")}
+
+
+def _identity(folder: Path) -> object | None:
+    """Return what two folders of the same run share; None if a result has no key or is lost."""
+    try:
+        record = json.loads((folder / RECORD).read_bytes())
+        settings = {name: value for name, value in record["settings"].items() if name not in _HOW}
+        steps = [(step["node"], step["labels"], step["key"]) for step in record["steps"]]
+        lost = record.get("not_shown") or record.get("not_written")
+        graph = (folder / graph_name(record["included"])).read_bytes()
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+    return None if lost else (graph, record["included"], settings, record["versions"], steps)
+
+
 def _make_room(path: Path) -> Path | None:
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         return None
-    if _is_written(path / EVENTS):
+    if is_written(path / EVENTS):
         raise _busy(path)
     marks = [file for file in (path / RECORD, path / EVENTS) if file.is_file()]
     if marks and {file.name for file in path.iterdir()} <= {EVENTS, _GRAPH}:
@@ -167,7 +204,7 @@ def _make_room(path: Path) -> Path | None:
     raise NodegraphError(f"{path} exists and is not a run folder; name another folder with --out")
 
 
-def _is_written(events: Path) -> bool:
+def is_written(events: Path) -> bool:
     """Return whether a run that has not ended writes these events."""
     if not events.is_file():
         return False

@@ -35,6 +35,8 @@ class TableInfo:
         The columns that identify a row. Default: the first column if it holds text.
     best : mapping of column to tuple of int
         The rows whose cells are marked as the best.
+    tied : mapping of column to tuple of int
+        The rows whose cells the data cannot tell from the best.
     cells : mapping of column to mapping of {"low", "high", "p"} to column
         The columns that are shown within the cells of another, as ``mean [low, high]``, with a
         dagger where p is below 0.05.
@@ -52,6 +54,7 @@ class TableInfo:
     better: Mapping[str, BetterEnd] = field(default_factory=dict)
     labels: tuple[str, ...] | None = None
     best: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    tied: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
 
 

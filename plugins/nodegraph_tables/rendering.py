@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph import Rendered
 from nodegraph_tables.cells import Cell, Column, columns_of
+from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import info_of, with_info
 from nodegraph_tables.types import Table
 
@@ -64,6 +65,7 @@ def render_table(table: Table, title: str) -> Rendered:
             ".tex": _latex(caption, columns).encode(),
         },
         answer=info.answer,
+        grid=grid_of(table, caption),
     )
 
 

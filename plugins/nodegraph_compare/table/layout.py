@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.table.sensitivity import COMMON, WORST
+from nodegraph_compare.table.sensitivity import COMMON, WORST, tied_with_best
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -32,9 +32,10 @@ class _Cell(NamedTuple):
     p: float
     blocks: int
     best: bool
+    tied: bool
 
 
-_NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, False)
+_NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, False, False)
 
 
 def wide_table(
@@ -85,6 +86,10 @@ def wide_table(
             head: tuple(at for at, cell in enumerate(column) if cell.best)
             for head, column in under.items()
         },
+        tied={
+            head: tuple(at for at, cell in enumerate(column) if cell.tied)
+            for head, column in under.items()
+        },
     )
     return with_info(DataFrame(columns), info)
 
@@ -111,12 +116,14 @@ def blocks_text(summaries: Sequence[Summary]) -> str:
 def _cells(summary: Summary, question: Question) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
     at = dict(zip(question.within, summary.group.labels, strict=True))
     paired, bests, blocks = summary.paired, summary.marked, summary.blocks
+    tied = tied_with_best(summary)
     for place, method in enumerate(summary.group.methods):
         names = dict.fromkeys(question.compared, method)
         p = np.nan if paired is None else float(paired.p[place])
         numbers = (summary.mean, summary.low, summary.high)
         mean, low, high = (float(number[place]) for number in numbers)
-        yield at | names, _Cell(mean, low, high, p, int(blocks[place]), bool(bests[place]))
+        marks = bool(bests[place]), bool(tied[place])
+        yield at | names, _Cell(mean, low, high, p, int(blocks[place]), *marks)
 
 
 def _picked(at: Mapping[str, Label], names: Sequence[str]) -> Labels:
@@ -255,6 +262,7 @@ def long_table(
     labels = (*question.within, *question.compared)
     frame = DataFrame({name: values for name, values in columns.items() if _holds(name, values)})
     marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
+    tied = [mark for summary in summaries for mark in tied_with_best(summary)[summary.ranked]]
     several = question.compare is not None
     valued = (
         *_VALUED,
@@ -278,6 +286,7 @@ def long_table(
         units=units | {name: "share" for name in _LOST if name in frame},
         labels=labels,
         best={"mean": tuple(np.flatnonzero(marked).tolist())} if several else {},
+        tied={"mean": tuple(np.flatnonzero(tied).tolist())} if several else {},
         cells=intervals,
     )
     return with_info(frame, info)

@@ -88,6 +88,13 @@ def behind_by_all_rules(summary: Summary) -> NDArray[np.bool_]:
     return np.asarray(np.logical_and.reduce([summary.behind, *rules]))
 
 
+def tied_with_best(summary: Summary) -> NDArray[np.bool_]:
+    """Return (K,), the methods that units enough for a verdict do not tell from the best."""
+    if summary.best is None or not summary.judged:
+        return np.zeros(summary.level.shape, dtype=bool)
+    return (summary.blocks > 0) & ~summary.bests & ~behind_by_all_rules(summary)
+
+
 def suspects_text(summary: Summary, blocks: str) -> str:
     """Return which blocks are suspect, and what is said without them; empty without any.
 

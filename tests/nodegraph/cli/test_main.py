@@ -50,7 +50,9 @@ Command = Callable[..., tuple[int, str, str]]
         (["toy.yaml", "--plugin", "raises.py"], "raises.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "exits.py"], "exits.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "hook.py"], "hook.py:4: nodegraph_nodes raised KeyError: 'lost'"),
-        (["toy.yaml", "--sett", "a=1"], "unrecognized arguments"),
+        (["toy.yaml", "--sett", "a=1"], "no option --sett; did you mean '--set'"),
+        (["toy.yaml", "--onyl=fill=hold"], "did you mean '--only'"),
+        (["toy.yaml", "other.yaml"], "too many arguments: other.yaml"),
         ([], "GRAPH"),
     ],
 )

@@ -62,12 +62,12 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
     assert out == ""
     assert lines[:2] == [
         "100 steps of 2 nodes",
-        "10 of 100 steps: run 10 · left 90 · 0:12 to go",
+        "0:02  10 of 100 steps: run 10 · left 90 · 0:12 to go",
     ]
     assert lines[-4:] == [
         "failed: fill(k=98): no frame",
         "refused: fill(k=99): no frame",
-        "100 of 100 steps: run 98 · refused 1 · failed 1 · 0:12 to go",
+        "0:20  100 of 100 steps: run 98 · refused 1 · failed 1 · 0:12 to go",
         "finished after 3.0 s: run 98 · refused 1 · failed 1",
     ]
     assert len(lines) == 14
@@ -102,7 +102,7 @@ def test_skipped_steps_after_a_failure_are_counted_at_the_end(
 ) -> None:
     show(events(["failed"] + ["skipped"] * 19))
     assert capsys.readouterr().err.splitlines()[2:] == [
-        "2 of 20 steps: run 0 · failed 1 · skipped 1 · left 18 · 0:12 to go",
+        "0:00  2 of 20 steps: run 0 · failed 1 · skipped 1 · left 18 · 0:12 to go",
         "finished after 3.0 s: run 0 · failed 1 · skipped 19",
     ]
 
@@ -124,16 +124,32 @@ def test_a_bar_in_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("is_terminal", [True, False])
-def test_the_first_failures_are_shown_and_the_rest_are_counted(
+def test_the_first_failure_of_each_kind_is_shown_and_the_rest_are_counted(
     monkeypatch: pytest.MonkeyPatch, is_terminal: bool
 ) -> None:
     terminal = fake_stderr(monkeypatch, is_terminal=is_terminal)
     show(events(["refused"] * 40 + ["failed"] * 16, every=100))
     lines = [line.strip() for line in plain(terminal).splitlines()]
-    assert sum(line.startswith("refused: fill") for line in lines) == 20
-    assert not any(line.startswith("failed: fill") for line in lines)
-    assert "and 20 more refused" in lines
-    assert "and 16 more failed" in lines
+    assert "refused: fill(k=0): no frame" in lines
+    assert "failed: fill(k=40): no frame" in lines
+    assert sum(line.startswith(("refused", "failed")) for line in lines) == 2
+    assert "and 39 more refused" in lines
+    assert "and 15 more failed" in lines
+
+
+def test_failures_of_many_kinds_are_not_all_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    show(Event("failed", 0.0, k, f"node{k}", detail={"reason": "no"}) for k in range(30))
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 21
+    assert lines[-1] == "and 10 more failed"
+
+
+def test_reasons_that_differ_in_numbers_are_one_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    reasons = ["frame 3 is empty", "frame 17 is empty", "marker is empty"]
+    show(Event("failed", 0.0, k, "a", detail={"reason": why}) for k, why in enumerate(reasons))
+    assert capsys.readouterr().err.splitlines() == [
+        "failed: a: frame 3 is empty", "failed: a: marker is empty", "and 1 more failed",
+    ]  # fmt: skip
 
 
 def test_an_interrupted_run_counts_its_failures(capsys: pytest.CaptureFixture[str]) -> None:
@@ -143,7 +159,7 @@ def test_an_interrupted_run_counts_its_failures(capsys: pytest.CaptureFixture[st
 
     with pytest.raises(KeyboardInterrupt):
         show(interrupted())
-    assert capsys.readouterr().err.splitlines()[-1] == "and 10 more failed"
+    assert capsys.readouterr().err.splitlines()[-1] == "and 29 more failed"
 
 
 @pytest.mark.parametrize("is_terminal", [True, False])
@@ -177,8 +193,13 @@ def test_the_current_node_is_updated_ten_times_a_second(
         Progress, "update", lambda self, task, **how: named.append(how.get("description", ""))
     )
     fake_stderr(monkeypatch)
-    show([Event("started", n / 1000, n, f"node{n}") for n in range(250)])
-    assert named == ["node0", "node100", "node200"]
+    run: list[Event] = []
+    for n in range(250):
+        begun = Event("started", n / 1000, n, "fill", {"k": n})
+        ended = Event("done", n / 1000, n - 2, "fill", {"k": n - 2})
+        run += [begun, ended]
+    show(run)
+    assert named == ["fill(k=0)", "fill(k=98) and 2 more", "fill(k=198) and 2 more"]
 
 
 def test_counts_as_text() -> None:

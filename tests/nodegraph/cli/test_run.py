@@ -25,12 +25,67 @@ def test_a_run_writes_its_folder_and_ends_with_0(command: Command) -> None:
     assert Path("runs/toy/graph.yaml").read_text() == Path("toy.yaml").read_text()
 
 
-def test_a_second_run_keeps_the_first(command: Command) -> None:
+def test_a_run_with_other_settings_keeps_the_first(command: Command) -> None:
     command("run", "toy.yaml", "--out", "here")
-    status, _, err = command("run", "toy.yaml", "--out", "here", "--jobs", "1")
+    status, _, err = command("run", "toy.yaml", "--out", "here", "--set", "start=6")
     assert status == 0
     assert "the earlier run is now in here-" in err
     assert len([path for path in Path().iterdir() if path.name.startswith("here")]) == 2
+
+
+def test_the_same_run_again_replaces_the_first(command: Command) -> None:
+    command("run", "toy.yaml")
+    status, _, err = command("run", "toy.yaml", "--jobs", "1")
+    assert status == 0
+    assert "the earlier run in runs/toy had the same results" in err
+    assert [path.name for path in Path("runs").iterdir()] == ["toy"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda: Path("runs/toy/notes.txt").write_text("of the user"),
+        lambda: Path("toy.yaml").write_text(Path("toy.yaml").read_text() + "notes: other\n"),
+        lambda: Path("toys.py").write_text(
+            Path("toys.py").read_text().replace("return start", "return start + 0.5")
+        ),
+        lambda: Path("runs/toy/run.json").write_text("[]"),
+    ],
+)
+def test_a_run_that_differs_in_anything_is_kept(
+    command: Command, change: Callable[[], object]
+) -> None:
+    command("run", "toy.yaml")
+    change()
+    assert command("run", "toy.yaml")[0] == 0
+    assert len(list(Path("runs").iterdir())) == 2
+
+
+def test_runs_without_keys_are_kept(command: Command) -> None:
+    for _ in range(2):
+        command("run", "toy.yaml", "--no-cache")
+    assert len(list(Path("runs").iterdir())) == 2
+
+
+def test_quiet_prints_failures_only(command: Command) -> None:
+    assert command("run", "toy.yaml", "-q") == (0, "", "")
+    status, out, err = command("run", "toy.yaml", "-q", "--set", "start=-100")
+    assert (status, out) == (1, "")
+    first, *more = err.splitlines()
+    assert first.startswith("failed: fill(length=1, fill=strict): too far")
+    assert more == ["and 1 more failed"]
+
+
+def test_the_answer_as_json(command: Command) -> None:
+    status, out, _ = command("run", "toy.yaml", "--json", "--set", "start=-100")
+    content = json.loads(out)
+    assert status == 1
+    assert (content["title"], content["ok"]) == ("A toy", False)
+    assert content["report"] == "runs/toy/report.html"
+    assert content["steps"] == {"done": 6, "failed": 2}
+    (failed,) = content["failed"]
+    assert failed["count"] == 2
+    assert failed["reason"].startswith("too far")
 
 
 def test_a_report_shows_an_entry_where_it_fixes_axes(command: Command) -> None:

@@ -17,7 +17,7 @@ from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
-from nodegraph.report.compose import compose, summary
+from nodegraph.report.compose import compose
 from nodegraph.report.study import StepNote, Study
 from nodegraph.runs.settings import RunSettings
 
@@ -122,18 +122,6 @@ def test_a_word_of_a_command_is_quoted(run_of: Callable[..., Run]) -> None:
     assert note.repeat == f"{COMMAND} --only 'start=two words' --until b"
 
 
-def test_the_terminal_shows_results_and_counts_what_was_lost(run_of: Callable[..., Run]) -> None:
-    run = run_of(TEXT)
-    study = _study(run)
-    assert "A toy" in page(study)
-    text = summary(study, run)
-    assert "text length=15\n15" in text
-    assert "17 steps: 9 computed, 4 refused, 4 failed" in text
-    assert "failed: fill (strict.fails) at length=5, trial=0, fill=fails: -2.0 is negative" in text
-    command = f"{COMMAND} --only length=5 --only trial=0 --only fill=fails --until fill"
-    assert f"repeat it alone: {command}" in text
-
-
 def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> None:
     def explode(value: object, title: str) -> Rendered:
         raise RuntimeError("no ink")
@@ -150,7 +138,6 @@ def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> N
     assert "in explode" in note.trace
     assert run.ok
     assert not study.ok
-    assert summary(study, run).endswith("failed: a: cannot be shown: RuntimeError: no ink")
 
 
 class Ordered(NamedTuple):

@@ -1,0 +1,65 @@
+"""``nodegraph runs``: list runs with their date, title and answer."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+
+from nodegraph.cli.output import columns
+from nodegraph.errors import NodegraphError
+
+HELP = "List runs with their date, title and answer."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=Path("runs"),
+        metavar="DIR",
+        help="Folder in which the folders of runs lie (default: %(default)s).",
+    )
+
+
+def runs(arguments: Namespace) -> int:
+    """List the runs in a folder, the latest first."""
+    from shutil import get_terminal_size
+
+    folder: Path = arguments.folder
+    if not folder.is_dir():
+        raise NodegraphError(f"{folder}: no such folder; `nodegraph run GRAPH` writes to runs/")
+    rows = sorted(_rows(folder), reverse=True)
+    if not rows:
+        raise NodegraphError(f"{folder} holds no runs; `nodegraph run GRAPH` writes one to runs/")
+    width = get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
+    for date, name, title, answer in rows:
+        print(columns([(date, name, title)]))
+        if answer:
+            print(textwrap.indent(textwrap.shorten(answer, width - 4, placeholder=" ..."), "    "))
+    return 0
+
+
+def _rows(folder: Path) -> Iterator[tuple[str, str, str, str]]:
+    """Yield date, folder, title and answer of each run; of one without a report, its state."""
+    from nodegraph.report.study import read_study
+    from nodegraph.runs.folder import EVENTS, STUDY, is_written
+
+    for path in (folder, *folder.iterdir()):
+        marks = [path / name for name in (STUDY, EVENTS) if (path / name).is_file()]
+        if not marks:
+            continue
+        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("%Y-%m-%d %H:%M")
+        try:
+            study = read_study(path)
+        except NodegraphError as error:
+            state = "running" if is_written(path / EVENTS) else "interrupted"
+            yield ended, str(path), str(error) if marks[0].name == STUDY else state, ""
+        else:
+            failed = "" if study.ok else " (with failures)"
+            yield ended, str(path), f"{study.title}{failed}", next(iter(study.answer), "")

@@ -1,0 +1,211 @@
+"""What a terminal shows of a finished run: answer, comparisons, warnings, failures, files."""
+
+from __future__ import annotations
+
+import json
+import sys
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nodegraph.report.notes import NoteGroup, note_kinds
+from nodegraph.report.study import Kind, Section, Study
+from nodegraph.runs.folder import RECORD, REPORT
+from nodegraph.state import State
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from nodegraph.execute import Run
+    from nodegraph.plugin.hook_types import Grid
+
+_MOST_SENTENCES = 6
+_MOST_LINES = 12
+_MOST_ROWS = 30
+_MOST_GROUPS = 5
+_GAP = 2
+_BEST, _TIED = "*", "~"
+_LEGEND = {_BEST: "best", _TIED: "not clearly apart from it"}
+_WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
+
+
+def print_summary(study: Study, run: Run, folder: Path, console: Console, *, full: bool) -> None:
+    """Print what a run gave.
+
+    Parameters
+    ----------
+    study
+        What its report shows.
+    run
+    folder
+        Where it is written.
+    console
+    full
+        Whether to print every sentence, table, warning and failure.
+    """
+    for part in _parts(study, run, folder, console, full=full):
+        if isinstance(part, str):
+            console.print(part, markup=False, soft_wrap=True)
+        else:
+            console.print(part)
+
+
+def summary_json(study: Study, run: Run, folder: Path) -> str:
+    """Return what a run gave as JSON."""
+    tables = [
+        {"node": section.title, "labels": section.labels, **_grid_data(section.rendered.grid)}
+        for section in study.sections
+        if section.rendered.grid is not None
+    ]
+    content = {
+        "title": study.title,
+        "ok": study.ok,
+        "folder": str(folder),
+        "report": str(folder / REPORT),
+        "answer": list(study.answer),
+        "tables": tables,
+        "steps": {state: count for state, count in run.counts().items() if count},
+        "seconds": round(run.seconds, 3),
+        **{
+            kind.kind.replace(" ", "_"): [
+                {"node": group.node, "reason": group.reason, "count": group.count}
+                for group in kind.groups
+            ]
+            for kind in note_kinds(study)
+        },
+        "files": [link.path for section in study.sections for link in section.files],
+    }
+    return json.dumps(content, ensure_ascii=False, indent=1)
+
+
+def _grid_data(grid: Grid) -> dict[str, Any]:
+    return {
+        "title": grid.title,
+        "head": [name.split("\n") for name in grid.head],
+        "rows": grid.rows,
+        "best": grid.best,
+        "tied": grid.tied,
+    }
+
+
+def _parts(
+    study: Study, run: Run, folder: Path, console: Console, *, full: bool
+) -> Iterator[str | Table]:
+    sentences = study.answer if full else study.answer[:_MOST_SENTENCES]
+    # what is piped has a line per sentence
+    width = console.width if console.is_terminal else sys.maxsize
+    yield from (textwrap.fill(sentence, width) for sentence in sentences)
+    if len(study.answer) > len(sentences):
+        yield f"{len(study.answer) - len(sentences)} more sentences: --full, or the report"
+    for section in study.sections:
+        yield from _section(section, console.width, full=full)
+    for kind in note_kinds(study):
+        if kind.kind is Kind.WARNING:
+            yield f"\n{kind}"
+            yield from map(_warning, kind.groups if full else kind.groups[:_MOST_GROUPS])
+            yield from _more(len(kind.groups), full=full)
+    counts = [
+        f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
+    ]
+    yield f"\n{len(run.plan.steps)} steps: {', '.join(counts)}"
+    for kind in note_kinds(study):
+        if kind.kind is Kind.FAILED:
+            yield from map(_failure, kind.groups if full else kind.groups[:_MOST_GROUPS])
+            yield from _more(len(kind.groups), full=full)
+    yield from run.not_stored()
+    yield f"\n{_files(study, folder)}"
+
+
+def _section(section: Section, width: int, *, full: bool) -> Iterator[str | Table]:
+    """Yield a result: its comparison, else its text as far as it is short."""
+    grid, text = section.rendered.grid, section.rendered.text
+    name = f"{section.title} {section.labels}".strip()
+    if grid is not None and not full:
+        yield f"\n{name}: {grid.title}"
+        yield from _tables(grid, width)
+        marks = [mark for mark, places in ((_BEST, grid.best), (_TIED, grid.tied)) if places]
+        if marks:
+            yield "   ".join(f"{mark} {_LEGEND[mark]}" for mark in marks)
+    elif text:
+        lines = text.splitlines()
+        shown = lines if full or len(lines) <= _MOST_LINES else lines[:_MOST_LINES]
+        yield "\n".join(["", name, *shown])
+        if len(shown) < len(lines):
+            yield f"{len(lines) - len(shown)} more lines: --full, or the report"
+
+
+def _tables(grid: Grid, width: int) -> Iterator[Table]:
+    """Yield a comparison in as many tables, one below the other, as it takes to fit a width."""
+    rows = grid.rows[:_MOST_ROWS]
+    texts = [
+        [f"{text}{_mark(grid, row, column)}" for column, text in enumerate(cells)]
+        for row, cells in enumerate(rows)
+    ]
+    widths = [
+        max(len(line) for line in (*head.split("\n"), *cells)) + _GAP
+        for head, cells in zip(grid.head, zip(*texts, strict=True), strict=True)
+    ]
+    columns = list(range(1, len(grid.head)))
+    while columns:
+        room, count = width - widths[0], 0
+        while count < len(columns) and (not count or room >= widths[columns[count]]):
+            room -= widths[columns[count]]
+            count += 1
+        tops = [grid.head[column].partition("\n")[0] for column in columns]
+        if count < len(columns) and tops[0] != tops[count - 1] == tops[count]:
+            count = tops.index(tops[count])  # groups that share a label stay together
+        yield _table(grid, texts, [0, *columns[:count]])
+        columns = columns[count:]
+
+
+def _table(grid: Grid, texts: Sequence[Sequence[str]], columns: Sequence[int]) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, padding=(0, _GAP, 0, 0), header_style="dim", pad_edge=False)
+    for column in columns:
+        head = Text(grid.head[column])
+        table.add_column(head, justify="right" if column else "left", no_wrap=True)
+    for row, cells in enumerate(texts):
+        styles = ["bold" if (row, column) in grid.best else "" for column in columns]
+        table.add_row(
+            *(Text(cells[column], style) for column, style in zip(columns, styles, strict=True))
+        )
+    if len(grid.rows) > len(texts):
+        table.add_row(Text(f"and {len(grid.rows) - len(texts)} more", "dim"))
+    return table
+
+
+def _mark(grid: Grid, row: int, column: int) -> str:
+    if (row, column) in grid.best:
+        return _BEST
+    if (row, column) in grid.tied:
+        return _TIED
+    return " " if column else ""
+
+
+def _warning(group: NoteGroup) -> str:
+    times = f" ({group.count} times)" if group.count > 1 else ""
+    return f"warning: {group.node}: {group.reason}{times}"
+
+
+def _failure(group: NoteGroup) -> str:
+    """Return what failed, with the command that repeats the first such step alone."""
+    first = f" at {group.labels[0]}" if group.labels else ""
+    more = f" and {group.count - 1} more" if group.count > 1 else ""
+    repeat = f"\n    repeat it alone: {group.repeat}" if group.repeat else ""
+    return f"failed: {group.node}{first}{more}: {group.reason}{repeat}"
+
+
+def _more(count: int, *, full: bool) -> Iterator[str]:
+    if count > _MOST_GROUPS and not full:
+        yield f"{count - _MOST_GROUPS} more kinds: --full, or the report"
+
+
+def _files(study: Study, folder: Path) -> str:
+    kinds = Counter(link.text for section in study.sections for link in section.files)
+    beside = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    return f"{folder / REPORT}, {RECORD}{f', {beside}' if beside else ''}"

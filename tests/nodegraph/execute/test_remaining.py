@@ -1,0 +1,63 @@
+"""The remaining time is near the truth though steps take very different times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from nodegraph.execute import Run
+from nodegraph.execute.remaining import Remaining
+from nodegraph.plan import Step
+
+TEXT = """
+    axes: {start: {range: [0, 99, 1]}}
+    nodes:
+      a: {use: read.number, with: {start: $start}}
+      b: {use: fill.hold, in: a}
+      c: {use: strict.positive, in: b}
+    """
+TIMES = {"read.number": 0.0, "fill.hold": 0.01, "strict.positive": 0.4}
+
+
+@pytest.fixture
+def steps(run_of: Callable[..., Run]) -> tuple[Step, ...]:
+    return run_of(TEXT).plan.steps
+
+
+def took(step: Step) -> float:
+    return TIMES[step.method.node.name]
+
+
+@pytest.mark.parametrize("at_once", [1, 2])
+def test_after_a_tenth_it_is_right_within_a_tenth(steps: tuple[Step, ...], at_once: int) -> None:
+    remaining = Remaining(steps, {})
+    done = steps[: len(steps) // 10]
+    for step in done:
+        remaining.add(step, took(step))
+    elapsed = sum(took(step) + 0.002 for step in done) / at_once
+    truth = sum(took(step) + 0.002 for step in steps[len(done) :]) / at_once
+    assert remaining.estimate(elapsed) == pytest.approx(truth, rel=0.1)
+
+
+def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, ...]) -> None:
+    cheap = [step for step in steps if step.node != "c"]
+    for earlier, seconds in [({"strict.positive": 0.4}, 40.0), ({}, 0.5)]:
+        remaining = Remaining(steps, earlier)
+        for step in cheap:
+            remaining.add(step, took(step))
+        elapsed = sum(took(step) + 0.002 for step in cheap)
+        assert remaining.estimate(elapsed) == pytest.approx(seconds, rel=0.5)
+
+
+def test_nothing_is_known_before_a_step_has_ended(steps: tuple[Step, ...]) -> None:
+    remaining = Remaining(steps, {"strict.positive": 1.0})
+    assert remaining.estimate(3.0) is None
+
+
+def test_steps_that_are_skipped_take_no_time(steps: tuple[Step, ...]) -> None:
+    remaining = Remaining(steps, {})
+    remaining.add(steps[0], 1.0)
+    for step in steps[1:]:
+        remaining.drop(step)
+    assert remaining.estimate(1.0) == 0.0

@@ -1,0 +1,45 @@
+"""A comparison as a grid: methods down the side, groups along the top, marks in place."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables.rendering import render_table
+
+
+def test_a_row_per_mean_becomes_methods_by_groups() -> None:
+    table = pd.DataFrame(
+        {
+            "ends": ["met", "met", "kept", "kept"],
+            "length": [5, 5, 5, 5],
+            "fill": ["b", "a", "b", "a"],
+            "mean": [0.1, 0.2, 0.3, 0.4],
+        }
+    )
+    info = TableInfo(
+        labels=("ends", "length", "fill"),
+        units={"mean": "mm"},
+        best={"mean": (0, 2)},
+        tied={"mean": (3,)},
+    )
+    grid = render_table(with_info(table, info), "rmse").grid
+    assert grid is not None
+    assert grid.title == "rmse [mm]"
+    assert grid.head == ("fill", "met\nlength 5", "kept\nlength 5")
+    assert grid.rows == (("b", "0.100", "0.300"), ("a", "0.200", "0.400"))
+    assert (set(grid.best), set(grid.tied)) == ({(0, 1), (0, 2)}, {(1, 2)})
+
+
+def test_a_table_of_several_marked_columns_stays_as_it_is() -> None:
+    table = pd.DataFrame({"fill": ["b", "a"], "usual": [2.0, 1.0], "noisy": [3.0, None]})
+    info = TableInfo(labels=("fill",), best={"usual": (1,), "noisy": (0,)})
+    grid = render_table(with_info(table, info), "rmse").grid
+    assert grid is not None
+    assert grid.head == ("fill", "usual", "noisy")
+    assert grid.rows == (("b", "2", "3"), ("a", "1", ""))
+    assert set(grid.best) == {(1, 1), (0, 2)}
+
+
+def test_a_table_without_a_best_has_none() -> None:
+    assert render_table(pd.DataFrame({"fill": ["b"], "mean": [1.0]}), "rmse").grid is None
