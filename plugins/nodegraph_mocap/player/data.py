@@ -2,9 +2,9 @@
 
 Positions and vertices are rounded to steps of 0.01 mm at most: they are off by 0.005 mm at most in
 each coordinate. Weights are rounded to 0.0001, which moves a vertex by less than that for each
-5 cm of a morph. Recordings with equal markers and frames are told as differences from the first
-of them: what several fills of one recording share is there once. So is a head that several
-animations share.
+5 cm of a morph. A recording is packed as differences from that of the same markers and frames
+before it with which it shares the most samples: what several fills of one recording share is there
+once. So is a head that several animations share.
 """
 
 from __future__ import annotations
@@ -182,7 +182,8 @@ class _Packing:
         self.step = step_of(self.panels)
         self._heads: dict[str, int] = {}
         self._head_entries: list[dict[str, Any]] = []
-        self._alike: dict[tuple[Any, ...], tuple[int, NDArray[np.int32]]] = {}
+        self._recordings: dict[int, tuple[tuple[str, ...], NDArray[np.float64]]] = {}
+        self._steps: dict[int, NDArray[np.int32]] = {}
 
     def packed(self) -> bytes:
         panels = [self._panel(place, panel) for place, panel in enumerate(self.panels)]
@@ -215,19 +216,29 @@ class _Packing:
         origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)
         positions = np.where(origin[..., None] == Origin.MISSING, np.nan, recording.positions)
         rows = positions.reshape(recording.frames, 3 * len(recording.markers)).T
-        first, like = self._alike.get((recording.markers, rows.shape), (None, None))
-        entry, steps = self.blob.steps(rows, self.step, like)
-        self._alike.setdefault((recording.markers, rows.shape), (place, steps))
+        like = self._nearest(recording.markers, rows)
+        differing = None if like is None else self._steps[like]
+        entry, self._steps[place] = self.blob.steps(rows, self.step, differing)
+        self._recordings[place] = recording.markers, rows
         known = _truth_of(self.playback)
         return {
             "kind": "markers",
             "markers": recording.markers,
             "edges": edges_of(recording),
             "positions": entry,
-            "like": first,
+            "like": like,
             "origin": self.blob.small(origin.T.astype(np.uint8)),
             "truth": columns_in(known, recording) if known and place > 0 else None,
         }
+
+    def _nearest(self, markers: tuple[str, ...], rows: NDArray[np.float64]) -> int | None:
+        """Return the recording packed before that shares the most samples with this one."""
+        alike = {
+            place: np.count_nonzero(other == rows)
+            for place, (names, other) in self._recordings.items()
+            if names == markers and other.shape == rows.shape
+        }
+        return max(alike, key=alike.__getitem__, default=None)
 
     def _animation(self, animation: Animation) -> dict[str, Any]:
         weights = animation.morph_weights
