@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import Comparison, Files, Renderer, hookimpl
+from nodegraph import Comparison, Detail, Files, Renderer, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -44,6 +44,14 @@ def nodegraph_renderers() -> Iterable[Renderer]:
     from nodegraph_mocap.player.page import playback_renderers
 
     return playback_renderers()
+
+
+@hookimpl
+def nodegraph_details() -> Iterable[Detail]:
+    """Return how blocks of a comparison of recordings are shown."""
+    from nodegraph_mocap.gap.view import details
+
+    return details()
 
 
 @hookimpl

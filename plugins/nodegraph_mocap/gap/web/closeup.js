@@ -1,0 +1,96 @@
+// The face at one frame, and its marker close up with what every method made of it.
+nodegraph.define("mocap/gap/closeup", ["page", "mocap/gap/packed", "mocap/gap/curves"], (page, packed, { pathOf, rangeOf }) => {
+  const { svg } = page;
+  const SIZE = 200;
+  const DEEPER = 1.3; // times as deep as wide is a movement that is seen from the side
+
+  const drawFace = (block) => {
+    const markers = block.face.markers;
+    const own = markers.indexOf(block.marker);
+    const across = [0, 1].map((k) => rangeOf(block.face.points.filter((_, at) => at % 2 === k)));
+    const size = 1.12 * Math.max(1, ...across.map(([low, high]) => high - low));
+    const middle = across.map(([low, high]) => (low + high) / 2);
+    const place = ([right, up]) => [SIZE / 2 + ((right - middle[0]) / size) * SIZE, SIZE / 2 - ((up - middle[1]) / size) * SIZE];
+    const edges = svg("path", { class: "edge" });
+    const dots = markers.map((name, at) => svg("circle", { class: at === own ? "own" : "", r: at === own ? 4 : 2.2 }, svg("title", {}, name)));
+    const frame = svg("rect", { class: "frame", width: 20, height: 20, rx: 3 });
+    const element = svg("svg", { class: "face", viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", "aria-label": `The face from the front, with ${block.marker}` },
+      edges, ...dots, frame);
+    const move = (at) => {
+      const points = packed.faceAt(block, at).map(place);
+      const known = ([x, y]) => Number.isFinite(x + y);
+      edges.setAttribute("d", block.face.edges.filter(([a, b]) => known(points[a]) && known(points[b]))
+        .map(([a, b]) => `M${points[a].map((value) => value.toFixed(1))}L${points[b].map((value) => value.toFixed(1))}`).join(""));
+      points.forEach(([x, y], marker) => {
+        dots[marker].toggleAttribute("hidden", !known([x, y]));
+        if (!known([x, y])) return;
+        dots[marker].setAttribute("cx", x);
+        dots[marker].setAttribute("cy", y);
+      });
+      frame.toggleAttribute("hidden", own < 0 || !known(points[own]));
+      if (own >= 0 && known(points[own])) {
+        frame.setAttribute("x", points[own][0] - 10);
+        frame.setAttribute("y", points[own][1] - 10);
+      }
+    };
+    return { element, move };
+  };
+
+  // A round length, at most a third of the picture's width.
+  const barOf = (size) => {
+    const power = 10 ** Math.floor(Math.log10(size / 3));
+    return power * [5, 2, 1].find((digit) => digit * power <= size / 3);
+  };
+
+  const drawClose = (block, lines) => {
+    const full = lines.filter(({ role }) => role !== "rest");
+    const runs = [...block.judged.runs, ...block.apart];
+    const [first, last] = runs.find(([low, high]) => low <= block.at && block.at <= high) ?? [0, block.frames - 1];
+    const [from, to] = [Math.max(0, first - 1), Math.min(block.frames - 1, last + 1)];
+    const frames = Array.from({ length: to - from + 1 }, (_, at) => from + at);
+    const pointsOf = ({ positions }) => frames.map((at) => packed.seen(block, packed.sample(positions, at)));
+    const clear = (full.length ? full : lines).flatMap(pointsOf);
+    const ranges = [0, 1, 2].map((k) => rangeOf(clear.map((point) => point[k])));
+    const extent = ranges.map(([low, high]) => high - low);
+    const side = extent[2] > DEEPER * extent[0] ? 2 : 0;
+    const size = 1.3 * Math.max(0.5, extent[side], extent[1]);
+    const middle = [side, 1].map((k) => (ranges[k][0] + ranges[k][1]) / 2);
+    const place = (point) => [
+      SIZE / 2 + ((point[side] - middle[0]) / size) * SIZE, SIZE / 2 - ((point[1] - middle[1]) / size) * SIZE,
+    ];
+    const bar = barOf(size);
+    const element = svg("svg", { class: "close", viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", "aria-label": `${block.marker} close up, with all methods` },
+      svg("rect", { class: "ground", width: SIZE, height: SIZE, rx: 8 }));
+    const paths = svg("g", { class: "lines" });
+    for (const line of lines) {
+      paths.append(svg("path", { class: line.role, d: pathOf(pointsOf(line).map(place)), "data-line": line.name }));
+    }
+    const errors = svg("path", { class: "error" });
+    const dots = lines.map(({ name, role }) => svg("circle", { class: role, r: role === "rest" ? 2.4 : 4.5, "data-line": name }, svg("title", {}, name)));
+    const length = (bar / size) * SIZE;
+    element.append(paths, errors, ...dots,
+      svg("path", { class: "bar", d: `M10,${SIZE - 10}h${length.toFixed(1)}` }),
+      svg("text", { x: 10, y: SIZE - 15 }, `${Number(bar.toPrecision(1))} ${block.unit}`),
+      svg("text", { x: 10, y: 18 }, side ? "from the side" : "from the front"));
+    const move = (at) => {
+      const truth = lines.find(({ role }) => role === "truth");
+      const origin = truth && place(packed.seen(block, packed.sample(truth.positions, at)));
+      let path = "";
+      lines.forEach(({ role, positions }, line) => {
+        const [x, y] = place(packed.seen(block, packed.sample(positions, at)));
+        const known = Number.isFinite(x + y);
+        dots[line].toggleAttribute("hidden", !known);
+        if (!known) return;
+        dots[line].setAttribute("cx", x.toFixed(1));
+        dots[line].setAttribute("cy", y.toFixed(1));
+        if (origin && role !== "rest" && role !== "truth" && Number.isFinite(origin[0] + origin[1])) {
+          path += `M${origin.map((value) => value.toFixed(1))}L${x.toFixed(1)},${y.toFixed(1)}`;
+        }
+      });
+      errors.setAttribute("d", path);
+    };
+    return { element, move };
+  };
+
+  return { drawFace, drawClose };
+});
