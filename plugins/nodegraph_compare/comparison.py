@@ -7,17 +7,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import compared_looks, fallback_label, named_label
+from nodegraph_compare.labels import compared_labels, fallback_label, named_label
 from nodegraph_compare.question import ask, blocks_name, unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from nodegraph import Across, Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Better, Question
     from nodegraph_mocap import Table
-    from nodegraph_tables.style import Look
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +27,8 @@ class Comparison:
     question : Question
     groups : tuple of Group
         As they were scored.
-    looks : mapping of label to Look
-        How each compared label appears, in their order.
+    methods : tuple of labels
+        All that are compared, in their order.
     fallback : label or None
         The method whose value stands where another has none.
     """
@@ -39,13 +36,8 @@ class Comparison:
     scores: Across[Table]
     question: Question
     groups: tuple[Group, ...]
-    looks: Mapping[Label, Look]
+    methods: tuple[Label, ...]
     fallback: Label | None
-
-    @property
-    def methods(self) -> tuple[Label, ...]:
-        """The compared labels, in their order."""
-        return tuple(self.looks)
 
     @cached_property
     def filled(self) -> tuple[Group, ...]:
@@ -99,5 +91,5 @@ def prepare(
         better=better,
     )
     gathered = groups(scores, question)
-    looks = compared_looks(scores, question, gathered)
-    return Comparison(scores, question, gathered, looks, fallback_label(tuple(looks), fallback))
+    methods = compared_labels(scores, question, gathered)
+    return Comparison(scores, question, gathered, methods, fallback_label(methods, fallback))

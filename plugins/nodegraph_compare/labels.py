@@ -1,4 +1,4 @@
-"""The compared labels: their order, how they look in figures, and the baseline among them."""
+"""The compared labels: their order, and the baseline among them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph import nearest
 from nodegraph_compare.blocks import label_order
-from nodegraph_tables.style import looks
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
     from nodegraph import Across, Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Question
-    from nodegraph_tables.style import Look
 
 
 def compared_labels(
@@ -35,29 +33,6 @@ def compared_labels(
     if question.compare in scores.axes:
         return label_order(scores, question.compare)
     return tuple(dict.fromkeys(label for group in groups for label in group.methods))
-
-
-def compared_looks(
-    scores: Across[Any], question: Question, groups: Sequence[Group]
-) -> dict[Label, Look]:
-    """Return how each compared label appears, in the order of `compared_labels`.
-
-    Looks are dealt to all labels that the graph has on that axis: a method that is compared here
-    looks as it does in every other figure, whichever others stand beside it.
-
-    Parameters
-    ----------
-    scores
-        The gathered tables.
-    question
-        Of the comparison.
-    found
-        The groups of the tables.
-    """
-    order = compared_labels(scores, question, groups)
-    every = scores.labels(question.compare) if question.compare in scores.axes else ()
-    dealt = looks((*order, *every))
-    return {label: dealt[str(label)] for label in order}
 
 
 def named_label(order: Sequence[Label], name: str | None, what: str = "baseline") -> Label | None:

@@ -2,21 +2,115 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+WIDE = 10.0
+"""Times that values span, from which on a scale is logarithmic."""
 
-def turned(axis: Axes) -> None:
-    """Turn the names along x, so that long ones do not meet."""
-    axis.tick_params(axis="x", rotation=40)
-    for text in axis.get_xticklabels():
-        text.set(ha="right", rotation_mode="anchor")
+_ROOM = 0.06
+_MOST_TICKS = 5
+
+
+class Span(NamedTuple):
+    """A scale on which all means are in sight.
+
+    Attributes
+    ----------
+    kind : {"linear", "log", "symlog"}
+        ``symlog`` is logarithmic above `smallest` and linear below, down to 0.
+    low, high : float
+        Where it ends.
+    smallest : float
+        The smallest positive mean.
+    """
+
+    kind: Literal["linear", "log", "symlog"]
+    low: float
+    high: float
+    smallest: float
+
+    def along(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return distances along the scale, in decades where it is logarithmic."""
+        if self.kind == "linear":
+            return values
+        ratio = values / self.smallest
+        above = np.log10(np.maximum(ratio, 1e-300))
+        return above if self.kind == "log" else np.where(ratio > 1.0, 1.0 + above, ratio)
+
+    def back(self, place: float) -> float:
+        """Return the value at a distance along the scale."""
+        if self.kind == "linear":
+            return place
+        above = place if self.kind == "log" else place - 1.0
+        if self.kind == "symlog" and above < 0.0:
+            return self.smallest * place
+        return float(self.smallest * 10.0**above)
+
+
+def span_of(means: NDArray[np.float64], ends: NDArray[np.float64]) -> Span:
+    """Return the scale of means: logarithmic where they are more than ten times apart.
+
+    Parameters
+    ----------
+    means
+        NaN counts for nothing.
+    ends
+        Of their intervals: in sight unless they would take a third of the room of the means, on
+        either side.
+    """
+    means, ends = means[np.isfinite(means)], ends[np.isfinite(ends)]
+    if not len(means):
+        return Span("linear", 0.0, 1.0, 1.0)
+    positive = means[means > 0.0]
+    if len(positive) and means.min() >= 0.0 and means.max() > WIDE * positive.min():
+        kind: Literal["log", "symlog"] = "log" if means.min() > 0.0 else "symlog"
+        scale, least = Span(kind, 0.0, 0.0, float(positive.min())), 0.3
+        ends = ends[ends > 0.0]
+    else:
+        scale, least = Span("linear", 0.0, 0.0, 1.0), 0.1 * float(np.abs(means).max()) or 1.0
+    places, reached = scale.along(means), scale.along(ends)
+    low, high = float(places.min()), float(places.max())
+    size = max(high - low, least)
+    near = reached[(reached > low - size / 3) & (reached < high + size / 3)]
+    low, high = (float(edge) for edge in (min([low, *near]), max([high, *near])))
+    room = _ROOM * max(high - low, least)
+    return scale._replace(low=scale.back(low - room), high=scale.back(high + room))
+
+
+def set_span(axis: Axes, span: Span) -> None:
+    """Give an axis a scale along x, with plain numbers at a few round places."""
+    if span.kind == "symlog":
+        axis.set_xscale("symlog", linthresh=span.smallest)
+    else:
+        axis.set_xscale(span.kind)
+    axis.set_xlim(span.low, span.high)
+    axis.xaxis.set_minor_locator(NullLocator())
+    if span.kind == "linear":
+        axis.xaxis.set_major_locator(MaxNLocator(_MOST_TICKS - 1, steps=[1, 2, 2.5, 5, 10]))
+        return
+    axis.xaxis.set_major_locator(FixedLocator(_round_places(span)))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def _round_places(span: Span) -> list[float]:
+    least = span.low if span.kind == "log" else span.smallest
+    first, last = math.floor(math.log10(least)), math.ceil(math.log10(span.high))
+    zero = [0.0] if span.kind == "symlog" else []
+    for steps, every in (((1, 2, 5), 1), ((1, 3), 1), ((1,), 1), ((1,), 2), ((1,), 4)):
+        places = [step * 10.0**power for power in range(first, last + 1, every) for step in steps]
+        inside = [place for place in places if least <= place <= span.high]
+        if len(inside) <= _MOST_TICKS:
+            break
+    return [*zero, *inside]
 
 
 def reach(

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_mocap import figure_text
+from nodegraph_tables.axes import plain
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,7 +44,7 @@ def draw(
     together = np.concatenate(list(points.values()))
     axis.set(xlabel=figure_text(right), ylabel=figure_text(up))
     axis.set(xscale=_scale(together[:, 0]), yscale=_scale(together[:, 1]))
-    axis.spines[["top", "right"]].set_visible(False)
+    plain(axis, grid="both")
     if len(points) > 1:
         figure.legend(loc="outside right upper", frameon=False)
     return figure

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
 from nodegraph_score.alignment_text import named
-from nodegraph_tables.style import BLUE, PALE, VERMILLION
+from nodegraph_tables.axes import SMALL, plain
+from nodegraph_tables.style import LINE, QUIET, REST, STANDS_OUT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,10 @@ _ACROSS = 5
 _LETTERS = 24
 """In a line above a panel."""
 
-_WIDTH, _HEIGHT = 2.1, 2.3
+_LEAST = 0.005
+"""The smallest share of a component that is written."""
+
+_WIDTH, _HEIGHT = 2.1, 1.9
 
 
 def draw(table: Table, axes: tuple[str, ...]) -> Figure:
@@ -38,16 +41,13 @@ def draw(table: Table, axes: tuple[str, ...]) -> Figure:
         axis.set_axis_off()
     for axis, part in zip(grid.ravel(), panels, strict=False):
         _panel(axis, part)
-        axis.set_title(figure_text(named(part, axes), across=_LETTERS, lines=2), fontsize="medium")
-    for axis in grid[:, 0]:
-        axis.set_ylabel("share of variance")
-    for axis in grid[-1]:
-        axis.set_xlabel("component")
-    handles = [
-        Patch(facecolor=VERMILLION, label="head motion"),
-        Patch(facecolor=PALE, edgecolor=BLUE, label="face"),
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+        axis.set_title(
+            figure_text(named(part, axes), across=_LETTERS, lines=2), fontsize=SMALL + 1, loc="left"
+        )
+    figure.supxlabel(
+        "Share of the variance of each principal component. Filled: what head motion makes of it.",
+        x=0.01, ha="left", fontsize=SMALL, color=QUIET,
+    )  # fmt: skip
     return figure
 
 
@@ -55,7 +55,15 @@ def _panel(axis: Axes, part: Table) -> None:
     component, share = part["component"].to_numpy(), part["share"].to_numpy()
     # Head and face may work against each other: neither then makes less than nothing of it.
     head = share * np.clip(part["head motion"].to_numpy(), 0.0, 1.0)
-    axis.bar(component, share, color=PALE, edgecolor=BLUE, linewidth=0.9)
-    axis.bar(component, head, color=VERMILLION)
+    plain(axis)
+    axis.bar(component, share, color=LINE, edgecolor=REST, linewidth=0.9)
+    axis.bar(component, head, color=STANDS_OUT)
+    for place, whole, part in zip(component, share, head, strict=True):
+        if part > _LEAST * whole:
+            axis.annotate(
+                f"{part / whole:.0%} head", (place, whole), xytext=(0, 3),
+                textcoords="offset points", ha="center", fontsize=SMALL - 1, color=STANDS_OUT,
+            )  # fmt: skip
+    axis.margins(y=0.15)
     axis.set_xticks(component)
-    axis.spines[["top", "right"]].set_visible(False)
+    axis.yaxis.set_major_formatter(lambda share, _: f"{share:.0%}")

@@ -12,6 +12,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Literal
 
 from nodegraph import Rendered, Value, listed
+from nodegraph_tables.style import ROLES
 from nodegraph_tables.types import Figure
 
 if TYPE_CHECKING:
@@ -24,6 +25,15 @@ _DRAWING = Lock()
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
 _WIDTH = re.compile(r'<svg[^>]*\swidth="([\d.]+(?:pt|px))"')
 _ID = re.compile(r"""(\sid="|href="#|url\(#)""")
+_STYLE = re.compile(r'\sstyle="[^"]*"')
+_COLOUR = re.compile(r"#[0-9a-f]{6}(?![0-9a-f])")
+_FONTS = re.compile(r"'DejaVu Sans'(, [^;\"]*)?")
+_SHEET = re.compile(r"<style[^>]*>\*\{([^}]*)\}</style>")
+_PLACE = re.compile(r'\s(?:d|x|y|transform)="[^"]*"')
+_LONG = re.compile(r"(\.\d\d)\d+")
+
+_GREY = 6
+"""The most by which the parts of a grey differ."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +80,16 @@ def draw(figure: Figure, format: Literal["svg", "pdf"]) -> bytes:
     with _DRAWING, mpl.rc_context({"svg.hashsalt": "nodegraph", "svg.fonttype": "none"}):
         show_broken_formulas_as_text(figure)
         figure.savefig(file, format=format, metadata=undated, bbox_inches="tight")
-    return file.getvalue()
+    return _rounded(file.getvalue()) if format == "svg" else file.getvalue()
+
+
+def _rounded(svg: bytes) -> bytes:
+    """Return a drawing with places to a hundredth of a point, which halves its size."""
+
+    def rounded(tag: re.Match[str]) -> str:
+        return _PLACE.sub(lambda place: _LONG.sub(r"\1", place[0]), tag[0])
+
+    return _TAG.sub(rounded, svg.decode()).encode()
 
 
 def render_figure(figure: Figure, title: str) -> Rendered:
@@ -80,7 +99,7 @@ def render_figure(figure: Figure, title: str) -> Rendered:
 
 def render_stored_figure(figure: StoredFigure, title: str) -> Rendered:
     """Return a stored drawing, exactly as if the figure were drawn now."""
-    drawing = _with_unique_ids(figure.svg.decode())
+    drawing = _themed(_with_unique_ids(figure.svg.decode()))
     label = f'<svg role="img" aria-label="{escape(title, quote=True)}"'
     width = _WIDTH.search(drawing)
     size = f' style="--wide: {width[1]}"' if width else ""
@@ -132,3 +151,33 @@ def _with_unique_ids(svg: str) -> str:
     drawing = svg[svg.index("<svg") :]
     prefix = "f" + hashlib.sha256(drawing.encode()).hexdigest()[:12]
     return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{prefix}-", tag[0]), drawing)
+
+
+def _themed(svg: str) -> str:
+    """Return a drawing whose colours follow the page's style sheet, light or dark.
+
+    Colours with a role become its custom property, greys a mixture of ink and paper; others are
+    of middle lightness and stay. Without such a style sheet, all stay as they were drawn.
+    """
+    shared = _SHEET.search(svg)
+    begin = f'<svg style="fill: var(--ink, #000); {shared[1] if shared else ""}"'
+    # the rule would hold for the whole page
+    svg = _SHEET.sub("", svg).replace("<svg", begin, 1)
+    return _TAG.sub(lambda tag: _STYLE.sub(lambda style: _style(style[0]), tag[0]), svg)
+
+
+def _style(style: str) -> str:
+    style = _FONTS.sub("system-ui, 'Liberation Sans', Arial, sans-serif", style)
+    return _COLOUR.sub(lambda colour: _page_colour(colour[0]), style)
+
+
+def _page_colour(colour: str) -> str:
+    if colour in ROLES:
+        return f"var({ROLES[colour]}, {colour})"
+    parts = [int(colour[place : place + 2], 16) for place in (1, 3, 5)]
+    if max(parts) - min(parts) > _GREY:
+        return colour
+    share = round(100 * (1 - sum(parts) / 765))
+    if share in (0, 100):
+        return f"var(--ink, {colour})" if share else f"var(--paper, {colour})"
+    return f"color-mix(in srgb, var(--ink, #000) {share}%, var(--paper, #fff))"

@@ -1,7 +1,9 @@
-"""One look for all figures: colours that the colour-blind can distinguish, and a marker for each.
+"""One look for all figures: colours by role, and colours that the colour-blind can distinguish.
 
-The colours are those of Okabe and Ito, "Color universal design" (2008). Black is kept for the
-truth. Nothing here needs matplotlib to be imported; the names are those that it understands.
+Where methods are compared, colour is a role: the best, what stands out, the rest. Where recordings
+lie on top of each other, each has a colour of its own, of those of Okabe and Ito, "Color universal
+design" (2008), and a marker; black is kept for the truth. Nothing here needs matplotlib to be
+imported; the names are those that it understands.
 """
 
 from __future__ import annotations
@@ -14,6 +16,23 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 Line = Literal["-", "--", ":", "-."]
+
+BEST = "#1a5fb4"
+STANDS_OUT = "#b8480a"
+SUSPECT = "#8a2f7d"
+REST = "#8a939f"
+QUIET = "#57606b"
+LINE = "#dfe4ea"
+
+ROLES = {
+    BEST: "--best",
+    STANDS_OUT: "--selected",
+    SUSPECT: "--suspect",
+    REST: "--rest",
+    QUIET: "--quiet",
+    LINE: "--line",
+}
+"""The custom properties of a page's style sheet that stand for these colours, light and dark."""
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"

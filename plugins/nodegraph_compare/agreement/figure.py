@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from nodegraph_compare.left_out import group_text
 from nodegraph_compare.pictures import without_drawing
 from nodegraph_mocap import figure_text
-from nodegraph_tables.style import BLACK, BLUE, GREY, LIGHT, VERMILLION
+from nodegraph_tables.axes import plain
+from nodegraph_tables.style import BEST, BLACK, REST, STANDS_OUT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,16 +62,16 @@ def draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
 
 def _panel(axis: Axes, pair: Pair) -> None:
     limits = pair.limits
-    axis.axhline(0.0, color=LIGHT, linewidth=0.8)
-    axis.scatter(limits.middle, limits.difference, s=14, color=GREY, linewidths=0, alpha=0.8)
-    _line(axis, limits.bias, limits.of_bias, BLUE, "-", "bias")
-    _line(axis, limits.lower, limits.of_lower, VERMILLION, "--", "lower limit")
-    _line(axis, limits.upper, limits.of_upper, VERMILLION, "--", "upper limit")
+    axis.axhline(0.0, color=REST, linewidth=0.8)
+    axis.scatter(limits.middle, limits.difference, s=14, color=REST, linewidths=0, alpha=0.8)
+    _line(axis, limits.bias, limits.of_bias, BEST, "-", "bias")
+    _line(axis, limits.lower, limits.of_lower, STANDS_OUT, "--", "lower limit")
+    _line(axis, limits.upper, limits.of_upper, STANDS_OUT, "--", "upper limit")
     if limits.of_slope[0] > 0.0 or limits.of_slope[1] < 0.0:
         ends = np.array([limits.middle.min(), limits.middle.max()])
         heights = limits.bias + limits.slope * (ends - limits.middle.mean())
         axis.plot(ends, heights, color=BLACK, linewidth=1)
-    axis.spines[["top", "right"]].set_visible(False)
+    plain(axis)
 
 
 def _line(axis: Axes, height: float, interval: Interval, colour: str, line: str, name: str) -> None:

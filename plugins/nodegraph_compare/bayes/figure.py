@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from nodegraph_compare.left_out import group_text
 from nodegraph_mocap import figure_text
-from nodegraph_tables.style import BLUE, GREY, LIGHT
+from nodegraph_tables.axes import plain
+from nodegraph_tables.style import BEST, BLACK, LINE, REST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,7 +45,7 @@ def draw(known: Sequence[Beliefs], question: Question, margin: Margin) -> Figure
         rows = np.arange(len(belief.places), dtype=float)
         for offset, size, chances in ((-0.1, 0.5, belief.mean), (0.29, 0.2, belief.new)):
             left = np.zeros(len(rows))
-            for name, colour, share in zip(names, (BLUE, LIGHT, GREY), chances, strict=True):
+            for name, colour, share in zip(names, (BEST, LINE, REST), chances, strict=True):
                 label = figure_text(name) if size == 0.5 else None
                 axis.barh(rows + offset, share, size, left=left, color=colour, label=label)
                 left += share
@@ -52,7 +53,8 @@ def draw(known: Sequence[Beliefs], question: Question, margin: Margin) -> Figure
         axis.set_yticks(rows, methods)
         axis.invert_yaxis()
         axis.set_xlim(0, 1)
-        axis.spines[["top", "right"]].set_visible(False)
+        plain(axis, grid="x")
+        axis.tick_params(axis="y", labelcolor=BLACK)
         against = f"against {belief.group.methods[belief.reference]}"
         title = ", ".join(filter(None, [group_text(belief.group, question), against]))
         axis.set_title(figure_text(title), fontsize=10, loc="left")

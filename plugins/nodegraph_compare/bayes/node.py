@@ -10,7 +10,7 @@ from nodegraph import Across, Refusal, listed, node
 from nodegraph_compare.bayes.beliefs import SIDES, Beliefs, beliefs
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.inference import FEWEST_JUDGED
-from nodegraph_compare.labels import compared_looks, fallback_label, named_label
+from nodegraph_compare.labels import compared_labels, fallback_label, named_label
 from nodegraph_compare.left_out import (
     MOST_GROUPS,
     block_text,
@@ -142,9 +142,9 @@ def bayes(
     if question.better == "none":
         raise ValueError(f"{question.metric} has no better end; give `better`")
     gathered = groups(scores, question)
-    look = compared_looks(scores, question, gathered)
-    against = named_label(tuple(look), baseline)
-    instead = fallback_label(tuple(look), fallback)
+    order = compared_labels(scores, question, gathered)
+    against = named_label(order, baseline)
+    instead = fallback_label(order, fallback)
     if instead is not None:
         gathered = tuple(group.filled(instead) for group in gathered)
     ratio = by_ratio(gathered, question.better)

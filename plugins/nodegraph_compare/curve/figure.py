@@ -1,36 +1,41 @@
-"""The picture of curves: all points, the noise floors, and a ring around what is best."""
+"""The picture of curves: one in the foreground of each panel, its noise floor and its mark."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from nodegraph_compare.curve.answer import verdict
 from nodegraph_compare.pictures import reach
 from nodegraph_mocap import figure_text
-from nodegraph_tables.style import BLACK, looks
+from nodegraph_tables.axes import SMALL, plain
+from nodegraph_tables.style import BEST, BLACK, LINE, QUIET, REST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes as Panel
-    from numpy.typing import NDArray
 
     from nodegraph import Label
     from nodegraph_compare.curve.marks import Mark, Marks
     from nodegraph_compare.curve.points import Axes, Points
     from nodegraph_compare.curve.scale import Scale
-    from nodegraph_tables.style import Look
 
 
-_DASHES = (0, (5, 3))
+_MOST_PANELS = 24
+_MOST_ACROSS = 4
+_MOST_BEHIND = 12
+"""Curves up to which all others stand behind the one of a panel."""
+
 _SYMBOLS = {"shared": "o", "minimum": "o", "knee": "s"}
-_ROOM = 1.05
 _MEANINGS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee"}
+_ROOM = 1.05
+_LETTERS = 24
+"""In a line above a panel."""
 
 
 def draw(
@@ -43,7 +48,10 @@ def draw(
     tolerance: float,
     unit: str,
 ) -> Figure:
-    """Return the figure: points pale, curves through those they take, floors dashed.
+    """Return the figure: a panel per curve, at most 24, on one scale.
+
+    In each, the curve is blue, with the points that it does not take hollow, its mark in black
+    and its noise floor shaded; the others are grey.
 
     Parameters
     ----------
@@ -58,111 +66,127 @@ def draw(
     unit
         Of the metric.
     """
-    figure = Figure(figsize=(7.6, 4.4), layout="constrained")
-    panel = figure.subplots()
-    _set_scale(panel, scale, curves)
-    look = looks((*(points.label for points in curves), *axes.labels))
-    for points in curves:
-        _draw_curve(panel, points, scale, look[str(points.label)])
-    for floor, colour, _ in _floors(curves, level, look):
-        panel.axhline(floor, color=colour, linestyle=_DASHES, linewidth=1.0, zorder=1)
-    for points in curves:
-        if points.label in marked.places:
-            _draw_mark(panel, points, marked, scale)
-    panel.set_title(
-        figure_text(verdict(marked, axes, mark, tolerance), across=90, lines=3), fontsize="medium"
-    )
-    panel.set_xlabel(figure_text(axes.x))
-    panel.set_ylabel(figure_text(axes.metric) + (f" ({unit})" if unit else ""))
-    panel.grid(axis="y", color="0.85", linewidth=0.6)
-    panel.set_axisbelow(True)
-    panel.spines[["top", "right"]].set_visible(False)
-    _legend(figure, curves, marked, level, look)
+    drawn = curves[:_MOST_PANELS]
+    across = min(len(drawn), _MOST_ACROSS)
+    down = math.ceil(len(drawn) / across)
+    width = {1: 6.4, 2: 3.9}.get(across, 2.6)
+    tall = 3.6 if len(drawn) == 1 else 2.2
+    figure = Figure(figsize=(across * width, down * tall + 0.5), layout="constrained")
+    grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+    panels = grid.ravel()
+    _set_scale(panels[0], scale, curves)
+    for panel, points in zip(panels, drawn, strict=False):
+        _draw_panel(panel, points, curves, marked, level, scale)
+    for panel in panels[len(drawn) :]:
+        panel.remove()
+    title = verdict(marked, axes, mark, tolerance)
+    if title:
+        figure.suptitle(figure_text(title, across=90, lines=3), x=0.01, ha="left", fontsize=10)
+    in_unit = f" ({unit})" if unit else ""
+    notes = [f"{axes.metric}{in_unit} over {axes.x}", *_notes(drawn, curves, level, scale)]
+    figure.supxlabel(
+        figure_text(". ".join(notes), across=110, lines=4), x=0.01, ha="left", fontsize=SMALL,
+        color=QUIET,
+    )  # fmt: skip
     return figure
 
 
-def _draw_curve(panel: Panel, points: Points, scale: Scale, look: Look) -> None:
+def _draw_panel(
+    panel: Panel,
+    points: Points,
+    curves: Sequence[Points],
+    marked: Marks,
+    level: Mapping[Label, float] | None,
+    scale: Scale,
+) -> None:
+    plain(panel)
+    for other in curves if len(curves) <= _MOST_BEHIND else ():
+        if other is not points:
+            panel.plot(
+                other.x[other.curve], scale.shown(other.value)[other.curve], color=REST,
+                linewidth=0.6, alpha=0.5, clip_on=False, zorder=1.5,
+            )  # fmt: skip
+    floor = (level or {}).get(points.label, math.nan)
+    if math.isfinite(floor):
+        panel.axhspan(min(panel.get_ylim()[0], floor), floor, color=LINE, alpha=0.7, zorder=0.5)
+        panel.text(
+            0.01, floor, "noise floor", transform=panel.get_yaxis_transform(), fontsize=SMALL - 1,
+            color=QUIET, va="bottom",
+        )  # fmt: skip
+    _draw_curve(panel, points, scale)
+    name = str(points.label) + ("" if len(points.curve) else " (no value)")
+    panel.set_title(
+        figure_text(name, across=_LETTERS, lines=2), loc="left", fontsize=SMALL + 1, color=BLACK
+    )
+    if points.label in marked.places:
+        _draw_mark(panel, points, marked, scale)
+
+
+def _draw_curve(panel: Panel, points: Points, scale: Scale) -> None:
     value = scale.shown(points.value)
-    _draw_others(panel, points, value, look)
+    off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), points.curve)
+    panel.scatter(
+        points.x[off], value[off], s=11, facecolors="none", edgecolors=BEST, alpha=0.55,
+        linewidths=0.8, clip_on=False,
+    )  # fmt: skip
     curve = points.curve
     panel.errorbar(
         points.x[curve],
         value[curve],
         yerr=reach(points.value, points.low, points.high)[:, curve],
-        color=look.colour,
+        color=BEST,
         linestyle="none",
         elinewidth=1.0,
-        capsize=2,
     )
     panel.plot(
-        points.x[curve],
-        value[curve],
-        color=look.colour,
-        marker=look.marker,
-        linestyle=look.line,
-        markersize=5,
-        linewidth=1.3,
-        clip_on=False,
-    )
-
-
-def _draw_others(panel: Panel, points: Points, value: NDArray[np.float64], look: Look) -> None:
-    """Draw the points that the curve does not take."""
-    off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), points.curve)
-    panel.scatter(
-        points.x[off],
-        value[off],
-        s=14,
-        marker=look.marker,
-        facecolors="none",
-        edgecolors=look.colour,
-        alpha=0.55,
-        linewidths=0.8,
-        clip_on=False,
-    )
-
-
-def _floors(
-    curves: Sequence[Points], level: Mapping[Label, float] | None, look: Mapping[str, Look]
-) -> list[tuple[float, str, str]]:
-    """Return each noise floor, its colour and its name; one where all curves have the same."""
-    known = [(level or {}).get(points.label, np.nan) for points in curves]
-    if len(curves) > 1 and len(set(known)) == 1 and np.isfinite(known[0]):
-        return [(known[0], BLACK, "noise floor")]
-    return [
-        (floor, look[str(points.label)].colour, f"noise floor {points.label}".strip())
-        for points, floor in zip(curves, known, strict=True)
-        if np.isfinite(floor)
-    ]
+        points.x[curve], value[curve], "o-", color=BEST, markersize=3.5, linewidth=1.5,
+        label=str(points.label), clip_on=False, zorder=3,
+    )  # fmt: skip
 
 
 def _draw_mark(panel: Panel, points: Points, marked: Marks, scale: Scale) -> None:
-    place = marked.places[points.label]
+    place, kind = marked.places[points.label], marked.kinds[points.label]
+    x, y = points.x[place], scale.shown(points.value)[place]
     panel.plot(
-        points.x[place],
-        scale.shown(points.value)[place],
-        marker=_SYMBOLS[marked.kinds[points.label]],
-        markersize=13,
-        markerfacecolor="none",
-        markeredgecolor=BLACK,
-        markeredgewidth=1.6,
-        zorder=5,
-        clip_on=False,
-    )
+        x, y, marker=_SYMBOLS[kind], markersize=11, markerfacecolor="none", markeredgecolor=BLACK,
+        markeredgewidth=1.3, zorder=5, clip_on=False,
+    )  # fmt: skip
+    panel.annotate(
+        f"{_MEANINGS[kind]} {x:g}", (x, y), xytext=(7, 7), textcoords="offset points",
+        fontsize=SMALL - 1, color=BLACK, zorder=6,
+    )  # fmt: skip
+
+
+def _notes(
+    drawn: Sequence[Points],
+    curves: Sequence[Points],
+    level: Mapping[Label, float] | None,
+    scale: Scale,
+) -> list[str]:
+    notes = ["Logarithmic"] if scale.logarithmic else []
+    if any(len(points.curve) < np.isfinite(points.value).sum() for points in drawn):
+        notes.append("Hollow: points that the curve does not take")
+    if any(math.isfinite(floor) for floor in (level or {}).values()):
+        notes.append("Shaded: what noise alone does")
+    deep = sum(int(np.count_nonzero(points.value < scale.lowest)) for points in curves)
+    if deep:
+        notes.append(f"{deep} on the lower edge: 0 or lower than shown")
+    if len(drawn) < len(curves):
+        notes.append(f"{len(curves) - len(drawn)} more curves are not drawn")
+    return notes
 
 
 def _set_scale(panel: Panel, scale: Scale, curves: Sequence[Points]) -> None:
     if scale.logarithmic:
         panel.set_yscale("log")
-        panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        panel.yaxis.set_major_locator(LogLocator(numticks=6))
         panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         panel.yaxis.set_minor_formatter(NullFormatter())
+    else:
+        panel.yaxis.set_major_locator(MaxNLocator(5))
     if np.isfinite(scale.highest):
         panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(curves, scale))
-    deep = sum(int(np.count_nonzero(points.value < scale.lowest)) for points in curves)
-    if deep:
-        note = f"{deep} on the lower edge: 0 or lower than shown"
-        panel.text(0.01, 0.02, note, transform=panel.transAxes, fontsize="x-small", color="0.35")
+    panel.xaxis.set_major_locator(MaxNLocator(5))
 
 
 def _top(curves: Sequence[Points], scale: Scale) -> float:
@@ -170,30 +194,3 @@ def _top(curves: Sequence[Points], scale: Scale) -> float:
     ends = [points.value + reach(points.value, points.low, points.high)[1] for points in curves]
     known = np.concatenate([end[points.curve] for end, points in zip(ends, curves, strict=True)])
     return max(scale.highest, _ROOM * float(np.nanmax(known, initial=0.0)))
-
-
-def _legend(
-    figure: Figure,
-    curves: Sequence[Points],
-    marked: Marks,
-    level: Mapping[Label, float] | None,
-    look: Mapping[str, Look],
-) -> None:
-    handles, names = [], []
-    for points in curves:
-        if str(points.label):
-            its = look[str(points.label)]
-            handles.append(Line2D([], [], color=its.colour, marker=its.marker, linestyle=its.line))
-            names.append(f"{points.label}" + ("" if len(points.curve) else " (no value)"))
-    for _, colour, name in _floors(curves, level, look):
-        handles.append(Line2D([], [], color=colour, linestyle=_DASHES, linewidth=1.0))
-        names.append(name)
-    for kind in dict.fromkeys(marked.kinds.values()):
-        symbol = Line2D([], [], linestyle="none", marker=_SYMBOLS[kind], markersize=10)
-        symbol.set(markerfacecolor="none", markeredgecolor=BLACK)
-        handles.append(symbol)
-        names.append(_MEANINGS[kind])
-    if handles:
-        figure.legend(
-            handles, [figure_text(name) for name in names], loc="outside right upper", frameon=False
-        )

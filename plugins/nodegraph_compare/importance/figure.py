@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from nodegraph_compare.pictures import without_drawing
 from nodegraph_mocap import figure_text
-from nodegraph_tables.style import BLUE, GREY, LIGHT
+from nodegraph_tables.axes import plain
+from nodegraph_tables.style import BEST, BLACK, LINE, REST
 
 if TYPE_CHECKING:
     from nodegraph_compare.question import Question
@@ -27,7 +28,7 @@ def draw(table: Table, question: Question) -> Figure:
     factors = ordered["labels"].notna()
     pairs = ordered["source"].str.contains(" x ", regex=False)
     colours = [
-        BLUE if factor else GREY if pair else LIGHT
+        BEST if factor else REST if pair else LINE
         for factor, pair in zip(factors, pairs, strict=True)
     ]
     figure = Figure(figsize=(6.0, 0.9 + 0.3 * len(ordered)), layout="constrained")
@@ -43,5 +44,6 @@ def draw(table: Table, question: Question) -> Figure:
     axis.set_xlim(0, min(1.0, 1.15 * ordered["eta squared"].max()) + 0.05)
     axis.xaxis.set_major_formatter(lambda share, _: f"{share:.0%}")
     axis.set_xlabel(figure_text(f"share of the variance of {question.metric}"))
-    axis.spines[["top", "right"]].set_visible(False)
+    plain(axis, grid="x")
+    axis.tick_params(axis="y", labelcolor=BLACK)
     return figure

@@ -8,21 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import group_text
 from nodegraph_compare.pictures import without_drawing
 from nodegraph_compare.ranks.ranking import runs
 from nodegraph_mocap import figure_text
-from nodegraph_tables.style import BLACK
+from nodegraph_tables.style import BEST, BLACK, REST
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.axes import Axes
 
-    from nodegraph import Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.ranks.ranking import PairTest, Ranking
-    from nodegraph_tables.style import Look
 
 _WIDTH = 7.6
 _ROW = 0.23
@@ -35,17 +34,13 @@ _MOST_PANELS = 12
 _MOST_METHODS = 60
 
 
-def draw(
-    question: Question, rankings: Sequence[Ranking], look: Mapping[Label, Look], test: PairTest
-) -> Figure:
-    """Return a diagram per group, below each other; a method looks the same in all of them.
+def draw(question: Question, rankings: Sequence[Ranking], test: PairTest) -> Figure:
+    """Return a diagram per group, below each other; what no bar joins to the best is grey.
 
     Parameters
     ----------
     question, rankings
         Of the comparison.
-    look
-        Of each compared label.
     test
         Of the pairs.
     """
@@ -61,15 +56,26 @@ def draw(
         axis.axis("off")
         _scale(axis, ranking, test)
         _bars(axis, ranking, levels)
-        _methods(axis, ranking, levels, {str(name): shape.colour for name, shape in look.items()})
-        for name, rank in zip(ranking.methods, ranking.ranks, strict=True):
-            shape = look[name]
-            axis.plot(rank, 0, shape.marker, color=shape.colour, markersize=5, clip_on=False)
+        colours = _colours(ranking)
+        _methods(axis, ranking, levels, colours)
+        for rank, colour in zip(ranking.ranks, colours, strict=True):
+            axis.plot(rank, 0, "o", color=colour, markersize=5, clip_on=False)
         axis.set_title(figure_text(group_text(ranking.group, question)), fontsize=10, loc="left")
     more = len(rankings) - len(panels)
     if more:
         figure.supxlabel(f"{more} more groups are not drawn", fontsize=8)
     return figure
+
+
+def _colours(ranking: Ranking) -> list[str]:
+    """Return the colour of each method: of the first, of those not apart from it, of the rest."""
+    first, pairs = ranking.ranks == ranking.ranks.min(), ranking.pairs
+    near = ~(pairs.p < LEVEL) & (first[pairs.first] | first[pairs.second])
+    joined = {*pairs.first[near].tolist(), *pairs.second[near].tolist()}
+    return [
+        BEST if is_first else BLACK if place in joined else REST
+        for place, is_first in enumerate(first)
+    ]
 
 
 def _rows(ranking: Ranking, levels: Sequence[Sequence[tuple[int, int]]]) -> float:
@@ -135,7 +141,7 @@ def _methods(
     axis: Axes,
     ranking: Ranking,
     levels: Sequence[Sequence[tuple[int, int]]],
-    colours: dict[str, str],
+    colours: Sequence[str],
 ) -> None:
     """Draw a line from each rank to its method's name: the better half left, the rest right."""
     order = np.argsort(ranking.ranks, kind="stable").tolist()
@@ -149,11 +155,12 @@ def _methods(
         height = top + (place if left else len(shown) - 1 - place)
         rank, name = float(ranking.ranks[method]), str(ranking.methods[method])
         end = 1 - reach if left else count + reach
-        axis.plot([rank, rank, end], [0, height, height], color=colours[name], linewidth=1.1)
+        axis.plot([rank, rank, end], [0, height, height], color=colours[method], linewidth=1.0)
         text = f"{figure_text(name)}  {rank:.2f}" if left else f"{rank:.2f}  {figure_text(name)}"
         axis.text(
             end - reach / 2 if left else end + reach / 2, height, text,
             ha="right" if left else "left", va="center", fontsize=9,
+            color=BEST if colours[method] == BEST else BLACK,
         )  # fmt: skip
     if len(order) > len(shown):
         axis.text(

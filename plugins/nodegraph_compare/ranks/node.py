@@ -9,7 +9,7 @@ import numpy as np
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.inference import LEVEL
-from nodegraph_compare.labels import compared_looks, fallback_label
+from nodegraph_compare.labels import compared_labels, fallback_label
 from nodegraph_compare.left_out import block_text, end_text, left_out
 from nodegraph_compare.question import (
     Better,
@@ -149,8 +149,7 @@ def ranks(
         better=better,
     )
     gathered = groups(scores, question)
-    look = compared_looks(scores, question, gathered)
-    instead = fallback_label(tuple(look), fallback)
+    instead = fallback_label(compared_labels(scores, question, gathered), fallback)
     if instead is not None:
         gathered = tuple(group.filled(instead) for group in gathered)
     rankings = [rank(group, question.better, test) for group in gathered]
@@ -169,7 +168,7 @@ def ranks(
     )
     return Ranked(
         with_info(_table(rankings, question), info),
-        draw(question, rankings, look, test),
+        draw(question, rankings, test),
         _pairs(rankings, question),
         _overall(rankings, question),
     )

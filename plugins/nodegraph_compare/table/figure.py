@@ -8,217 +8,260 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import NullFormatter
 
-from nodegraph_compare.pictures import reach, turned
+from nodegraph_compare.left_out import group_text
+from nodegraph_compare.pictures import Span, set_span, span_of
+from nodegraph_compare.scope import unit_text as units_text
 from nodegraph_mocap import figure_text
-from nodegraph_tables.style import PALE, unit_text
+from nodegraph_tables.axes import SMALL, plain
+from nodegraph_tables.style import BEST, BLACK, QUIET, REST, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
-    from numpy.typing import NDArray
 
     from nodegraph import Declared, Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Summary
-    from nodegraph_tables.style import Look
 
-_WIDEST_LINEAR = 30.0
-_PANELS_PER_ROW = 3
-_SPREAD = 0.76
 _MOST_PANELS = 24
-_MOST_TICKS = 40
-_MOST_NAMES = 40
+_MOST_ACROSS = 4
+_ROW = 0.19
+_TALLEST = 7.6
+"""Inches: a row of a method, and all rows of a panel at most."""
+
+_NUMBERED = 40
+"""Methods up to which the mean of each stands beside its interval."""
+
+_GAP_ACROSS, _GAP_DOWN, _BELOW = 0.28, 0.42, 0.55
+_LETTERS = 34
+"""In a line above a panel."""
 
 
 def draw(
     question: Question,
     summaries: Sequence[Summary],
-    look: Mapping[Label, Look],
+    order: Sequence[Label],
     unit: str,
     declared: Mapping[Label, Declared],
 ) -> Figure:
-    """Return the figure: the last of `within` along x, a panel per combination of the others.
+    """Return the figure: a panel per group, in each a row per method.
 
-    Without `within`, the methods stand along x. A method looks the same in every panel. The
-    scale is logarithmic where the means span more than a factor of 30. At most 24 panels.
+    The last of `within` lies across. The methods have one order in all panels: by their mean
+    place, where one end of the metric is better. At most 24 panels.
 
     Parameters
     ----------
     question, summaries
         Of the comparison.
-    look
-        Of each compared label, in the order in which they are drawn.
+    order
+        Every compared label.
     unit
         Of the metric.
     declared
         What the methods declare.
     """
-    marked = _marked(look, declared)
-    if not question.within:
-        return _one_group(question, summaries, look, unit, marked)
-    panels: dict[tuple[Label, ...], list[Summary]] = defaultdict(list)
-    for summary in summaries:
-        panels[summary.group.labels[:-1]].append(summary)
-    places = list(dict.fromkeys(summary.group.labels[-1] for summary in summaries))
-    drawn = list(panels.items())[:_MOST_PANELS]
-    figure, axes = _grid(len(drawn), len(places) * max(len(look), 2))
-    for axis, (labels, panel) in zip(axes, drawn, strict=True):
-        _panel(axis, panel, places, look)
-        pairs = zip(question.within[:-1], labels, strict=True)
-        axis.set_title(figure_text(", ".join(f"{name} {label}" for name, label in pairs)))
-        axis.set_xlabel(figure_text(question.within[-1]))
-    if len(drawn) < len(panels):
-        figure.supxlabel(f"{len(panels) - len(drawn)} more panels are not drawn", fontsize=8)
-    _scale(axes, summaries)
-    for axis in axes[::_PANELS_PER_ROW]:
-        axis.set_ylabel(_quantity(question, unit))
-    _legend(figure, summaries, look, marked)
+    drawn = summaries[:_MOST_PANELS]
+    methods = _ordered(summaries, order)
+    across = _across(drawn)
+    down = math.ceil(len(drawn) / across) or 1
+    tall = min(max(_ROW * len(methods), 0.5), _TALLEST)
+    wide = {1: 4.2, 2: 3.2, 3: 2.5}.get(across, 2.0)
+    figure = Figure(
+        figsize=(
+            across * (wide + _GAP_ACROSS),
+            down * (tall + _GAP_DOWN) + _BELOW,
+        )
+    )
+    width, height = figure.get_size_inches()
+    span = _span(drawn)
+    names = _marked(methods, declared)
+    for place, summary in enumerate(drawn):
+        column, row = place % across, place // across
+        bottom = height - (row + 1) * (tall + _GAP_DOWN)
+        axis = figure.add_axes(
+            (column * (wide + _GAP_ACROSS) / width, bottom / height, wide / width, tall / height)
+        )
+        _panel(axis, summary, methods, span)
+        title = figure_text(group_text(summary.group, question), across=_LETTERS, lines=2)
+        axis.set_title(title, fontsize=SMALL + 1, loc="left", pad=4)
+        beside = drawn[place - column : place - column + across]
+        _names(axis, beside if column == 0 else [], methods, names, tall)
+        if place + across < len(drawn):
+            axis.tick_params(axis="x", labelbottom=False)
+    if drawn:
+        notes = [_quantity(question, unit, span), *_legend(question, drawn, names)]
+        if len(drawn) < len(summaries):
+            notes.append(f"{len(summaries) - len(drawn)} more panels are not drawn")
+        figure.text(
+            0, (_BELOW - 0.34) / height, "\n".join(notes), fontsize=SMALL, color=QUIET, va="top"
+        )
     return figure
 
 
-def _marked(look: Mapping[Label, Look], declared: Mapping[Label, Declared]) -> dict[Label, str]:
+def _across(summaries: Sequence[Summary]) -> int:
+    """Return how many panels stand beside each other: those of the last axis, if they fit."""
+    last = dict.fromkeys(summary.group.labels[-1:] for summary in summaries)
+    rows = math.ceil(len(last) / _MOST_ACROSS) or 1
+    return math.ceil(len(last) / rows) or 1
+
+
+def _ordered(summaries: Sequence[Summary], order: Sequence[Label]) -> list[Label]:
+    """Return the methods by their mean place over all groups, those without a number last."""
+    places: dict[Label, list[float]] = defaultdict(list)
+    for summary in summaries:
+        known = [at for at in summary.ranked if np.isfinite(summary.level[at])]
+        for place, at in enumerate(known):
+            places[summary.group.methods[at]].append(place)
+    if any(summary.end == "none" for summary in summaries):
+        return list(order)
+    return sorted(order, key=lambda label: np.mean(places[label] or [math.inf]))
+
+
+def _span(summaries: Sequence[Summary]) -> Span:
+    nothing = np.empty(0)
+    means = np.concatenate([*(summary.mean for summary in summaries), nothing])
+    ends = [end for summary in summaries for end in (summary.low, summary.high)]
+    return span_of(means, np.concatenate([*ends, nothing]))
+
+
+def _panel(axis: Axes, summary: Summary, methods: Sequence[Label], span: Span) -> None:
+    set_span(axis, span)
+    axis.set_ylim(len(methods) - 0.4, -0.6)
+    axis.set_yticks([])
+    plain(axis, grid="x")
+    at = {label: column for column, label in enumerate(summary.group.methods)}
+    size = min(5.0, 110.0 / max(len(methods), 1) + 2.0)
+    for row, label in enumerate(methods):
+        column = at.get(label)
+        if column is None or not np.isfinite(summary.mean[column]):
+            axis.text(
+                0.02, row, "no value", transform=axis.get_yaxis_transform(), va="center",
+                fontsize=SMALL - 1, color=REST, style="italic",
+            )  # fmt: skip
+        else:
+            _method(axis, summary, column, row, size, span, numbered=len(methods) <= _NUMBERED)
+
+
+def _method(
+    axis: Axes, summary: Summary, column: int, row: int, size: float, span: Span, *, numbered: bool
+) -> None:
+    """Draw a mean and its interval; one that leaves the panel ends in a head of an arrow."""
+    mean, low, high = (float(each[column]) for each in (summary.mean, summary.low, summary.high))
+    role = _role(summary, column)
+    colour = {"best": BEST, "tied": BEST, "baseline": BLACK}.get(role, REST)
+    right = mean
+    if low < high:
+        right = min(high, span.high)
+        shown = [max(low, span.low), right]
+        axis.plot(shown, [row, row], color=colour, linewidth=1.2, solid_capstyle="butt", zorder=2)
+        for end, edge, head in ((low, span.low, "<"), (high, span.high, ">")):
+            if not span.low <= end <= span.high:
+                axis.plot(edge, row, head, color=colour, markersize=4, mew=0, clip_on=False)
+    axis.plot(
+        mean, row, "o", markersize=size, color=colour, clip_on=False, zorder=3,
+        markerfacecolor="white" if role == "tied" else colour, markeredgewidth=1.2,
+    )  # fmt: skip
+    if numbered or role in ("best", "baseline"):
+        axis.annotate(
+            _number(mean), (right, row), xytext=(5, 0), textcoords="offset points",
+            va="center", fontsize=SMALL - 1, color=QUIET if colour == REST else colour,
+        )  # fmt: skip
+
+
+def _number(value: float) -> str:
+    """Return a mean with three digits: ``0.0310``, ``4.20``, ``1310``."""
+    if value and not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.2g}"
+    decimals = 2 - math.floor(math.log10(abs(value))) if value else 0
+    return f"{value:.{max(0, decimals)}f}"
+
+
+def _role(summary: Summary, column: int) -> str:
+    if summary.against == column:
+        return "baseline"
+    if summary.marked[column]:
+        return "best"
+    tied = summary.judged and summary.to_best is not None and not summary.behind[column]
+    return "tied" if tied else "rest"
+
+
+def _names(
+    axis: Axes,
+    beside: Sequence[Summary],
+    methods: Sequence[Label],
+    names: Mapping[Label, str],
+    tall: float,
+) -> None:
+    """Name the methods to the left of a row of panels; of very many, the best and some more."""
+    if not beside:
+        return
+    best = {
+        summary.group.methods[column]
+        for summary in beside
+        for column in np.flatnonzero(summary.marked)
+    }
+    step = math.ceil(len(methods) * 0.6 * _ROW / tall)
+    shown: list[int] = []
+    rows = range(len(methods))
+    for row in sorted(rows, key=lambda row: (methods[row] not in best, row % step)):
+        if all(abs(row - other) >= step for other in shown):
+            shown.append(row)
+    shown.sort()
+    axis.set_yticks(shown, [names[methods[row]] for row in shown])
+    for text, row in zip(axis.get_yticklabels(), shown, strict=True):
+        text.set_color(BEST if methods[row] in best else BLACK)
+
+
+def _marked(methods: Sequence[Label], declared: Mapping[Label, Declared]) -> dict[Label, str]:
     """Return the names of methods with the marks in which they differ."""
     adapted = {label for label, each in declared.items() if "adapted" in each}
     whole = {label for label, each in declared.items() if each.get("lookahead", 0) is None}
     marks = [
         (mark, on)
         for mark, on in (("*", adapted), ("\N{DEGREE SIGN}", whole))
-        if on and len(on) < len(look)
+        if on and len(on) < len(methods)
     ]
     return {
         label: figure_text(label) + "".join(mark for mark, on in marks if label in on)
-        for label in look
+        for label in methods
     }
 
 
-def _one_group(
-    question: Question,
-    summaries: Sequence[Summary],
-    look: Mapping[Label, Look],
-    unit: str,
-    marked: Mapping[Label, str],
-) -> Figure:
-    order = tuple(look)
-    figure, (axis,) = _grid(1, len(order) * 2)
-    for summary in summaries:
-        for place, label in enumerate(order):
-            if label in summary.group.methods:
-                _point(axis, np.array([place]), [summary], label, look[label])
-    _ticks(
-        axis,
-        [marked[label] for label in order],
-        turn=len(order) > 4 or any(len(str(label)) > 12 for label in order),
-    )
-    axis.set_xlim(-0.6, len(order) - 0.4)
-    _scale([axis], summaries)
-    axis.set_xlabel(figure_text(question.compare or ""))
-    axis.set_ylabel(_quantity(question, unit))
-    return figure
-
-
-def _grid(panels: int, points: int) -> tuple[Figure, list[Axes]]:
-    columns = max(1, min(panels, _PANELS_PER_ROW))
-    rows = max(1, math.ceil(panels / columns))
-    width = min(max(3.4, 1.2 + 0.17 * points), 11.0 / columns)
-    figure = Figure(figsize=(max(columns * width, 4.2), 3.1 * rows + 0.6), layout="constrained")
-    axes = figure.subplots(rows, columns, sharey=True, squeeze=False).ravel()
-    for axis in axes[panels:]:
-        axis.remove()
-    return figure, list(axes[: max(panels, 1)])
-
-
-def _panel(
-    axis: Axes, summaries: Sequence[Summary], places: list[Label], look: Mapping[Label, Look]
-) -> None:
-    offsets = (np.arange(len(look)) - (len(look) - 1) / 2) * _SPREAD / max(len(look), 1)
-    for offset, label in zip(offsets, look, strict=True):
-        having = [summary for summary in summaries if label in summary.group.methods]
-        x = np.array([places.index(summary.group.labels[-1]) + offset for summary in having])
-        _point(axis, x, having, label, look[label])
-    for place in range(1, len(places), 2):
-        axis.axvspan(place - 0.5, place + 0.5, color=PALE, alpha=0.6, linewidth=0, zorder=0)
-    letters = sum(len(str(place)) + 1 for place in places)
-    _ticks(axis, [figure_text(place) for place in places], turn=letters > 45)
-    axis.set_xlim(-0.5, len(places) - 0.5)
-
-
-def _ticks(axis: Axes, labels: Sequence[str], *, turn: bool) -> None:
-    """Name the places along x; of many, some."""
-    step = math.ceil(len(labels) / _MOST_TICKS) or 1
-    named = range(0, len(labels), step)
-    axis.set_xticks(named, [labels[place] for place in named])
-    if turn:
-        turned(axis)
-
-
-def _point(
-    axis: Axes, x: NDArray[np.float64], having: Sequence[Summary], label: Label, look: Look
-) -> None:
-    """Draw the means of one method; no bar where there is no interval."""
-    columns = [summary.group.methods.index(label) for summary in having]
-    at = list(zip(having, columns, strict=True))
-    mean, low, high = (
-        np.array([getattr(summary, name)[column] for summary, column in at])
-        for name in ("mean", "low", "high")
-    )
-    axis.errorbar(
-        x,
-        mean,
-        yerr=reach(mean, low, high),
-        color=look.colour,
-        marker=look.marker,
-        markersize=5,
-        linestyle="none",
-        elinewidth=1.3,
-        capsize=2,
-        label=str(label),
-    )
-
-
-def _scale(axes: Sequence[Axes], summaries: Sequence[Summary]) -> None:
-    means = np.concatenate([summary.mean for summary in summaries]) if summaries else np.empty(0)
-    means = means[np.isfinite(means)]
-    wide = len(means) and means.min() > 0 and means.max() > _WIDEST_LINEAR * means.min()
-    for axis in axes:
-        if wide:
-            axis.set_yscale("log")
-            axis.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-            axis.yaxis.set_minor_formatter(NullFormatter())
-        elif len(means) and means.min() >= 0:
-            axis.set_ylim(bottom=0)
-        axis.grid(axis="y", color="0.85", linewidth=0.6)
-        axis.set_axisbelow(True)
-        axis.spines[["top", "right"]].set_visible(False)
+def _quantity(question: Question, unit: str, span: Span) -> str:
+    in_unit = f" ({unit_text(unit)})" if unit else ""
+    scale = "" if span.kind == "linear" else ", logarithmic"
+    return figure_text(f"mean {question.metric}{in_unit}{scale}", across=90)
 
 
 def _legend(
-    figure: Figure,
-    summaries: Sequence[Summary],
-    look: Mapping[Label, Look],
-    marked: Mapping[Label, str],
-) -> None:
-    order = tuple(look)
-    known = {
-        label
-        for summary in summaries
-        for label, blocks in zip(summary.group.methods, summary.blocks, strict=True)
-        if blocks
-    }
-    handles = [_handle(look[label]) for label in order[:_MOST_NAMES]]
-    names = [marked[label] + ("" if label in known else " (no value)") for label in order]
-    if len(order) > _MOST_NAMES:
-        names[_MOST_NAMES - 1] += f", and {len(order) - _MOST_NAMES} more"
-    if len(order) > 1:
-        figure.legend(handles, names[:_MOST_NAMES], loc="outside right upper", frameon=False)
-
-
-def _handle(look: Look) -> Line2D:
-    return Line2D([], [], color=look.colour, marker=look.marker, markersize=5, linestyle="none")
-
-
-def _quantity(question: Question, unit: str) -> str:
-    return figure_text(f"mean {question.metric}" + (f" ({unit_text(unit)})" if unit else ""))
+    question: Question, summaries: Sequence[Summary], names: Mapping[Label, str]
+) -> list[str]:
+    """Return what the marks mean: those that there are."""
+    roles = {_role(each, column) for each in summaries for column in range(len(each.mean))}
+    units = list(dict.fromkeys(units_text(each.units, question) for each in summaries))
+    interval = any(np.isfinite(each.low).any() for each in summaries)
+    parts = ["Lines: 95 % intervals" + (f" over {units[0]}" if len(units) == 1 else "")]
+    means = [
+        text
+        for role, text in (
+            ("best", "blue: the best"),
+            ("tied", "hollow: not clearly behind it"),
+            ("baseline", "black: the baseline"),
+        )
+        if role in roles
+    ]
+    every = "".join(names.values())
+    marks = [
+        text
+        for mark, text in (
+            ("*", "* not as published"),
+            ("\N{DEGREE SIGN}", "\N{DEGREE SIGN} looks at the whole take"),
+        )
+        if mark in every
+    ]
+    parts = [*(parts if interval else []), *means]
+    text = "; ".join(parts)
+    lines = [f"{text[:1].upper()}{text[1:]}."] if parts else []
+    return [*lines, f"{'; '.join(marks)}."] if marks else lines

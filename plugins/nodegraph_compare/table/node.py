@@ -256,7 +256,7 @@ def table(
     )
     return Compared(
         with_info(means, info),
-        draw(question, summaries, comparison.looks, unit, declared),
+        draw(question, summaries, order, unit, declared),
         build_overview(comparison, summaries, doubted, declared),
     )
 

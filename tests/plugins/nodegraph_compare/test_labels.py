@@ -1,14 +1,13 @@
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import pandas as pd
 import pytest
 
 from nodegraph import Absent, Across
-from nodegraph_compare.blocks import groups, label_order
-from nodegraph_compare.labels import compared_looks, fallback_label
+from nodegraph_compare.blocks import label_order
+from nodegraph_compare.labels import fallback_label
 from nodegraph_compare.question import Question, ask
 
 TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
@@ -39,20 +38,6 @@ def test_the_order_does_not_depend_on_which_axis_runs_fastest() -> None:
     scores = across([(1, "b"), (0, "b"), (1, "a"), (0, "a")], [])
     assert label_order(scores, "fill") == ("b", "a")
     assert label_order(scores, "trial") == (1, 0)
-
-
-def test_a_method_looks_the_same_whichever_others_are_compared() -> None:
-    fills = ("cubic", "linear", "muscle", "ridge")
-    every = Across.of(dict.fromkeys(fills, TABLE), axis="fill")
-    some = Across.of({"muscle": TABLE, "ridge": TABLE}, axis="scores")
-    known = replace(some, known={"scores": fills})
-    looks = [
-        compared_looks(value, question_of(value), groups(value, question_of(value)))
-        for value in (every, known)
-    ]
-    assert list(looks[1]) == ["muscle", "ridge"]
-    assert {name: looks[0][name] for name in looks[1]} == looks[1]
-    assert compared_looks(some, question_of(some), groups(some, question_of(some))) != looks[1]
 
 
 def test_a_fallback_that_is_not_compared_is_warned_of_and_left_out() -> None:

@@ -286,7 +286,7 @@ def test_the_figure_has_a_bar_per_component_filled_by_the_head() -> None:
         of(no=take, yes=recording(FACE + speech())), where, of(no=still(), yes=where), components=3
     )
     no, yes = actual.figure.axes
-    assert (no.get_title(), yes.get_title()) == ("no", "yes")
+    assert (no.get_title("left"), yes.get_title("left")) == ("no", "yes")
     heights = [[bar.get_height() for bar in bars] for bars in no.containers]
     rows = actual.table[actual.table["align"] == "no"]
     np.testing.assert_allclose(heights[0], rows["share"])

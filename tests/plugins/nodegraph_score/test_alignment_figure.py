@@ -35,7 +35,7 @@ def table(*names: str) -> Table:
 )
 def test_a_panel_is_called_as_its_recording(name: str, title: str) -> None:
     figure = draw(table(name, "other"), ("align",))
-    assert [axis.get_title() for axis in figure.axes] == [title, "other"]
+    assert [axis.get_title("left") for axis in figure.axes] == [title, "other"]
     for form in ("svg", "pdf"):
         figure.savefig(io.BytesIO(), format=form)
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import warnings
 import xml.etree.ElementTree as ET
+from itertools import pairwise
 from typing import Any
 
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nodegraph_tables.axes import SMALL, name_lines
 from nodegraph_tables.figures import StoredFigure, draw, render_figure, store_figure
+from nodegraph_tables.style import BEST
 
 
 @pytest.fixture
@@ -136,3 +139,35 @@ def test_a_formula_stays_one() -> None:
     assert "$" not in drawn.replace("<!-- power (mm$^2$/Hz) -->", "").replace(
         r"<!-- $\mathdefault{10^{", ""
     ).replace("}}$ -->", "")
+
+
+def test_colours_follow_the_page_and_files_beside_it_do_not() -> None:
+    drawing = Figure(figsize=(3, 2))
+    axis = drawing.subplots()
+    axis.plot([1, 2], [3, 5], color=BEST)
+    axis.plot([1, 2], [5, 3], color="#009e73")
+    axis.set_facecolor("#cccccc")
+    shown = render_figure(drawing, "t")
+    file = shown.files[".svg"].decode()
+    assert f"stroke: var(--best, {BEST})" in shown.html
+    assert "stroke: #009e73" in shown.html
+    assert "color-mix(in srgb, var(--ink, #000) 20%, var(--paper, #fff))" in shown.html
+    assert "fill: var(--paper, #ffffff)" in shown.html
+    assert "<style" not in shown.html
+    assert f"stroke: {BEST}" in file
+    assert "var(" not in file
+
+
+def test_names_of_lines_keep_apart_and_in_order() -> None:
+    drawing = Figure(figsize=(3, 3))
+    axis = drawing.add_axes((0, 0, 1, 1))
+    axis.set(ylim=(1, 1000), yscale="log")
+    heights = [10.0, 10.1, 900.0, 5000.0, 10.2]
+    name_lines(axis, list("abcde"), heights, ["black"] * 5, 3.0)
+    places = {
+        text.get_text(): 3 * 72 * text.get_position()[1] for text in axis.texts if text.get_text()
+    }
+    order = sorted(places, key=places.__getitem__)
+    assert order == ["a", "b", "e", "c", "d"]
+    assert min(places[b] - places[a] for a, b in pairwise(order)) >= SMALL
+    assert abs(places["b"] - 72) < 0.5

@@ -124,7 +124,7 @@ def test_a_shared_minimum_is_named_and_marked_on_every_curve() -> None:
     sentence = info_of(result.table).answer[0]
     assert sentence.startswith("All 3 curves have a local minimum within 2 of markers 35, ")
     assert "MB at 37 (mse 0.1 1)" in sentence
-    assert result.figure.axes[0].get_title() == "minimum shared at 35 markers"
+    assert result.figure.get_suptitle() == "minimum shared at 35 markers"
     apart = drawn(swept(ME=VALLEY, MB=near, JZ=VALLEY), mark="shared", tolerance=1)
     assert set(best(apart)["marked"]) == {"knee"}
 
@@ -138,7 +138,7 @@ def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_said() -> None:
     assert none == ("No local minimum is shared within 2 markers: ME has some at 35; JZ has none.")
     assert knees.startswith("Knees, marked instead: ME at 25 (mse 0.2 1), JZ at 25 (mse 0.2 1).")
     assert any(note.startswith("knee: ") for note in info_of(result.table).notes)
-    assert result.figure.axes[0].get_title() == "no minimum shared within 2 markers"
+    assert result.figure.get_suptitle() == "no minimum shared within 2 markers"
 
 
 def test_each_curve_has_its_own_lowest_minimum() -> None:
@@ -206,7 +206,7 @@ def test_what_has_no_number_is_left_out_and_counted() -> None:
     assert result.table.loc[result.table["mse"].isna(), "on curve"].tolist() == [False] * 8
     assert "All 1 curves have" in info_of(result.table).answer[0]
     assert best(result)["actor"].tolist() == ["ME"]
-    assert "MB (no value)" in [text.get_text() for text in result.figure.legends[0].get_texts()]
+    assert "MB (no value)" in [axis.get_title("left") for axis in result.figure.axes]
 
 
 def test_rows_without_a_place_are_left_out_and_counted() -> None:
@@ -240,7 +240,7 @@ def test_where_nothing_has_a_number_nothing_is_said() -> None:
 def test_one_point_is_neither_minimum_nor_knee() -> None:
     result = drawn(swept(ME={9: 0.1}), mark="shared")
     assert not len(best(result))
-    assert result.figure.axes[0].get_title() == "no minimum shared within 2 markers"
+    assert result.figure.get_suptitle() == "no minimum shared within 2 markers"
 
 
 def test_absent_combinations_are_counted_and_keep_their_place() -> None:
@@ -261,7 +261,7 @@ def test_labels_with_markup_stay_as_they_are() -> None:
     names = {"$x^$": VALLEY, "<b>": SLOPE, "_hidden": SLOPE}
     result = drawn(swept(**names), floor(**{name: [0.2] for name in names}), mark="shared")
     result.figure.canvas.draw()
-    texts = [text.get_text() for text in result.figure.legends[0].get_texts()]
+    texts = [axis.get_title("left") for axis in result.figure.axes]
     assert [text.strip("\u200b").replace(r"\$", "$") for text in texts[:3]] == list(names)
     assert result.table["actor"].unique().tolist() == list(names)
 

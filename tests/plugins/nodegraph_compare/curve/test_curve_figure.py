@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 
 from nodegraph import Across
 from nodegraph_compare.curve.node import curve
-from nodegraph_tables.style import MARKERS, looks
+from nodegraph_tables.style import BEST, REST
 
 ACTORS = ("ME", "MB", "JZ")
 SEARCHES = ((5, 9, 0.5), (10, 9, 0.4), (15, 11, 0.1), (20, 13, 0.3))
@@ -33,60 +33,56 @@ def figure(scores: Any, floor: Any = None, **settings: Any) -> Any:
     return curve(scores, floor, x="markers", metric="mse", compare="actor", **settings).figure
 
 
-def curves(axis: Any) -> list[Any]:
-    return [
-        line for line in axis.lines if line.get_marker() in MARKERS and line.get_linestyle() == "-"
-    ]
+def foreground(axis: Any) -> Any:
+    """Return the line of the curve that a panel is about."""
+    (line,) = (
+        line for line in axis.lines if to_hex(line.get_color()) == BEST and line.get_marker() == "o"
+    )
+    return line
 
 
-def test_the_curve_goes_through_the_lowest_and_every_other_point_is_there() -> None:
-    (axis,) = figure(scores()).axes
-    look = looks(ACTORS)
-    off = [axis for axis in axis.collections if isinstance(axis, PathCollection)]
-    for actor, line, points in zip(ACTORS, curves(axis), off, strict=True):
-        assert np.column_stack(line.get_data()).tolist() == [[9, 0.4], [11, 0.1], [13, 0.3]]
-        assert to_hex(line.get_color()).upper() == look[actor].colour
-        assert np.asarray(points.get_offsets()).tolist() == [[9, 0.5]]
-    names = [text.get_text() for text in axis.figure.legends[0].get_texts()]
-    assert names == list(ACTORS)
+def caption(figure: Any) -> str:
+    return str(figure.get_supxlabel())
+
+
+def test_a_panel_has_its_curve_before_the_others_and_every_other_point() -> None:
+    drawn = figure(scores())
+    assert [axis.get_title("left") for axis in drawn.axes] == list(ACTORS)
+    for axis in drawn.axes:
+        path = np.column_stack(foreground(axis).get_data()).tolist()
+        assert path == [[9, 0.4], [11, 0.1], [13, 0.3]]
+        off = next(each for each in axis.collections if isinstance(each, PathCollection))
+        assert np.asarray(off.get_offsets()).tolist() == [[9, 0.5]]
+        assert sum(to_hex(line.get_color()) == REST for line in axis.lines) == 2
+    assert "Hollow" in caption(drawn)
 
 
 def test_a_circle_stands_around_what_is_shared_and_a_square_around_a_knee() -> None:
-    (axis,) = figure(scores(), mark="shared").axes
-    rings = [line for line in axis.lines if line.get_markersize() > 10]
+    drawn = figure(scores(), mark="shared")
+    rings = [line for axis in drawn.axes for line in axis.lines if line.get_markersize() > 10]
     assert [np.ravel(ring.get_data()).tolist() for ring in rings] == [[11, 0.1]] * 3
-    assert {(ring.get_marker(), ring.get_markeredgecolor()) for ring in rings} == {("o", "#000000")}
+    assert {ring.get_marker() for ring in rings} == {"o"}
     falling = Across(
         ("actor", "k"),
         tuple((at, table.assign(mse=1 / table["markers"])) for at, table in scores()),
     )
-    (axis,) = figure(falling, mark="shared").axes
-    rings = [line for line in axis.lines if line.get_markersize() > 10]
+    drawn = figure(falling, mark="shared")
+    rings = [line for axis in drawn.axes for line in axis.lines if line.get_markersize() > 10]
     assert {ring.get_marker() for ring in rings} == {"s"}
-    assert axis.get_title() == "no minimum shared within 2 markers"
+    assert drawn.get_suptitle() == "no minimum shared within 2 markers"
+    assert [text.get_text() for text in drawn.axes[0].texts] == ["knee 11"]
 
 
-def test_each_label_has_its_dashed_floor() -> None:
-    levels = {actor: pd.DataFrame({"mse": [0.1 * place]}) for place, actor in enumerate(ACTORS)}
-    (axis,) = figure(scores(), Across.of(levels, axis="actor")).axes
-    look = looks(ACTORS)
-    heights = {
-        to_hex(line.get_color()).upper(): line.get_ydata()[0]
-        for line in axis.lines
-        if list(line.get_xdata()) == [0, 1]
+@pytest.mark.parametrize("common", [False, True])
+def test_what_noise_does_is_shaded(common: bool) -> None:
+    levels = {
+        actor: pd.DataFrame({"mse": [0.2 + 0.1 * place]}) for place, actor in enumerate(ACTORS)
     }
-    assert heights == {look[actor].colour: 0.1 * place for place, actor in enumerate(ACTORS)}
-    names = [text.get_text() for text in axis.figure.legends[0].get_texts()]
-    assert names[3:] == [f"noise floor {actor}" for actor in ACTORS]
-
-
-def test_one_floor_for_all_is_drawn_once() -> None:
-    common = Across((), (({}, pd.DataFrame({"mse": [0.2]})),))
-    (axis,) = figure(scores(), common).axes
-    floors = [line for line in axis.lines if list(line.get_xdata()) == [0, 1]]
-    assert [(line.get_ydata()[0], line.get_color()) for line in floors] == [(0.2, "#000000")]
-    names = [text.get_text() for text in axis.figure.legends[0].get_texts()]
-    assert names[3:] == ["noise floor"]
+    floor = Across((), (({}, levels["ME"]),)) if common else Across.of(levels, axis="actor")
+    drawn = figure(scores(), floor)
+    tops = [axis.patches[0].get_y() + axis.patches[0].get_height() for axis in drawn.axes]
+    assert tops == pytest.approx([0.2] * 3 if common else [0.2, 0.3, 0.4])
+    assert "noise" in caption(drawn)
 
 
 def test_intervals_are_those_of_the_table() -> None:
@@ -105,19 +101,16 @@ def test_intervals_are_those_of_the_table() -> None:
 
 def test_the_scale_is_logarithmic_where_values_span_much_and_nothing_falls_off_it() -> None:
     assert figure(scores()).axes[0].get_yscale() == "linear"
-    (axis,) = figure(scores(10.0)).axes
-    assert axis.get_yscale() == "log"
+    assert figure(scores(10.0)).axes[0].get_yscale() == "log"
     zero = Across(
         ("actor", "k"),
         tuple((at, t.assign(mse=t["mse"] * (at["k"] != 20))) for at, t in scores(10.0)),
     )
-    (axis,) = figure(zero).axes
-    assert axis.get_yscale() == "log"
-    assert [text.get_text() for text in axis.texts] == [
-        "3 on the lower edge: 0 or lower than shown"
-    ]
-    low = axis.get_ylim()[0]
-    assert [line.get_ydata()[-1] for line in curves(axis)] == pytest.approx([low] * 3)
+    drawn = figure(zero)
+    assert drawn.axes[0].get_yscale() == "log"
+    assert "3 on the lower edge" in caption(drawn)
+    for axis in drawn.axes:
+        assert foreground(axis).get_ydata()[-1] == pytest.approx(axis.get_ylim()[0])
 
 
 def test_equal_inputs_draw_equal_files() -> None:
@@ -148,3 +141,9 @@ def test_intervals_are_in_sight() -> None:
     )
     (axis,) = result.figure.axes
     assert axis.get_ylim()[1] > result.table["high"].max() > 1.05 * result.table["mse"].max()
+
+
+def test_of_many_curves_some_are_drawn_and_the_rest_counted() -> None:
+    drawn = figure(scores(actors=tuple(f"actor {place}" for place in range(30))))
+    assert len(drawn.axes) == 24
+    assert "6 more curves are not drawn" in caption(drawn)

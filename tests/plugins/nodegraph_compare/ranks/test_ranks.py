@@ -16,7 +16,7 @@ from nodegraph_compare.ranks.node import Ranked
 from nodegraph_compare.ranks.node import ranks as ranks_of
 from nodegraph_compare.table.node import table
 from nodegraph_tables import TableInfo, info_of, with_info
-from nodegraph_tables.style import looks
+from nodegraph_tables.style import BEST, BLACK, REST
 
 NAN = np.nan
 NAMES = ("lin", "cubic", "akima", "muscle")
@@ -228,21 +228,32 @@ def test_thousands_of_combinations_are_summed_up() -> None:
     assert "38 more groups are not drawn" in result.figure.get_supxlabel()
 
 
-def test_the_diagram_names_every_method_once_in_its_colour() -> None:
+def test_the_diagram_names_every_method_once() -> None:
     result = ranks(study(), within=("length",))
     assert len(result.figure.axes) == 2
     shown = texts(result)
     for name in NAMES:
         assert sum(name in text for text in shown) == 2
     assert sum(text.strip().startswith("critical difference") for text in shown) == 2
-    look = looks(NAMES)
+
+
+def test_the_first_is_blue_and_what_is_apart_from_it_grey() -> None:
+    result = ranks(study(apart=0.2))
     axis = result.figure.axes[0]
-    markers = {
-        line.get_marker(): to_hex(str(line.get_color())).upper()
+    marks = {
+        float(np.asarray(line.get_xdata())[0]): to_hex(str(line.get_color()))
         for line in axis.lines
-        if line.get_marker() not in ("None", "")
+        if line.get_marker() == "o"
     }
-    assert markers == {value.marker: value.colour for value in look.values()}
+    order = result.table.set_index("fill")["mean rank"]
+    first = str(order.idxmin())
+    pairs = result.pairs[result.pairs[["first", "second"]].eq(first).any(axis=1)]
+    near = {*pairs[pairs["p"] >= 0.05][["first", "second"]].to_numpy().ravel()}
+    assert near
+    assert {*order.index} - near
+    assert {name: marks[rank] for name, rank in order.items()} == {
+        name: BEST if name == first else BLACK if name in near else REST for name in order.index
+    }
 
 
 def test_markers_stand_at_the_mean_ranks_and_bars_over_what_is_not_apart() -> None:

@@ -1,155 +1,158 @@
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
-from matplotlib.container import ErrorbarContainer
 
 from nodegraph import Across
-from nodegraph_compare.pictures import reach
+from nodegraph_compare.pictures import span_of
 from nodegraph_compare.table.node import Compared, table
-from nodegraph_tables.style import looks
+from nodegraph_tables.style import BEST, BLACK, REST
+
+FILLS = ("lin", "cubic", "akima")
 
 
-def compared(*, within: tuple[str, ...], scale: float = 1.0) -> Compared:
+def compared(*, within: tuple[str, ...], scale: float = 1.0, **settings: Any) -> Compared:
+    """Compare three fills, each ``scale`` times worse than the one before."""
     random = np.random.default_rng(0)
     entries = []
     for take in ("jaw", "cheeks"):
         for length in (5, 45):
-            for place, fill in enumerate(("lin", "cubic", "akima")):
+            for place, fill in enumerate(FILLS):
                 rmse = random.uniform(1, 2, size=8) * scale**place
                 labels = {"take": take, "length": length, "fill": fill}
                 entries.append((labels, pd.DataFrame({"gap": range(8), "rmse": rmse})))
     scores = Across(("take", "length", "fill"), tuple(entries))
-    return table(scores, within=within, clusters=("gap",))
+    return table(scores, within=within, clusters=("gap",), **settings)
 
 
-def points(axis: Any) -> dict[str, ErrorbarContainer]:
-    return {axis.get_label(): axis for axis in axis.containers}
+def of_values(values: dict[str, Any], **settings: Any) -> Compared:
+    """Compare methods by given values of eight units each."""
+    tables = {
+        name: pd.DataFrame({"gap": range(8), "rmse": np.resize(number, 8)})
+        for name, number in values.items()
+    }
+    return table(Across.of(tables, axis="fill"), clusters=("gap",), **settings)
 
 
-def test_means_and_intervals_are_those_of_the_table() -> None:
-    result = compared(within=("length",))
-    (axis,) = result.figure.axes
-    for fill, container in points(axis).items():
-        rows = result.table[result.table["fill"] == fill]
-        line, _, (bars,) = container.lines
-        assert np.asarray(line.get_ydata()) == pytest.approx(rows["mean"].to_numpy())
-        ends = np.array([segment[:, 1] for segment in bars.get_segments()])
-        assert ends == pytest.approx(rows[["low", "high"]].to_numpy())
-    assert [text.get_text() for text in axis.get_xticklabels()] == ["5", "45"]
+def means(axis: Any) -> dict[int, Any]:
+    """Return the mark of each row of a panel."""
+    return {
+        int(line.get_ydata()[0]): line
+        for line in axis.lines
+        if line.get_marker() == "o" and len(line.get_xdata()) == 1
+    }
 
 
-def test_a_panel_per_combination_and_one_look_per_method() -> None:
-    result = compared(within=("take", "length"))
-    assert [axis.get_title() for axis in result.figure.axes] == ["take jaw", "take cheeks"]
-    look = looks(["lin", "cubic", "akima"])
-    for axis in result.figure.axes:
-        for fill, container in points(axis).items():
-            line = container.lines[0]
-            assert to_hex(line.get_color()).upper() == look[fill].colour
-            assert line.get_marker() == look[fill].marker
-    (legend,) = result.figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["lin", "cubic", "akima"]
+def rows(axis: Any) -> list[str]:
+    return [text.get_text() for text in axis.get_yticklabels()]
 
 
-def test_methods_stand_along_x_where_there_is_one_group() -> None:
-    result = compared(within=())
-    (axis,) = result.figure.axes
-    assert [text.get_text() for text in axis.get_xticklabels()] == ["lin", "cubic", "akima"]
-    assert [np.asarray(value.lines[0].get_xdata()).item() for value in points(axis).values()] == [
-        0,
-        1,
-        2,
+def test_a_row_has_the_mean_and_the_interval_of_the_table() -> None:
+    result = compared(within=("length",), scale=3)
+    names = rows(result.figure.axes[0])
+    assert names == ["lin", "cubic", "akima"]
+    for axis, length in zip(result.figure.axes, (5, 45), strict=True):
+        assert axis.get_title("left") == f"length {length}"
+        intervals = [line for line in axis.lines if len(line.get_xdata()) == 2]
+        for row, mark in means(axis).items():
+            at = result.table["fill"].eq(names[row]) & result.table["length"].eq(length)
+            expected = result.table[at].iloc[0]
+            assert mark.get_xdata()[0] == pytest.approx(expected["mean"])
+            ends = next(list(line.get_xdata()) for line in intervals if line.get_ydata()[0] == row)
+            assert ends == pytest.approx(expected[["low", "high"]].tolist())
+
+
+def test_colour_is_a_role() -> None:
+    result = compared(within=(), scale=3, baseline="akima")
+    marks = means(result.figure.axes[0])
+    colours = [to_hex(marks[row].get_color()) for row in range(3)]
+    assert colours == [BEST, REST, BLACK]
+    tied = means(of_values({"a": [1.0, 2.0], "b": [2.0, 1.1]}).figure.axes[0])
+    assert to_hex(tied[1].get_color()) == BEST
+    assert to_hex(tied[1].get_markerfacecolor()) == "#ffffff"
+    (caption,) = result.figure.texts
+    assert "8 gaps" in caption.get_text()
+
+
+def test_the_last_axis_lies_across_and_methods_keep_their_row() -> None:
+    axes = compared(within=("take", "length"), scale=3).figure.axes
+    places = [axis.get_position() for axis in axes]
+    assert places[0].x0 < places[1].x0
+    assert places[0].y0 == pytest.approx(places[1].y0)
+    assert places[2].y0 < places[0].y0
+    assert [rows(axis) for axis in axes] == [
+        ["lin", "cubic", "akima"],
+        [],
+        ["lin", "cubic", "akima"],
+        [],
     ]
 
 
-def test_a_wide_span_gets_a_logarithmic_scale() -> None:
-    assert compared(within=("length",)).figure.axes[0].get_yscale() == "linear"
-    assert compared(within=("length",), scale=10).figure.axes[0].get_yscale() == "log"
+@pytest.mark.parametrize(
+    ("means", "kind"),
+    [
+        ((1.0, 9.0), "linear"),
+        ((1.0, 11.0), "log"),
+        ((0.0, 0.1, 11.0), "symlog"),
+        ((-1.0, 50.0), "linear"),
+    ],
+)
+def test_a_scale_is_logarithmic_where_errors_span_a_decade(
+    means: tuple[float, ...], kind: str
+) -> None:
+    span = span_of(np.array(means), np.empty(0))
+    assert span.kind == kind
+    assert span.low < min(means)
+    assert span.high > max(means)
 
 
-def test_a_method_without_a_value_is_in_the_legend() -> None:
-    tables = {
-        name: pd.DataFrame({"gap": [0, 1], "side": ["l", "l"], "rmse": values})
-        for name, values in {"lin": [1.0, 2.0], "pca": [np.nan, np.nan]}.items()
-    }
+def test_one_interval_does_not_flatten_all_others() -> None:
+    span = span_of(np.array([1.0, 1.5, 2.0]), np.array([0.9, 1.1, 40.0, -30.0]))
+    assert span.low > 0.5
+    assert span.high < 2.5
+
+
+@pytest.mark.parametrize("value", [0.0, 3.0])
+def test_marks_of_nearly_equal_means_are_whole(value: float) -> None:
+    (axis,) = of_values({"a": value, "b": value * (1 + 1e-13)}).figure.axes
+    low, high = axis.get_xlim()
+    width = high - low
+    assert width > 1e-3
+    assert all(
+        low + 0.02 * width < x.get_xdata()[0] < high - 0.02 * width for x in means(axis).values()
+    )
+
+
+def test_a_method_without_a_value_keeps_its_row() -> None:
     with pytest.warns(UserWarning, match="not compared: pca"):
-        result = table(Across.of(tables, axis="fill"), within=("side",))
-    (legend,) = result.figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["lin", "pca (no value)"]
+        result = of_values({"lin": [1.0, 2.0], "pca": np.nan})
+    (axis,) = result.figure.axes
+    assert rows(axis) == ["lin", "pca"]
+    assert [
+        (text.get_text(), text.get_position()[1])
+        for text in axis.texts
+        if text.get_style() == "italic"
+    ] == [("no value", 1)]
 
 
-@pytest.mark.parametrize("within", [(), ("length",), ("take", "length")])
-def test_the_figure_can_be_written(within: tuple[str, ...]) -> None:
-    buffer = io.BytesIO()
-    compared(within=within).figure.savefig(buffer, format="svg")
-    assert buffer.getvalue().lstrip().startswith(b"<?xml")
+def test_of_very_many_methods_the_best_is_named_and_names_keep_apart() -> None:
+    values = {f"m{place}": 1.0 + (place * 37 % 200) / 200 for place in range(200)}
+    (axis,) = of_values(values).figure.axes
+    assert len(means(axis)) == 200
+    names, places = rows(axis), axis.get_yticks()
+    assert names[0] == "m0"
+    tall = axis.get_position().height * axis.figure.get_figheight()
+    assert np.diff(places).min() * tall / 200 > 0.11
+    assert tall < 8
 
 
-def of_labels(labels: list[str], groups: int = 1) -> Compared:
-    random = np.random.default_rng(0)
-    tables = {
-        label: pd.DataFrame(
-            {
-                "gap": np.repeat(range(groups), 4),
-                "take": [*range(4)] * groups,
-                "rmse": random.uniform(1, 2, size=4 * groups),
-            }
-        )
-        for label in labels
-    }
-    within = ("gap",) if groups > 1 else ()
-    return table(Across.of(tables, axis="fill"), metric="rmse", within=within, blocks=("take",))
-
-
-def test_labels_are_drawn_as_they_are() -> None:
-    result = of_labels(["a $x$", "_under", "<b>"], groups=2)
-    (legend,) = result.figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == [r"a \$x\$", "\u200b_under", "<b>"]
-    result.figure.savefig(io.BytesIO(), format="svg")
-
-
-def test_of_many_places_along_x_some_are_named() -> None:
-    (axis,) = of_labels(["a", "b"], groups=300).figure.axes
-    ticks = [text.get_text() for text in axis.get_xticklabels()]
-    assert ticks[:3] == ["0", "8", "16"]
-    assert len(ticks) <= 40
-
-
-def test_of_many_methods_some_are_named() -> None:
-    (legend,) = of_labels([f"m{place}" for place in range(60)], groups=2).figure.legends
-    texts = [text.get_text() for text in legend.get_texts()]
-    assert len(texts) == 40
-    assert texts[-1] == "m39, and 20 more"
-
-
-def test_of_many_panels_some_are_drawn_and_the_rest_told() -> None:
+def test_of_many_panels_some_are_drawn_and_the_rest_counted() -> None:
     rows = pd.DataFrame({"a": np.repeat(range(30), 4), "b": [0, 0, 1, 1] * 30, "gap": [0, 1] * 60})
     tables = {name: rows.assign(rmse=np.arange(120.0) + 1) for name in ("x", "y")}
     result = table(Across.of(tables, axis="fill"), within=("a", "b"), blocks=("gap",))
     assert len(result.figure.axes) == 24
-    assert result.figure.get_supxlabel() == "6 more panels are not drawn"
-
-
-def test_an_end_that_is_not_finite_leaves_the_points_in_sight() -> None:
-    nan, inf = np.full(2, np.nan), np.full(2, np.inf)
-    mean = np.array([1.0, 2.0])
-    assert reach(mean, nan, inf).tolist() == [[0.0, 0.0], [0.0, 0.0]]
-    assert reach(mean, mean - 0.5, mean + 0.25).tolist() == [[0.5, 0.5], [0.25, 0.25]]
-
-
-def test_methods_of_which_one_is_always_zero_are_all_in_sight() -> None:
-    tables = {"without": [0.0] * 8, "rare": [0.0] * 7 + [0.02], "other": [0.3, 0.4] * 4}
-    scores = {
-        name: pd.DataFrame({"gap": range(8), "rmse": number}) for name, number in tables.items()
-    }
-    result = table(Across.of(scores, axis="fill"))
-    (axis,) = result.figure.axes
-    low, high = axis.get_ylim()
-    assert low <= 0.0
-    assert 0.35 < high < 2.0
+    assert "36 more panels" in result.figure.texts[-1].get_text()
