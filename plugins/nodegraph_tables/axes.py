@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -21,14 +21,14 @@ _POINTS = 72.0
 _LEADING = 1.15
 
 
-def plain(axis: Axes, *, grid: str = "y") -> None:
+def plain(axis: Axes, *, grid: Literal["x", "y", "both"] = "y") -> None:
     """Draw axes without a frame and ticks: names of ticks, and a grid behind everything.
 
     Parameters
     ----------
     axis
     grid
-        ``x``, ``y`` or ``both``: across which axis its lines run.
+        Across which axes its lines run.
     """
     axis.spines[:].set_visible(False)
     axis.tick_params(which="both", length=0, labelsize=SMALL, labelcolor=QUIET)

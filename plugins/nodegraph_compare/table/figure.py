@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_compare.left_out import group_text
-from nodegraph_compare.pictures import Span, set_span, span_of
+from nodegraph_compare.pictures import Span, set_span, span_of, without_drawing
 from nodegraph_compare.scope import unit_text as units_text
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain
@@ -62,10 +62,12 @@ def draw(
     declared
         What the methods declare.
     """
+    if not summaries:
+        return without_drawing("nothing to compare")
     drawn = summaries[:_MOST_PANELS]
     methods = _ordered(summaries, order)
     across = _across(drawn)
-    down = math.ceil(len(drawn) / across) or 1
+    down = math.ceil(len(drawn) / across)
     tall = min(max(_ROW * len(methods), 0.5), _TALLEST)
     wide = {1: 4.2, 2: 3.2, 3: 2.5}.get(across, 2.0)
     figure = Figure(
@@ -90,21 +92,20 @@ def draw(
         _names(axis, beside if column == 0 else [], methods, names, tall)
         if place + across < len(drawn):
             axis.tick_params(axis="x", labelbottom=False)
-    if drawn:
-        notes = [_quantity(question, unit, span), *_legend(question, drawn, names)]
-        if len(drawn) < len(summaries):
-            notes.append(f"{len(summaries) - len(drawn)} more panels are not drawn")
-        figure.text(
-            0, (_BELOW - 0.34) / height, "\n".join(notes), fontsize=SMALL, color=QUIET, va="top"
-        )
+    notes = [_quantity(question, unit, span), *_legend(question, drawn, names)]
+    if len(drawn) < len(summaries):
+        notes.append(f"{len(summaries) - len(drawn)} more panels are not drawn")
+    figure.text(
+        0, (_BELOW - 0.34) / height, "\n".join(notes), fontsize=SMALL, color=QUIET, va="top"
+    )
     return figure
 
 
 def _across(summaries: Sequence[Summary]) -> int:
     """Return how many panels stand beside each other: those of the last axis, if they fit."""
     last = dict.fromkeys(summary.group.labels[-1:] for summary in summaries)
-    rows = math.ceil(len(last) / _MOST_ACROSS) or 1
-    return math.ceil(len(last) / rows) or 1
+    rows = math.ceil(len(last) / _MOST_ACROSS)
+    return math.ceil(len(last) / rows)
 
 
 def _ordered(summaries: Sequence[Summary], order: Sequence[Label]) -> list[Label]:

@@ -247,7 +247,8 @@ def test_the_first_is_blue_and_what_is_apart_from_it_grey() -> None:
     }
     order = result.table.set_index("fill")["mean rank"]
     first = str(order.idxmin())
-    pairs = result.pairs[result.pairs[["first", "second"]].eq(first).any(axis=1)]
+    named = (result.pairs["first"] == first) | (result.pairs["second"] == first)
+    pairs = result.pairs[named]
     near = {*pairs[pairs["p"] >= 0.05][["first", "second"]].to_numpy().ravel()}
     assert near
     assert {*order.index} - near

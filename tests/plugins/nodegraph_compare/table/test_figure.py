@@ -57,13 +57,13 @@ def test_a_row_has_the_mean_and_the_interval_of_the_table() -> None:
     assert names == ["lin", "cubic", "akima"]
     for axis, length in zip(result.figure.axes, (5, 45), strict=True):
         assert axis.get_title("left") == f"length {length}"
-        intervals = [line for line in axis.lines if len(line.get_xdata()) == 2]
+        paths = [np.asarray(line.get_xydata()) for line in axis.lines]
         for row, mark in means(axis).items():
             at = result.table["fill"].eq(names[row]) & result.table["length"].eq(length)
             expected = result.table[at].iloc[0]
             assert mark.get_xdata()[0] == pytest.approx(expected["mean"])
-            ends = next(list(line.get_xdata()) for line in intervals if line.get_ydata()[0] == row)
-            assert ends == pytest.approx(expected[["low", "high"]].tolist())
+            ends = next(path[:, 0] for path in paths if len(path) == 2 and path[0, 1] == row)
+            assert ends == pytest.approx(expected[["low", "high"]].to_numpy(float))
 
 
 def test_colour_is_a_role() -> None:
@@ -135,17 +135,18 @@ def test_a_method_without_a_value_keeps_its_row() -> None:
     assert [
         (text.get_text(), text.get_position()[1])
         for text in axis.texts
-        if text.get_style() == "italic"
+        if text.get_fontstyle() == "italic"
     ] == [("no value", 1)]
 
 
 def test_of_very_many_methods_the_best_is_named_and_names_keep_apart() -> None:
     values = {f"m{place}": 1.0 + (place * 37 % 200) / 200 for place in range(200)}
-    (axis,) = of_values(values).figure.axes
+    figure = of_values(values).figure
+    (axis,) = figure.axes
     assert len(means(axis)) == 200
     names, places = rows(axis), axis.get_yticks()
     assert names[0] == "m0"
-    tall = axis.get_position().height * axis.figure.get_figheight()
+    tall = axis.get_position().height * figure.get_figheight()
     assert np.diff(places).min() * tall / 200 > 0.11
     assert tall < 8
 

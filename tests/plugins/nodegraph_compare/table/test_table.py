@@ -289,7 +289,7 @@ def test_tables_without_rows_are_told() -> None:
     with pytest.warns(UserWarning, match="the tables have no rows"):
         result = table(empty)
     assert len(result.table) == 0
-    assert result.figure.axes
+    assert not result.figure.axes
 
 
 def test_numbers_label_methods_as_well() -> None:
