@@ -58,8 +58,8 @@ def show(arguments: Namespace) -> int:
 def _example(entry: Registered, registry: Registry) -> str:
     from nodegraph.node.description import example_of
 
-    is_ambiguous = sum(other.node.name == entry.node.name for other in registry) > 1
-    text = example_of(entry.node, entry.full_name if is_ambiguous else "")
+    is_unique = sum(other.node.name == entry.node.name for other in registry) == 1
+    text = example_of(entry.node, "" if is_unique else entry.full_name)
     return "\n".join(
         ["example, among the nodes of a graph:", *(f"  {line}" for line in text.splitlines())]
     )

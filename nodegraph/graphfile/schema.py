@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
 from nodegraph.graphfile.definitions import (
@@ -36,7 +37,7 @@ def graph_schema(registry: Registry) -> Schema:
         "additionalProperties": False,
         "$defs": {
             **shared_definitions(),
-            "node name": {"oneOf": _names(nodes)},
+            "node name": {"oneOf": _names(nodes, registry)},
             "method name": {"anyOf": [ref("node name"), {"const": PASS}]},
             "node": _node(nodes),
             **_methods(nodes),
@@ -74,14 +75,15 @@ def _named(each: Schema | bool) -> Schema:
     return {"type": ["object", "null"], "propertyNames": NAME, "additionalProperties": each}
 
 
-def _names(nodes: list[NodeSchema]) -> list[Schema]:
+def _names(nodes: list[NodeSchema], registry: Registry) -> list[Schema]:
     """Return a constant for each node, so that an editor shows its description beside it.
 
-    A graph file is allowed as well, and so is a node with its plugin; an editor need not offer
-    these.
+    A graph file is allowed as well, and so is a node with its plugin or with a scheme; an editor
+    need not offer these.
     """
     full_names = [name for node in nodes for name in node.names[1:]]
     patterns = [_GRAPH_FILE, *([one_of(full_names)["pattern"]] if full_names else [])]
+    patterns += [f"^{re.escape(scheme)}:." for scheme in registry.hooks.node_finders]
     message = "no installed node has this name; nodegraph nodes lists them"
     rest = {"type": "string", "pattern": "|".join(patterns), "patternErrorMessage": message}
     return [*(node.constant() for node in nodes), rest]

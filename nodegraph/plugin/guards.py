@@ -241,6 +241,13 @@ def guard_command(name: str, command: Command, source: Source) -> Command:
     )
 
 
+def guard_node_finder(
+    scheme: str, find: Callable[[str], Function], source: Source
+) -> Callable[[str], Function]:
+    """Return the function of a scheme, which raises `PluginError` where it fails."""
+    return source.raising(f"the nodes {scheme}:...", lambda name: expect(find(name), Callable))
+
+
 def guard_place(scheme: str, find: Function, source: Source) -> Function:
     """Return a function from a name in a scheme to a path that raises `PluginError` on failure."""
     return source.raising(f"the place {scheme}:...", lambda name: expect(find(name), Path))

@@ -25,6 +25,7 @@ from nodegraph.plugin.guards import (
     guard_detail,
     guard_executor,
     guard_format,
+    guard_node_finder,
     guard_place,
     guard_renderer,
     guard_specimens,
@@ -89,6 +90,11 @@ class HookResults:
     def executors(self) -> Mapping[str, Callable[..., Any]]:
         """Ways to compute steps, by name."""
         return self._named("nodegraph_executors", guard_executor)
+
+    @cached_property
+    def node_finders(self) -> Mapping[str, Callable[[str], Callable[..., Any]]]:
+        """Functions from names to nodes, by scheme."""
+        return self._named("nodegraph_node_finders", guard_node_finder)
 
     @cached_property
     def bibtex(self) -> tuple[str, ...]:

@@ -34,6 +34,15 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:  # type: ignore[empty-bod
 
 
 @hookspec
+def nodegraph_node_finders() -> Mapping[str, Callable[[str], Callable[..., Any]]]:  # type: ignore[empty-body]
+    """Return, for ``scheme`` in ``use: scheme:name``, a function from the name to a node.
+
+    The function returns one decorated with `nodegraph.node`, whose name the graph's then
+    replaces, and raises `nodegraph.NodegraphError` for a name of which there is no node.
+    """
+
+
+@hookspec
 def nodegraph_bibtex() -> str:  # type: ignore[empty-body]
     """Return the BibTeX entries that the plugin's nodes cite."""
 

@@ -45,6 +45,7 @@ class Registry:
     loaded: list[Plugin] = field(default_factory=list)
     broken: list[BrokenPlugin] = field(default_factory=list)
     _by_name: dict[str, list[Registered]] = field(default_factory=lambda: defaultdict(list))
+    _by_scheme: dict[tuple[str, str], Registered] = field(default_factory=dict)
 
     @classmethod
     def installed(cls, files: Iterable[Path] = ()) -> Registry:
@@ -93,6 +94,8 @@ class Registry:
             If no plugin defines it, or several do.
         """
         plugin, colon, bare_name = name.rpartition(":")
+        if colon and plugin in self.hooks.node_finders:
+            return self._found(plugin, bare_name)
         nodes = self._by_name.get(bare_name, [])
         matches = [node for node in nodes if not colon or node.plugin == plugin]
         if len(matches) == 1:
@@ -135,6 +138,16 @@ class Registry:
             for name, nodes in self._by_name.items()
         }
         return replace(self, _by_name={name: nodes for name, nodes in visible.items() if nodes})
+
+    def _found(self, scheme: str, name: str) -> Registered:
+        """Return the node that the plugin of a scheme makes of a name."""
+        if (scheme, name) not in self._by_scheme:
+            try:
+                node = _checked_node(self.hooks.node_finders[scheme](name))
+            except NodegraphError as error:
+                raise UnknownNodeError(f"no node '{scheme}:{name}': {error}") from error
+            self._by_scheme[scheme, name] = Registered(replace(node, name=name), scheme)
+        return self._by_scheme[scheme, name]
 
     def _add_file(self, file: Path) -> None:
         plugin = loading.from_file(file, known={registered.node for registered in self})

@@ -1,0 +1,157 @@
+"""An estimator's name -> a node whose settings are those of the estimator."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from nodegraph import NodegraphError, nearest, node
+from nodegraph_mocap import Trajectories
+from nodegraph_sklearn.apply import impute, project, regress
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_NOT_SET = ("n_jobs", "verbose", "copy", "copy_X", "missing_values", "add_indicator")
+"""Parameters that change no result, or make one that is no recording; they are not settings."""
+
+_SEED = "random_state"
+
+_MARKUP = re.compile(r"^ +\.\. [^\n]*\n(?:(?: {8,}[^\n]*)?\n)*|:(?:class|func|ref|term):", re.M)
+"""Directives and roles that only scikit-learn's own pages show."""
+
+_HOW: dict[Callable[[Trajectories, Any], Trajectories], str] = {
+    impute: "Each frame is a row, each coordinate of a marker a column. A marker that is never "
+    "measured stays missing.",
+    regress: "Each gap of a marker is predicted from the coordinates of the markers that are "
+    "present in all of its frames, learnt from the frames in which they and the marker are; a gap "
+    "without such markers stays missing, counted in a warning.",
+    project: "Each frame is a row, each coordinate of a marker a column; what the transformer "
+    "keeps of a complete frame takes its place. Frames with a missing sample stay as they are, "
+    "counted in a warning.",
+}
+
+
+def node_of_estimator(name: str) -> Callable[..., Any]:
+    """Return the node that applies an estimator to a recording.
+
+    An imputer or a regressor fills gaps and leaves present samples as they are; a transformer
+    that has an inverse smooths. The settings are the parameters of the estimator, with its
+    defaults; ``random_state`` is called ``seed`` and 0, so that the same graph gives the same
+    answer.
+
+    Parameters
+    ----------
+    name
+        Where the class is: ``sklearn.impute.KNNImputer``.
+
+    Raises
+    ------
+    NodegraphError
+        If scikit-learn has no such class, or it is of no use here.
+    """
+    kind = _class_named(name)
+    apply = _application(kind, name)
+    settings = _settings(kind)
+
+    @node("sklearn.estimator", cite="pedregosa2011scikit", lookahead=None)
+    def estimator(recording: Trajectories, **parameters: Any) -> Trajectories:
+        if "seed" in parameters:
+            parameters[_SEED] = parameters.pop("seed")
+        with np.errstate(all="ignore"):  # what is no number is counted as missing
+            return apply(recording, kind(**parameters))
+
+    described: Any = estimator
+    recorded = inspect.Parameter(
+        "recording", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=Trajectories
+    )
+    described.__signature__ = inspect.Signature(
+        [recorded, *settings], return_annotation=Trajectories
+    )
+    described.__annotations__ = {
+        "recording": Trajectories,
+        **{setting.name: setting.annotation for setting in settings},
+        "return": Trajectories,
+    }
+    described.__doc__ = _documentation(kind, name, apply)
+    return estimator
+
+
+def _class_named(name: str) -> type[Any]:
+    module, _, last = name.rpartition(".")
+    if module.partition(".")[0] != "sklearn":
+        raise NodegraphError(f"write where scikit-learn has it: sklearn.impute.{last or name}")
+    if module == "sklearn.impute" and last == "IterativeImputer":
+        # scikit-learn has this import as its sign of consent to an experimental class
+        import_module("sklearn.experimental.enable_iterative_imputer")
+    try:
+        holder = import_module(module)
+    except ImportError as error:
+        raise NodegraphError(f"scikit-learn has no module {module!r}") from error
+    kind = getattr(holder, last, None)
+    if not isinstance(kind, type):
+        classes = [each for each in dir(holder) if inspect.isclass(getattr(holder, each))]
+        raise NodegraphError(f"{module} has no class {last!r}; {nearest(last, classes)}")
+    return kind
+
+
+def _application(kind: type[Any], name: str) -> Callable[[Trajectories, Any], Trajectories]:
+    from sklearn.base import RegressorMixin, TransformerMixin
+
+    if issubclass(kind, TransformerMixin) and kind.__module__.startswith("sklearn.impute"):
+        return impute
+    if issubclass(kind, RegressorMixin):
+        return regress
+    if issubclass(kind, TransformerMixin) and hasattr(kind, "inverse_transform"):
+        return project
+    raise NodegraphError(f"{name} is no imputer, no regressor and no transformer with an inverse")
+
+
+def _settings(kind: type[Any]) -> list[inspect.Parameter]:
+    """Return the parameters of an estimator as settings of a node."""
+    settings = []
+    for parameter in inspect.signature(kind).parameters.values():
+        if parameter.name in _NOT_SET or parameter.kind is parameter.VAR_KEYWORD:
+            continue
+        if parameter.name == _SEED:
+            settings.append(_setting("seed", 0, Annotated[int, Field(ge=0)]))
+            continue
+        default = parameter.default
+        # what has no default, or is an object, a graph file cannot write
+        if default is not None and not isinstance(default, (bool, int, float, str)):
+            continue
+        settings.append(_setting(parameter.name, default, _hint(default)))
+    return settings
+
+
+def _setting(name: str, default: Any, hint: Any) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+
+def _hint(default: Any) -> Any:
+    """Return the type of a setting: what an estimator takes beside its default, it checks."""
+    if isinstance(default, bool):
+        return bool
+    if isinstance(default, str):
+        return str | float | None
+    return float | int | str | None
+
+
+def _documentation(
+    kind: type[Any], name: str, apply: Callable[[Trajectories, Any], Trajectories]
+) -> str:
+    doc = inspect.getdoc(kind) or ""
+    section = re.search(r"^Parameters\n-+\n(.*?)(?=^\w[^\n]*\n-{3,}$|\Z)", doc, re.S | re.M)
+    summary = doc.partition("\n")[0].rstrip(".") or kind.__name__
+    of_estimator = _MARKUP.sub("", section[1]).rstrip() if section else ""
+    of_estimator = re.sub(rf"^{_SEED}\b", "seed", of_estimator, flags=re.M)
+    return (
+        f"{summary}, by scikit-learn.\n\nThis is `{name}`. {_HOW[apply]}\n\n"
+        "Looks at the whole take.\n\n"
+        f"Parameters\n----------\nrecording\n    Trajectories.\n{of_estimator}\n"
+    )
