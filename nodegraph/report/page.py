@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
-_SCRIPTS = ("modules", "helpers", "selection", "page", "copy")
+_SCRIPTS = ("modules", "helpers", "selection", "frames", "tables")
 _SHOWN = 3
 _MANY = 24
 

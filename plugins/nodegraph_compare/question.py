@@ -193,6 +193,13 @@ class Question:
         """`compare` as a tuple of one name or none."""
         return () if self.compare is None else (self.compare,)
 
+    @property
+    def by(self) -> str:
+        """How a title ends: `` by fill, length and ends``."""
+        names = (*self.compared, *self.within)
+        text = " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+        return f" by {text}" if text else ""
+
 
 def ask(
     scores: Across[Table],

@@ -9,7 +9,7 @@ from nodegraph_tables.info import info_of
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     import pandas as pd
 
@@ -22,17 +22,12 @@ _SMALLEST, _LARGEST = 1e-3, 1e6
 
 
 class Cell(NamedTuple):
-    """A cell as text, what belongs to it (an interval, a dagger), and whether it is the best.
-
-    `exact` has all digits of a number that is shown with fewer, `within` those of the numbers
-    that belong to it.
-    """
+    """A cell as text, what belongs to it (an interval, a dagger), whether it is best or tied."""
 
     text: str
     beside: str
-    exact: str
-    within: tuple[str, ...]
     best: bool
+    tied: bool
 
     def __str__(self) -> str:
         return f"{self.text} {self.beside}".rstrip()
@@ -44,25 +39,33 @@ class Column(NamedTuple):
     Attributes
     ----------
     name, unit : str
-    places : tuple of (int, str)
-        Place and name of each column of the table that the cells show: its own first.
+    place : int
+        Of the column in the table.
     numeric : bool
     label : bool
         Whether it identifies the rows.
+    constant : bool
+        Whether it is a number, and the same in all rows.
     cells : list of Cell
     """
 
     name: str
     unit: str
-    places: tuple[tuple[int, str], ...]
+    place: int
     numeric: bool
     label: bool
+    constant: bool
     cells: list[Cell]
 
     @property
     def head(self) -> str:
         """The name with the unit, if it has one."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+    @property
+    def has_intervals(self) -> bool:
+        """Whether something stands beside the numbers."""
+        return any(cell.beside for cell in self.cells)
 
 
 def columns_of(table: pd.DataFrame) -> list[Column]:
@@ -84,26 +87,18 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str]) -> Column:
     name, column, info = table.columns[at], table.iloc[:, at], info_of(table)
     numeric = column.dtype.kind in "iuf"
     label = at == 0 and not numeric if info.labels is None else name in info.labels
-    best = set(info.best.get(name, ()))
+    best, tied = set(info.best.get(name, ())), set(info.tied.get(name, ()))
     values = column.tolist()
     decimals = None if label or not numeric else _decimals(values)
-    inner = [table[part].tolist() for part in parts.values()]
-    where = {other: place for place, other in enumerate(table.columns)}
-    places = [(at, str(name)), *((where[part], part) for part in parts.values())]
-    rows = zip(values, _beside(table, parts, decimals), strict=True)
+    texts = [_labelled(value) if label else shown(value, decimals) for value in values]
+    rows = zip(texts, _beside(table, parts, decimals, texts), strict=True)
     cells = [
-        Cell(
-            text := _labelled(value) if label else shown(value, decimals),
-            beside,
-            _exact(value, text, beside),
-            tuple(_whole(part[row]) for part in inner),
-            row in best,
-        )
-        for row, (value, beside) in enumerate(rows)
+        Cell(text, beside, row in best, row in tied) for row, (text, beside) in enumerate(rows)
     ]
-    return Column(
-        str(name), unit_text(info.units.get(name, "")), tuple(places), numeric, label, cells
-    )
+    constant = numeric and not label and len(set(cells)) == 1 and len(cells) > 1
+    constant = constant and column.nunique(dropna=False) == 1
+    unit = unit_text(info.units.get(name, ""))
+    return Column(str(name), unit, at, numeric, label, constant, cells)
 
 
 def _decimals(values: Iterable[Any]) -> int | None:
@@ -150,26 +145,21 @@ def shown(value: Any, decimals: int | None = None) -> str:
     return f"{value:.{decimals}f}"
 
 
-def _exact(value: Any, text: str, beside: str) -> str:
-    """Return all digits of a number of which the cell shows fewer, or something beside it."""
-    if not isinstance(value, float) or not math.isfinite(value):
-        return ""
-    return repr(float(value)) if beside or float(text) != value else ""
+def _beside(
+    table: pd.DataFrame, parts: Mapping[Part, str], decimals: int | None, means: Sequence[str]
+) -> list[str]:
+    """Return what belongs to the numbers of a column: ``[low, high]`` and the dagger.
 
-
-def _whole(value: Any) -> str:
-    """Return all digits of a number within a cell."""
-    known = isinstance(value, (int, float)) and not math.isnan(value)
-    return repr(float(value)) if known else ""
-
-
-def _beside(table: pd.DataFrame, parts: Mapping[Part, str], decimals: int | None) -> list[str]:
-    """Return what belongs to the numbers of a column: ``[low, high]`` and the dagger."""
+    An interval that is no wider than the digits of its number is left out.
+    """
     texts = [""] * len(table)
     if "low" in parts and "high" in parts:
         ends = zip(table[parts["low"]], table[parts["high"]], strict=True)
         both = [(shown(float(low), decimals), shown(float(high), decimals)) for low, high in ends]
-        texts = [f"[{low}, {high}]" if low and high else "" for low, high in both]
+        texts = [
+            f"[{low}, {high}]" if low and high and not low == high == mean else ""
+            for (low, high), mean in zip(both, means, strict=True)
+        ]
     if "p" in parts:
         texts = [
             f"{text} \N{DAGGER}".lstrip() if p < _SIGNIFICANT else text

@@ -37,6 +37,10 @@ class TableInfo:
         The rows whose cells are marked as the best.
     tied : mapping of column to tuple of int
         The rows whose cells the data cannot tell from the best.
+    highlights : tuple of int
+        Further rows that a folded table shows, such as the nearest that is behind, or a baseline.
+    compared : str
+        The column of what is compared. A report marks its rows with what is selected in a chart.
     cells : mapping of column to mapping of {"low", "high", "p"} to column
         The columns that are shown within the cells of another, as ``mean [low, high]``, with a
         dagger where p is below 0.05.
@@ -55,6 +59,8 @@ class TableInfo:
     labels: tuple[str, ...] | None = None
     best: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     tied: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    highlights: tuple[int, ...] = ()
+    compared: str = ""
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
 
 

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import Rendered
+from nodegraph import Rendered, listed
 from nodegraph_tables.cells import Cell, Column, columns_of
 from nodegraph_tables.grid import grid_of
-from nodegraph_tables.info import info_of, with_info
+from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.types import Table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-_FOLDED_FROM = 200
-"""Rows from which a table is folded in the page and cut in a terminal."""
+_MOST_LINES = 200
+"""Rows from which a table is cut in a terminal."""
+_MOST_ROWS = 5_000
+"""Rows that a page holds."""
+_SHORT_TABLE = 14
+"""Rows up to which a table is never folded."""
+_SHOWN_ROWS = 24
+_FEW_ROWS = 3
+_FEW_NOTES = 2
 
 _FORMULAS = ("=", "+", "-", "@", "\t", "\r")
 _SHORT = 24
@@ -51,22 +57,48 @@ _LATEX = str.maketrans(
 def render_table(table: Table, title: str) -> Rendered:
     """Return a table as HTML, plain text, CSV (full precision) and LaTeX (booktabs).
 
-    Texts in the CSV that a spreadsheet would take for a formula, as they begin with ``=``, ``+``,
-    ``-`` or ``@`` and are no numbers, begin with an apostrophe there.
+    A column whose numbers are all the same is left out, except in the CSV, and stated below. Texts
+    in the CSV that a spreadsheet would take for a formula, as they begin with ``=``, ``+``, ``-``
+    or ``@`` and are no numbers, begin with an apostrophe there.
     """
+    return _rendered(table, info_of(table).title or title)
+
+
+def _rendered(table: pd.DataFrame, caption: str, number: str = "") -> Rendered:
     table = _with_named_rows(table)
-    columns, info = columns_of(table), info_of(table)
-    caption = info.title or title
+    info = info_of(table)
+    columns, constants = _without_constants(columns_of(table))
+    notes = [*constants, *info.notes]
+    csv = _csv(table)
     return Rendered(
-        html=_html(caption, columns, info.notes),
-        text=_text(columns, info.notes),
-        files={
-            ".csv": _csv(table),
-            ".tex": _latex(caption, columns).encode(),
-        },
+        html=_html(_numbered(number, caption), columns, info, notes, csv.decode()),
+        text=_text(columns, notes),
+        files={".csv": csv, ".tex": _latex(caption, columns, constants).encode()},
         answer=info.answer,
         grid=grid_of(table, caption),
     )
+
+
+def _numbered(number: str, caption: str) -> str:
+    caption = escape(caption)
+    return f"<b>{escape(number)}.</b> {caption}" if number else caption
+
+
+def _without_constants(columns: Sequence[Column]) -> tuple[list[Column], list[str]]:
+    """Return the columns that differ between rows, and a sentence on the others."""
+    varying = [column for column in columns if not column.constant]
+    if not any(column.numeric and not column.label for column in varying):
+        return list(columns), []
+    together: dict[str, list[str]] = {}
+    for column in columns:
+        if column.constant:
+            value = f"{column.cells[0]} {column.unit}".strip() or "empty"
+            together.setdefault(value, []).append(column.name)
+    texts = [
+        f"{listed(names)} {'is' if len(names) == 1 else 'are'} {value}"
+        for value, names in together.items()
+    ]
+    return varying, [f"{'; '.join(texts)} throughout."] if texts else []
 
 
 def _csv(table: pd.DataFrame) -> bytes:
@@ -98,25 +130,77 @@ def _with_named_rows(table: pd.DataFrame) -> pd.DataFrame:
     return with_info(table.reset_index(), info_of(table))
 
 
-def _html(caption: str, columns: Sequence[Column], notes: Iterable[str]) -> str:
+def _html(
+    caption: str, columns: Sequence[Column], info: TableInfo, notes: Sequence[str], csv: str
+) -> str:
+    """Return the table for a page, whose script sorts, filters, folds and copies it."""
+    rows = _rows(columns)
     labels = [column for column in columns if column.label]
     classes = [_column_classes(column, last=labels[-1:] == [column]) for column in columns]
     head = "".join(_head(*both) for both in zip(columns, classes, strict=True))
-    rows = _rows(columns)
     groups = list(zip(*(tuple(map(str, column.cells)) for column in labels[:-1]), strict=True))
+    compared = [column.cells for column in columns if column.name == info.compared]
+    folded = _folded(groups, len(rows), info)
+    # in a wide table a mark is about a cell
+    leads = {*_rows_of(info.best), *_rows_of(info.tied)} if len(info.best) == 1 else set()
+
+    def row_class(place: int) -> str:
+        begins = place > 0 and bool(groups) and groups[place] != groups[place - 1]
+        kinds = {"group": begins, "tied": place in leads, "rest": place in folded}
+        return _class([kind for kind, applies in kinds.items() if applies])
+
     body = "".join(
-        f"<tr{_group_class(groups, place)}>{_row(row, columns, classes)}</tr>"
-        for place, row in enumerate(rows)
+        f"<tr{row_class(place)}{_method(compared, place)}>{_row(row, columns, classes)}</tr>"
+        for place, row in enumerate(rows[:_MOST_ROWS])
     )
-    stacked = " stacked" * (sum(len(column.places) > 1 for column in columns) > _MOST_BESIDE)
-    table = (
-        f'<figure class="table{stacked}"><table class="sortable">'
-        f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></figure>"
+    stacked = sum(column.has_intervals for column in columns) > _MOST_BESIDE
+    kinds = ["table", *(["stacked"] if stacked else []), *(["folded"] if folded else [])]
+    cut = [f"The first {_MOST_ROWS} of {len(rows)} rows; the CSV file has all."]
+    return (
+        f'<figure{_class(kinds)}><div class="scroll"><table class="sortable">'
+        f"<caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        f'</div><template class="csv">{escape(csv, quote=False)}</template>'
+        f"{_notes([*(cut if len(rows) > _MOST_ROWS else []), *notes])}</figure>"
     )
-    if len(rows) > _FOLDED_FROM:
-        table = f"<details><summary>{len(rows)} rows</summary>{table}</details>"
+
+
+def _notes(notes: Sequence[str]) -> str:
+    """Return remarks; many are folded."""
     items = "".join(f"<li>{escape(note)}</li>" for note in notes)
-    return table + (f'<ul class="quiet">{items}</ul>' if items else "")
+    if len(notes) > _FEW_NOTES:
+        summary = "What the numbers mean"
+        return f'<details><summary>{summary}</summary><ul class="quiet">{items}</ul></details>'
+    return f'<ul class="quiet">{items}</ul>' if items else ""
+
+
+def _folded(groups: Sequence[object], count: int, info: TableInfo) -> set[int]:
+    """Return the rows that a folded table leaves out, none of a short one.
+
+    Of each group it shows the best, those that are tied with it, and what else is highlighted; the
+    first rows where nothing is marked.
+    """
+    if count <= _SHORT_TABLE:
+        return set()
+    best, all_tied = _rows_of(info.best), _rows_of(info.tied)
+    starts = [at for at in range(count) if at == 0 or (groups and groups[at] != groups[at - 1])]
+    few = _FEW_ROWS if len(starts) > 1 else _SHORT_TABLE
+    most = max(1, _SHOWN_ROWS // len(starts))
+    shown: set[int] = set()
+    for start, end in zip(starts[:_SHOWN_ROWS], [*starts[1:], count], strict=False):
+        tied = [at for at in all_tied if start <= at < end]
+        marked = [*best, *tied[:1], *info.highlights, *tied]
+        of_group = dict.fromkeys(at for at in marked if start <= at < end)
+        shown |= {*[*(of_group or range(start, min(end, start + few)))][:most]}
+    return {*range(count)} - shown
+
+
+def _rows_of(marks: Mapping[str, Sequence[int]]) -> list[int]:
+    """Return the rows that are marked in any column."""
+    return sorted({place for rows in marks.values() for place in rows})
+
+
+def _method(compared: Sequence[Sequence[Cell]], place: int) -> str:
+    return "".join(f' data-method="{escape(cells[place].text, quote=True)}"' for cells in compared)
 
 
 def _column_classes(column: Column, *, last: bool) -> list[str]:
@@ -125,36 +209,29 @@ def _column_classes(column: Column, *, last: bool) -> list[str]:
 
 
 def _head(column: Column, classes: Sequence[str]) -> str:
-    """Return a column's head; a copy as CSV takes its names from the attribute."""
-    names = escape(json.dumps(column.places), quote=True)
+    """Return a column's head, with its place in the CSV."""
     unit = f'<span class="unit"> [{escape(column.unit)}]</span>' if column.unit else ""
     # a long name may be broken where its words end
     name = escape(column.name).replace("_", "_<wbr>")
-    return f'<th scope="col"{_class(classes)} data-names="{names}">{name}{unit}</th>'
+    return f'<th scope="col"{_class(classes)} data-column="{column.place}">{name}{unit}</th>'
 
 
 def _row(cells: Iterable[Cell], columns: Iterable[Column], classes: Iterable[list[str]]) -> str:
     return "".join(
-        f"<{tag}{_class([*kinds, *_cell_classes(cell, column)])}{_exact(cell)}>"
-        f"{_cell_html(cell)}</{end}>"
+        f"<{tag}{_class([*kinds, *_cell_classes(cell, column)])}>{_cell_html(cell)}</{end}>"
         for cell, column, kinds in zip(cells, columns, classes, strict=True)
         for tag, end in [('th scope="row"', "th") if column.label else ("td", "td")]
     )
 
 
 def _cell_classes(cell: Cell, column: Column) -> list[str]:
-    """Return the class of a text that is not broken into lines."""
-    return ["short"] if not column.numeric and 0 < len(cell.text) <= _SHORT else []
+    """Return the classes of what is not broken into lines, and of numbers that are tied."""
+    short = not column.numeric and 0 < len(cell.text) <= _SHORT
+    return [*(["short"] if short else []), *(["tied"] if cell.tied else [])]
 
 
 def _class(classes: Sequence[str]) -> str:
     return f' class="{" ".join(classes)}"' if classes else ""
-
-
-def _group_class(groups: Sequence[object], place: int) -> str:
-    """Return the class of a row with which another group begins."""
-    begins = place > 0 and groups and groups[place] != groups[place - 1]
-    return ' class="group"' if begins else ""
 
 
 def _cell_html(cell: Cell) -> str:
@@ -162,17 +239,11 @@ def _cell_html(cell: Cell) -> str:
     return f"{text} <br><small>{escape(cell.beside)}</small>" if cell.beside else text
 
 
-def _exact(cell: Cell) -> str:
-    """Return the attributes that keep all digits of numbers shown with fewer."""
-    value = f' data-value="{cell.exact}"' if cell.exact else ""
-    return value + (f' data-within="{",".join(cell.within)}"' if cell.within else "")
-
-
 def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
     rows = _rows(columns)
     grid = [
         [column.head for column in columns],
-        *([f"{cell}{'*' * cell.best}" for cell in row] for row in rows[:_FOLDED_FROM]),
+        *([f"{cell}{'*' * cell.best}" for cell in row] for row in rows[:_MOST_LINES]),
     ]
     widths = [max(len(text) for text in column) for column in zip(*grid, strict=True)]
     lines = [
@@ -182,19 +253,19 @@ def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
         ).rstrip()
         for texts in grid
     ]
-    if len(rows) > _FOLDED_FROM:
-        lines.append(f"... {len(rows) - _FOLDED_FROM} more rows in the CSV file")
+    if len(rows) > _MOST_LINES:
+        lines.append(f"... {len(rows) - _MOST_LINES} more rows in the CSV file")
     if any(cell.best for row in rows for cell in row):
         lines.append("* the best of its group")
     return "\n".join([*lines, *notes])
 
 
-def _latex(caption: str, columns: Sequence[Column]) -> str:
+def _latex(caption: str, columns: Sequence[Column], notes: Sequence[str]) -> str:
     alignment = "".join("r" if column.numeric else "l" for column in columns)
     rows = [" & ".join(_cell_latex(cell) for cell in row) + r" \\" for row in _rows(columns)]
     head = " & ".join(column.head.translate(_LATEX) for column in columns) + r" \\"
     # An empty line would end the caption's paragraph, which LaTeX refuses.
-    caption = " ".join(caption.split())
+    caption = " ".join(" ".join([caption, *notes]).split())
     return "\n".join(
         [
             r"% needs \usepackage{booktabs}",

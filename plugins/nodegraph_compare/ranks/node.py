@@ -155,7 +155,7 @@ def ranks(
     rankings = [rank(group, question.better, test) for group in gathered]
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
-        title=_title("Mean ranks", question),
+        title=f"Mean ranks of {question.metric}{question.by}",
         answer=tuple(answers(rankings, question, test, blocks_name(scores, question), instead)),
         notes=(
             f"{block_text(question)} {end_text(question)} {rules(question)}",
@@ -165,6 +165,7 @@ def ranks(
             *left_out(scores, question, gathered),
         ),
         labels=(*question.within, question.compare or "method"),
+        compared=question.compare or "method",
     )
     return Ranked(
         with_info(_table(rankings, question), info),
@@ -212,7 +213,10 @@ def _pairs(rankings: Sequence[Ranking], question: Question) -> Table:
             for a, b, difference, p, effect in both
         ]
     labels = (*question.within, "first", "second")
-    return with_info(DataFrame(rows), TableInfo(title=_title("Pairs", question), labels=labels))
+    return with_info(
+        DataFrame(rows),
+        TableInfo(title=f"Pairs by ranks of {question.metric}{question.by}", labels=labels),
+    )
 
 
 def _overall(rankings: Sequence[Ranking], question: Question) -> Table:
@@ -227,15 +231,9 @@ def _overall(rankings: Sequence[Ranking], question: Question) -> Table:
             | {"chi2": overall.chi2, "p": overall.p, "F": overall.f, "p of F": overall.p_f}
             | {"W": overall.w, "critical difference": overall.critical}
         )
-    title = _title("Friedman's test", question)
+    title = f"Friedman's test of {question.metric}{question.by}"
     return with_info(DataFrame(rows), TableInfo(title=title, labels=question.within))
 
 
 def _labels(ranking: Ranking, question: Question) -> dict[str, Label]:
     return dict(zip(question.within, ranking.group.labels, strict=True))
-
-
-def _title(what: str, question: Question) -> str:
-    by = f" by {question.compare}" if question.compare else ""
-    within = f" within {', '.join(question.within)}" if question.within else ""
-    return f"{what} of {question.metric}{by}{within}"

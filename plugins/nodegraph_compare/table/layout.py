@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.table.sensitivity import COMMON, WORST, tied_with_best
+from nodegraph_compare.table.sensitivity import COMMON, WORST, behind_by_all_rules, tied_with_best
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from nodegraph import Across, Declared, Label
     from nodegraph_compare.question import Question
@@ -81,6 +83,7 @@ def wide_table(
         columns |= _beneath(head, column, parts)
     info = TableInfo(
         labels=layout.rows,
+        compared=question.compare if question.compare in layout.rows else "",
         cells={head: {part: f"{head} {part}" for part in parts} for head in under},
         best={
             head: tuple(at for at, cell in enumerate(column) if cell.best)
@@ -236,6 +239,7 @@ def long_table(
     question: Question,
     unit: str,
     declared: Mapping[Label, Declared],
+    references: Collection[Label],
 ) -> Table:
     """Return a row per group and method, the best mean of each group first and marked.
 
@@ -250,6 +254,8 @@ def long_table(
         Of the metric.
     declared
         What the methods declare.
+    references
+        Methods whose rows a folded table shows in any case.
     """
     from pandas import DataFrame
 
@@ -263,6 +269,9 @@ def long_table(
     frame = DataFrame({name: values for name, values in columns.items() if _holds(name, values)})
     marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
     tied = [mark for summary in summaries for mark in tied_with_best(summary)[summary.ranked]]
+    highlights = [
+        mark for summary in summaries for mark in _highlights(summary, references)[summary.ranked]
+    ]
     several = question.compare is not None
     valued = (
         *_VALUED,
@@ -287,9 +296,20 @@ def long_table(
         labels=labels,
         best={"mean": tuple(np.flatnonzero(marked).tolist())} if several else {},
         tied={"mean": tuple(np.flatnonzero(tied).tolist())} if several else {},
+        highlights=tuple(np.flatnonzero(highlights).tolist()),
+        compared=question.compare or "",
         cells=intervals,
     )
     return with_info(frame, info)
+
+
+def _highlights(summary: Summary, references: Collection[Label]) -> NDArray[np.bool_]:
+    """Return (K,), where the nearest method that is behind stands, and the references."""
+    marks = np.array([method in references for method in summary.group.methods], dtype=bool)
+    if summary.judged and summary.best is not None:
+        behind = behind_by_all_rules(summary)
+        marks[[place for place in summary.ranked if behind[place]][:1]] = True
+    return marks
 
 
 def paired_name(summaries: Sequence[Summary]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph import Across, Label, node
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.comparison import prepare
+from nodegraph_compare.comparison import Comparison, prepare
 from nodegraph_compare.left_out import left_out
 from nodegraph_compare.overview.build import build_overview
 from nodegraph_compare.overview.value import Overview
@@ -43,7 +43,7 @@ from nodegraph_tables.info import Part
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from nodegraph import Declared
 
@@ -238,7 +238,8 @@ def table(
         for label, each in scores.methods.get(question.compare or "", {}).items()
         if label in order
     }
-    means = _laid_out(summaries, question, layout, order, unit, declared)
+    references = [label for label in (baseline, instead) if label is not None]
+    means = _laid_out(comparison, summaries, layout, declared, references)
     info = info_of(means)
     info = replace(
         info,
@@ -262,26 +263,23 @@ def table(
 
 
 def _laid_out(
+    comparison: Comparison,
     summaries: Sequence[Summary],
-    question: Question,
     layout: Layout,
-    order: Sequence[Label],
-    unit: str,
     declared: Mapping[Label, Declared],
+    references: Collection[Label],
 ) -> Table:
-    by = f" by {question.compare}" if question.compare else ""
-    within = f" within {', '.join(question.within)}" if question.within else ""
+    question, unit = comparison.question, comparison.unit
+    in_unit = f" ({unit_text(unit)})" if unit and layout.columns else ""
+    title = f"Mean {question.metric}{in_unit}{question.by}"
     if not layout.columns:
-        means = long_table(summaries, question, unit, declared)
-        title = f"{question.metric}{by}{within}"
+        means = long_table(summaries, question, unit, declared, references)
         note: tuple[str, ...] = ()
         if not {"refused", "left missing"}.isdisjoint(means):
             note = (_SHARES,)
     else:
         parts = [part for part in _PARTS if part != "p" or any(s.judged for s in summaries)]
-        means = wide_table(summaries, question, layout, order, parts)
-        in_unit = f" ({unit_text(unit)})" if unit else ""
-        title = f"Mean {question.metric}{in_unit}{by}{within}"
+        means = wide_table(summaries, question, layout, comparison.methods, parts)
         note = (f"{_cell_text(question, parts)} {blocks_text(summaries)}",)
     return with_info(means, replace(info_of(means), title=title, notes=note))
 
