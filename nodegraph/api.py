@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -199,6 +199,7 @@ def run_graph(
         store=store,
         keep=reported(graph),
         listeners=[events.append, *listeners],
+        about={"settings": asdict(settings), "folder": str(graph.choices.folder.absolute())},
     )
     return Run(**vars(finished), settings=settings, events=tuple(events))
 

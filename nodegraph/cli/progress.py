@@ -164,7 +164,7 @@ class _Lines(Display):
 
     def show(self, event: Event) -> None:
         if event.kind == EventKind.PLANNED:
-            self.say(f"{self._planned} steps of {event.detail['nodes']} nodes")
+            self.say(f"{self._planned} steps of {len(event.detail['nodes'])} nodes")
         elif event.kind == EventKind.PROGRESS:
             self._advance(event)
         elif event.kind == EventKind.FINISHED:

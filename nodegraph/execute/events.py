@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from types import MappingProxyType
 from typing import Any
 
 from nodegraph.execute.call import Outcome
@@ -79,9 +80,22 @@ Listener = Callable[[Event], None]
 
 
 class EventLog:
-    """Turns what becomes of a plan's steps into events, and hands these to listeners."""
+    """Turns what becomes of a plan's steps into events, and hands these to listeners.
 
-    def __init__(self, listeners: tuple[Listener, ...], plan: Plan) -> None:
+    Parameters
+    ----------
+    listeners
+    plan
+    about
+        Further data of the first event, which says what is planned.
+    """
+
+    def __init__(
+        self,
+        listeners: tuple[Listener, ...],
+        plan: Plan,
+        about: Mapping[str, Any] = MappingProxyType({}),
+    ) -> None:
         self._listeners = listeners
         self._start = time.perf_counter()
         self._counts: Counter[State] = Counter()
@@ -91,15 +105,17 @@ class EventLog:
         self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
         self._remaining = Remaining((), {})
         self._first: float | None = None
+        steps = Counter(step.node for step in plan.steps)
         self._emit(
             EventKind.PLANNED,
             None,
             {
                 "format": FORMAT,
                 "steps": self._steps,
-                "nodes": len(plan.graph.nodes),
+                "nodes": {name: steps[name] for name in plan.graph.nodes},
                 "title": plan.graph.title,
                 "began": datetime.now().astimezone().isoformat(timespec="milliseconds"),
+                **about,
             },
         )
 

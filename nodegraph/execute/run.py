@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import nullcontext
+from types import MappingProxyType
 from typing import Any
 
 from nodegraph.errors import NodegraphError
@@ -30,6 +31,7 @@ def execute(
     store: Store | None = None,
     keep: Iterable[str] = (),
     listeners: Iterable[Listener] = (),
+    about: Mapping[str, Any] = MappingProxyType({}),
 ) -> Run:
     """Run every step of a plan that is not stored; a step that fails does not stop the others.
 
@@ -45,10 +47,12 @@ def execute(
         are needed.
     listeners
         Each is called with every `Event`, in this thread.
+    about
+        Further data of the first event, which says what is planned.
     """
     how = how or HowToRun()
     executor = executor_of(how, plan.graph.registry)
-    log = EventLog(tuple(listeners), plan)
+    log = EventLog(tuple(listeners), plan, about)
     try:
         cache = StepCache(plan, store) if store is not None else None
         known = cache.known if cache is not None else {}

@@ -21,7 +21,7 @@ class FakeTerminal(io.StringIO):
 def events(states: Iterable[str], *, left: int | None = None, every: int = 1) -> list[Event]:
     """Return the events of a run whose steps end in these states."""
     states = list(states)
-    run = [Event("planned", 0.0, detail={"steps": len(states), "nodes": 2})]
+    run = [Event("planned", 0.0, detail={"steps": len(states), "nodes": {"a": 1, "b": 1}})]
     counts = dict.fromkeys(("run", "stored", "refused", "failed", "skipped"), 0)
     for number, state in enumerate(states):
         kinds = [state] if state in ("stored", "skipped") else ["started", state]
