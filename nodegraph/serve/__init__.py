@@ -1,0 +1,1 @@
+"""The report of runs on this machine, with everything behind it, for one browser."""

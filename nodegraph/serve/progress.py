@@ -1,0 +1,147 @@
+"""How far a run is, from the events that it writes while it goes on."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nodegraph.execute.events import EventKind
+from nodegraph.state import State
+
+WAITING, RUNNING = "waiting", "running"
+COUNTED = (WAITING, RUNNING, *(state.value for state in State if state is not State.UNNEEDED))
+"""What the steps of a node are counted as; those that are not needed are among the waiting."""
+
+_MOST_BYTES = 1 << 24
+_MOST_FAILURES = 20
+
+
+@dataclass
+class Progress:
+    """What the events of a run say so far.
+
+    Attributes
+    ----------
+    planned : dict
+        The first event: title, settings, number of steps of each node.
+    last : str
+        Kind of the last event.
+    seconds : float
+        From the begin of the run to the last event.
+    left : int or None
+        How many steps are still to be settled; None if that is not known yet.
+    to_go : float or None
+        Estimated seconds to the end.
+    failures : list of str
+        The first failures.
+    unreadable : int
+        Number of lines that are no events.
+    """
+
+    planned: dict[str, Any] = field(default_factory=dict)
+    last: str = ""
+    seconds: float = 0.0
+    left: int | None = None
+    to_go: float | None = None
+    failures: list[str] = field(default_factory=list)
+    unreadable: int = 0
+    _states: dict[int, tuple[str, str]] = field(default_factory=dict, repr=False)
+
+    @property
+    def nodes(self) -> dict[str, int]:
+        """The number of steps of each node."""
+        nodes = self.planned.get("nodes")
+        return {
+            str(name): steps
+            for name, steps in (nodes.items() if isinstance(nodes, dict) else ())
+            if isinstance(steps, int)
+        }
+
+    def read(self, line: bytes) -> None:
+        """Take a line of the file of events."""
+        try:
+            event = json.loads(line)
+            kind, seconds = str(event["event"]), float(event["seconds"])
+        except (ValueError, TypeError, LookupError, RecursionError):
+            self.unreadable += 1
+            return
+        self.last, self.seconds = kind, seconds
+        if kind == EventKind.PLANNED:
+            self.planned = event
+        elif kind in (EventKind.PROGRESS, EventKind.INTERRUPTED):
+            self.left, self.to_go = _number(event.get("left")), _number(event.get("to_go"))
+        elif isinstance(event.get("step"), int):
+            self._settle(event, RUNNING if kind == EventKind.STARTED else kind)
+
+    def counts(self) -> dict[str, dict[str, int]]:
+        """Return how many steps of each node are in which state; states without any are absent."""
+        counts: dict[str, Counter[str]] = {name: Counter() for name in self.nodes}
+        for node, state in self._states.values():
+            counts.setdefault(node, Counter())[state] += 1
+        for node, steps in self.nodes.items():
+            counts[node][WAITING] = max(0, steps - counts[node].total())
+        return {
+            node: {state: states[state] for state in COUNTED if states[state]}
+            for node, states in counts.items()
+        }
+
+    def _settle(self, event: Mapping[str, Any], state: str) -> None:
+        self._states[event["step"]] = str(event.get("node", "")), state
+        if state == State.FAILED and len(self.failures) < _MOST_FAILURES:
+            labels = event.get("labels")
+            at = ", ".join(f"{axis}={label}" for axis, label in labels.items()) if labels else ""
+            self.failures.append(f"{event.get('node')} {at}: {event.get('reason')}")
+
+
+def _number(value: Any) -> Any:
+    return value if isinstance(value, (int, float)) else None
+
+
+class EventFile:
+    """A file of events that is being written.
+
+    Parameters
+    ----------
+    path
+
+    Attributes
+    ----------
+    progress : Progress
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._identity = 0
+        self._read = 0
+        self._rest = b""
+        self.progress = Progress()
+
+    def update(self) -> bool:
+        """Read what was written since; return whether there was any.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        """
+        lines = list(self._lines())
+        for line in lines:
+            self.progress.read(line)
+        return bool(lines)
+
+    def _lines(self) -> Iterator[bytes]:
+        """Yield the lines that are complete."""
+        with self._path.open("rb") as file:
+            status = self._path.stat()
+            if status.st_ino != self._identity or status.st_size < self._read:  # another run
+                self._identity, self._read, self._rest = status.st_ino, 0, b""
+                self.progress = Progress()
+            file.seek(self._read)
+            while content := file.read(_MOST_BYTES):
+                self._read += len(content)
+                *lines, self._rest = (self._rest + content).split(b"\n")
+                yield from lines

@@ -1,0 +1,311 @@
+"""The runs that are open: in which state their folders are, and what is read from them."""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from nodegraph.draw.from_graph import drawing_for_page
+from nodegraph.errors import NodegraphError
+from nodegraph.execute import open_store
+from nodegraph.filenames import portable_name
+from nodegraph.plugin.registry import Registry
+from nodegraph.report.study import Study, read_study
+from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_written
+from nodegraph.runs.reopen import ReopenedRun, reopen, saved_graph
+from nodegraph.runs.saved_run import SavedRun
+from nodegraph.runs.settings import RunSettings
+from nodegraph.serve.progress import EventFile
+from nodegraph.store import store_folder
+
+_QUIET = 4
+"""After how many looks without a new event a run may have been killed."""
+
+
+class RunState(StrEnum):
+    """In which state the folder of a run is."""
+
+    RUNNING = "running"
+    WRITING = "writing its report"
+    INTERRUPTED = "interrupted"
+    FINISHED = "finished"
+    UNREADABLE = "unreadable"
+
+    @property
+    def is_final(self) -> bool:
+        """Whether nobody writes to the folder."""
+        return self not in (RunState.RUNNING, RunState.WRITING)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The state of a run, and what the reader must know of it."""
+
+    state: RunState
+    message: str = ""
+    command: str = ""
+
+
+class OpenRun:
+    """A run in a folder, which may still be going on.
+
+    Parameters
+    ----------
+    name
+        Under which pages ask for it.
+    folder
+    registry
+        The plugins that are installed.
+    store
+        Where results are stored; by default where the run stored them.
+    """
+
+    def __init__(self, name: str, folder: Path, registry: Registry, store: Path | None) -> None:
+        self.name = name
+        self.folder = folder
+        self._registry = registry
+        self._store = store
+        self._events = EventFile(folder / EVENTS)
+        self._quiet = 0
+        self._study: tuple[tuple[int, int], Study] | None = None
+        self._values: tuple[tuple[int, int], ReopenedRun] | None = None
+        self._lock = Lock()
+
+    def condition(self) -> Condition:
+        """Return in which state the folder is now."""
+        try:
+            has_record = (self.folder / RECORD).is_file()
+            if is_written(self.folder / EVENTS):
+                return Condition(RunState.WRITING if has_record else RunState.RUNNING)
+            if not has_record and (self.folder / EVENTS).is_file():
+                return self._interrupted()
+            self.study()
+        except OSError as error:
+            return Condition(RunState.UNREADABLE, f"{self.folder} cannot be read: {error}")
+        except NodegraphError as error:
+            return Condition(RunState.UNREADABLE, str(error), self._recorded_command())
+        return Condition(RunState.FINISHED)
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return how far the run is, as plain data."""
+        with self._lock:
+            news = self._read_events()
+            self._quiet = 0 if news else self._quiet + 1
+            progress = self._events.progress
+            data = {
+                "nodes": progress.counts(),
+                "seconds": round(progress.seconds, 1),
+                "left": progress.left,
+                "to_go": progress.to_go,
+                "failures": progress.failures,
+            }
+        # to look whether a run writes is to hold the lock that it takes when it begins
+        state = self.condition().state if self._quiet % _QUIET == 0 and not news else None
+        return {"state": state or RunState.RUNNING, **data}
+
+    def study(self) -> Study:
+        """Return what the report shows.
+
+        Raises
+        ------
+        NodegraphError
+            If the run has none, or it cannot be read.
+        """
+        version = _version(self.folder / STUDY)
+        with self._lock:
+            if self._study is None or self._study[0] != version:
+                self._study = version, read_study(self.folder)
+            return self._study[1]
+
+    def values(self) -> ReopenedRun:
+        """Return the run with its values.
+
+        Raises
+        ------
+        NodegraphError
+            If its record cannot be read, or its graph does not fit what is installed.
+        """
+        version = _version(self.folder / RECORD)
+        with self._lock:
+            if self._values is None or self._values[0] != version:
+                saved = SavedRun(self.folder)
+                self._refuse_missing_plugins(saved)
+                folder = self._store or self._recorded_store(saved)
+                store = open_store(self._registry, folder, lambda text: None)
+                self._values = version, reopen(saved, self._registry, store)
+            return self._values[1]
+
+    def drawing(self) -> str:
+        """Return the graph as SVG; empty if it cannot be drawn."""
+        settings = self._settings
+        if settings is None:
+            return ""
+        origin = Path(str(self._events.progress.planned.get("folder", "")))
+        try:
+            return drawing_for_page(saved_graph(self.folder, settings, origin, self._registry))
+        except NodegraphError:
+            return ""
+
+    def files(self) -> Mapping[str, Path]:
+        """Return the files that the report links, by the names under which it links them."""
+        study = self.study()
+        links = [*study.files, *(link for section in study.sections for link in section.files)]
+        inside = self.folder.resolve()
+        paths = {link.path: (inside / link.path).resolve() for link in links}
+        # a folder that somebody sent may name any file
+        return {name: path for name, path in paths.items() if path.is_relative_to(inside)}
+
+    @property
+    def title(self) -> str:
+        """The title of the study."""
+        if self.condition().state is RunState.FINISHED:
+            return self.study().title
+        with self._lock:
+            self._read_events()
+            return str(self._events.progress.planned.get("title", ""))
+
+    @cached_property
+    def _settings(self) -> RunSettings | None:
+        """What the run was started with, from its first event."""
+        from pydantic import TypeAdapter, ValidationError
+
+        try:
+            return TypeAdapter(RunSettings).validate_python(
+                self._events.progress.planned.get("settings")
+            )
+        except ValidationError:
+            return None
+
+    def _read_events(self) -> bool:
+        try:
+            return self._events.update()
+        except OSError:
+            return False
+
+    def _interrupted(self) -> Condition:
+        with self._lock:
+            self._read_events()
+        progress = self._events.progress
+        settings = self._settings
+        message = (
+            f"the run ended after {progress.seconds:.0f} s without a result; finished steps are "
+            "stored, and the same command continues from there"
+        )
+        if settings is None:
+            return Condition(RunState.INTERRUPTED, message)
+        origin = Path(str(progress.planned.get("folder", "")))
+        return Condition(
+            RunState.INTERRUPTED, message, _command(settings, origin, self.folder.resolve())
+        )
+
+    def _recorded_command(self) -> str:
+        try:
+            return SavedRun(self.folder).record.command
+        except NodegraphError:
+            return ""
+
+    def _recorded_store(self, saved: SavedRun) -> Path | None:
+        folder = Path(saved.record.folder, saved.record.settings.store or store_folder())
+        return folder if folder.is_dir() else None
+
+    def _refuse_missing_plugins(self, saved: SavedRun) -> None:
+        """Raise an error if the run used plugin files; only the user may name what is imported."""
+        digests = {plugin.digest for plugin in self._registry.loaded}
+        missing = [plugin for plugin in saved.record.plugins if plugin.sha256 not in digests]
+        names = {Path(str(plugin.module.__file__)).name for plugin in self._registry.loaded}
+        missing = [plugin for plugin in missing if Path(plugin.path).name not in names]
+        if missing:
+            options = shlex.join(part for each in missing for part in ("--plugin", each.path))
+            raise NodegraphError(f"the run used nodes of other files; open it with {options}")
+
+
+def _command(settings: RunSettings, origin: Path, folder: Path) -> str:
+    """Return the command that continues a run in its folder."""
+    default = origin / "runs" / portable_name(Path(settings.graph).stem)
+    if default.resolve() == folder:
+        return settings.command
+    out = folder.relative_to(origin) if folder.is_relative_to(origin) else folder
+    return f"{settings.command} {shlex.join(['--out', str(out)])}"
+
+
+def _version(path: Path) -> tuple[int, int]:
+    """Return what changes when a file is replaced."""
+    try:
+        status = path.stat()
+    except OSError:
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
+
+
+class OpenRuns:
+    """The runs that were named, and those beside them.
+
+    Parameters
+    ----------
+    paths
+        Folders of runs, or folders that hold runs.
+    registry, store
+        As for each run.
+
+    Attributes
+    ----------
+    first : tuple of str
+        The names of the runs that were named themselves.
+
+    Raises
+    ------
+    NodegraphError
+        If a folder is no run and holds none.
+    """
+
+    def __init__(self, paths: Iterable[Path], registry: Registry, store: Path | None) -> None:
+        self._registry = registry
+        self._store = store
+        self._runs: dict[Path, OpenRun] = {}
+        self._lock = Lock()
+        folders = list(dict.fromkeys(path.absolute() for path in paths))
+        for folder in folders:
+            if not is_run(folder) and not any(_runs_in(folder)):
+                raise NodegraphError(
+                    f"{folder}: there is no run; run a graph, or name the folder of a run"
+                )
+        self._named = [folder for folder in folders if is_run(folder)]
+        self._around = list(
+            dict.fromkeys(each.parent if each in self._named else each for each in folders)
+        )
+        self.first = tuple(name for name, run in self.all().items() if run.folder in self._named)
+
+    def all(self) -> Mapping[str, OpenRun]:
+        """Return the runs by name, those that were named first, then by date, the latest first."""
+        beside = sorted(
+            {run for folder in self._around for run in _runs_in(folder)} - {*self._named},
+            key=lambda run: _version(run / EVENTS),
+            reverse=True,
+        )
+        folders = [*self._named, *beside]
+        counts = Counter(folder.name for folder in folders)
+        with self._lock:
+            for folder in folders:
+                name = folder.name if counts[folder.name] == 1 else str(folder)
+                if folder not in self._runs or self._runs[folder].name != name:
+                    self._runs[folder] = OpenRun(name, folder, self._registry, self._store)
+            return {self._runs[folder].name: self._runs[folder] for folder in folders}
+
+
+def is_run(folder: Path) -> bool:
+    """Return whether a folder is that of a run, however it ended."""
+    return any((folder / name).is_file() for name in (RECORD, EVENTS, STUDY))
+
+
+def _runs_in(folder: Path) -> Iterator[Path]:
+    try:
+        yield from (each for each in folder.iterdir() if each.is_dir() and is_run(each))
+    except OSError:
+        return
