@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
     {"api"},
-    {"archive", "audit", "notebook"},
+    {"archive", "audit", "notebook", "serve"},
     {"lock", "report"},
     {"built_in", "executors", "runs", "testing"},
     {"execute"},
@@ -133,7 +133,7 @@ def test_plugins_import_public_names_only_and_never_each_other() -> None:
 def test_imported_libraries_are_declared() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     extras = project["optional-dependencies"]
-    optional = (*extras["archive"], *extras["testing"], *extras["dask"])
+    optional = (*extras["archive"], *extras["testing"], *extras["dask"], *extras["open"])
     declared = library_names((*project["dependencies"], *optional))
     declared |= {name for library in declared for name in library_names(requires(library) or ())}
     distributions = packages_distributions()

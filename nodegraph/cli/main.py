@@ -23,7 +23,7 @@ from nodegraph.errors import GraphError, NodegraphError, Place, nearest
 
 COMMANDS = (
     "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
-    "audit", "export", "report", "runs", "cite", "archive", "cache", "schema",
+    "audit", "export", "open", "report", "runs", "cite", "archive", "cache", "schema",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 

@@ -8,7 +8,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
@@ -20,11 +20,11 @@ from nodegraph.graph import Graph
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
-from nodegraph.plugin.hook_types import Rendered, Renderer
+from nodegraph.plugin.hook_types import Rendered
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.methods import Methods
 from nodegraph.report.notes import step_notes
-from nodegraph.report.origin import RunOrigin
+from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.report.study import (
     AxisRow,
     Kind,
@@ -151,7 +151,6 @@ class _Shown:
     def __init__(self, run: Run, settings: RunSettings, write: Write) -> None:
         graph = run.plan.graph
         self._run, self._settings = run, settings
-        self._renderers: Iterable[Renderer] = graph.registry.hooks.renderers
         self._names = _FileNames(graph)
         self._write = write
         self.sections: list[Section] = []
@@ -165,20 +164,13 @@ class _Shown:
             value = result.values.shown_at(result.labels)
             if isinstance(value, Files):
                 self._add_files(result, value)
-            elif (rendered := self._render(result, value)) is not None:
+                return
+            origin = RunOrigin(self._run, self._settings, result.node, result.labels)
+            rendered = render_in_run(value, str(result), origin)
+            if rendered is not None:
                 self._add_rendered(result, rendered)
         except Exception as error:  # a result that cannot be shown must not cost the others
             self._add_error(result, error)
-
-    def _render(self, result: _Result, value: Any) -> Rendered | None:
-        for renderer in self._renderers:
-            if not isinstance(value, renderer.type):
-                continue
-            if renderer.render_in_run is None:
-                return renderer.render(value, str(result))
-            origin = RunOrigin(self._run, self._settings, result.node, result.labels)
-            return renderer.render_in_run(value, str(result), origin)
-        return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
 
     def _add_rendered(self, result: _Result, rendered: Rendered) -> None:
         stem = self._names.stem(result, rendered.files)

@@ -12,12 +12,22 @@ from typing import Any
 from nodegraph.execute import Run
 from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Step
-from nodegraph.plugin.hook_types import Detail
+from nodegraph.plugin.hook_types import Detail, Rendered
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _KEPT = 32
 """Values at hand: the truth of a take, and what each method made of it."""
+
+
+def render_in_run(value: Any, title: str, origin: RunOrigin) -> Rendered | None:
+    """Return how a value of a run appears; None if no plugin shows values of its type."""
+    for renderer in origin.run.plan.graph.registry.hooks.renderers:
+        if isinstance(value, renderer.type):
+            if renderer.render_in_run is None:
+                return renderer.render(value, title)
+            return renderer.render_in_run(value, title, origin)
+    return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
 
 
 @dataclass(frozen=True)
@@ -53,7 +63,7 @@ class RunOrigin:
 
     def inputs(self, labels: Mapping[str, Label]) -> dict[str, Any] | None:
         """Return what the step behind a gathered value had read, by port."""
-        step = self._step(labels)
+        step = self.step(labels)
         if step is None:
             return None
         outputs = {port: each for port, each in step.inputs.items() if isinstance(each, Output)}
@@ -63,10 +73,11 @@ class RunOrigin:
 
     def command(self, labels: Mapping[str, Label]) -> str:
         """Return the command that computes the step behind a gathered value."""
-        step = self._step(labels)
+        step = self.step(labels)
         return "" if step is None else self.settings.repeat(step)
 
-    def _step(self, labels: Mapping[str, Label]) -> Step | None:
+    def step(self, labels: Mapping[str, Label]) -> Step | None:
+        """Return the step behind a gathered value; labels of other axes are ignored."""
         gathered = self._gathered
         if gathered is None or not all(axis in labels for axis in gathered.axes):
             return None

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
-_SCRIPTS = ("modules", "helpers", "selection", "frames", "tables")
+SCRIPTS = ("modules", "helpers", "selection", "frames", "tables")
+"""The page's own scripts, by the names of their files."""
+
 _SHOWN = 3
 _MANY = 24
 
@@ -51,12 +53,12 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
         The script that defines the module ``server``, through which other scripts get what is not
         on the page; in a file there is none.
     """
-    own = [_source(f"{name}.js") for name in _SCRIPTS]
+    own = [source(f"{name}.js") for name in SCRIPTS]
     own.append(server)
     leads = [section for section in study.sections if section.rendered.lead]
     first = leads[0] if leads else next(iter(study.sections), None)
     scripts = _once(own, (section.rendered.scripts for section in study.sections))
-    styles = _once([_source("page.css")], (section.rendered.styles for section in study.sections))
+    styles = _once([source("page.css")], (section.rendered.styles for section in study.sections))
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
     trusted += [section.rendered.lead for section in leads]
     return (
@@ -69,7 +71,7 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
             results=titled(shown_first(study.sections)),
             kinds=note_kinds(study),
             notes=_markdown(study.notes_markdown),
-            policy=policy(trusted, *scripts),
+            policy=policy(trusted, *scripts, connect=server != _NO_SERVER),
             steps=sum(row.steps for row in study.timings),
             stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,
@@ -113,7 +115,8 @@ def templates_of(package: str) -> Environment:
     return environment
 
 
-def _source(name: str) -> str:
+def source(name: str) -> str:
+    """Return a style or a script of the page."""
     return files("nodegraph.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
@@ -156,7 +159,7 @@ def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
     )
 
 
-def policy(fragments: Iterable[str], *own: str) -> str:
+def policy(fragments: Iterable[str], *own: str, connect: bool = False) -> str:
     """Return the content security policy of a page.
 
     Parameters
@@ -165,12 +168,15 @@ def policy(fragments: Iterable[str], *own: str) -> str:
         Trusted HTML, whose scripts may run.
     own : str
         The page's own scripts.
+    connect : bool
+        Whether they may fetch from the server of the page.
     """
     scripts = dict.fromkeys([*own, *(script for html in fragments for script in _scripts(html))])
-    allowed = " ".join(f"'sha256-{_digest(script)}'" for script in scripts)
+    allowed = " ".join(f"'sha256-{_digest(script)}'" for script in scripts) or "'none'"
     rules = ["default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'"]
     rules += ["img-src data: blob:", "media-src data: blob:", "font-src data:"]
     rules += ["base-uri 'none'", "form-action 'none'"]
+    rules += ["connect-src 'self'"] * connect
     return "; ".join(rules)
 
 

@@ -123,13 +123,14 @@ class ReopenedRun(Run):
         changed = sorted(needed & self._changed)
         return tuple(dict.fromkeys(text for index in changed for text in self._explained(index)))
 
-    def as_now(self) -> ReopenedRun:
-        """Return the run of the same graph with code and files as they are now."""
+    @cached_property
+    def now(self) -> ReopenedRun:
+        """The run of the same graph with code and files as they are now."""
         outcomes = {
             index: replace(outcome, key=self.steps.expected_key(index))
             for index, outcome in self.outcomes.items()
         }
-        return replace(self, outcomes=outcomes)
+        return replace(self, outcomes=outcomes, in_memory={})
 
     def compute(self, indices: Iterable[int]) -> Iterator[Advance]:
         """Compute and store steps, with those that they need and that are not stored.
@@ -168,6 +169,11 @@ class ReopenedRun(Run):
                 raise NodegraphError(f"{step.name} was {outcome.state}: {outcome.reason}")
             if not self.steps.gives(index, range(len(schedule.values[index]))):
                 self.in_memory[index] = schedule.values[index]
+
+    def has_at_hand(self, index: int) -> bool:
+        """Whether a step's values are in memory or stored as they were in the run."""
+        entry = self.steps.entry(self.plan.steps[index], self.outcomes[index].key)
+        return index in self.in_memory or (entry is not None and all(entry.faithful))
 
     @property
     def steps(self) -> StepCache:

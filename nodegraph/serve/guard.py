@@ -113,7 +113,7 @@ class Guard:
         if scope["method"] != "GET" or scope["path"] != "/":
             return None
         query = parse_qs(scope["query_string"].decode("latin-1"), keep_blank_values=True)
-        return query.get("token", [None])[0]
+        return query["token"][0] if "token" in query else None
 
     def _enter(self, scope: Scope, token: str) -> tuple[Refused | None, ASGIApp]:
         """Exchange a token for the cookie; a browser that has the cookie needs none."""

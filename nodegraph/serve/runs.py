@@ -58,8 +58,8 @@ class OpenRun:
 
     Parameters
     ----------
-    name
-        Under which pages ask for it.
+    number, name
+        By which addresses name its files, and the run itself.
     folder
     registry
         The plugins that are installed.
@@ -67,13 +67,17 @@ class OpenRun:
         Where results are stored; by default where the run stored them.
     """
 
-    def __init__(self, name: str, folder: Path, registry: Registry, store: Path | None) -> None:
+    def __init__(
+        self, number: int, name: str, folder: Path, registry: Registry, store: Path | None
+    ) -> None:
+        self.number = number
         self.name = name
         self.folder = folder
         self._registry = registry
         self._store = store
         self._events = EventFile(folder / EVENTS)
         self._quiet = 0
+        self._state = RunState.RUNNING
         self._study: tuple[tuple[int, int], Study] | None = None
         self._values: tuple[tuple[int, int], ReopenedRun] | None = None
         self._lock = Lock()
@@ -106,9 +110,12 @@ class OpenRun:
                 "to_go": progress.to_go,
                 "failures": progress.failures,
             }
-        # to look whether a run writes is to hold the lock that it takes when it begins
-        state = self.condition().state if self._quiet % _QUIET == 0 and not news else None
-        return {"state": state or RunState.RUNNING, **data}
+        if news:
+            self._state = RunState.RUNNING
+        elif self._quiet % _QUIET == 0:
+            # seldom, as it holds for a moment the lock that a run takes when it begins
+            self._state = self.condition().state
+        return {"state": self._state, **data}
 
     def study(self) -> Study:
         """Return what the report shows.
@@ -269,6 +276,7 @@ class OpenRuns:
         self._registry = registry
         self._store = store
         self._runs: dict[Path, OpenRun] = {}
+        self._numbers: dict[Path, int] = {}
         self._lock = Lock()
         folders = list(dict.fromkeys(path.absolute() for path in paths))
         for folder in folders:
@@ -294,8 +302,9 @@ class OpenRuns:
         with self._lock:
             for folder in folders:
                 name = folder.name if counts[folder.name] == 1 else str(folder)
+                number = self._numbers.setdefault(folder, len(self._numbers))
                 if folder not in self._runs or self._runs[folder].name != name:
-                    self._runs[folder] = OpenRun(name, folder, self._registry, self._store)
+                    self._runs[folder] = OpenRun(number, name, folder, self._registry, self._store)
             return {self._runs[folder].name: self._runs[folder] for folder in folders}
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +12,9 @@ from nodegraph.execute.results import Values
 from nodegraph.formatting import labels_of, name_at
 from nodegraph.node.ports import Label
 from nodegraph.plugin.hook_types import Rendered
+from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
-from nodegraph.runs.reopen import ReopenedRun
+from nodegraph.runs.reopen import NotStored, ReopenedRun
 
 Query = Mapping[str, str]
 """The query of an address."""
@@ -77,18 +79,17 @@ def shown(run: ReopenedRun, query: Query) -> Shown:
     value = values.shown_at(labels)
     registry = run.plan.graph.registry
     title = f"{name} {labels_of(labels)}".strip()
+    origin = RunOrigin(run, run.record.settings, values.node, labels)
     return Shown(
         title,
-        _rendered(run, value, title),
+        render_in_run(value, title, origin) or Rendered("", _start(str(value))),
         outcome.seconds,
         type(value).__name__,
         exporters_of(value, registry),
     )
 
 
-def exact_labels(
-    run: ReopenedRun, values: Values, texts: Mapping[str, str]
-) -> dict[str, Label]:
+def exact_labels(run: ReopenedRun, values: Values, texts: Mapping[str, str]) -> dict[str, Label]:
     """Return the labels of a value from their texts; axes with one label may be left out.
 
     Raises
@@ -98,7 +99,9 @@ def exact_labels(
     """
     for axis in texts:
         if axis not in values.axes:
-            raise NodegraphError(f"{values.node!r} has no axis {axis!r}; {nearest(axis, values.axes)}")
+            raise NodegraphError(
+                f"{values.node!r} has no axis {axis!r}; {nearest(axis, values.axes)}"
+            )
     labels: dict[str, Label] = {}
     for axis in values.axes:
         known = {str(label): label for label in run.plan.graph.axes[axis].labels}
@@ -113,9 +116,101 @@ def exact_labels(
     return labels
 
 
-def _rendered(run: ReopenedRun, value: Any, title: str) -> Rendered:
-    for renderer in run.plan.graph.registry.hooks.renderers:
-        if isinstance(value, renderer.type):
-            return renderer.render(value, title)
-    text = str(value)
-    return Rendered("", text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ...")
+@dataclass(frozen=True)
+class BlockQuery:
+    """Which block of a comparison is shown.
+
+    Attributes
+    ----------
+    node : str
+        The node that compares.
+    compare : str
+        The axis of the methods.
+    methods : tuple of str
+        Their labels.
+    block : mapping of column to label
+        What identifies the block, the labels of its combination included.
+    """
+
+    node: str
+    compare: str
+    methods: tuple[str, ...]
+    block: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, query: Query) -> BlockQuery:
+        """Return what a query asks for.
+
+        Raises
+        ------
+        NodegraphError
+            If it is not of that form.
+        """
+        try:
+            methods = json.loads(query["methods"])
+            block = json.loads(query["block"])
+            node, compare = query["node"], query["compare"]
+        except (KeyError, ValueError, RecursionError) as error:
+            raise NodegraphError(f"a block cannot be looked up: {error!r}") from error
+        scalars = (str, int, float, type(None))
+        if not isinstance(methods, list) or not isinstance(block, dict):
+            raise NodegraphError("a block is looked up by a list of methods and its labels")
+        if not all(isinstance(value, scalars) for value in (*methods, *block.values())):
+            raise NodegraphError("labels of a block are text and numbers")
+        return cls(node, compare, tuple(map(str, methods)), block)
+
+
+def packed(run: ReopenedRun, query: Query) -> Mapping[str, Any]:
+    """Return what the view of a block shows; see `nodegraph.Detail`.
+
+    Parameters
+    ----------
+    run
+    query
+        See `BlockQuery`; methods and block are JSON.
+
+    Raises
+    ------
+    NotStored
+        If what the block's scores read has to be computed.
+    NodegraphError
+        If there is no such block, or no plugin shows it.
+    """
+    wanted = BlockQuery.of(query)
+    values = run[wanted.node]
+    at = exact_labels(run, values, labels_in(query))
+    origin = RunOrigin(run, run.record.settings, wanted.node, at)
+    known = {axis.name: axis.labels for axis in run.plan.graph.axes.values()}
+    labels = {
+        axis: next((label for label in known.get(axis, ()) if str(label) == str(text)), text)
+        for axis, text in wanted.block.items()
+    }
+    steps = {
+        method: step
+        for method in known.get(wanted.compare, ())
+        if str(method) in wanted.methods
+        and (step := origin.step({**labels, wanted.compare: method})) is not None
+    }
+    needed = {output.step for step in steps.values() for output in step.reads()}
+    ended = {index: run.outcomes[index].state for index in needed}
+    missing = [
+        index for index in sorted(needed) if ended[index].has_value and not run.has_at_hand(index)
+    ]
+    if missing:
+        raise NotStored(run.plan.steps[index] for index in missing)
+    inputs = {
+        str(method): origin.inputs({**labels, wanted.compare: method}) or {}
+        for method, step in steps.items()
+        if all(ended[output.step].has_value for output in step.reads())
+    }
+    first = next((value for ports in inputs.values() for value in ports.values()), None)
+    for detail in origin.details:
+        if isinstance(first, detail.type):
+            content = detail.pack(labels, inputs)
+            if content is not None:
+                return content
+    raise NodegraphError("there is nothing to show of this block")
+
+
+def _start(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -1,0 +1,84 @@
+"""``nodegraph open``: show the report of runs with everything behind it, in a browser."""
+
+from __future__ import annotations
+
+import os
+import sys
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from pathlib import Path
+
+from nodegraph.cli.arguments import add_plugin, add_store
+from nodegraph.cli.output import say
+from nodegraph.errors import NodegraphError
+
+HELP = "Show the report of runs in a browser, with every result behind it."
+_MORE = """\
+The page is that of report.html, with all that does not fit into a file: every result of the run,
+from the store or computed when it is looked at, and other runs side by side. A run that still goes
+on is shown as its graph, with the states of its steps. Only this machine, and the one browser that
+opens the printed address first, can see it. Ctrl-C ends it.
+
+example:
+  nodegraph open runs/fill
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.description = f"{HELP}\n\n{_MORE}"
+    parser.formatter_class = RawDescriptionHelpFormatter
+    parser.add_argument(
+        "runs",
+        nargs="+",
+        type=Path,
+        metavar="RUN",
+        help="Folder of a run, such as runs/fill, or a folder of runs.",
+    )
+    parser.add_argument(
+        "--port", type=int, default=0, metavar="N", help="Port to use (default: any that is free)."
+    )
+    parser.add_argument(
+        "--no-browser",
+        action="store_false",
+        dest="browser",
+        help="Print the address and open no browser.",
+    )
+    add_plugin(parser)
+    add_store(parser)
+
+
+def open(arguments: Namespace) -> int:
+    """Serve runs until the user ends it."""
+    from nodegraph.plugin.registry import Registry
+
+    try:
+        from nodegraph.serve.server import serve
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("starlette", "uvicorn"):
+            raise
+        raise NodegraphError(
+            "the pages need starlette and uvicorn; pip install 'nodegraph[open]'"
+        ) from error
+
+    def ready(address: str) -> None:
+        print(address, flush=True)
+        say("open this address in one browser; Ctrl-C ends it")
+        if arguments.browser and _has_display():
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(
+        arguments.runs,
+        Registry.installed(arguments.plugin),
+        store=arguments.store,
+        port=arguments.port,
+        ready=ready,
+    )
+    return 0
+
+
+def _has_display() -> bool:
+    if sys.platform.startswith(("win", "darwin")):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,0 +1,424 @@
+"""The pages and the data that the server answers with."""
+
+from __future__ import annotations
+
+import asyncio
+import html
+import json
+import re
+import threading
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from functools import wraps
+from http import HTTPStatus
+from importlib.resources import files
+from typing import Any
+from urllib.parse import quote
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from nodegraph.errors import NodegraphError, listed, nearest
+from nodegraph.report import page
+from nodegraph.report.merge import linked, merged
+from nodegraph.report.page import SCRIPTS, policy, source, templates_of
+from nodegraph.runs.reopen import NotStored, ReopenedRun
+from nodegraph.runs.saved_run import SavedRun
+from nodegraph.serve.runs import OpenRun, OpenRuns, RunState
+from nodegraph.serve.values import Query, packed, shown
+
+_EVERY = 0.5
+"""Seconds between two looks at the events of a run."""
+
+_MOST_CHANGES = 5
+_POLICY = re.compile('http-equiv="Content-Security-Policy" content="([^"]*)"')
+_Endpoint = Callable[..., Response]
+
+
+class NotThere(NodegraphError):
+    """Nothing has the name that a request asks for."""
+
+
+def application(runs: OpenRuns) -> Starlette:
+    """Return the application that answers for some runs; a `Guard` must stand before it."""
+    pages = _Pages(runs)
+    return Starlette(
+        routes=[
+            Route("/", _as_page(pages.home)),
+            Route("/runs", _as_page(pages.runs)),
+            Route("/values", _as_page(pages.values)),
+            Route("/value", _as_page(pages.value)),
+            Route("/download", _as_page(pages.download)),
+            Route("/files/{number:int}/{name:path}", _as_page(pages.file)),
+            Route("/progress", pages.progress),
+            Route("/detail", _as_data(pages.detail)),
+            Route("/compute", pages.compute, methods=["POST"]),
+        ]
+    )
+
+
+def _as_page(answer: Callable[[Request], Response]) -> _Endpoint:
+    """Return an endpoint that shows errors as pages."""
+
+    @wraps(answer)
+    def endpoint(request: Request) -> Response:
+        try:
+            return answer(request)
+        except Exception as error:
+            return _page("message.html", _status(error), title="Not shown", message=_text(error))
+
+    return endpoint
+
+
+def _as_data(answer: Callable[[Request], Any]) -> _Endpoint:
+    """Return an endpoint that gives JSON, errors too."""
+
+    @wraps(answer)
+    def endpoint(request: Request) -> Response:
+        try:
+            return JSONResponse(answer(request))
+        except NotComputed as error:
+            return JSONResponse(error.data, HTTPStatus.CONFLICT)
+        except Exception as error:
+            return JSONResponse({"message": _text(error)}, _status(error))
+
+    return endpoint
+
+
+def _status(error: Exception) -> HTTPStatus:
+    if isinstance(error, NotThere):
+        return HTTPStatus.NOT_FOUND
+    expected = isinstance(error, (NodegraphError, OSError))
+    return HTTPStatus.CONFLICT if expected else HTTPStatus.INTERNAL_SERVER_ERROR
+
+
+def _text(error: Exception) -> str:
+    if isinstance(error, (NodegraphError, OSError)):
+        return str(error)
+    return f"internal error; please report it: {type(error).__name__}: {error}"
+
+
+class NotComputed(NodegraphError):
+    """What is asked for has to be computed first.
+
+    Attributes
+    ----------
+    data : dict
+        How many steps, and what has changed since the run.
+    """
+
+    def __init__(self, error: NotStored, run: ReopenedRun) -> None:
+        super().__init__(str(error))
+        self.data = {
+            "missing": len(error.steps),
+            "changed": list(run.changes(error.steps)),
+            "message": str(error),
+        }
+
+
+class _Pages:
+    def __init__(self, runs: OpenRuns) -> None:
+        self._runs = runs
+        self._computing = threading.Lock()
+
+    def home(self, request: Request) -> Response:
+        """Show the report of runs, or how far they are."""
+        opened = self._opened(request.query_params.getlist("run"))
+        if not opened:
+            return self.runs(request)
+        conditions = {run: run.condition() for run in opened}
+        states = {condition.state for condition in conditions.values()}
+        if states == {RunState.FINISHED}:
+            return self._report(opened)
+        if states <= {RunState.FINISHED, RunState.UNREADABLE} and len(opened) == 1:
+            (condition,) = conditions.values()
+            return _page(
+                "message.html",
+                HTTPStatus.CONFLICT,
+                title=opened[0].name,
+                message=condition.message,
+                command=condition.command,
+            )
+        parts = [
+            {
+                "run": run,
+                "condition": condition,
+                "title": run.title,
+                "snapshot": run.snapshot(),
+                "drawing": run.drawing(),
+            }
+            for run, condition in conditions.items()
+        ]
+        going = [run.name for run, each in conditions.items() if not each.state.is_final]
+        script = _source("progress.js").replace("__RUNS__", _json(going))
+        drawings = [str(part["drawing"]) for part in parts]
+        title = " | ".join(dict.fromkeys(str(part["title"]) for part in parts))
+        return _page("progress.html", title=title, parts=parts, scripts=[script], trusted=drawings)
+
+    def runs(self, request: Request) -> Response:
+        """List the runs, to be seen side by side."""
+        rows = [
+            {"run": run, "title": run.title, "state": run.condition().state}
+            for run in self._runs.all().values()
+        ]
+        return _page("runs.html", title="Runs", rows=rows, first=self._runs.first)
+
+    def values(self, request: Request) -> Response:
+        """List the nodes of a run with their combinations."""
+        run = self._run(request)
+        record = SavedRun(run.folder).record
+        return _page("values.html", title="Results", run=run, record=record)
+
+    def value(self, request: Request) -> Response:
+        """Show a value of a run."""
+        run = self._run(request)
+        query = _query(request)
+        context: dict[str, Any] = {"run": run, "title": query.get("node", ""), "query": query}
+        scripts = [*(source(f"{name}.js") for name in SCRIPTS), _server([run])]
+        values = self._values(run, query)
+        try:
+            value = shown(values, query)
+        except NotStored as error:
+            missing = NotComputed(error, values).data
+            scripts.append(_source("missing.js"))
+            return _page("missing.html", missing=missing, **context, scripts=scripts)
+        return _page(
+            "value.html",
+            **context,
+            value=value,
+            address=request.url.query,
+            scripts=[*scripts, *value.rendered.scripts],
+            styles=value.rendered.styles,
+            trusted=[value.rendered.html, value.rendered.lead],
+        )
+
+    def download(self, request: Request) -> Response:
+        """Return a value of a run as a file."""
+        run, query = self._run(request), _query(request)
+        exporters = shown(self._values(run, query), query).exporters
+        suffix = query.get("suffix", "")
+        if suffix not in exporters:
+            raise NotThere(f"no format {suffix!r}; {nearest(suffix, exporters)}")
+        content = next(iter(exporters[suffix]().values()))
+        return _attachment(content, f"{query.get('node', 'value')}{suffix}")
+
+    def file(self, request: Request) -> Response:
+        """Return a file that a report links."""
+        number, name = request.path_params["number"], request.path_params["name"]
+        run = next((each for each in self._runs.all().values() if each.number == number), None)
+        path = run.files().get(name) if run is not None else None
+        if path is None or not path.is_file():
+            raise NotThere("no such file; the report lists those that it has")
+        return _attachment(path.read_bytes(), path.name)
+
+    def detail(self, request: Request) -> Any:
+        """Return what the view of a block shows."""
+        run, query = self._run(request), _query(request)
+        values = self._values(run, query)
+        try:
+            return packed(values, query)
+        except NotStored as error:
+            raise NotComputed(error, values) from error
+
+    async def progress(self, request: Request) -> Response:
+        """Send how far runs are, until none of them goes on."""
+        try:
+            opened = await run_in_threadpool(self._opened, request.query_params.getlist("run"))
+        except NodegraphError as error:
+            return JSONResponse({"message": str(error)}, _status(error))
+
+        async def stream() -> AsyncIterator[str]:
+            last = None
+            while True:
+                data = await run_in_threadpool(lambda: {run.name: run.snapshot() for run in opened})
+                if data != last:
+                    yield f"data: {json.dumps(data)}\n\n"
+                if all(each["state"].is_final for each in data.values()):
+                    return
+                last = data
+                await asyncio.sleep(_EVERY)
+
+        return StreamingResponse(stream(), media_type="text/event-stream")
+
+    async def compute(self, request: Request) -> Response:
+        """Compute what a GET request lacked; send how far it is, a line of JSON at a time."""
+        try:
+            wanted, query = _wanted(await request.body())
+            run = await run_in_threadpool(self._run_of, query)
+            values = await run_in_threadpool(self._values, run, query)
+            steps = await run_in_threadpool(_missing, wanted, values, query)
+        except Exception as error:
+            return JSONResponse({"message": _text(error)}, _status(error))
+        return StreamingResponse(self._lines(values, steps), media_type="application/x-ndjson")
+
+    async def _lines(self, run: ReopenedRun, steps: Sequence[int]) -> AsyncIterator[str]:
+        queue: asyncio.Queue[Mapping[str, Any] | None] = asyncio.Queue()
+        loop = asyncio.get_running_loop()
+        left = threading.Event()
+
+        def send(line: Mapping[str, Any] | None) -> None:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(queue.put_nowait, line)
+
+        arguments = (run, steps, send, left)
+        # a daemon: a node that never returns must not keep the program alive
+        threading.Thread(target=self._compute, args=arguments, daemon=True).start()
+        try:
+            while (line := await queue.get()) is not None:
+                yield f"{json.dumps(line)}\n"
+        finally:
+            left.set()
+
+    def _compute(
+        self,
+        run: ReopenedRun,
+        steps: Sequence[int],
+        send: Callable[[Mapping[str, Any] | None], None],
+        left: threading.Event,
+    ) -> None:
+        """Compute steps, one request after the other, as long as the reader waits for them."""
+        try:
+            while not self._computing.acquire(timeout=_EVERY):
+                send({"waiting": True})
+                if left.is_set():
+                    return
+            try:
+                for advance in run.compute(steps):
+                    send(advance._asdict())
+                    if left.is_set():
+                        return
+            finally:
+                self._computing.release()
+            send({"finished": True})
+        except Exception as error:
+            send({"message": _text(error)})
+        finally:
+            send(None)
+
+    def _report(self, opened: Sequence[OpenRun]) -> Response:
+        studies = {run.name: linked(run.study(), f"files/{run.number}") for run in opened}
+        study = merged(studies) if len(studies) > 1 else next(iter(studies.values()))
+        content = page(study, server=_server(opened))
+        return _html(content)
+
+    def _opened(self, names: Sequence[str]) -> list[OpenRun]:
+        """Return the runs that are named, by default those that the command named."""
+        runs = self._runs.all()
+        for name in names:
+            if name not in runs:
+                raise NotThere(f"no run {name!r}; {nearest(name, runs)}")
+        return [runs[name] for name in dict.fromkeys(names or self._runs.first)]
+
+    def _run(self, request: Request) -> OpenRun:
+        return self._run_of(_query(request))
+
+    def _run_of(self, query: Query) -> OpenRun:
+        opened = self._opened([query["run"]] if "run" in query else [])
+        if not opened:
+            raise NotThere("name a run")
+        return opened[0]
+
+    def _values(self, run: OpenRun, query: Query) -> ReopenedRun:
+        values = run.values()
+        return values.now if query.get("now") else values
+
+
+def _query(request: Request) -> dict[str, str]:
+    return dict(request.query_params)
+
+
+_WANTED: Mapping[str, Callable[[ReopenedRun, Query], object]] = {"value": shown, "detail": packed}
+
+
+def _wanted(body: bytes) -> tuple[str, dict[str, str]]:
+    """Return what is to be computed, and the query that asked for it."""
+    try:
+        data = json.loads(body)
+        wanted, query = data["for"], data["query"]
+        texts = {str(name): str(text) for name, text in query.items()}
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+        raise NodegraphError(f"not understood: {error!r}") from error
+    if wanted not in _WANTED:
+        raise NodegraphError(f"nothing is computed for {wanted!r}; {nearest(wanted, _WANTED)}")
+    return wanted, texts
+
+
+def _missing(wanted: str, run: ReopenedRun, query: Query) -> Sequence[int]:
+    """Return the steps that have to be computed.
+
+    Raises
+    ------
+    NodegraphError
+        If they cannot be computed as they were in the run.
+    """
+    try:
+        _WANTED[wanted](run, query)
+    except NotStored as error:
+        changes = run.changes(error.steps)
+        if changes:
+            raise NodegraphError(
+                f"changed since the run: {listed(changes, _MOST_CHANGES)}"
+            ) from error
+        return error.steps
+    return ()
+
+
+def _page(
+    template: str,
+    status: HTTPStatus = HTTPStatus.OK,
+    *,
+    scripts: Sequence[str] = (),
+    styles: Sequence[str] = (),
+    trusted: Sequence[str] = (),
+    **context: Any,
+) -> Response:
+    """Return a page of the server's own."""
+    from markupsafe import Markup
+
+    content = (
+        templates_of("nodegraph.serve")
+        .get_template(template)
+        .render(
+            policy=policy(trusted, *scripts, connect=True).replace(
+                "form-action 'none'", "form-action 'self'"
+            ),
+            scripts=[Markup(script) for script in scripts],
+            styles=[Markup(style) for style in (source("page.css"), _source("serve.css"), *styles)],
+            **context,
+        )
+    )
+    return _html(content, status)
+
+
+def _html(content: str, status: HTTPStatus = HTTPStatus.OK) -> Response:
+    """Return a page, with the policy that it states, and its forms lead here only."""
+    stated = _POLICY.search(content)
+    rules = html.unescape(stated[1]) if stated else "default-src 'none'"
+    own = f"{rules}; frame-ancestors 'none'"
+    return HTMLResponse(
+        content.encode(errors="backslashreplace"),
+        status,
+        headers={"Content-Security-Policy": own},
+    )
+
+
+def _attachment(content: bytes, name: str) -> Response:
+    """Return a file that the browser saves and does not show: it may be anything."""
+    headers = {"Content-Disposition": f"attachment; filename*=utf-8''{quote(name)}"}
+    return Response(content, media_type="application/octet-stream", headers=headers)
+
+
+def _server(opened: Sequence[OpenRun]) -> str:
+    """Return the script that defines the module ``server``."""
+    return _source("server.js").replace("__RUNS__", _json([run.name for run in opened]))
+
+
+def _source(name: str) -> str:
+    return files("nodegraph.serve").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+def _json(value: Any) -> str:
+    """Return data for a script in a page."""
+    return json.dumps(value).replace("<", "\\u003c")

@@ -1,0 +1,66 @@
+// What is not on the page comes from the server that shows it; what is not stored is computed.
+nodegraph.define("server", ["page"], ({ element, announce }) => {
+  const RUNS = __RUNS__;
+  const listeners = [];
+  const state = element("p", { class: "served-progress", role: "status", hidden: true });
+  document.body.append(state, element("style", null,
+    ".served-progress { position: fixed; z-index: 9; right: 1rem; bottom: 1rem; margin: 0; padding: 0.6rem 1rem;" +
+    " font-size: 0.875rem; border-radius: 8px; background: var(--ink); color: var(--paper); }" +
+    ".served-bar { display: flex; flex-wrap: wrap; gap: 0.25rem 1.25rem; font-size: 0.875rem; }"));
+  if (!document.querySelector(".served-bar")) {
+    const of_run = (name) => element("a", { href: `/values?${new URLSearchParams({ run: name })}` },
+      RUNS.length > 1 ? `All results of ${name}` : "All results");
+    const bar = element("nav", { class: "served-bar", "aria-label": "Pages" }, element("a", { href: "/runs" }, "Runs"), RUNS.map(of_run));
+    (document.querySelector("body > header") ?? document.body).prepend(bar);
+  }
+  const report = (line) => {
+    state.hidden = line === null;
+    state.textContent = line === null ? "" : line.waiting ? "Waiting for another computation"
+      : `Computing: ${line.ended} of ${line.ended + line.left} steps${line.step ? `, last ${line.step}` : ""}`;
+    for (const listener of listeners) listener(line);
+  };
+  const failed = (data) => Object.assign(new Error(data.message), data);
+  // Resolves when everything that the query needs is stored; leaving the page ends it.
+  const compute = async (what, query, signal) => {
+    const answer = await fetch("/compute", {
+      method: "POST", signal, headers: { "Content-Type": "application/json" }, body: JSON.stringify({ for: what, query }),
+    });
+    if (!answer.ok) throw failed(await answer.json());
+    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+    announce("Computing what is not stored");
+    try {
+      for (let rest = ""; ;) {
+        const { done, value } = await reader.read();
+        if (done) break;
+        const lines = (rest + value).split("\n");
+        rest = lines.pop();
+        for (const line of lines.map((text) => JSON.parse(text))) {
+          if (line.message) throw failed(line);
+          if (!line.finished) report(line);
+        }
+      }
+    } finally {
+      report(null);
+    }
+  };
+  // path: "detail"; parameters: {node, compare, methods: [...], block: {...}}. An error has `changed`,
+  // a list, where code or files are not as they were in the run; {now: 1} then takes them as they are.
+  const get = async (path, parameters = {}, signal = undefined) => {
+    const query = { run: RUNS[0] };
+    for (const [name, value] of Object.entries(parameters)) {
+      query[name] = typeof value === "object" ? JSON.stringify(value) : String(value);
+    }
+    const ask = () => fetch(`/${path}?${new URLSearchParams(query)}`, { signal });
+    let answer = await ask();
+    let data = await answer.json();
+    if (data.missing) {
+      if (data.changed.length) throw failed({ ...data, message: `not stored, and changed since the run: ${data.changed.slice(0, 3).join("; ")}${data.changed.length > 3 ? `, and ${data.changed.length - 3} more` : ""}` });
+      await compute(path, query, signal);
+      answer = await ask();
+      data = await answer.json();
+    }
+    if (!answer.ok) throw failed(data);
+    return data;
+  };
+  return { get, compute, progress: (listener) => { listeners.push(listener); }, runs: RUNS };
+});
