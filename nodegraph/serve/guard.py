@@ -79,16 +79,21 @@ class Guard:
         """Answer a request, or refuse it."""
         if scope["type"] != "http":
             return
-        answer = self._app
-        refused = self._refusal(scope)
-        token = self._token_of(scope)
-        if refused is None and token:
-            refused, answer = self._enter(scope, token)
-        if refused is None and token is None and not self._has_session(scope):
-            refused = Refused(HTTPStatus.FORBIDDEN, f"no session: {_HOW}")
-        if refused is not None:
-            answer = PlainTextResponse(f"{refused.reason}\n", refused.status)
+        answer = self._answer(scope)
+        if isinstance(answer, Refused):
+            answer = PlainTextResponse(f"{answer.reason}\n", answer.status)
         await answer(scope, receive, _with_headers(send))
+
+    def _answer(self, scope: Scope) -> ASGIApp | Refused:
+        """Return what answers a request."""
+        refused = self._refusal(scope)
+        if refused is not None:
+            return refused
+        has_session = self._has_session(scope)
+        token = _token_of(scope)
+        if token is not None:
+            return self._enter(token, has_session=has_session)
+        return self._app if has_session else Refused(HTTPStatus.FORBIDDEN, f"no session: {_HOW}")
 
     def _refusal(self, scope: Scope) -> Refused | None:
         """Return why a request is refused whoever sends it."""
@@ -108,30 +113,31 @@ class Guard:
             return Refused(HTTPStatus.REQUEST_URI_TOO_LONG, "the address is too long")
         return _body_refusal(headers) if scope["method"] == "POST" else None
 
-    def _token_of(self, scope: Scope) -> str | None:
-        """Return the token of a request that has one."""
-        if scope["method"] != "GET" or scope["path"] != "/":
-            return None
-        query = parse_qs(scope["query_string"].decode("latin-1"), keep_blank_values=True)
-        return query["token"][0] if "token" in query else None
-
-    def _enter(self, scope: Scope, token: str) -> tuple[Refused | None, ASGIApp]:
+    def _enter(self, token: str, *, has_session: bool) -> ASGIApp | Refused:
         """Exchange a token for the cookie; a browser that has the cookie needs none."""
         response = HTMLResponse(_ENTER)
-        if self._has_session(scope):
-            return None, response
+        if has_session:
+            return response
         if self._is_used or not _equal(token, self.token):
             reason = "has been used" if _equal(token, self.token) else "is of another session"
-            return Refused(HTTPStatus.FORBIDDEN, f"this address {reason}: {_HOW}"), response
+            return Refused(HTTPStatus.FORBIDDEN, f"this address {reason}: {_HOW}")
         self._is_used = True
         response.set_cookie(self._cookie, self._session, httponly=True, samesite="strict")
-        return None, response
+        return response
 
     def _has_session(self, scope: Scope) -> bool:
         return any(
             _equal(cookie, self._session)
             for cookie in _cookies(Headers(scope=scope).getlist("cookie"), self._cookie)
         )
+
+
+def _token_of(scope: Scope) -> str | None:
+    """Return the token of a request that has one."""
+    if scope["method"] != "GET" or scope["path"] != "/":
+        return None
+    query = parse_qs(scope["query_string"].decode("latin-1"), keep_blank_values=True)
+    return query["token"][0] if "token" in query else None
 
 
 def _body_refusal(headers: Headers) -> Refused | None:
