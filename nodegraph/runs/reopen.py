@@ -155,12 +155,12 @@ class ReopenedRun(Run):
             wanted=wanted,
         )
         ended = 0
-        yield Advance(ended, schedule.left)
+        yield Advance(ended, len(schedule.left))
         with collecting_warnings(), one_thread_each():
             for index, outcome in serial(schedule, HowToRun()):
                 schedule.finish(index, outcome)
                 ended += 1
-                yield Advance(ended, schedule.left, self.plan.steps[index].name)
+                yield Advance(ended, len(schedule.left), self.plan.steps[index].name)
         self.in_memory.clear()
         for index in wanted:
             outcome = schedule.outcomes[index]

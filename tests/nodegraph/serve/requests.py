@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 from urllib.parse import unquote
@@ -39,12 +38,12 @@ def send(
     method: str = "GET",
     body: bytes = b"",
     host: str = HOST,
-    **headers: str,
+    **headers: Any,
 ) -> Answer:
     """Send one request; an underscore in the name of a header stands for a hyphen."""
     path, _, query = target.partition("?")
     named = {name.replace("_", "-"): value for name, value in headers.items()}
-    pairs: Iterable[tuple[str, str]] = {"host": host, **named}.items()
+    pairs = {"host": host, **named}.items()
     scope = {
         "type": "http",
         "asgi": {"version": "3.0", "spec_version": "2.3"},
