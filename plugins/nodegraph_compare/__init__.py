@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nodegraph import hookimpl
+from nodegraph import Renderer, hookimpl
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -22,6 +22,15 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_compare.table.node import table
 
     return (agreement, bayes, curve, importance, ranks, table)
+
+
+@hookimpl
+def nodegraph_renderers() -> Iterable[Renderer]:
+    """Return how the overview of a comparison appears."""
+    from nodegraph_compare.overview.render import render_overview, render_overview_in_run
+    from nodegraph_compare.overview.value import Overview
+
+    return (Renderer(Overview, render_overview, render_overview_in_run),)
 
 
 @hookimpl

@@ -1,0 +1,145 @@
+"""The sentence that answers a comparison: which method is the best, and on what that depends."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_compare.overview.cards import why_none
+from nodegraph_compare.overview.words import both, either, few, in_unit, method_names, varying
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from nodegraph_compare.overview.value import GroupOverview, Overview
+
+_MOST_CLAUSES = 6
+_MOST_TIED = 2
+
+
+def sentence(overview: Overview) -> str:
+    """Return the answer in a sentence or two, as HTML."""
+    known = [group for group in overview.groups if np.isfinite(group.mean).any()]
+    metric = overview.metric
+    if not known:
+        return "No block has a number for every method: nothing can be said."
+    if all(np.count_nonzero(np.isfinite(group.mean)) == 1 for group in known):
+        return _values(overview, known)
+    if metric.better == "none":
+        return f"Neither end of {escape(metric.name)} is the better one: what follows describes it."
+    stands = [group for group in known if group.stands]
+    if not stands:
+        reasons = list(dict.fromkeys(why_none(group) for group in known))
+        more = f" (and {len(reasons) - 1} more reasons)" if len(reasons) > 1 else ""
+        what = escape(overview.compare or "method")
+        return f"The data cannot tell which {what} is best: {escape(reasons[0])}{more}."
+    rest = len(known) - len(stands)
+    several = "groups have" if rest > 1 else "group has"
+    without = f" {rest} of {len(known)} {several} no verdict." if rest else ""
+    leaders = set.intersection(*(set(group.best) for group in stands))
+    if leaders:
+        return _throughout(overview, stands, sorted(leaders)) + without
+    return f"{_depends(overview, stands)}{_compromise(overview, stands)}{without}"
+
+
+def _values(overview: Overview, known: Sequence[GroupOverview]) -> str:
+    """Return the mean of the only method, or the range of its means."""
+    place = int(np.flatnonzero(np.isfinite(known[0].mean))[0])
+    means = [float(np.nanmin(group.mean)) for group in known]
+    name = overview.methods[place]
+    of = f" of {method_names(overview, [place])[0]}" if str(name) else ""
+    ends = in_unit(sorted({min(means), max(means)}), overview.metric.unit)
+    alone = " There is nothing to compare it to." if of else ""
+    return f"The mean {escape(overview.metric.name)}{of} is {ends}.{alone}"
+
+
+def _throughout(overview: Overview, stands: Sequence[GroupOverview], leaders: Sequence[int]) -> str:
+    names = both(method_names(overview, leaders))
+    verb = "are" if len(leaders) > 1 else "is"
+    everywhere = " throughout" if len(overview.groups) > 1 else ""
+    tied = set.intersection(*(set(group.tied) for group in stands))
+    if tied:
+        first = stands[0]
+        order = sorted(tied, key=lambda place: abs(first.difference[place]))
+        them = "them" if len(leaders) > 1 else "it"
+        also = few(method_names(overview, order))
+        apart = f"; not clearly apart from {them}: {also}."
+    elif any(group.tied for group in stands):
+        apart = ", in places not clearly apart from others."
+    else:
+        apart = "; every other is clearly behind."
+    return f"{names} {verb} best{everywhere}{apart}"
+
+
+def _depends(overview: Overview, stands: Sequence[GroupOverview]) -> str:
+    """Return which method is the best where, the groups with the same best together."""
+    by_leader: dict[int, list[GroupOverview]] = {}
+    for group in stands:
+        by_leader.setdefault(group.best[0], []).append(group)
+    axes = both([escape(overview.within[axis]) for axis in varying(overview)])
+    if len(by_leader) > _MOST_CLAUSES:
+        counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
+        names = [
+            f"{method_names(overview, [place])[0]} in {len(groups)}" for place, groups in counts
+        ]
+        return f"It depends on {axes}: of {len(stands)} groups, {few(names)} have another best."
+    clauses = [
+        f"{_alternatives(overview, place, groups)} for {_where(overview, groups)}"
+        for place, groups in by_leader.items()
+    ]
+    return f"It depends on {axes}: {'; '.join(clauses)}."
+
+
+def _alternatives(overview: Overview, leader: int, groups: Sequence[GroupOverview]) -> str:
+    """Return the best of groups, with what is not clearly apart from it in any of them."""
+    tied = set.intersection(*({*group.tied, *group.best} for group in groups)) - {leader}
+    (name,) = method_names(overview, [leader])
+    if len(tied) > _MOST_TIED:
+        return f"{name} (tied with {len(tied)} others)"
+    if not tied and any(group.tied for group in groups):
+        return f"{name} (with ties)"
+    order = sorted(tied, key=lambda place: np.nanmax([abs(g.difference[place]) for g in groups]))
+    return either([name, *(escape(str(overview.methods[place])) for place in order)])
+
+
+def _where(overview: Overview, groups: Sequence[GroupOverview]) -> str:
+    """Return the labels of groups, by as few of them as tell them from all others."""
+    axes = varying(overview)
+    left = {group.labels for group in groups}
+    texts: dict[str, list[str]] = {}
+    for axis in reversed(axes):
+        for label in dict.fromkeys(group.labels[axis] for group in groups):
+            same = {group.labels for group in overview.groups if group.labels[axis] == label}
+            if len(axes) > 1 and same <= {group.labels for group in groups} and same & left:
+                texts.setdefault(overview.within[axis], []).append(str(label))
+                left -= same
+    for group in groups:
+        if group.labels in left:
+            first = [f"{overview.within[axis]} {group.labels[axis]}" for axis in axes[:-1]]
+            name = ", ".join([*first, overview.within[axes[-1]]])
+            texts.setdefault(name, []).append(str(group.labels[axes[-1]]))
+    return both([f"{escape(name)} {escape(both(labels))}" for name, labels in texts.items()])
+
+
+def _compromise(overview: Overview, stands: Sequence[GroupOverview]) -> str:
+    """Return which method is never far behind, and how far at most."""
+    if not overview.ratio or len(stands) < 2:
+        return ""
+    means = np.stack([group.mean for group in stands])
+    best = np.array([group.mean[group.best[0]] for group in stands])[:, np.newaxis]
+    times = best / means if overview.metric.better == "higher" else means / best
+    worst = np.where(np.isfinite(times).all(axis=0), times.max(axis=0), np.inf)
+    place = int(np.argmin(worst))
+    if not np.isfinite(worst[place]):
+        return ""
+    (name,) = method_names(overview, [place])
+    behind = max(float(worst[place]) - 1, 0.0)
+    if behind >= 1:
+        return f" One method for all: {name}, never more than {worst[place]:.1f} times the best."
+    # rounded up: `never more than`
+    return (
+        f" One method for all: {name}, never more than {math.ceil(100 * behind)} % behind the best."
+    )

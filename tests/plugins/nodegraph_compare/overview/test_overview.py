@@ -1,0 +1,269 @@
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nodegraph import Across, Detail, Renderer
+from nodegraph_compare import nodegraph_renderers
+from nodegraph_compare.overview.value import Overview
+from nodegraph_compare.table.node import Compared
+from nodegraph_compare.table.node import table as table_of
+from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
+
+NAN = np.nan
+
+
+def cakes(values: Any, *, better: BetterEnd = "lower", unit: str = "g", **columns: Any) -> Any:
+    """Tables of a study of baking: how much sugar a recipe wastes, by cake."""
+    waste = np.asarray(values, dtype=float)
+    frame = pd.DataFrame({"cake": np.arange(len(waste)), "waste": waste, **columns})
+    return with_info(frame, TableInfo(units={"waste": unit}, better={"waste": better}))
+
+
+def kitchens(
+    recipes: Mapping[str, float], count: int = 8, heats: tuple[int, ...] = (180, 220)
+) -> Any:
+    """Recipes with their factors of waste; the first is the best in the cool oven alone."""
+    random = np.random.default_rng(0)
+    entries: list[Any] = []
+    for kitchen in range(count):
+        for heat in heats:
+            base = random.lognormal(size=6)
+            for at, (recipe, factor) in enumerate(recipes.items()):
+                hotter = 1.0 if heat == heats[0] else 1.0 + 2.0 * (at == 0)
+                waste = base * factor * hotter * random.uniform(0.97, 1.03, 6)
+                labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
+                entries.append((labels, cakes(waste, mess=waste / 2, cleaned=np.ones(6))))
+    return Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+
+
+def compared(scores: Any, **settings: Any) -> Compared:
+    return table_of(scores, metric="waste", compare="recipe", **settings)
+
+
+@dataclass(frozen=True)
+class Bakery:
+    """The origin of an overview in a run of someone else's study."""
+
+    node: str = "recipes"
+    labels: Mapping[str, Any] = field(default_factory=dict)
+    caption: str = ""
+    details: tuple[Detail, ...] = ()
+
+    def seconds(self, axis: str) -> Mapping[Any, float]:
+        return {"plain": 0.002, "rich": 0.2}
+
+    def uses(self, axis: str) -> Mapping[Any, str]:
+        return {"plain": "bake.plain"}
+
+    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
+        return {"cake": 3.5}
+
+    def command(self, labels: Mapping[str, Any]) -> str:
+        return " ".join(f"--only {name}={label}" for name, label in labels.items())
+
+
+def rendered(overview: Overview, origin: Any = None) -> Any:
+    (renderer,) = nodegraph_renderers()
+    assert isinstance(renderer, Renderer)
+    assert renderer.render_in_run is not None
+    return renderer.render_in_run(overview, "recipes", origin or Bakery())
+
+
+def data_of(html: str, name: str = "overview-recipes") -> Any:
+    match = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', html, re.S)
+    assert match is not None
+    return json.loads(match[1])
+
+
+def text_of(html: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<(?!/?(?:script|style))[^>]*>", " ", html)).strip()
+
+
+def codes(text: str) -> Any:
+    return np.frombuffer(base64.b64decode(text), dtype="<u2")
+
+
+RECIPES = {"plain": 1.0, "rich": 1.4, "airy": 1.41, "burnt": 9.0}
+
+
+@pytest.fixture(scope="module")
+def study() -> Compared:
+    return compared(kitchens(RECIPES), within=("heat",))
+
+
+def test_verdicts_are_those_of_the_table_and_its_answer(study: Compared) -> None:
+    overview, frame = study.overview, study.table
+    assert overview.methods == tuple(RECIPES)
+    cool, hot = overview.groups
+    assert [overview.methods[at] for at in cool.best] == ["plain"]
+    assert [overview.methods[at] for at in (*hot.best, *hot.tied)] == ["rich", "airy"]
+    assert {overview.methods[at] for at in hot.behind} == {"plain", "burnt"}
+    for group, heat in zip(overview.groups, (180, 220), strict=True):
+        rows = frame[frame["heat"] == heat].set_index("recipe").loc[list(RECIPES)]
+        for name in ("mean", "low", "high", "median"):
+            np.testing.assert_array_equal(getattr(group, name), rows[name])
+        np.testing.assert_array_equal(group.ratio, rows["ratio"])
+        best = str(overview.methods[group.best[0]])
+        assert best in info_of(frame).answer[overview.groups.index(group)]
+        assert group.scope == "over 8 kitchens"
+
+
+def test_every_block_of_every_method_is_there(study: Compared) -> None:
+    overview = study.overview
+    assert [metric.name for metric in overview.metrics] == ["waste", "mess", "cleaned"]
+    for at, group in enumerate(overview.groups):
+        assert group.errors["waste"].shape == (48, 4)
+        np.testing.assert_allclose(group.errors["mess"], group.errors["waste"] / 2, rtol=1e-6)
+        means = [group.errors["waste"][group.unit == unit].mean(axis=0) for unit in range(8)]
+        np.testing.assert_allclose(np.mean(means, axis=0), group.mean, rtol=1e-6)
+        where = {name: overview.columns[name][codes[7]] for name, codes in group.rows.items()}
+        assert where == {"kitchen": 1, "cake": 1}
+        assert overview.title_of(group) == f"heat {(180, 220)[at]}"
+
+
+def test_the_lead_answers_without_script(study: Compared) -> None:
+    lead = rendered(study.overview).lead
+    text = text_of(lead)
+    assert "<script" not in lead
+    assert text.startswith(
+        "It depends on heat: plain for heat 180; rich or airy for heat 220. One method for all: "
+    )
+    assert lead.count("<article") == 2
+    assert lead.count('class="best"') == 2
+    assert lead.count('class="tied"') == 1
+    assert "Scope: 8 kitchens" in text
+
+
+def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
+    section = rendered(study.overview)
+    data = data_of(section.html)
+    assert [method["use"] for method in data["methods"]][:2] == ["bake.plain", ""]
+    assert [method["seconds"] for method in data["methods"]] == [0.002, 0.2, None, None]
+    for group, packed in zip(study.overview.groups, data["groups"], strict=True):
+        scale = packed["scale"]["waste"]
+        step = (scale["high"] - scale["low"]) / 65534
+        values = np.exp(scale["low"] + step * codes(packed["errors"]["waste"]))
+        np.testing.assert_allclose(values.reshape(-1, 4), group.errors["waste"], rtol=1e-3)
+        labels = data["columns"]["kitchen"]["labels"]
+        assert [labels[code] for code in codes(packed["rows"]["kitchen"])][6] == "1"
+    assert data["command"]["axes"] == ["heat", "kitchen", "cake", "recipe"]
+    assert data["command"]["text"].endswith("--only cake={cake} --only recipe={recipe}")
+    assert "rich" in text_of(section.html)
+    assert section.replaces == ("figure",)
+
+
+def test_blocks_worth_a_look_are_packed_from_what_is_at_hand(study: Compared) -> None:
+    views: list[Any] = []
+
+    def pack(block: Mapping[str, Any], inputs: Mapping[str, Mapping[str, Any]]) -> Any:
+        views.append((dict(block), dict(inputs)))
+        return {"cake": block["cake"]}
+
+    def layout(inputs: Mapping[str, Any], column: str) -> Any:
+        return {
+            "title": "in the tin",
+            "names": ["0"],
+            "points": [[0, 0]],
+            "edges": [],
+            "regions": {},
+        }
+
+    detail = Detail(float, pack, layout, "bakery/cake")
+    html = rendered(study.overview, Bakery(details=(detail,))).html
+    data = data_of(html)
+    assert data["detail"]["module"] == "bakery/cake"
+    assert data["layout"] == {**layout({}, ""), "column": "kitchen"}
+    assert {"heat", "kitchen", "cake"} == views[0][0].keys()
+    assert views[0][1] == {recipe: {"cake": 3.5} for recipe in RECIPES}
+    assert data["suggested"][0]["why"] == "worst for plain"
+    for view, (block, _) in zip(data["detail"]["packed"].values(), views, strict=True):
+        assert data_of(html, view) == {"cake": block["cake"]}
+
+
+def test_few_units_and_disagreeing_rules_have_no_verdict() -> None:
+    text = text_of(rendered(compared(kitchens(RECIPES, 4), within=("heat",)).overview).lead)
+    assert "The data cannot tell which recipe is best: 4 kitchens describe" in text
+    assert text.count("no verdict") == 2
+    assert "One method for all" not in text
+
+
+def test_markup_in_labels_is_text() -> None:
+    evil = "<script>alert(1)</script>&"
+    scores = kitchens({evil: 1.0, '"quoted"': 2.0, "c": 3.0})
+    section = rendered(compared(scores, within=("heat",)).overview)
+    for html in (section.lead, re.sub(r"<script type=.*?</script>", "", section.html, flags=re.S)):
+        assert "<script" not in html
+        assert "&lt;script&gt;" in html
+    assert data_of(section.html)["methods"][0]["label"] == evil
+
+
+def test_one_method_has_a_value_and_no_rival() -> None:
+    text = text_of(rendered(compared(kitchens({"plain": 1.0}), within=("heat",)).overview).lead)
+    assert text.startswith("The mean waste of plain is ")
+    assert "Tied" not in text
+
+
+@pytest.mark.parametrize("better", ["none", "higher"])
+def test_other_ends_of_a_metric(better: BetterEnd) -> None:
+    values = {name: np.arange(8) / 10 + at for at, name in enumerate(("a", "b", "c"))}
+    scores = {name: cakes(each, better=better, unit="share") for name, each in values.items()}
+    overview = compared(Across.of(scores, axis="recipe"), clusters=("cake",)).overview
+    text = text_of(rendered(overview).lead)
+    if better == "none":
+        assert overview.groups[0].best == ()
+        assert "no better end" in text
+    else:
+        assert text.startswith("c is best; every other is clearly behind.")
+        assert "c 235 % 95 %: " in text
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    "values",
+    [[[NAN] * 8, [NAN] * 8], [[], []], [[np.inf, 1.0] * 4, [2.0, 1.0] * 4], [[0.0] * 8, [0.0] * 8]],
+    ids=["missing", "empty", "infinite", "zero"],
+)
+def test_odd_numbers_end_in_a_page(values: list[list[float]]) -> None:
+    scores = Across.of(
+        {name: cakes(each) for name, each in zip("ab", values, strict=True)}, axis="recipe"
+    )
+    overview = compared(scores, clusters=("cake",) if values[0] else ()).overview
+    lead = rendered(overview).lead
+    assert "nan" not in text_of(lead)
+    assert not overview.groups or data_of(rendered(overview).html)["groups"]
+
+
+def test_two_hundred_methods_and_many_groups_stay_readable() -> None:
+    recipes = {f"recipe {number}": 1.0 + number / 50 for number in range(200)}
+    lead = rendered(compared(kitchens(recipes, 5), within=("heat",)).overview).lead
+    assert lead.count("<circle") == 400
+    assert "more" in text_of(lead)
+    many = kitchens({"plain": 1.0, "rich": 2.0}, 5, heats=tuple(range(100, 112)))
+    lead = rendered(compared(many, within=("heat",)).overview).lead
+    assert "<article" not in lead
+    assert lead.count("<tr>") == 13
+
+
+def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:
+    random = np.random.default_rng(0)
+    kitchen = np.arange(100_000) // 12_500
+    scores = {
+        name: cakes(random.lognormal(size=100_000), kitchen=kitchen, mess=random.random(100_000))
+        for name in ("a", "b", "c")
+    }
+    across = Across.of(scores, axis="recipe")
+    overview = compared(across, blocks=("cake",), clusters=("kitchen",)).overview
+    html = rendered(overview).html
+    assert len(html) < 3_000_000
+    (group,) = data_of(html)["groups"]
+    assert group["blocks"] == 100_000
+    assert len(codes(group["unit"])) <= 20_000
