@@ -24,7 +24,7 @@ _SHRINKAGE = 0.001
 _STRAIGHT = 0.03
 """What a step away from the straight line costs, relative to one away from the model."""
 _MOST_ROUNDS = 1000
-_SETTLED = 1e-9
+_SETTLED = 1e-13
 """How large, relative to all that is known, the last residual may be."""
 _SLIGHT = 1e-9
 """So that a cosine of the very frequency of the cut-off is kept, however that was rounded."""

@@ -35,7 +35,8 @@ def soft_impute(
     of one shrinkage of the singular values per round, X completed by the Z before, each round
     keeps ``M = V max(0, 1 - s / d) V'`` from the singular values d and vectors V of the
     completed X and solves, frame by frame, for missing entries that M gives back:
-    ``x_m = M_mo x_o + M_mm x_m``. It ends when a round changes nothing to 7 digits.
+    ``x_m = M_mo x_o + M_mm x_m``, and Newton's method ends it, when a step changes nothing to 10
+    digits.
 
     For `ends` met, the estimate beside a gap is what M gives when the samples there are hidden
     like those in the gap: Z itself is near every sample it has seen, and so would tell nothing of

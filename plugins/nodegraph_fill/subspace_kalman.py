@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -14,9 +14,6 @@ from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.state_space import StateSpace
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
-
-if TYPE_CHECKING:
-    pass
 
 _SHRINKAGE = 0.001
 _LEAST_NOISE = 1e-5
@@ -101,10 +98,14 @@ def subspace_kalman(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`, and with `sigma`.
     """
+    near: LowRank | None = None
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+        nonlocal near
         matrix = TakeMatrix.of(recording)
-        space = _learnt(matrix, variance)
+        # the take with held-out gaps is nearly the same
+        near = LowRank(matrix, _SHRINKAGE, near)
+        space = _learnt(matrix, near, variance)
         if not space.noise.all():
             # nothing ever moves
             return Estimate(matrix.positions(matrix.rows), np.zeros(gaps.shape))
@@ -113,8 +114,7 @@ def subspace_kalman(
     return fill_from(recording, max_gap, model, ends=ends)
 
 
-def _learnt(matrix: TakeMatrix, variance: float) -> StateSpace:
-    low_rank = LowRank(matrix, _SHRINKAGE)
+def _learnt(matrix: TakeMatrix, low_rank: LowRank, variance: float) -> StateSpace:
     subspace = low_rank.principal(variance)
     rows, basis = low_rank.rows - subspace.middle, subspace.basis
     states = rows @ basis

@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 
 from nodegraph_fill import low_rank
 from nodegraph_fill.low_rank import LowRank
-from nodegraph_fill.low_rank_kernel import complete
 from nodegraph_fill.whole_take import TakeMatrix
 
 Rows = NDArray[np.float64]
 
 
-def matrix(seed: int, frames: int = 40, width: int = 12, share: float = 0.2) -> TakeMatrix:
+def matrix(seed: int, share: float = 0.2, noise: float = 0.05) -> TakeMatrix:
+    frames, width = 40, 12
     random = np.random.default_rng(seed)
     rows = random.normal(size=(frames, 3)) @ random.normal(size=(3, width))
-    rows += 0.05 * random.normal(size=rows.shape)
+    rows += noise * random.normal(size=rows.shape)
     missing = random.random(rows.shape) < share
     missing[5] = missing[6] = True
     return TakeMatrix(
@@ -26,18 +26,35 @@ def matrix(seed: int, frames: int = 40, width: int = 12, share: float = 0.2) -> 
 
 
 def test_rows_are_completed_to_the_least_of_the_quadratic_form() -> None:
-    random = np.random.default_rng(2)
-    factor = random.normal(size=(9, 9))
-    precision = factor @ factor.T + 0.1 * np.eye(9)
-    rows = random.normal(size=(20, 9))
+    problem, random = matrix(2), np.random.default_rng(2)
+    low_rank = LowRank(problem, 0.02)
+    rows = random.normal(size=(20, 12))
     missing = random.random(rows.shape) < 0.4
     missing[3] = True
     missing[4] = False
     missing[11] = missing[10]
-    completed = rows.copy()
-    complete(completed, missing, precision)
+    completed = low_rank.completed(rows, missing)
     np.testing.assert_array_equal(completed[~missing], rows[~missing])
-    np.testing.assert_allclose((completed @ precision)[missing], 0.0, atol=1e-9)
+    np.testing.assert_allclose((completed @ low_rank.precision)[missing], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("shrinkage", [0.3, 0.02, 0.001])
+@pytest.mark.parametrize(("share", "noise"), [(0.05, 0.05), (0.4, 0.05), (0.2, 0.0)])
+def test_the_gradient_at_what_is_missing_vanishes(
+    shrinkage: float, share: float, noise: float
+) -> None:
+    problem = matrix(4, share, noise)
+    rows = LowRank(problem, shrinkage).rows
+    _, values, v = np.linalg.svd(rows, full_matrices=False)
+    threshold = shrinkage * np.linalg.norm(problem.rows, 2)
+    gradient = rows @ (v.T * threshold / np.maximum(values, threshold)) @ v
+    np.testing.assert_allclose(gradient[problem.missing], 0.0, atol=1e-10)
+
+
+def test_where_it_begins_changes_nothing() -> None:
+    problem, other = matrix(5), matrix(6)
+    begun = LowRank(problem, 0.01, near=LowRank(other, 0.01))
+    np.testing.assert_allclose(begun.rows, LowRank(problem, 0.01).rows, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("shrinkage", [0.3, 0.02, 0.001])
