@@ -1,4 +1,4 @@
-"""What the READMEs of graphs and plugins show is true: it loads, runs and passes."""
+"""What the guides to graphs and plugins show is true: it loads, runs and passes."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ from tests import readmes
 from tests.readmes import ROOT, blocks
 
 README = (ROOT / "README.md").read_text()
-GRAPHS = (ROOT / "graphs" / "README.md").read_text()
+PAGES = ROOT / "nodegraph" / "site" / "pages"
+GRAPHS = (PAGES / "language.md").read_text() + (ROOT / "graphs" / "README.md").read_text()
 NODES = (ROOT / "plugins" / "nodes.md").read_text()
-PLUGINS = (ROOT / "plugins" / "README.md").read_text()
+PLUGINS = (PAGES / "plugins.md").read_text() + (ROOT / "plugins" / "README.md").read_text()
 OTHER_COMMANDS = {
     "cd lips": "so does the test",
     "pip install -e .[test]": "tests/test_third_party.py installs a new plugin",

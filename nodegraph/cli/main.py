@@ -16,14 +16,17 @@ from importlib import import_module
 from io import TextIOWrapper
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
 from nodegraph.errors import GraphError, NodegraphError, Place, nearest
 
+if TYPE_CHECKING:
+    from nodegraph.plugin.registry import Registry
+
 COMMANDS = (
     "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
-    "audit", "export", "open", "report", "runs", "cite", "archive", "cache", "schema",
+    "audit", "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 
@@ -126,14 +129,30 @@ def _commands(words: Sequence[str]) -> Mapping[str, _Command]:
     word = words[0] if words else "-"
     if word in COMMANDS:
         return {word: _built_in(word)}
-    commands = {name: _built_in(name) for name in COMMANDS}
     if word.startswith("-"):
-        return commands
+        return {name: _built_in(name) for name in COMMANDS}
     from nodegraph.plugin.registry import Registry
 
     options = ArgumentParser(add_help=False, allow_abbrev=False)
     add_plugin(options)
-    added = Registry.installed(options.parse_known_args(words)[0].plugin).hooks.commands
+    return _all_commands(Registry.installed(options.parse_known_args(words)[0].plugin))
+
+
+def all_parsers(registry: Registry) -> dict[str, ArgumentParser]:
+    """Return a parser for each command, those of plugins included, as documentation needs it."""
+    return {
+        name: _declared(
+            ArgumentParser(prog=f"nodegraph {name}", description=command.help, add_help=False),
+            name,
+            command,
+        )
+        for name, command in _all_commands(registry).items()
+    }
+
+
+def _all_commands(registry: Registry) -> Mapping[str, _Command]:
+    commands = {name: _built_in(name) for name in COMMANDS}
+    added = registry.hooks.commands
     for name in added.keys() & commands.keys():
         warnings.warn(f"command {name!r} of a plugin is left out: it is built in", stacklevel=2)
     return commands | {
@@ -177,11 +196,16 @@ def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentP
             add_help=False,
         )
         if name in words:
-            _add_help(choice)
-            if name not in COMMANDS:
-                add_plugin(choice)
-            command.add_arguments(choice)
-            choice.set_defaults(parser=choice)
+            _declared(choice, name, command).set_defaults(parser=choice)
+    return parser
+
+
+def _declared(parser: ArgumentParser, name: str, command: _Command) -> ArgumentParser:
+    """Return a parser with the arguments of a command."""
+    _add_help(parser)
+    if name not in COMMANDS:
+        add_plugin(parser)
+    command.add_arguments(parser)
     return parser
 
 
