@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     )
     from nodegraph.plugin.hooks import hookimpl
     from nodegraph.plugin.registry import get_node
+    from nodegraph.report.page import standalone_page
 
 __all__ = [
     "Absent",
@@ -92,6 +93,7 @@ __all__ = [
     "node",
     "read_only",
     "run",
+    "standalone_page",
 ]
 
 _LATE = {
@@ -101,6 +103,7 @@ _LATE = {
     "get_node": "nodegraph.plugin.registry",
     "hookimpl": "nodegraph.plugin.hooks",
     "kernel": "nodegraph.kernels",
+    "standalone_page": "nodegraph.report.page",
 }
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
     from markupsafe import Markup
 
+    from nodegraph.plugin.hook_types import Rendered
 
 SCRIPTS = ("modules", "helpers", "selection", "frames", "tables")
 """The page's own scripts, by the names of their files."""
@@ -78,6 +79,27 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
             many=_MANY,
             scripts=scripts,
             styles=styles,
+        )
+    )
+
+
+def standalone_page(rendered: Rendered, title: str) -> str:
+    """Return a page of its own for what is shown of a value, to be sent or kept alone.
+
+    Like a report it works offline, follows the reader's colours, and runs no script but those of
+    `rendered` and the modules of a report.
+    """
+    own = [*(_source(f"{name}.js") for name in SCRIPTS), _NO_SERVER]
+    scripts = _once(own, [rendered.scripts])
+    return (
+        templates_of("nodegraph.report")
+        .get_template("standalone.html")
+        .render(
+            title=title,
+            rendered=rendered,
+            policy=policy([rendered.html], *scripts),
+            scripts=scripts,
+            styles=_once([_source("page.css")], [rendered.styles]),
         )
     )
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_layout import edges_of
+from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
@@ -109,6 +110,7 @@ _STEPS_ACROSS = 5_000
 _WEIGHT_STEP = 1e-4
 _MOST_ERRORS = 95
 _ROUND = (1.0, 2.0, 5.0, 10.0)
+_MOST_GAPS = 300
 
 
 def packed(playback: Playback) -> bytes:
@@ -194,6 +196,7 @@ class _Packing:
             "errors": error_scale(self.playback),
             "every": self.playback.every,
             "start": _telling_second(self.playback),
+            "gaps": _gaps(self.playback),
         }
         return self.blob.packed(head)
 
@@ -229,6 +232,7 @@ class _Packing:
             "like": like,
             "origin": self.blob.small(origin.T.astype(np.uint8)),
             "truth": columns_in(known, recording) if known and place > 0 else None,
+            "error": _mean_error(recording, known) if known and place > 0 else None,
         }
 
     def _nearest(self, markers: tuple[str, ...], rows: NDArray[np.float64]) -> int | None:
@@ -254,6 +258,7 @@ class _Packing:
             "kind": "mesh",
             "head": self._head(animation.head),
             "weights": entry,
+            "error": None,
             "known": self.blob.small(np.asarray(np.isfinite(weights).all(axis=1), dtype=np.uint8)),
             "motion": turned,
         }
@@ -276,6 +281,35 @@ class _Packing:
 
     def _flat(self, values: NDArray[np.float64], step: float) -> dict[str, Any]:
         return self.blob.steps(values.reshape(-1, 1), step)[0]
+
+
+def _mean_error(recording: Trajectories, truth: Trajectories) -> float | None:
+    """Return the mean distance of the samples that were made, of all where none was."""
+    errors = _errors(recording, truth)
+    made = recording.origin > Origin.MEASURED
+    known = errors[np.isfinite(errors) & (made if made.any() else True)]
+    return float(known.mean()) if len(known) else None
+
+
+def _gaps(playback: Playback) -> list[list[Any]]:
+    """Return where a method has made samples: first and last second, and the marker.
+
+    Those at least half as long as the longest, in their order: a reader goes from one to the next.
+    What was made throughout a take is no gap.
+    """
+    gaps: set[tuple[float, float, str]] = set()
+    for panel in playback.panels:
+        shown = panel.shown
+        if isinstance(shown, Trajectories):
+            runs = runs_of(shown.origin > Origin.MEASURED)
+            gaps.update(
+                (int(start) / shown.rate, int(stop) / shown.rate, shown.markers[marker])
+                for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True)
+                if stop - start < shown.frames
+            )
+    longest = max((stop - start for start, stop, _ in gaps), default=0.0)
+    long = [gap for gap in gaps if gap[1] - gap[0] >= longest / 2]
+    return [list(gap) for gap in sorted(long)[:_MOST_GAPS]]
 
 
 def _telling_second(playback: Playback) -> float:

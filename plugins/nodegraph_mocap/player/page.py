@@ -1,43 +1,23 @@
 """How a playback appears: in the report, and as a page of its own beside it.
 
 The player is written here, in plain JavaScript on 2D canvases, and needs no library: dots, lines
-and one shaded mesh are all there is to draw. Its files in ``player`` are put one after the other
-into one function, so that their names meet no others; each file's first lines say what it is for.
+and one shaded mesh are all there is to draw. Each file in ``web`` is a module of the page, and its
+first lines say what it is for.
 """
 
 from __future__ import annotations
 
 import base64
+from dataclasses import replace
 from functools import cache
 from html import escape
 from importlib.resources import files
 
-from nodegraph import Rendered, Renderer
+from nodegraph import Rendered, Renderer, standalone_page
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Trajectories
 
 _SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "player")
-_ALONE = """\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{title}</title>
-<link rel="icon" href="data:,">
-<style>
-body {{ font: 1rem/1.6 system-ui, sans-serif; max-width: 84rem; margin: 0 auto; padding: 1rem; }}
-{style}
-</style>
-</head>
-<body>
-<h1>{title}</h1>
-{html}
-<script>{script}</script>
-</body>
-</html>
-"""
 
 
 def playback_renderers() -> tuple[Renderer, ...]:
@@ -67,10 +47,9 @@ def render_playback(playback: Playback, title: str) -> Rendered:
     )
     if playback.notes:
         html += "".join(f'<p class="quiet">{escape(note)}</p>' for note in playback.notes)
-    alone = _ALONE.format(
-        title=escape(title or "Playback"), style=_style(), html=html, script=_script()
-    )
-    return Rendered(html, files={".html": alone.encode()}, scripts=(_script(),), styles=(_style(),))
+    rendered = Rendered(html, scripts=_scripts(), styles=(_source("player.css"),))
+    alone = standalone_page(rendered, title or "Playback")
+    return replace(rendered, files={".html": alone.encode()})
 
 
 def _panels(playback: Playback) -> list[Panel]:
@@ -89,14 +68,8 @@ def _content(panel: Panel) -> str:
 
 
 @cache
-def _script() -> str:
-    parts = "\n".join(_source(f"{name}.js") for name in _SCRIPTS)
-    return f'"use strict";\n(() => {{\n{parts}}})();'
-
-
-@cache
-def _style() -> str:
-    return _source("player.css")
+def _scripts() -> tuple[str, ...]:
+    return tuple(_source(f"{name}.js") for name in _SCRIPTS)
 
 
 def _source(name: str) -> str:

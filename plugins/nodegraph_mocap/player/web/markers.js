@@ -1,159 +1,197 @@
 // Markers as dots: where each sample came from or how wrong it is, edges, trails, the truth.
+nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, project }) => {
+  const MISSING = 0;
+  const RECOVERED = 2;
+  const REPAIRED = 3;
+  const ORIGINS = ["missing", "captured", "recovered", "repaired"];
 
-const MISSING = 0;
-const RECOVERED = 2;
-const REPAIRED = 3;
-const ORIGINS = ["missing", "captured", "recovered", "repaired"];
+  // Colours that can be told apart on white and on black, by the colour-blind too; the origins'
+  // are those of the report's still figures, a little lighter.
+  const COLOURS = ["", "#2a86c8", "#e0453c", "#d98a00"];
+  const RAMP = [[42, 134, 200], [129, 112, 190], [196, 88, 148], [222, 84, 84], [232, 134, 20]];
 
-// Colours that can be told apart on white and on black, by the colour-blind too; the origins'
-// are those of the report's still figures, a little lighter.
-const COLOURS = ["", "#2a86c8", "#e0453c", "#d98a00"];
-const RAMP = [[42, 134, 200], [129, 112, 190], [196, 88, 148], [222, 84, 84], [232, 134, 20]];
-
-const errorColour = (error, largest) => {
-  const place = within(0, error / largest, 1) * (RAMP.length - 1);
-  const low = Math.min(Math.floor(place), RAMP.length - 2);
-  const parts = RAMP[low].map((one, part) => Math.round(one + (place - low) * (RAMP[low + 1][part] - one)));
-  return `rgb(${parts.join(", ")})`;
-};
-
-const isPresent = (panel, marker, frame) => panel.origin[marker * panel.frames + frame] !== MISSING;
-
-const projectMarker = (panel, by, marker, frame, dots, place) => {
-  const at = 3 * marker * panel.frames + frame;
-  const { places, frames } = panel;
-  project(by, places[at], places[at + frames], places[at + 2 * frames], dots, place);
-};
-
-// Where the markers of a frame lie in a picture; NaN for those that are missing.
-const markerDots = (panel, by, frame) => {
-  const dots = new Float64Array(3 * panel.markers.length).fill(NaN);
-  panel.markers.forEach((_, marker) => {
-    if (isPresent(panel, marker, frame)) projectMarker(panel, by, marker, frame, dots, 3 * marker);
-  });
-  return dots;
-};
-
-// How far each sample of a frame is from the truth, in millimetres; NaN where that is not known.
-const errorsOf = (panel, truth, frame) => panel.markers.map((_, marker) => {
-  const column = panel.truth ? panel.truth[marker] : -1;
-  if (column < 0 || !isPresent(panel, marker, frame) || !isPresent(truth, column, frame)) return NaN;
-  const at = 3 * marker * panel.frames + frame;
-  const there = 3 * column * truth.frames + frame;
-  return Math.hypot(...[0, 1, 2].map((k) => panel.places[at + k * panel.frames] - truth.places[there + k * truth.frames]));
-});
-
-// Where samples that were made, or are missing, should be: (marker, dots of the truth).
-const truthDots = (panel, truth, by, frame) => {
-  const found = [];
-  panel.markers.forEach((_, marker) => {
-    const column = panel.truth[marker];
-    const origin = panel.origin[marker * panel.frames + frame];
-    if (column < 0 || (origin !== MISSING && origin < RECOVERED) || !isPresent(truth, column, frame)) return;
-    const dots = [0, 0, 0];
-    projectMarker(truth, by, column, frame, dots, 0);
-    found.push({ marker, dots });
-  });
-  return found;
-};
-
-const drawEdges = (pen, panel, dots, ink) => {
-  pen.beginPath();
-  for (const [a, b] of panel.edges) {
-    // a line with an end that is NaN is not drawn, but it would end the path in some browsers
-    if (Number.isNaN(dots[3 * a] + dots[3 * b])) continue;
-    pen.moveTo(dots[3 * a], dots[3 * a + 1]);
-    pen.lineTo(dots[3 * b], dots[3 * b + 1]);
-  }
-  pen.lineWidth = 1.5;
-  pen.strokeStyle = ink.line;
-  pen.stroke();
-};
-
-// The way of every marker in the last frames; it is broken where samples are missing.
-const drawTrails = (pen, panel, by, frame, length, ink) => {
-  const dots = [0, 0, 0];
-  pen.beginPath();
-  for (let marker = 0; marker < panel.markers.length; marker += 1) {
-    let joined = false;
-    for (let one = Math.max(0, frame - length); one <= frame; one += 1) {
-      const there = isPresent(panel, marker, one);
-      if (there) {
-        projectMarker(panel, by, marker, one, dots, 0);
-        if (joined) pen.lineTo(dots[0], dots[1]);
-        else pen.moveTo(dots[0], dots[1]);
-      }
-      joined = there;
-    }
-  }
-  pen.lineWidth = 1.5;
-  pen.strokeStyle = ink.trail;
-  pen.stroke();
-};
-
-const drawTruth = (pen, panel, truth, dots, by, frame, size, ink) => {
-  pen.beginPath();
-  for (const one of truthDots(panel, truth, by, frame)) {
-    const [x, y] = one.dots;
-    pen.moveTo(x + 1.7 * size, y);
-    pen.arc(x, y, 1.7 * size, 0, 2 * Math.PI);
-    if (Number.isNaN(dots[3 * one.marker])) continue;
-    pen.moveTo(x, y);
-    pen.lineTo(dots[3 * one.marker], dots[3 * one.marker + 1]);
-  }
-  pen.lineWidth = 2;
-  pen.strokeStyle = ink.text;
-  pen.stroke();
-};
-
-// What is nearer is drawn later, over what is farther away; what was repaired is a diamond.
-const drawDots = (pen, panel, dots, frame, size, colourOf) => {
-  const order = panel.markers.map((_, marker) => marker).filter((marker) => !Number.isNaN(dots[3 * marker]));
-  order.sort((a, b) => dots[3 * a + 2] - dots[3 * b + 2]);
-  for (const marker of order) {
-    const [x, y] = [dots[3 * marker], dots[3 * marker + 1]];
-    pen.fillStyle = colourOf(marker);
-    pen.beginPath();
-    if (panel.origin[marker * panel.frames + frame] === REPAIRED) {
-      const half = 1.35 * size;
-      pen.moveTo(x - half, y);
-      pen.lineTo(x, y - half);
-      pen.lineTo(x + half, y);
-      pen.lineTo(x, y + half);
-    } else {
-      pen.arc(x, y, size, 0, 2 * Math.PI);
-    }
-    pen.fill();
-  }
-};
-
-// Draws a frame of a recording; returns where its markers lie.
-const drawMarkers = (pen, panel, by, frame, { study, choices, ink, dot }) => {
-  const dots = markerDots(panel, by, frame);
-  const { truth } = study;
-  const compared = truth && panel.truth;
-  const errors = compared && choices.colour === "error" ? errorsOf(panel, truth, frame) : [];
-  const colourOf = (marker) => {
-    if (choices.colour !== "error") return COLOURS[panel.origin[marker * panel.frames + frame]];
-    const error = errors[marker];
-    return Number.isFinite(error) ? errorColour(error, study.errors) : ink.line;
+  const errorColour = (error, largest) => {
+    const place = within(0, error / largest, 1) * (RAMP.length - 1);
+    const low = Math.min(Math.floor(place), RAMP.length - 2);
+    const parts = RAMP[low].map((one, part) => Math.round(one + (place - low) * (RAMP[low + 1][part] - one)));
+    return `rgb(${parts.join(", ")})`;
   };
-  drawEdges(pen, panel, dots, ink);
-  if (choices.trails) drawTrails(pen, panel, by, frame, Math.round(choices.trail * panel.rate), ink);
-  if (compared && choices.truth) drawTruth(pen, panel, truth, dots, by, frame, dot, ink);
-  drawDots(pen, panel, dots, frame, dot, colourOf);
-  return dots;
-};
 
-// A frame in words: how many samples came from where, and how wrong those are that were made.
-const toldMarkers = (panel, truth, frame) => {
-  const counts = [0, 0, 0, 0];
-  panel.markers.forEach((_, marker) => { counts[panel.origin[marker * panel.frames + frame]] += 1; });
-  const shown = [1, RECOVERED, REPAIRED, MISSING].filter((origin) => counts[origin]);
-  const told = shown.map((origin) => `${counts[origin]} ${ORIGINS[origin]}`).join(", ");
-  const made = (_, marker) => panel.origin[marker * panel.frames + frame] >= RECOVERED;
-  const errors = truth && panel.truth ? errorsOf(panel, truth, frame).filter(made).filter(Number.isFinite) : [];
-  if (!errors.length) return told;
-  const mean = errors.reduce((sum, one) => sum + one, 0) / errors.length;
-  return `${told}; ${errors.length} compared: mean error ${mean.toFixed(2)} mm, largest ${Math.max(...errors).toFixed(2)} mm`;
-};
+  const isPresent = (panel, marker, frame) => panel.origin[marker * panel.frames + frame] !== MISSING;
+
+  const placeOf = ({ places, frames }, marker, frame) => {
+    const at = 3 * marker * frames + frame;
+    return [places[at], places[at + frames], places[at + 2 * frames]];
+  };
+
+  // Errors may be drawn larger than they are: `magnified` is { truth, times } or null. Of a panel
+  // with samples that a method has made, these alone move.
+  const projectMarker = (panel, by, marker, frame, dots, place, magnified) => {
+    const point = placeOf(panel, marker, frame);
+    const column = magnified && panel.truth ? panel.truth[marker] : -1;
+    const judged = !panel.made || panel.origin[marker * panel.frames + frame] >= RECOVERED;
+    if (column >= 0 && judged && isPresent(magnified.truth, column, frame)) {
+      const there = placeOf(magnified.truth, column, frame);
+      for (let k = 0; k < 3; k += 1) point[k] = there[k] + magnified.times * (point[k] - there[k]);
+    }
+    project(by, ...point, dots, place);
+  };
+
+  // Where the markers of a frame lie in a picture; NaN for those that are missing.
+  const markerDots = (panel, by, frame, magnified) => {
+    const dots = new Float64Array(3 * panel.markers.length).fill(NaN);
+    panel.markers.forEach((_, marker) => {
+      if (isPresent(panel, marker, frame)) projectMarker(panel, by, marker, frame, dots, 3 * marker, magnified);
+    });
+    return dots;
+  };
+
+  // How far each sample of a frame is from the truth, in millimetres; NaN where that is not known.
+  const errorsOf = (panel, truth, frame) => panel.markers.map((_, marker) => {
+    const column = panel.truth ? panel.truth[marker] : -1;
+    if (column < 0 || !isPresent(panel, marker, frame) || !isPresent(truth, column, frame)) return NaN;
+    const there = placeOf(truth, column, frame);
+    return Math.hypot(...placeOf(panel, marker, frame).map((value, k) => value - there[k]));
+  });
+
+  // Where samples that were made, or are missing, should be: (marker, dots of the truth).
+  const truthDots = (panel, truth, by, frame) => {
+    const found = [];
+    panel.markers.forEach((_, marker) => {
+      const column = panel.truth[marker];
+      const origin = panel.origin[marker * panel.frames + frame];
+      if (column < 0 || (origin !== MISSING && origin < RECOVERED) || !isPresent(truth, column, frame)) return;
+      const dots = [0, 0, 0];
+      projectMarker(truth, by, column, frame, dots, 0, null);
+      found.push({ marker, dots });
+    });
+    return found;
+  };
+
+  const drawEdges = (pen, panel, dots, ink) => {
+    pen.beginPath();
+    for (const [a, b] of panel.edges) {
+      // a line with an end that is NaN is not drawn, but it would end the path in some browsers
+      if (Number.isNaN(dots[3 * a] + dots[3 * b])) continue;
+      pen.moveTo(dots[3 * a], dots[3 * a + 1]);
+      pen.lineTo(dots[3 * b], dots[3 * b + 1]);
+    }
+    pen.lineWidth = 1.5;
+    pen.strokeStyle = ink.line;
+    pen.stroke();
+  };
+
+  // The way of every marker in the last frames; it is broken where samples are missing.
+  const drawTrails = (pen, panel, by, frame, length, ink, magnified) => {
+    const dots = [0, 0, 0];
+    pen.beginPath();
+    for (let marker = 0; marker < panel.markers.length; marker += 1) {
+      let joined = false;
+      for (let one = Math.max(0, frame - length); one <= frame; one += 1) {
+        const there = isPresent(panel, marker, one);
+        if (there) {
+          projectMarker(panel, by, marker, one, dots, 0, magnified);
+          if (joined) pen.lineTo(dots[0], dots[1]);
+          else pen.moveTo(dots[0], dots[1]);
+        }
+        joined = there;
+      }
+    }
+    pen.lineWidth = 1.5;
+    pen.strokeStyle = ink.trail;
+    pen.stroke();
+  };
+
+  const drawTruth = (pen, panel, truth, dots, by, frame, size, ink) => {
+    pen.beginPath();
+    for (const one of truthDots(panel, truth, by, frame)) {
+      const [x, y] = one.dots;
+      pen.moveTo(x + 1.7 * size, y);
+      pen.arc(x, y, 1.7 * size, 0, 2 * Math.PI);
+      if (Number.isNaN(dots[3 * one.marker])) continue;
+      pen.moveTo(x, y);
+      pen.lineTo(dots[3 * one.marker], dots[3 * one.marker + 1]);
+    }
+    pen.lineWidth = 2;
+    pen.strokeStyle = ink.text;
+    pen.stroke();
+  };
+
+  // What is nearer is drawn later, over what is farther away; what was repaired is a diamond.
+  const drawDots = (pen, panel, dots, frame, size, colourOf) => {
+    const order = panel.markers.map((_, marker) => marker).filter((marker) => !Number.isNaN(dots[3 * marker]));
+    order.sort((a, b) => dots[3 * a + 2] - dots[3 * b + 2]);
+    for (const marker of order) {
+      const [x, y] = [dots[3 * marker], dots[3 * marker + 1]];
+      pen.fillStyle = colourOf(marker);
+      pen.beginPath();
+      if (panel.origin[marker * panel.frames + frame] === REPAIRED) {
+        const half = 1.35 * size;
+        pen.moveTo(x - half, y);
+        pen.lineTo(x, y - half);
+        pen.lineTo(x + half, y);
+        pen.lineTo(x, y + half);
+      } else {
+        pen.arc(x, y, size, 0, 2 * Math.PI);
+      }
+      pen.fill();
+    }
+  };
+
+  // A ring around the marker that the reader looks at, and its name.
+  const drawMarked = (pen, panel, dots, name, size, ink, width) => {
+    const marker = panel.markers.indexOf(name);
+    const [x, y] = [dots[3 * marker], dots[3 * marker + 1]];
+    if (marker < 0 || Number.isNaN(x)) return;
+    pen.beginPath();
+    pen.arc(x, y, 2.8 * size, 0, 2 * Math.PI);
+    pen.lineWidth = 2.5;
+    pen.strokeStyle = pen.fillStyle = ink.text;
+    pen.stroke();
+    pen.font = `${3.4 * size}px system-ui, sans-serif`;
+    const length = pen.measureText(name).width;
+    pen.fillText(name, within(4, x - length / 2, Math.max(4, width - length - 4)), y > 8 * size ? y - 4 * size : y + 6.5 * size);
+  };
+
+  // Draws a frame of a recording; returns where its markers lie.
+  const drawMarkers = (pen, panel, by, frame, { study, choices, ink, dot, size, marker: looked }) => {
+    const { truth } = study;
+    const magnified = truth && choices.times > 1 ? { truth, times: choices.times } : null;
+    const dots = markerDots(panel, by, frame, magnified);
+    const compared = truth && panel.truth;
+    const errors = compared && choices.colour === "error" ? errorsOf(panel, truth, frame) : [];
+    const colourOf = (marker) => {
+      if (choices.colour !== "error") return COLOURS[panel.origin[marker * panel.frames + frame]];
+      const error = errors[marker];
+      return Number.isFinite(error) ? errorColour(error, study.errors) : ink.line;
+    };
+    drawEdges(pen, panel, dots, ink);
+    if (choices.trails) drawTrails(pen, panel, by, frame, Math.round(choices.trail * panel.rate), ink, magnified);
+    if (compared && choices.truth) drawTruth(pen, panel, truth, dots, by, frame, dot, ink);
+    drawDots(pen, panel, dots, frame, dot, colourOf);
+    if (looked !== null) drawMarked(pen, panel, dots, looked, dot, ink, size);
+    return dots;
+  };
+
+  // A frame in words: how many samples came from where, and how wrong those are that were made.
+  const toldMarkers = (panel, truth, frame) => {
+    const counts = [0, 0, 0, 0];
+    panel.markers.forEach((_, marker) => { counts[panel.origin[marker * panel.frames + frame]] += 1; });
+    const shown = [1, RECOVERED, REPAIRED, MISSING].filter((origin) => counts[origin]);
+    const told = shown.map((origin) => `${counts[origin]} ${ORIGINS[origin]}`).join(", ");
+    const made = (_, marker) => panel.origin[marker * panel.frames + frame] >= RECOVERED;
+    const errors = truth && panel.truth ? errorsOf(panel, truth, frame).filter(made).filter(Number.isFinite) : [];
+    if (!errors.length) return told;
+    const mean = errors.reduce((sum, one) => sum + one, 0) / errors.length;
+    return `${told}; ${errors.length} compared: mean error ${mean.toFixed(2)} mm, largest ${Math.max(...errors).toFixed(2)} mm`;
+  };
+
+  // One sample in words.
+  const toldSample = (panel, truth, marker, frame) => {
+    const words = `${panel.markers[marker]}: ${ORIGINS[panel.origin[marker * panel.frames + frame]]}`;
+    const error = truth && panel.truth ? errorsOf(panel, truth, frame)[marker] : NaN;
+    return Number.isFinite(error) ? `${words}, ${error.toFixed(2)} mm off the truth` : words;
+  };
+
+  return { RECOVERED, REPAIRED, ORIGINS, RAMP, drawMarkers, toldMarkers, toldSample };
+});

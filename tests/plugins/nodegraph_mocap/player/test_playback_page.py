@@ -50,7 +50,7 @@ def test_markup_of_users_stays_text() -> None:
     tags = set(Tags(rendered.html).tags)
     assert tags == {"figure", "template", "details", "summary", "ul", "li", "p"}
     alone = rendered.files[".html"].decode()
-    assert alone.count("<script>") == 1
+    assert "<script>alert" not in alone
     assert "<img" not in alone
 
 
@@ -69,11 +69,9 @@ def test_all_of_the_player_comes_once_and_with_no_way_out() -> None:
     one, other = (render_playback(playback(), title) for title in ("one", "other"))
     assert one.scripts == other.scripts
     assert one.styles == other.styles
-    (script,) = one.scripts
     folder = Path(page.__file__).with_name("web")
-    sources = sorted(folder.glob("*.js"))
-    assert {source.stem for source in sources} == set(page._SCRIPTS)
-    assert all(source.read_text(encoding="utf-8") in script for source in sources)
+    sources = {source.read_text(encoding="utf-8") for source in folder.glob("*.js")}
+    assert sources == set(one.scripts)
     for text in (*one.scripts, *one.styles):
         assert not re.search(r"https?:|url\(|@import|fetch\(|innerHTML|eval\(", text)
 

@@ -121,6 +121,34 @@ def test_it_opens_where_most_samples_were_made() -> None:
     assert Read.of(playback(whole, truth=nowhere)).head["start"] == 30 / 60
 
 
+def test_gaps_are_what_methods_made_for_a_while() -> None:
+    truth = recordings()["complete"]
+    filled = made(made(made(truth, 2, 5, 25), 1, 3, 12), 4, 20, 31)
+    read = Read.of(playback(truth, filled, filled))
+    assert read.head["gaps"] == [
+        [5 / 60, 25 / 60, truth.markers[2]],
+        [20 / 60, 31 / 60, truth.markers[4]],
+    ]
+    assert Read.of(playback(made(truth, 2, 0, 40))).head["gaps"] == []
+
+
+def test_each_panel_has_the_mean_error_of_what_was_made() -> None:
+    truth = recordings()["complete"]
+    filled = made(truth, 2, 5, 25)
+    shifted = replace(filled, positions=filled.positions + np.array([0.0, 3.0, 4.0]))
+    read = Read.of(playback(shifted, replace(truth, positions=truth.positions + 0.6), truth=truth))
+    errors = [panel["error"] for panel in read.head["panels"]]
+    assert errors == [None, pytest.approx(5.0), pytest.approx(0.6 * np.sqrt(3))]
+    assert Read.of(playback(shifted)).head["panels"][0]["error"] is None
+
+
+def made(recording: Trajectories, marker: int, first: int, stop: int) -> Trajectories:
+    """Return a recording some of whose samples are filled, where they were."""
+    changed = np.zeros(recording.origin.shape, bool)
+    changed[first:stop, marker] = True
+    return recording.with_samples(recording.positions, changed=changed, origin=Origin.FILLED)
+
+
 def test_a_head_alone_starts_where_it_moves_most() -> None:
     moved = animations()["complete"]
     sizes = np.abs(moved.morph_weights).sum(axis=1)

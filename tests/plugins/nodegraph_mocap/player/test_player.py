@@ -258,18 +258,19 @@ def test_play_goes_on_and_pause_stops(tab: Tab, tmp_path: Path) -> None:
     assert tab.value(f"{FIRST}.seconds") == stopped
 
 
-def test_the_clock_runs_slower_and_round(tab: Tab, tmp_path: Path) -> None:
+def test_the_clock_runs_slower_faster_and_round(tab: Tab, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, panel(face))
     passed = f"{{ {FIRST}.seek(0); {FIRST}.last = 0; {FIRST}.advance(80); }}"
     tab.value(passed)
     assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.08)
-    tab.value(
-        "{ const one = document.querySelector('.playback select'); "
-        "one.value = '0.1'; one.dispatchEvent(new Event('change')); }"
-    )
-    tab.value(passed)
-    assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.008)
+    for speed in (4, 0.1):
+        tab.value(
+            "{ const one = document.querySelector('.playback select'); "
+            f"one.value = '{speed}'; one.dispatchEvent(new Event('change')); }}"
+        )
+        tab.value(passed)
+        assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.08 * speed)
     tab.value(f"{{ {FIRST}.seconds = 0.66; {FIRST}.last = 0; {FIRST}.advance(100); }}")
     assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.67 - face.frames / face.rate)
 
@@ -426,7 +427,7 @@ def test_every_control_has_a_name(tab: Tab, tmp_path: Path) -> None:
     controls = {"button", "slider", "checkbox", "combobox"}
     assert {name for role, name in named if role in controls} >= {
         *("Play", "One frame back", "One frame on", "Frame", "Speed", "Colour", "Truth", "Trails"),
-        *("Smaller", "Larger", "From the front"),
+        *("Smaller", "Larger", "From the front", "Errors", "Enlarge one"),
     }
     assert all(name for role, name in named if role in controls)
     assert {("image", "one"), ("image", "head"), ("image", "truth")} <= {
@@ -434,11 +435,95 @@ def test_every_control_has_a_name(tab: Tab, tmp_path: Path) -> None:
     }
 
 
+def filled(offset: float, marker: int = 6, first: int = 8, stop: int = 20) -> Trajectories:
+    """Return a recording with one gap, filled off its truth by so many mm upwards."""
+    whole = replace(recordings()["complete"], marker_set=None)
+    changed = np.zeros(whole.origin.shape, bool)
+    changed[first:stop, marker] = True
+    moved = whole.positions + changed[..., None] * np.array([0.0, offset, 0.0])
+    return whole.with_samples(moved, changed=changed, origin=Origin.FILLED)
+
+
+def shown_panels(tab: Tab) -> list[str]:
+    labels = "[...document.querySelectorAll('.stage .name span')].map((one) => one.textContent)"
+    return list(tab.value(labels))
+
+
+def test_of_many_panels_the_best_are_shown_until_others_are_chosen(
+    tab: Tab, tmp_path: Path
+) -> None:
+    truth = recordings()["complete"]
+    fills = [panel(filled(offset), f"off by {offset}") for offset in (8, 7, 6, 5, 4, 3, 2, 1)]
+    show(tab, tmp_path, *fills, truth=panel(truth, "truth"))
+    assert shown_panels(tab) == ["truth", *(f"off by {offset}" for offset in (5, 4, 3, 2, 1))]
+    assert len(tab.value(f"{FIRST}.state.panels")) == 6
+    chips = "[...document.querySelectorAll('.chooser button')].map((one) => one.textContent)"
+    assert tab.value(chips)[:2] == ["truth", "off by 8 8.00"]
+    tab.click(".chooser button:nth-of-type(2)")
+    assert shown_panels(tab) == ["truth", *(f"off by {offset}" for offset in (8, 4, 3, 2, 1))]
+    tab.value(f"{FIRST}.follow({{ method: 'off by 7', marker: null }})")
+    assert shown_panels(tab) == ["truth", *(f"off by {offset}" for offset in (8, 7, 3, 2, 1))]
+    selected = tab.value("document.querySelector('.panel.selected .name span').textContent")
+    assert selected == "off by 7"
+    tab.click(".chooser button:nth-of-type(2)")
+    assert "off by 8" not in shown_panels(tab)
+
+
+def test_gaps_are_marked_and_visited_one_after_the_other(tab: Tab, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(filled(3.0)), panel(filled(3.0, 2, 22, 34), "other"))
+    assert tab.value("document.querySelectorAll('.gaps span').length") == 2
+    seen = []
+    for _ in range(3):
+        tab.click(".playback [aria-label='Next gap']")
+        seen.append((tab.value(f"{FIRST}.state.tick"), tab.value(f"{FIRST}.marker")))
+    nose, cheek = recordings()["complete"].markers[6], recordings()["complete"].markers[2]
+    assert seen[0] in ((14, nose), (28, cheek))
+    assert set(seen) == {(14, nose), (28, cheek)}
+
+
+def test_pointing_at_a_marker_names_it_and_a_click_enlarges(tab: Tab, tmp_path: Path) -> None:
+    face = filled(3.0)
+    show(tab, tmp_path, panel(face), panel(face, "other"), truth=panel(filled(0.0), "truth"))
+    tab.value(f"{FIRST}.seek(10)")
+    state = tab.value(f"{FIRST}.state")
+    x, y, _ = dots(state, 1)[6]
+    share = state["panels"][1]["size"]
+    left, top, width = tab.value(
+        "(() => { const canvas = document.querySelectorAll('canvas')[1];"
+        "canvas.scrollIntoView({ block: 'center' });"
+        "const box = canvas.getBoundingClientRect(); return [box.x, box.y, box.width]; })()"
+    )
+    at = left + x / share * width, top + y / share * width
+    tab.mouse("mouseMoved", *at)
+    tip = "[...document.querySelectorAll('.tip:not([hidden])')].map((one) => one.textContent)"
+    assert tab.value(tip) == [f"{face.markers[6]}: recovered, 3.00 mm off the truth"]
+    tab.mouse("mousePressed", *at)
+    tab.mouse("mouseReleased", *at)
+    wide = "document.querySelectorAll('canvas')[1].clientWidth"
+    assert tab.value(wide) > 1.5 * width
+    tab.click(".playback [aria-label='Shrink one']")
+    assert tab.value(wide) == pytest.approx(width, abs=1)
+
+
+def test_errors_are_drawn_ten_times_as_large(tab: Tab, tmp_path: Path) -> None:
+    truth = filled(0.0)
+    show(tab, tmp_path, panel(filled(2.0)), truth=panel(truth, "truth"))
+    tab.value(f"{FIRST}.seek(10)")
+    tab.value(
+        "{ const one = document.querySelectorAll('.playback select')[2]; "
+        "one.value = '10'; one.dispatchEvent(new Event('change')); }"
+    )
+    state = tab.value(f"{FIRST}.state")
+    expected = projected(filled(20.0).positions[10], state["panels"][1]["size"])
+    assert np.abs(dots(state, 1) - expected).max() < 0.6
+    assert "10 times" in tab.value("document.querySelector('.legend').textContent")
+
+
 def test_labels_with_markup_are_text(tab: Tab, tmp_path: Path) -> None:
     face = recordings()["complete"]
     named = replace(face, markers=(HOSTILE, *face.markers[1:]), marker_set=None)
     show(tab, tmp_path, panel(named, HOSTILE), panel(face, "</template><b>x"))
-    assert tab.value("document.querySelector('.playback .name').textContent") == HOSTILE
+    assert tab.value("document.querySelector('.playback .name span').textContent") == HOSTILE
     assert tab.value("document.querySelectorAll('main img, main b').length") == 0
     assert tab.value("document.title") == "A title"
 
