@@ -89,7 +89,7 @@ def standalone_page(rendered: Rendered, title: str) -> str:
     Like a report it works offline, follows the reader's colours, and runs no script but those of
     `rendered` and the modules of a report.
     """
-    own = [*(_source(f"{name}.js") for name in SCRIPTS), _NO_SERVER]
+    own = [*(source(f"{name}.js") for name in SCRIPTS), _NO_SERVER]
     scripts = _once(own, [rendered.scripts])
     return (
         templates_of("nodegraph.report")
@@ -99,7 +99,7 @@ def standalone_page(rendered: Rendered, title: str) -> str:
             rendered=rendered,
             policy=policy([rendered.html], *scripts),
             scripts=scripts,
-            styles=_once([_source("page.css")], [rendered.styles]),
+            styles=_once([source("page.css")], [rendered.styles]),
         )
     )
 
