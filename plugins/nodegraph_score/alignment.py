@@ -10,6 +10,7 @@ from pydantic import Field
 
 from nodegraph import Across, Refusal, Truth, node
 from nodegraph_mocap import Figure, HeadMotion, Table, Trajectories
+from nodegraph_score.alignment_lead import lead_of
 from nodegraph_score.alignment_text import FACE, HEAD, answer, left_out
 from nodegraph_score.components import (
     Components,
@@ -219,6 +220,7 @@ def _joined(parts: list[Table], notes: list[str], axes: tuple[str, ...]) -> Tabl
     info = TableInfo(
         title="What PCA finds",
         answer=tuple(answer(parts, axes)),
+        lead=lead_of(parts, axes),
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
     )

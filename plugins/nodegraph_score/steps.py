@@ -12,6 +12,7 @@ import numpy as np
 from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import chunks
+from nodegraph_score.steps_lead import lead_of
 from nodegraph_score.steps_text import BETTER, WORSE, absences, left_out, sentence, worse
 from nodegraph_tables import TableInfo, with_info
 
@@ -117,6 +118,7 @@ def steps(
     info = TableInfo(
         title="What each step did",
         answer=tuple(sentence(row) for row in rows),
+        lead=lead_of(rows),
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
     )

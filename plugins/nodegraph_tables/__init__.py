@@ -7,12 +7,15 @@ from nodegraph import Comparison, Conclusion, Renderer, Storage, hookimpl
 from nodegraph_tables.comparisons import comparisons, differences, name_differences
 from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
 from nodegraph_tables.info import BetterEnd, TableInfo, info_of, with_info
+from nodegraph_tables.lead import Card, Lead
 from nodegraph_tables.style import figure_text
 from nodegraph_tables.types import Figure, Table
 
 __all__ = [
     "BetterEnd",
+    "Card",
     "Figure",
+    "Lead",
     "StoredFigure",
     "Table",
     "TableInfo",

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic.dataclasses import dataclass
 
+from nodegraph_tables.lead import Lead
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -25,6 +27,8 @@ class TableInfo:
         The caption. Default: what the report calls the result.
     answer : tuple of str
         Sentences that answer the question of the study; the report begins with them.
+    lead : Lead, optional
+        The same at a glance, which takes their place on the first screen of a report.
     notes : tuple of str
         Remarks below the table.
     units : mapping of column to str
@@ -53,6 +57,7 @@ class TableInfo:
 
     title: str = ""
     answer: tuple[str, ...] = ()
+    lead: Lead | None = None
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     better: Mapping[str, BetterEnd] = field(default_factory=dict)

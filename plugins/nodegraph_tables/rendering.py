@@ -10,6 +10,7 @@ from nodegraph import Rendered, listed
 from nodegraph_tables.cells import Cell, Column, columns_of
 from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
+from nodegraph_tables.lead import lead_html, lead_style
 from nodegraph_tables.types import Table
 
 if TYPE_CHECKING:
@@ -75,6 +76,8 @@ def _rendered(table: pd.DataFrame, caption: str, number: str = "") -> Rendered:
         text=_text(columns, notes),
         files={".csv": csv, ".tex": _latex(caption, columns, constants).encode()},
         answer=info.answer,
+        lead=lead_html(info.lead) if info.lead else "",
+        styles=(lead_style(),) if info.lead else (),
         grid=grid_of(table, caption),
     )
 

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from nodegraph import Across, ColumnOf, Label, listed, node
 from nodegraph_compare.curve.answer import answer, losses, notes
+from nodegraph_compare.curve.lead import lead_of
 from nodegraph_compare.curve.marks import Mark, marks
 from nodegraph_compare.curve.points import Axes, floors, points, unit_names
 from nodegraph_compare.curve.scale import scale_of
@@ -280,6 +281,7 @@ def curve(
     info = TableInfo(
         title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
         answer=tuple(answer(axes, curves, marked, level, mark, tolerance, unit)),
+        lead=lead_of(axes, curves, marked, level, scale, mark, tolerance, unit),
         notes=(
             *notes(axes, marked, level, unit_names(scores, axes)),
             *losses(scores, axes, curves, level, skipped=True),

@@ -23,6 +23,7 @@ from nodegraph_compare.question import (
     blocks_name,
 )
 from nodegraph_compare.ranks.answer import answers
+from nodegraph_compare.ranks.lead import lead_of
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank
 from nodegraph_compare.scope import rules
 from nodegraph_mocap import Figure, Table
@@ -157,6 +158,7 @@ def ranks(
     info = TableInfo(
         title=f"Mean ranks of {question.metric}{question.by}",
         answer=tuple(answers(rankings, question, test, blocks_name(scores, question), instead)),
+        lead=lead_of(rankings, question, blocks_name(scores, question)),
         notes=(
             f"{block_text(question)} {end_text(question)} {rules(question)}",
             f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "

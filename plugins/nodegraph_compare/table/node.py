@@ -35,6 +35,7 @@ from nodegraph_compare.table.layout import (
     long_table,
     wide_table,
 )
+from nodegraph_compare.table.lead import lead_of
 from nodegraph_compare.table.sensitivity import summary_of
 from nodegraph_compare.table.summary import Summary, by_ratio, summarise
 from nodegraph_mocap import Figure, Table
@@ -244,6 +245,7 @@ def table(
     info = replace(
         info,
         answer=tuple(answers(summaries, question, unit, comparison.blocks, instead)),
+        lead=lead_of(summaries, question, unit, comparison.blocks),
         notes=(
             *notes(summaries, question, against, instead),
             *info.notes,

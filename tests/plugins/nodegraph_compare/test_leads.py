@@ -1,0 +1,118 @@
+"""The answers of curves, ranks, and of comparisons without a better end, at a glance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nodegraph import Across
+from nodegraph_compare.curve.marks import Mark
+from nodegraph_compare.curve.node import curve
+from nodegraph_compare.ranks.node import ranks
+from nodegraph_compare.table.node import table
+from nodegraph_tables import Lead, info_of
+from nodegraph_tables.lead import lead_html
+
+KNEE = {10: 1.0, 20: 0.1, 30: 0.08, 40: 0.06}
+VALLEY = {10: 1.0, 20: 0.1, 30: 0.3, 40: 0.05}
+
+
+def lead(result: Any) -> Lead:
+    found = info_of(result.table).lead
+    assert found is not None
+    assert lead_html(found)
+    return found
+
+
+def text(found: Lead) -> str:
+    return "".join(found.sentence)
+
+
+def over_markers(
+    floor: float | None = None, mark: Mark = "shared", **values: dict[int, float]
+) -> Lead:
+    scores = {
+        actor: pd.DataFrame({"markers": [*points], "mse": [*points.values()]})
+        for actor, points in values.items()
+    }
+    noise = None
+    if floor is not None:
+        noise = Across.of({actor: pd.DataFrame({"mse": [floor]}) for actor in values}, axis="actor")
+    shown = curve(
+        Across.of(scores, axis="actor"), noise, x="markers", metric="mse", compare="actor",
+        mark=mark,
+    )  # fmt: skip
+    return lead(shown)
+
+
+def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
+    found = over_markers(0.07, ME=KNEE, JZ=KNEE)
+    assert [(card.title, card.headline, card.value) for card in found.cards] == [
+        ("actor ME", "20 markers", "knee"), ("actor JZ", "20 markers", "knee"),
+    ]  # fmt: skip
+    assert "0.100" in found.cards[0].aside
+    assert found.cards[0].facts == (("Noise", "0.0700, reached at 40"),)
+    assert "20 markers" in text(found)
+    assert "noise is reached at 40" in text(found)
+    assert "<rect" in found.cards[0].picture
+
+
+def test_a_curve_above_the_noise_says_so() -> None:
+    found = over_markers(0.001, ME=KNEE, JZ=KNEE)
+    assert "no curve comes down to measurement noise" in text(found)
+    assert "not reached" in found.cards[0].facts[0][1]
+
+
+def test_a_shared_minimum_is_the_answer() -> None:
+    found = over_markers(ME=VALLEY, JZ=VALLEY)
+    assert "All 2 curves" in text(found)
+    assert {card.value for card in found.cards} == {"shared minimum"}
+
+
+def test_without_a_mark_the_lowest_point_stands_there() -> None:
+    found = over_markers(mark="none", ME=KNEE)
+    assert (found.cards[0].headline, found.cards[0].best) == ("40 markers", False)
+    with pytest.warns(UserWarning, match="left out"):
+        nothing = over_markers(ME={10: float("nan")})
+    assert not nothing.cards
+    assert "No point has a number" in text(nothing)
+
+
+def gathered(shift: float) -> Across[pd.DataFrame]:
+    random = np.random.default_rng(0)
+    tables = {
+        name: pd.DataFrame({"take": range(8), "rmse": random.uniform(1, 2, 8) + shift * place})
+        for place, name in enumerate(("ridge", "linear", "cubic"))
+    }
+    return Across.of(tables, axis="fill")
+
+
+def test_ranks_name_the_first_and_those_that_are_not_apart() -> None:
+    found = lead(ranks(gathered(0.5), clusters=("take",)))
+    (card,) = found.cards
+    assert (card.headline, card.best) == ("ridge", True)
+    assert card.facts[0] == ("Tied", "linear")
+    assert card.facts[1] == ("Apart", "1 methods")
+    assert text(found) == "ridge has the lowest mean rank."
+    assert "8 takes" in found.scope
+
+
+def test_ranks_that_chance_explains_are_no_verdict() -> None:
+    found = lead(ranks(gathered(0.0), clusters=("take",)))
+    assert found.cards[0].headline == "no verdict"
+    assert "do not tell the methods apart" in text(found)
+
+
+def test_means_of_steps_stand_in_a_row() -> None:
+    steps = {"original": 213.0, "shifted": 30.0, "scaled": 12.0, "turned": 1e-31}
+    tables = {name: pd.DataFrame({"squared": [value]}) for name, value in steps.items()}
+    found = lead(table(Across.of(tables, axis="align"), metric="squared", better="none"))
+    assert [card.headline for card in found.cards] == ["213", "30.0", "12.0", "0"]
+    assert "falls from 213 (original) to 30.0 (shifted)" in text(found)
+
+
+def test_a_comparison_with_a_better_end_leaves_the_answer_to_its_overview() -> None:
+    assert info_of(table(gathered(0.5), clusters=("take",)).table).lead is None

@@ -1,0 +1,74 @@
+"""The answers of the scores of steps and of alignments at a glance."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+from pandas import DataFrame
+
+from nodegraph import Across
+from nodegraph_mocap import Trajectories
+from nodegraph_score.alignment_lead import lead_of
+from nodegraph_score.steps import steps
+from nodegraph_tables import Lead, info_of
+from nodegraph_tables.lead import lead_html
+
+
+def recording(error: float, missing: int = 0) -> Trajectories:
+    positions = np.zeros((10, 2, 3))
+    positions[:, 1, 0] = 50.0
+    positions[:5, 0, 1] = error
+    positions[5 : 5 + missing, 0] = np.nan
+    return Trajectories(positions=positions, markers=("a", "b"), rate=60.0)
+
+
+def of_steps(**errors: float) -> Lead:
+    stages = {name: recording(error, name == "captured") for name, error in errors.items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = info_of(steps(Across.of(stages, axis="stage"), recording(0.0))).lead
+    assert found is not None
+    assert lead_html(found)
+    return found
+
+
+def test_a_step_has_a_card_with_before_and_after() -> None:
+    found = of_steps(captured=4.0, fill=4.0, despike=1.0, smooth=0.5)
+    assert [card.title for card in found.cards] == ["captured", "fill", "despike", "smooth"]
+    assert [card.best for card in found.cards] == [False, False, True, True]
+    despike = found.cards[2]
+    assert dict(despike.facts)["Step"] == "changes 5 samples; 100% come nearer"
+    assert "before 4.00 mm" in despike.picture
+    assert "after 1.00 mm" in despike.picture
+    assert "adds 1 at" in dict(found.cards[1].facts)["Step"]
+    assert "".join(found.sentence) == (
+        "despike does most: 4.00 to 1.00 mm over the 5 samples that it changes. No step makes it "
+        "worse."
+    )
+
+
+def test_a_step_that_makes_it_worse_is_named() -> None:
+    found = of_steps(captured=4.0, smooth=5.0)
+    assert "smooth makes it worse" in "".join(found.sentence)
+    assert "No step brings" in found.sentence[0]
+    assert 'class="worse"' in found.cards[1].picture
+
+
+def part(name: str, head: float, in_all: float) -> DataFrame:
+    return DataFrame(
+        {
+            "align": name, "component": [1, 2], "share": [0.7, 0.3], "head motion": [head, 0.0],
+            "finds": ["head motion" if head > 0.5 else "face", "face"], "in all": in_all,
+        }
+    )  # fmt: skip
+
+
+def test_head_motion_is_told_of_the_recording_with_most_of_it() -> None:
+    found = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
+    assert "".join(found.sentence) == (
+        "Head motion makes 56 % of all variance in captured; in the other, at most 0 %."
+    )
+    assert [card.headline for card in found.cards] == ["0 %", "56 %"]
+    assert "head motion first" in found.cards[1].aside
+    assert lead_html(found).count("<rect") == 8
