@@ -1,0 +1,199 @@
+"use strict";
+// One block in a dialog: what it is, why it is suspect, the errors of all methods, how it looks where
+// a plugin shows that, and the command that computes it alone.
+nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"], (page, selection, chart) => {
+  const { element } = page;
+
+  const shellWord = (label) => (/^[\w.:/@%+-]+$/.test(label) ? label : `'${String(label).replaceAll("'", "'\\''")}'`);
+
+  // What is known of a block: labels of its group and its own, and when it is.
+  const labelsOf = (view, block) => {
+    const { start, frames } = view.group.json;
+    return {
+      ...Object.fromEntries(view.overview.within.map(({ name }, at) => [name, view.group.labels[at]])),
+      ...Object.fromEntries(view.group.labelsOf(block)),
+      ...(Number.isFinite(start?.[block]) ? { start: start[block] } : {}),
+      ...(Number.isFinite(frames?.[block]) ? { frames: frames[block] } : {}),
+    };
+  };
+
+  const commandOf = (view, block) => {
+    const { text } = view.overview.json.command ?? {};
+    const method = view.method ?? view.ranked()[0];
+    const labels = { ...labelsOf(view, block), [view.overview.json.compare]: view.overview.methods[method] };
+    return (text ?? "").replace(/\{([^{}]+)\}/g, (all, name) => (name in labels ? shellWord(labels[name]) : all));
+  };
+
+  const errorsOf = (view, block) => {
+    const sign = view.metric.better === "higher" ? -1 : 1;
+    const methods = view.shown([view.group]).map((method) => ({
+      method, label: view.overview.methods[method], value: view.group.error(view.metric.name, block, method),
+    }));
+    const last = (value) => (Number.isFinite(value) ? sign * value : Infinity);
+    return methods.sort((a, b) => last(a.value) - last(b.value) || a.method - b.method);
+  };
+
+  const bars = (view, errors) => {
+    const most = Math.max(...errors.map(({ value }) => Math.abs(value)).filter(Number.isFinite), 1e-300);
+    return element("ol", { class: "bars" }, ...errors.map(({ method, label, value }, at) => element("li", {},
+      element("button", {
+        ...chart.methodMark(view, method, at, null), role: null, type: "button", class: `method ${view.roles(method)}`,
+        style: `--part: ${Number.isFinite(value) ? (100 * Math.abs(value)) / most : 0}%`, tabindex: at ? -1 : 0,
+      }, element("span", {}, label), element("span", {}, page.number(value))))));
+  };
+
+  class BlockDialog {
+    constructor(view, detail) {
+      this.view = view;
+      this.detail = detail;
+      this.place = element("div", { class: "block" });
+      this.dialog = element("dialog", { class: "block-dialog", "aria-labelledby": `block-title-${view.overview.json.node}` }, this.place);
+      this.from = null;
+      document.body.append(this.dialog);
+      this.dialog.addEventListener("close", () => {
+        if (view.block !== null) view.set({ block: null });
+        this.key = null;
+        this.place.replaceChildren();
+        if (this.from?.isConnected) this.from.focus();
+      });
+      this.dialog.addEventListener("click", (event) => {
+        if (event.target === this.dialog) this.dialog.close();
+        const mark = event.target.closest("[data-method]");
+        if (mark) selection.toggle("method", mark.dataset.method);
+      });
+      this.dialog.addEventListener("keydown", (event) => {
+        const step = { PageUp: -1, PageDown: 1 }[event.key];
+        if (step) {
+          event.preventDefault();
+          this.step(step);
+        } else if (event.target.closest(".bars")) chart.walk(this.dialog, event);
+      });
+      view.on(() => this.update());
+      this.update();
+    }
+
+    // Blocks in the order of the dots: by the error of the best method, the largest first.
+    get order() {
+      const { view } = this;
+      const first = view.ranked()[0];
+      const error = (block) => view.group.error(view.metric.name, block, first);
+      return [...view.numbers().blocks].sort((a, b) => error(b) - error(a));
+    }
+
+    step(by) {
+      const { order, view } = this;
+      const next = order[order.indexOf(view.block) + by];
+      if (next !== undefined) view.set({ block: next });
+    }
+
+    update() {
+      const { view, dialog } = this;
+      const { block } = view;
+      if (block === null) {
+        if (dialog.open) dialog.close();
+        return;
+      }
+      if (!dialog.open) {
+        this.from = document.activeElement;
+        dialog.showModal();
+      }
+      this.render(block);
+    }
+
+    render(block) {
+      const { view } = this;
+      const { json } = view.overview;
+      const key = `${view.group.index}/${block}`;
+      const errors = errorsOf(view, block);
+      const list = element("div", { class: "errors" },
+        element("h3", {}, `${view.metric.name} here${view.metric.unit ? `, ${view.metric.unit}` : ""}`), bars(view, errors));
+      if (key === this.key) {
+        // another method or metric: what shows the block follows the selection by itself
+        const focus = this.place.contains(document.activeElement) ? document.activeElement.dataset.key : null;
+        this.place.querySelector(".errors").replaceWith(list);
+        if (focus) [...list.querySelectorAll("[data-key]")].find((mark) => mark.dataset.key === focus)?.focus();
+        return;
+      }
+      this.key = key;
+      const { order } = this;
+      const at = order.indexOf(block);
+      const reason = view.group.reasons[block];
+      const labels = view.group.labelsOf(block).map(([name, label]) => `${name} ${label}`);
+      const title = element("h2", { id: `block-title-${json.node}`, tabindex: -1 }, view.group.nameOf(block));
+      const stage = element("div", { class: "stage" });
+      const command = commandOf(view, block);
+      const copy = element("button", { type: "button", class: "copy-command", onclick: async () => {
+        await page.copy(command);
+        copy.textContent = "Copied";
+        page.announce("The command is copied");
+      } }, "Copy");
+      this.place.replaceChildren(
+        element("div", { class: "head" },
+          element("div", {}, title, element("p", {}, [view.group.title, ...labels].filter(Boolean).join(" \u00b7 ")),
+            reason !== undefined ? element("p", { class: "suspect" }, `\u25c7 Suspect${reason ? `: ${reason}` : ""}.`) : null),
+          element("div", { class: "steps" },
+            element("button", { type: "button", disabled: at < 1, onclick: () => this.step(-1), title: "The one with the next larger error (Page Up)" }, "\u2190 larger"),
+            element("button", { type: "button", disabled: at < 0 || at === order.length - 1, onclick: () => this.step(1), title: "The one with the next smaller error (Page Down)" }, "smaller \u2192"),
+            element("button", { type: "button", onclick: () => this.dialog.close() }, "Close"))),
+        element("div", { class: "body" }, stage, list),
+        command ? element("div", { class: "command-line" }, element("code", { tabindex: 0 }, command), copy) : null);
+      title.focus();
+      this.show(stage, key, { errors, command });
+    }
+
+    // How the block looks: its data are in the page, come from a server, or need a run.
+    async show(stage, key, { errors, command }) {
+      const { view, detail } = this;
+      const { json } = view.overview;
+      const say = (text) => stage.replaceChildren(element("p", { class: "quiet" }, text));
+      const id = json.detail?.packed[key];
+      if (!json.detail || !detail.module) {
+        stage.remove();
+        return;
+      }
+      let packed = id && page.data(id);
+      if (!packed && detail.server) {
+        say("Computing this view \u2026");
+        try {
+          packed = await detail.server.get("detail", {
+            node: json.node, compare: json.compare, methods: view.overview.methods, block: labelsOf(view, view.block),
+          });
+        } catch (error) {
+          say(`It could not be computed: ${error.message}`);
+          return;
+        }
+      }
+      if (this.key !== key) return;
+      if (!packed) {
+        say(`This page does not hold how this one looks. Open the run with nodegraph open, or compute it with the command below.`);
+        return;
+      }
+      detail.module.show(stage, packed, {
+        overview: json, group: view.group.index, block: Number(key.split("/")[1]), selection, command,
+        errors: errors.map(({ label, value }) => ({ method: label, value })),
+      });
+    }
+  }
+
+  // Blocks that are worth a look, as buttons.
+  const suggest = (host, view) => {
+    const { suggested } = view.overview.json;
+    if (!suggested?.length) return;
+    const entry = ({ group, block, why }) => {
+      const from = view.overview.groups[group];
+      const method = view.numbers(from).best[0];
+      const value = method === undefined ? "" : ` \u00b7 ${view.overview.methods[method]} ${view.error(from.error(view.metric.name, block, method))}`;
+      return element("button", {
+        type: "button", class: `suggestion${from.isSuspect(block) ? " suspect" : ""}`,
+        onclick: () => view.set({ group, block }),
+      }, element("b", {}, `${from.isSuspect(block) ? "\u25c7 " : ""}${why[0].toUpperCase()}${why.slice(1)}`),
+      element("span", {}, `${[from.title, from.nameOf(block)].filter(Boolean).join(" \u00b7 ")}${value}`));
+    };
+    const list = element("div", { class: "suggestions" });
+    const redraw = () => list.replaceChildren(...suggested.map(entry));
+    host.append(element("h4", {}, `Worth a look`), list);
+    redraw();
+  };
+
+  return { BlockDialog, suggest };
+});

@@ -1,0 +1,393 @@
+"use strict";
+// Every block a dot, a row per method, on a canvas. Dots are stamped into pixels row by row, which
+// takes a million of them in a fraction of a second; what is pointed at is drawn over that picture.
+nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "compare/scale", "compare/overview"], (page, selection, chart, scales, { medianOf }) => {
+  const { element } = page;
+  const { strong } = chart;
+  const TOP = 26;
+  const REACH = 9;
+  const CELL = 4;
+  const ROW_LABEL = 13;
+  const LETTER = 6.8;
+
+  // A fixed share of the row's height for each block, without pattern: 0 to 1.
+  const jitter = (block) => {
+    let hash = Math.imul(block + 1, 0x9e3779b1);
+    hash = Math.imul(hash ^ (hash >>> 15), 0x85ebca6b);
+    return ((hash ^ (hash >>> 13)) >>> 0) / 2 ** 32;
+  };
+
+  // Coverage of a disc or of the rim of a diamond, pixel by pixel.
+  const stamp = (radius, rim) => {
+    const half = Math.ceil(radius + 0.5);
+    const cells = [];
+    for (let y = -half; y <= half; y += 1) {
+      for (let x = -half; x <= half; x += 1) {
+        const far = rim ? Math.abs(x) + Math.abs(y) : Math.hypot(x, y);
+        const cover = rim ? scales.between(rim / 2 + 0.5 - Math.abs(far - radius), 0, 1) : scales.between(radius + 0.5 - far, 0, 1);
+        if (cover > 0.02) cells.push([x, y, cover]);
+      }
+    }
+    return cells;
+  };
+
+  const colour = (host, name) => {
+    const probe = element("i", { style: `color: var(--${name})` });
+    host.append(probe);
+    const channels = getComputedStyle(probe).color.match(/[\d.]+/g).slice(0, 3).map(Number);
+    probe.remove();
+    return channels;
+  };
+
+  // Layout of the picture: where rows and values are.
+  class Dots {
+    constructor(view, plot, width) {
+      this.view = view;
+      this.width = width;
+      this.ratio = Math.min(2, devicePixelRatio || 1);
+      this.numbers = view.numbers();
+      this.blocks = this.numbers.blocks;
+      this.rows = view.ranked();
+      this.rowOf = new Map(this.rows.map((method, row) => [method, row]));
+      this.rowHeight = scales.between(Math.floor(760 / this.rows.length), 5, 24);
+      this.height = TOP + this.rows.length * this.rowHeight + 6;
+      const longest = Math.max(...this.rows.map((method) => view.overview.methods[method].length));
+      this.left = scales.between(longest * LETTER + 12, 60, width < 500 ? 118 : 160);
+      this.right = width - (width < 500 ? 46 : 60);
+      this.values = view.group.values(view.metric.name);
+      this.count = view.overview.methods.length;
+      this.x = scales.fitting(this.range(), this.left + 6, this.right - 8, { room: 0.03 });
+      this.cells = new Map();
+      this.first = this.rows.includes(view.method) ? view.method : this.rows[0];
+      this.order = null;
+      this.plot = plot;
+    }
+
+    range() {
+      const { blocks, rows, values, count } = this;
+      const low = [];
+      let [least, most] = [Infinity, -Infinity];
+      for (const block of blocks) {
+        for (const method of rows) {
+          const value = values[block * count + method];
+          if (value < least) least = value;
+          if (value > most) most = value;
+        }
+        low.push(values[block * count + rows[0]]);
+      }
+      // a few values close to 0 would leave no room for the others on a log scale
+      return [least > 0 ? Math.max(least, most / 1e5, medianOf(low) / 300) : least, most];
+    }
+
+    at(method, block) {
+      return this.place(this.rowOf.get(method), block, this.values[block * this.count + method]);
+    }
+
+    place(row, block, value) {
+      const x = this.x.place(this.x.log && value < this.x.low ? this.x.low : value);
+      return [
+        scales.between(x, this.left + 3, this.right - 3),
+        TOP + (row + 0.5) * this.rowHeight + (jitter(block) - 0.5) * this.rowHeight * 0.68,
+      ];
+    }
+
+    // The picture of all dots, without what is pointed at.
+    paint(canvas) {
+      const { ratio, width, height, rows, blocks, rowHeight, view } = this;
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+      const context = canvas.getContext("2d");
+      const size = canvas.width;
+      const crowd = blocks.length;
+      const radius = (crowd > 20000 ? 0.7 : crowd > 3000 ? 1.1 : 1.75) * Math.min(1, Math.max(0.5, rowHeight / 14)) * ratio;
+      const opacity = scales.between(40 / Math.sqrt(crowd), 0.12, 0.62);
+      const [disc, diamond] = [stamp(radius, 0), stamp(Math.min(3.2 * ratio, rowHeight * ratio * 0.3), 1.1 * ratio)];
+      const inks = { rest: colour(this.plot, "quiet"), best: colour(this.plot, "best"), selected: colour(this.plot, "selected"), reference: colour(this.plot, "ink"), suspect: colour(this.plot, "suspect") };
+      const suspects = blocks.filter((block) => view.group.isSuspect(block));
+      const plain = suspects.length ? blocks.filter((block) => !view.group.isSuspect(block)) : blocks;
+      rows.forEach((method, row) => {
+        const top = Math.round((TOP + row * rowHeight) * ratio);
+        const tall = Math.round((TOP + (row + 1) * rowHeight) * ratio) - top;
+        const image = context.createImageData(size, tall);
+        const cover = new Float32Array(size * tall);
+        const layer = (members, shape, alpha, [red, green, blue]) => {
+          cover.fill(0);
+          for (const block of members) {
+            const value = this.values[block * this.count + method];
+            if (value !== value) continue;
+            const [px, py] = this.place(row, block, value);
+            const [x, y] = [Math.round(px * ratio), Math.round(py * ratio) - top];
+            for (const [dx, dy, part] of shape) {
+              if (y + dy < 0 || y + dy >= tall) continue;
+              const place = (y + dy) * size + x + dx;
+              cover[place] += (1 - cover[place]) * part * alpha;
+            }
+          }
+          const { data } = image;
+          for (let place = 0; place < cover.length; place += 1) {
+            const over = cover[place];
+            if (!over) continue;
+            const under = (data[4 * place + 3] / 255) * (1 - over);
+            const sum = over + under;
+            data[4 * place] = (red * over + data[4 * place] * under) / sum;
+            data[4 * place + 1] = (green * over + data[4 * place + 1] * under) / sum;
+            data[4 * place + 2] = (blue * over + data[4 * place + 2] * under) / sum;
+            data[4 * place + 3] = sum * 255;
+          }
+        };
+        const role = ["selected", "best", "reference"].find((name) => view.roles(method).split(" ").includes(name)) ?? "rest";
+        layer(plain, disc, opacity, inks[role]);
+        if (suspects.length) layer(suspects, diamond, Math.max(0.5, opacity), inks.suspect);
+        context.putImageData(image, 0, top);
+      });
+    }
+
+    // Blocks of a row by columns of a few pixels, made when the row is first pointed at.
+    cellsOf(method) {
+      if (!this.cells.has(method)) {
+        const cells = new Map();
+        for (const block of this.blocks) {
+          const [x] = this.at(method, block);
+          const cell = Math.floor(x / CELL);
+          if (!cells.has(cell)) cells.set(cell, []);
+          cells.get(cell).push(block);
+        }
+        this.cells.set(method, cells);
+      }
+      return this.cells.get(method);
+    }
+
+    // The dot at most a few pixels from a place.
+    nearest(x, y) {
+      const method = this.rows[Math.floor((y - TOP) / this.rowHeight)];
+      if (method === undefined) return null;
+      const cells = this.cellsOf(method);
+      let [near, least] = [null, REACH];
+      for (let cell = Math.floor((x - REACH) / CELL); cell <= (x + REACH) / CELL; cell += 1) {
+        for (const block of cells.get(cell) ?? []) {
+          const place = this.at(method, block);
+          const far = Math.hypot(place[0] - x, place[1] - y);
+          if (far < least) [near, least] = [{ block, method }, far];
+        }
+      }
+      return near;
+    }
+
+    // Blocks by the error of a method, the smallest first.
+    walk(method) {
+      if (this.order?.method !== method) {
+        const blocks = this.blocks.filter((block) => Number.isFinite(this.values[block * this.count + method]));
+        blocks.sort((a, b) => this.values[a * this.count + method] - this.values[b * this.count + method]);
+        this.order = { method, blocks };
+      }
+      return this.order.blocks;
+    }
+  }
+
+  const draw = (host, view, open) => {
+    let dots = null;
+    let cursor = null; // the dot that keys or the pointer are at
+    const picture = element("canvas", {});
+    const scene = element("canvas", {
+      tabindex: 0, role: "application", "aria-roledescription": "chart of dots",
+    });
+
+    const label = ({ block, method }) => {
+      const parts = [view.group.nameOf(block), `${view.overview.methods[method]} ${view.error(view.group.error(view.metric.name, block, method))}`];
+      if (view.group.isSuspect(block)) parts.push("suspect");
+      return parts;
+    };
+
+    const compose = (hover = null) => {
+      if (!dots) return;
+      const { ratio, width, height, rowHeight, rows, left, right, x } = dots;
+      scene.width = picture.width;
+      scene.height = picture.height;
+      const context = scene.getContext("2d");
+      const ink = (name) => `rgb(${colour(dots.plot, name).join(" ")})`;
+      context.scale(ratio, ratio);
+      context.font = `12px ${getComputedStyle(scene).fontFamily}`;
+      context.fillStyle = ink("quiet");
+      context.strokeStyle = ink("line");
+      context.textAlign = "center";
+      for (const { value, text } of x.ticks(64)) {
+        const px = Math.round(x.place(value)) + 0.5;
+        context.beginPath();
+        context.moveTo(px, TOP - 6);
+        context.lineTo(px, height);
+        context.stroke();
+        context.fillText(text, px, 13);
+      }
+      rows.forEach((method, row) => {
+        const top = TOP + row * rowHeight;
+        context.globalAlpha = hover === null || hover === method ? 1 : 0.25;
+        context.drawImage(picture, 0, top * ratio, picture.width, rowHeight * ratio, 0, top, width, rowHeight);
+        const mean = dots.numbers.values[method];
+        if (view.statistic !== "rank" && Number.isFinite(mean)) {
+          const px = scales.between(x.place(mean), left + 3, right - 3);
+          context.fillStyle = ink("paper");
+          context.fillRect(px - 2.5, top + 1, 5, rowHeight - 2);
+          context.fillStyle = ink("ink");
+          context.fillRect(px - 1, top + 1, 2, rowHeight - 2);
+        }
+      });
+      context.globalAlpha = 1;
+      if (cursor && rows.includes(cursor.method)) {
+        const { block } = cursor;
+        const points = rows.filter((method) => Number.isFinite(dots.values[block * dots.count + method])).map((method) => [dots.at(method, block), method]);
+        context.strokeStyle = ink("ink");
+        context.lineWidth = 1;
+        context.globalAlpha = 0.5;
+        context.beginPath();
+        points.forEach(([[px, py]], at) => (at ? context.lineTo(px, py) : context.moveTo(px, py)));
+        context.stroke();
+        context.globalAlpha = 1;
+        for (const [[px, py], method] of points) {
+          const here = method === cursor.method;
+          context.beginPath();
+          context.arc(px, py, here ? 5 : Math.min(3.2, rowHeight / 3), 0, 2 * Math.PI);
+          context.fillStyle = ink(view.group.isSuspect(block) ? "suspect" : here ? "selected" : "ink");
+          context.fill();
+          context.lineWidth = 1.5;
+          context.strokeStyle = ink("paper");
+          context.stroke();
+        }
+      }
+    };
+
+    const move = (next, speak) => {
+      if (cursor?.block === next?.block && cursor?.method === next?.method) return;
+      cursor = next;
+      compose();
+      selection.hover("block", next?.block ?? null);
+      if (!next || !speak) return;
+      const order = dots.walk(next.method);
+      page.announce(`${order.indexOf(next.block) + 1} of ${order.length}: ${label(next).join(", ")}`);
+      const [px, py] = dots.at(next.method, next.block);
+      const box = scene.getBoundingClientRect();
+      chart.showNote({ clientX: box.left + px, clientY: box.top + py }, ...label(next), "Enter opens it");
+    };
+
+    const choose = ({ block, method }) => {
+      const known = view.numbers().best.includes(method) || method === view.reference;
+      view.set({ group: view.group.index, block, ...(known ? {} : { method: view.overview.methods[method] }) });
+    };
+
+    const place = (event) => {
+      const box = scene.getBoundingClientRect();
+      return dots?.nearest((event.clientX - box.left) * (dots.width / box.width), (event.clientY - box.top) * (dots.height / box.height)) ?? null;
+    };
+    scene.addEventListener("pointermove", (event) => {
+      const next = place(event);
+      move(next, false);
+      scene.style.cursor = next ? "pointer" : "";
+      if (next) chart.showNote(event, ...label(next), view.group.reasons[next.block] ?? "", "Click opens it");
+      else chart.hideNote();
+    });
+    scene.addEventListener("pointerleave", () => {
+      move(null, false);
+      chart.hideNote();
+    });
+    scene.addEventListener("click", (event) => {
+      const dot = place(event);
+      if (dot) choose(dot);
+    });
+    scene.addEventListener("blur", () => {
+      move(null, false);
+      chart.hideNote();
+    });
+    scene.addEventListener("keydown", (event) => {
+      if (!dots?.blocks.length) return;
+      if (event.key === "Enter" || event.key === " ") {
+        event.preventDefault();
+        if (cursor) choose(cursor);
+        return;
+      }
+      const method = cursor?.method ?? dots.first;
+      const order = dots.walk(method);
+      const at = cursor ? order.indexOf(cursor.block) : -1;
+      const row = dots.rows.indexOf(method);
+      const step = { ArrowRight: 1, ArrowLeft: -1, PageUp: 10, PageDown: -10 }[event.key];
+      let next = null;
+      if (step !== undefined) next = { method, block: order[at < 0 ? order.length - 1 : scales.between(at + step, 0, order.length - 1)] };
+      else if (event.key === "Home") next = { method, block: order[0] };
+      else if (event.key === "End") next = { method, block: order.at(-1) };
+      else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
+        const other = dots.rows[scales.between(row + (event.key === "ArrowDown" ? 1 : -1), 0, dots.rows.length - 1)];
+        next = { method: other, block: cursor?.block ?? order.at(-1) };
+      }
+      if (!next) return;
+      event.preventDefault();
+      move(next, true);
+    });
+
+    const render = (plot, width) => {
+      const blocksName = view.overview.json.blocks_name;
+      cursor = null;
+      if (!view.ranked().length || !view.numbers().blocks.length) {
+        dots = null;
+        plot.replaceChildren(element("p", {}, `No ${blocksName} are left by the filter.`));
+        return { finding: [] };
+      }
+      dots = new Dots(view, plot, width);
+      scene.style.height = `${dots.height}px`;
+      scene.setAttribute("aria-label", `${dots.blocks.length} ${blocksName} as dots, a row per method. Left and right arrows walk by error, up and down change the method, Enter opens.`);
+      const most = Math.floor((dots.rows.length * dots.rowHeight) / ROW_LABEL);
+      const named = scales.thin(dots.rows, most, (method) => view.weight(method) > 0);
+      let free = -Infinity;
+      const labels = dots.rows.flatMap((method, row) => {
+        const top = TOP + (row + 0.5) * dots.rowHeight;
+        if (!named.has(method) || top - free < ROW_LABEL) return [];
+        free = top;
+        const name = view.overview.methods[method];
+        return [element("button", { ...chart.methodMark(view, method, row, null), type: "button", role: null, title: name, class: `row-label method ${view.roles(method)}`, style: `top: ${top}px; width: ${dots.left - 8}px` }, name),
+          element("span", { class: `row-value ${view.roles(method)}`, style: `top: ${top}px` }, page.number(dots.numbers.values[method]))];
+      });
+      // the canvas stays, and with it the focus
+      if (!scene.isConnected) plot.replaceChildren(element("div", { class: "dots" }, scene));
+      scene.parentElement.replaceChildren(scene, ...labels);
+      dots.paint(picture);
+      compose();
+      return {
+        finding: finding(view, dots),
+        caption: [
+          strong(`${view.metric.name}${view.metric.unit ? `, ${view.metric.unit}` : ""}${dots.x.log ? ", log scale" : ""}. `),
+          `Every dot is one of the ${blocksName}, in the row of each method. ${view.statistic === "rank" ? "" : `Bars and numbers are ${view.statistic}s. `}`,
+          dots.blocks.some((block) => view.group.isSuspect(block)) ? `Hollow diamonds: suspect ${blocksName}, whose truth itself is in doubt. ` : "",
+          "Point at a dot to see it in every row, click to open it.",
+        ],
+      };
+    };
+    const redraw = chart.mount(host, view, { className: "dots-chart", draw: render });
+    selection.on_hover((kind, value) => {
+      if (kind === "method" && dots && !cursor) compose(value === null ? null : view.place(value));
+    });
+    // a canvas does not follow the colours of the page by itself
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+    new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme", "class"] });
+  };
+
+  // Half of the blocks, the worst, and what suspect ones make of it.
+  const finding = (view, { blocks, rows, values, count }) => {
+    const first = rows[0];
+    const errors = blocks.map((block) => values[block * count + first]);
+    if (errors.length < 3 || view.better === "none") return [];
+    const name = view.overview.json.blocks_name;
+    const higher = view.metric.better === "higher";
+    const extent = scales.extent(errors);
+    const parts = [
+      `Half of the ${errors.length} ${name}${view.overview.groups.length > 1 ? ` with ${view.group.title}` : ""} come out ${higher ? "at least at" : "within"} `,
+      strong(view.error(medianOf(errors))), " by ", strong(view.overview.methods[first]), ", the worst at ", strong(view.error(extent[higher ? 0 : 1])), ". ",
+    ];
+    const suspects = blocks.filter((block) => view.group.isSuspect(block));
+    const total = errors.reduce((sum, value) => sum + value, 0);
+    if (suspects.length && extent[0] >= 0 && total > 0) {
+      const share = suspects.reduce((sum, block) => sum + values[block * count + first], 0) / total;
+      const percent = (part) => `${Math.round(100 * part)}\u202f%`;
+      parts.push(element("span", { class: "suspect" }, `\u25c7 ${suspects.length} suspect ${name}`), ` (${percent(suspects.length / blocks.length)}) make ${percent(share)} of its error.`);
+    }
+    return parts;
+  };
+
+  return { draw };
+});

@@ -1,0 +1,131 @@
+"use strict";
+// All methods in all groups: the value, how it stands to the best of its group, and the set that is
+// tied with the best. Deeper colour is nearer the best.
+nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"], (page, chart, { seconds }) => {
+  const { element } = page;
+  const { strong } = chart;
+  const MOST = 24;
+  const FADED = 2.6;
+
+  const columnsOf = (view, width) => {
+    const { groups } = view.overview;
+    return width < 160 + groups.length * 62 ? view.panel.groups : groups;
+  };
+
+  const worstOf = (view, method, groups) => {
+    const ratios = groups.map((group) => {
+      const { values, best } = view.numbers(group);
+      return view.better === "higher" ? values[best[0]] / values[method] : values[method] / values[best[0]];
+    }).filter(Number.isFinite);
+    return ratios.length ? Math.max(...ratios) : NaN;
+  };
+
+  // 1 at the best, 0 where a value is 2.6 times as far, or, of differences, at the worst.
+  const nearness = (value, values, best, ratio) => {
+    if (!Number.isFinite(value) || best === undefined) return 0;
+    if (ratio) return Math.max(0, 1 - Math.abs(Math.log(value / best)) / Math.log(FADED));
+    const far = Math.max(...[...values].filter(Number.isFinite).map((other) => Math.abs(other - best)));
+    return far ? 1 - Math.abs(value - best) / far : 1;
+  };
+
+  const cell = (view, group, method, narrow) => {
+    const { values, best, tied } = view.numbers(group);
+    const value = values[method];
+    if (!Number.isFinite(value)) return element("td", { class: "none" }, "\u2013");
+    const first = values[best[0]];
+    const ratio = view.statistic !== "rank" && [...values].every((other) => !(other <= 0));
+    const tint = (nearness(value, values, first, ratio) * 34).toFixed(1);
+    const word = best.includes(method) ? ", best" : tied.includes(method) ? ", tied with the best" : "";
+    const names = [best.includes(method) && "first", (tied.includes(method) || (tied.length > 0 && best.includes(method))) && "tied", group === view.group && "here"];
+    return element("td", { class: names.filter(Boolean).join(" "), style: `--nearness: ${tint}%` },
+      page.number(value),
+      best.length && !narrow ? element("small", {}, view.toBest(value, first)) : null,
+      word ? element("span", { class: "hidden" }, word) : null);
+  };
+
+  const draw = (host, view) => {
+    let sort = { key: "worst", falling: false };
+    let whole = false;
+    let redraw = () => {};
+    const choose = (key) => {
+      sort = { key, falling: sort.key === key && !sort.falling };
+      redraw();
+    };
+    const render = (plot, width) => {
+      const groups = columnsOf(view, width);
+      const shown = view.shown(groups);
+      const narrow = width < 130 + groups.length * 96 + 120;
+      const ratios = view.better !== "none" && view.statistic !== "rank"
+        && groups.every((group) => [...view.numbers(group).values].every((value) => !(value <= 0)));
+      const timed = shown.some((method) => view.overview.seconds[method] !== null);
+      const aside = width >= 420;
+      const sign = view.better === "higher" ? -1 : 1;
+      const keyOf = {
+        name: (method) => view.overview.methods[method],
+        worst: (method) => (ratios ? worstOf(view, method, groups) : sign * view.numbers().values[method]),
+        time: (method) => view.overview.seconds[method],
+      };
+      const valueOf = keyOf[sort.key] ?? ((method) => sign * view.numbers(view.overview.groups[sort.key]).values[method]);
+      const compare = (a, b) => {
+        const [one, other] = [valueOf(a), valueOf(b)];
+        // methods without a value stay at the end
+        const known = [one, other].map((value) => value !== null && !Number.isNaN(value));
+        if (!known[0] || !known[1]) return known[1] - known[0];
+        return (sort.falling ? -1 : 1) * (typeof one === "string" ? one.localeCompare(other, undefined, { numeric: true }) : one - other);
+      };
+      const order = [...shown].sort(compare);
+      const folded = !whole && order.length > MOST;
+      const rows = folded ? order.filter((method, at) => at < MOST - 4 || view.weight(method, groups) > 0) : order;
+      const head = (key, label, className) => element("th", {
+        scope: "col", class: className,
+        "aria-sort": String(sort.key) === String(key) ? (sort.falling ? "descending" : "ascending") : null,
+      }, element("button", { type: "button", title: "Sort by this column", onclick: () => choose(key) }, label));
+      const axis = view.overview.within.at(-1)?.name ?? "";
+      const above = view.overview.panels().filter((panel) => panel.groups.some((group) => groups.includes(group)));
+      const spanned = above.length > 1 || narrow ? element("tr", {}, element("td", {}),
+        ...above.map(({ title, groups: members }) => element("th", { scope: "colgroup", colspan: members.length, class: "panel" },
+          [title, narrow ? axis : ""].filter(Boolean).join(", "))),
+        aside ? element("td", { colspan: Number(ratios && groups.length > 1) + Number(timed) || 1 }) : null) : null;
+      const longest = Math.max(...shown.map((method) => view.overview.methods[method].length), 6);
+      const table = element("table", { class: "heat", style: `--name-width: ${Math.round(Math.min(longest * 7.6 + 6, width * 0.34))}px` },
+        element("thead", {}, spanned, element("tr", {},
+          head("name", "Method", "name"),
+          ...groups.map((group, at) => head(group.index, at || narrow || !axis ? String(group.labels.at(-1) ?? view.what) : view.groupText(group), group === view.group ? "here" : "")),
+          aside && ratios && groups.length > 1 ? head("worst", "Worst", "aside") : null,
+          aside && timed ? head("time", "Time", "aside") : null)),
+        element("tbody", {}, rows.map((method, at) => {
+          const label = view.overview.methods[method];
+          return element("tr", { class: `method ${view.roles(method, groups)}`, "data-method": label },
+            element("th", { scope: "row" }, element("button", { ...chart.methodMark(view, method, at, null), type: "button", role: null, title: label }, label)),
+            ...groups.map((group) => cell(view, group, method, narrow)),
+            aside && ratios && groups.length > 1 ? element("td", { class: "aside" }, worstText(worstOf(view, method, groups))) : null,
+            aside && timed ? element("td", { class: "aside" }, view.overview.seconds[method] === null ? "\u2013" : seconds(view.overview.seconds[method])) : null);
+        })));
+      const fold = order.length > MOST && element("button", {
+        type: "button", class: "more", "aria-expanded": String(whole),
+        onclick: () => { whole = !whole; redraw(); },
+      }, whole ? "Show fewer" : `Show all ${order.length} methods`);
+      plot.replaceChildren(element("div", { class: "scroller", tabindex: groups.length * 44 > width ? 0 : null, role: "group", "aria-label": "Methods by group" }, table), fold || "");
+      const verdict = groups.some((group) => view.numbers(group).tied.length);
+      const panel = groups.length < view.overview.groups.length ? `${view.panel.title}. ` : "";
+      return {
+        caption: [
+          strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? ", and its multiple of the best" : ", and the difference to the best"}. `),
+          view.better === "none" ? "" : "Deeper blue is nearer the best. ",
+          verdict ? "Outlined cells are tied with the best. " : "",
+          aside && ratios && groups.length > 1 ? "Worst: the largest multiple over the groups. " : "",
+          "A click on a head sorts.",
+        ],
+      };
+    };
+    redraw = chart.mount(host, view, { draw: render, className: "heat-table" });
+    addEventListener("beforeprint", () => {
+      whole = true;
+      redraw();
+    });
+  };
+
+  const worstText = (ratio) => (Number.isFinite(ratio) ? `\u00d7${ratio < 10 ? ratio.toFixed(2) : ratio.toFixed(0)}` : "\u2013");
+
+  return { draw };
+});

@@ -1,0 +1,223 @@
+"use strict";
+// How the ranking of methods changes from group to group: a line per method, a panel per combination
+// of the other labels. Of a single group, methods are dots on one line.
+nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"], (page, chart, scales) => {
+  const { svg } = page;
+  const { strong, text, line } = chart;
+  const HEIGHT = 500;
+  const ROW = 15.5;
+  const LETTER = 6.7;
+  const TOP = 46;
+
+  const describe = (view, method, groups) => groups
+    .map((group) => {
+      const { values, best } = view.numbers(group);
+      const times = best.length ? ` (${view.toBest(values[method], values[best[0]])})` : "";
+      return `${view.groupText(group)}: ${view.text(values[method])}${times}`;
+    });
+
+  const labelWidth = (view, shown) =>
+    scales.between(Math.max(...shown.map((method) => view.overview.methods[method].length)) * LETTER, 40, 150);
+
+  // One panel between two edges of the picture; `many` panels name only methods that matter.
+  const panelOf = (view, panel, shown, axis, { left, right, bottom, before, after, wide }) => {
+    const groups = panel.groups.filter((group) => view.shown([group]).length);
+    if (!groups.length) return text((left + right) / 2, TOP + 40, `No ${view.overview.json.blocks_name} left`, { "text-anchor": "middle" });
+    const [start, end] = [left + before, right - after];
+    const x = (at) => (groups.length > 1 ? start + ((end - start) * at) / (groups.length - 1) : end);
+    const all = svg("g", {});
+    for (const { value, text: label } of axis.ticks(60)) {
+      all.append(line(start, axis.place(value), end, axis.place(value), "grid"));
+      all.append(text(start - (wide ? 0 : 6), axis.place(value) - (wide ? 3 : -4), label, { class: "tick", "text-anchor": wide ? "start" : "end", dx: wide ? 5 : 0 }));
+    }
+    const heads = scales.thin(groups, Math.max(2, Math.floor((end - start) / 56) + 1), (group) => group === view.group || group === groups[0] || group === groups.at(-1));
+    groups.forEach((group, at) => {
+      all.append(line(x(at), TOP - 6, x(at), bottom, `axis${group === view.group ? " here" : ""}`));
+      if (!heads.has(group)) return;
+      const label = at === 0 && groups.length > 1 ? view.groupText(group) : String(group.labels.at(-1) ?? "");
+      all.append(text(x(at), TOP - 14, label, { class: `head${group === view.group ? " here" : ""}`, "text-anchor": "middle" }));
+    });
+    const [first, last] = [groups[0], groups.at(-1)];
+    const weight = (method) => view.weight(method, groups);
+    const side = (group) => shown.filter((method) => Number.isFinite(view.numbers(group).values[method]))
+      .sort((a, b) => view.numbers(group).values[b] - view.numbers(group).values[a]);
+    const labels = (group) => {
+      const methods = side(group);
+      const most = wide ? Math.floor((bottom - TOP) / ROW) : Math.floor((bottom - TOP) / ROW);
+      const kept = methods.filter((method) => scales.thin([...methods].sort((a, b) => weight(b) - weight(a)), most, (item) => weight(item) > 0).has(method));
+      const places = scales.spread(kept.map((method) => axis.place(view.numbers(group).values[method])), ROW, TOP, bottom);
+      return new Map(kept.map((method, at) => [method, places[at]]));
+    };
+    const atEnd = labels(last);
+    const atStart = wide && groups.length > 1 ? labels(first) : new Map();
+    const order = [...shown].sort((a, b) => view.numbers(last).values[b] - view.numbers(last).values[a]);
+    for (const method of [...shown].sort((a, b) => weight(a) - weight(b))) {
+      const name = view.overview.methods[method];
+      const points = groups.map((group, at) => [x(at), axis.place(view.numbers(group).values[method]), group])
+        .filter(([, y]) => Number.isFinite(y));
+      if (!points.length) continue;
+      const lines = describe(view, method, groups);
+      const mark = svg("g", {
+        ...chart.methodMark(view, method, order.indexOf(method), `${name}: ${lines.join(", ")}`),
+        class: `method ${view.roles(method, groups)}`,
+        onpointermove: (event) => chart.showNote(event, name, ...lines),
+      });
+      // a method without a number in a group leaves a gap in its line
+      const path = groups.map((group, at) => {
+        const y = axis.place(view.numbers(group).values[method]);
+        if (!Number.isFinite(y)) return "";
+        const joined = at > 0 && Number.isFinite(view.numbers(groups[at - 1]).values[method]);
+        return `${joined ? "L" : "M"}${x(at).toFixed(1)},${y.toFixed(1)}`;
+      }).join("");
+      mark.append(svg("path", { class: "line", d: path }), svg("path", { class: "reach", d: path }));
+      for (const [px, y, group] of points) {
+        const best = view.numbers(group).best.includes(method);
+        mark.append(svg("circle", { cx: px, cy: y, r: best ? 5 : 2.4, class: "mark" }));
+      }
+      const end_ = atEnd.get(method);
+      if (end_ !== undefined) {
+        const value = view.numbers(last).values[method];
+        mark.append(svg("path", { class: "lead", d: `M${end + 6},${axis.place(value)}L${end + 20},${end_}` }));
+        mark.append(text(end + 24, end_ + 4, name, {}, ));
+        mark.lastChild.append(svg("tspan", { dx: 6, class: "value" }, page.number(value)));
+      }
+      const start_ = atStart.get(method);
+      if (start_ !== undefined) {
+        mark.append(svg("path", { class: "lead", d: `M${start - 6},${axis.place(view.numbers(first).values[method])}L${start - 20},${start_}` }));
+        mark.append(text(start - 24, start_ + 4, name, { "text-anchor": "end" }));
+      }
+      all.append(mark);
+    }
+    return all;
+  };
+
+  const drawLines = (view, plot, width) => {
+    const panels = view.overview.panels();
+    const columns = scales.between(Math.floor(width / 330), 1, panels.length);
+    const rows = Math.ceil(panels.length / columns);
+    const shown = view.shown();
+    const height = rows > 1 ? 380 : HEIGHT;
+    const numbers = view.overview.groups.flatMap((group) => shown.map((method) => view.numbers(group).values[method]));
+    const names = labelWidth(view, shown);
+    const each = width / columns;
+    const wide = each >= 480;
+    const after = names + 24 + 44;
+    const before = wide ? names + 26 : 34;
+    const picture = chart.picture(width, rows * height, `${view.what} by ${view.overview.within.at(-1).name}`);
+    panels.forEach((panel, at) => {
+      const [row, column] = [Math.floor(at / columns), at % columns];
+      const bottom = height - 14;
+      const axis = scales.fitting(numbers, bottom, TOP, { linear: view.statistic === "rank" });
+      const body = panelOf(view, panel, shown, axis, {
+        left: column * each, right: (column + 1) * each - (columns > 1 ? 12 : 0), bottom, before, after, wide,
+      });
+      const whole = svg("g", { transform: `translate(0 ${row * height})` }, body);
+      if (panel.title) whole.append(text(column * each + before, 11, panel.title, { class: "title" }));
+      picture.append(whole);
+    });
+    plot.replaceChildren(picture);
+    const log = numbers.every((value) => !(value <= 0)) && view.statistic !== "rank";
+    return {
+      finding: finding(view),
+      caption: [
+        strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${log ? ", log scale" : ""}. `),
+        "A line per method. ", ...(view.better === "none" ? [] : ["Blue: the best in some group, a large dot where it is. "]),
+        ...(view.reference === null ? [] : ["Dashed: the reference. "]),
+        log ? "Equal slopes are equal ratios. " : "", "Click a line or a name to follow it through the page.",
+      ],
+    };
+  };
+
+  // Places in words: who climbs and who falls between the first group and the last.
+  const finding = (view) => {
+    const groups = view.panel.groups.filter((group) => view.shown([group]).length > 1);
+    if (view.better === "none" || !groups.length) return [];
+    const place = (group, method) => view.ranked(group).indexOf(method) + 1;
+    const best = groups.map((group) => view.numbers(group).best.map((method) => view.overview.methods[method]).join(" and "));
+    const parts = [];
+    const [first, last] = [groups[0], groups.at(-1)];
+    const panel = view.overview.panels().length > 1 ? [strong(view.panel.title), ": "] : [];
+    if (new Set(best).size === 1 && groups.length > 1) parts.push(strong(best[0]), " is best throughout. ");
+    else if (groups.length > 1) {
+      const moves = view.shown([first]).filter((method) => place(last, method)).map((method) => ({ method, from: place(first, method), to: place(last, method) }))
+        .sort((a, b) => a.to - a.from - (b.to - b.from));
+      const [up, down] = [moves[0], moves.at(-1)];
+      const word = (move) => [strong(view.overview.methods[move.method]), ` ${move.to < move.from ? "climbs" : "falls"} from place ${move.from} to ${move.to}`];
+      if (up.to < up.from) {
+        parts.push(`From ${view.groupText(first)} to ${last.labels.at(-1)}, `, ...word(up));
+        parts.push(...(down.to > down.from ? [", ", ...word(down)] : []), ". ");
+      }
+    }
+    const factors = groups.map((group) => {
+      const ranked = view.ranked(group);
+      const { values } = view.numbers(group);
+      const [low, high] = [values[ranked[0]], values[ranked.at(-1)]].sort((a, b) => a - b);
+      return low > 0 && view.statistic !== "rank" ? high / low : NaN;
+    });
+    if (factors.every(Number.isFinite) && factors.length <= 6) {
+      parts.push(`From the best to the worst is a factor of ${factors.map((factor) => (factor < 10 ? factor.toFixed(1) : factor.toFixed(0))).join(", ")}.`);
+    }
+    return parts.length ? [...panel, ...parts] : [];
+  };
+
+  // A single group: dots on one axis, with the names that fit above them.
+  const drawStrip = (view, plot, width) => {
+    const shown = view.shown();
+    const { values, best } = view.numbers();
+    const ranked = view.ranked();
+    const axis = scales.fitting(shown.map((method) => values[method]), 16, width - 16, { linear: view.statistic === "rank" });
+    const levels = [];
+    const names = scales.thin([...ranked].sort((a, b) => view.weight(b) - view.weight(a)), 40, (method) => view.weight(method) > 0);
+    // each name stands on the lowest level where it has room
+    const placed = [...ranked].filter((method) => names.has(method)).map((method) => {
+      const half = (view.overview.methods[method].length * LETTER) / 2 + 5;
+      const middle = scales.between(axis.place(values[method]), half, width - half);
+      let level = levels.findIndex((right) => right < middle - half);
+      if (level < 0) level = levels.length;
+      levels[level] = middle + half;
+      return { method, middle, level };
+    });
+    const base = 26 + levels.length * 17;
+    const height = base + 40;
+    const picture = chart.picture(width, height, `${view.what} of ${shown.length} methods`);
+    for (const { value, text: label } of axis.ticks(70)) {
+      picture.append(line(axis.place(value), base, axis.place(value), base + 6, "axis"), text(axis.place(value), base + 20, label, { class: "tick", "text-anchor": "middle" }));
+    }
+    picture.append(line(8, base, width - 8, base, "axis"));
+    for (const method of [...shown].sort((a, b) => view.weight(a) - view.weight(b))) {
+      const name = view.overview.methods[method];
+      const px = axis.place(values[method]);
+      const mark = svg("g", {
+        ...chart.methodMark(view, method, ranked.indexOf(method), `${name}: ${view.text(values[method])}`),
+        class: `method ${view.roles(method)}`,
+        onpointermove: (event) => chart.showNote(event, name, ...describe(view, method, [view.group])),
+      }, svg("circle", { cx: px, cy: base, r: best.includes(method) ? 6 : 4.5, class: "mark" }), svg("circle", { cx: px, cy: base, r: 12, class: "reach" }));
+      const label = placed.find((one) => one.method === method);
+      if (label) {
+        const y = base - 14 - label.level * 17;
+        mark.append(svg("path", { class: "lead", d: `M${px},${base - 7}L${label.middle},${y + 3}` }), text(label.middle, y, name, { "text-anchor": "middle" }));
+      }
+      picture.append(mark);
+    }
+    plot.replaceChildren(picture);
+    return {
+      caption: [
+        strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.log ? ", log scale" : ""}. `),
+        "A dot per method. ", view.better === "none" ? "" : "Blue: the best. ", "Click a dot or a name to follow it through the page.",
+      ],
+    };
+  };
+
+  const draw = (host, view) => chart.mount(host, view, {
+    className: "line-chart",
+    draw: (plot, width) => {
+      if (!view.shown().length) {
+        plot.replaceChildren(page.element("p", {}, `No ${view.overview.json.blocks_name} are left by the filter.`));
+        return {};
+      }
+      return view.overview.groups.length > 1 ? drawLines(view, plot, width) : drawStrip(view, plot, width);
+    },
+  });
+
+  return { draw };
+});

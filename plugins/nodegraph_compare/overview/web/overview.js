@@ -1,0 +1,250 @@
+"use strict";
+// The numbers of a comparison: unpacks the blocks of each group, and recomputes means, medians and
+// mean ranks over the blocks that a filter leaves. Verdicts are never recomputed.
+nodegraph.define("compare/overview", ["page"], (page) => {
+  const NONE = 65535;
+
+  const codesOf = (text) => {
+    const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+    return new Uint16Array(bytes.buffer);
+  };
+
+  const cached = (make) => {
+    const values = new Map();
+    return (key) => {
+      if (!values.has(key)) values.set(key, make(key));
+      return values.get(key);
+    };
+  };
+
+  const numeric = (values) => Float64Array.from(values ?? [], (value) => value ?? NaN);
+
+  const medianOf = (values) => {
+    if (!values.length) return NaN;
+    const sorted = Float64Array.from(values).sort();
+    const middle = sorted.length >> 1;
+    return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
+  };
+
+  // Mean over units of the mean over each unit's blocks.
+  const unitMean = (blocks, unit, value) => {
+    const sums = new Float64Array(NONE);
+    const counts = new Uint32Array(NONE);
+    for (const block of blocks) {
+      sums[unit[block]] += value(block);
+      counts[unit[block]] += 1;
+    }
+    let [total, units] = [0, 0];
+    for (let at = 0; at < NONE; at += 1) {
+      if (!counts[at]) continue;
+      total += sums[at] / counts[at];
+      units += 1;
+    }
+    return total / units;
+  };
+
+  // The blocks of one combination of the labels of `within`.
+  class Group {
+    constructor(json, overview, index) {
+      this.index = index;
+      this.overview = overview;
+      this.json = json;
+      this.labels = json.labels;
+      this.title = json.title;
+      this.reasons = json.suspect ?? {};
+      this.codes = cached((metric) => codesOf(json.errors[metric]));
+      this.values = cached((metric) => this.unpacked(metric));
+      this.complete = cached((metric) => this.completeIn(metric));
+      this.column = cached((name) => codesOf(json.rows[name]));
+      this.ranks = cached((metric) => this.ranksIn(metric));
+      this.summaries = cached((key) => this.summarized(...JSON.parse(key)));
+    }
+
+    get size() {
+      return this.unit.length;
+    }
+
+    get unit() {
+      this.units ??= codesOf(this.json.unit);
+      return this.units;
+    }
+
+    isSuspect(block) {
+      return Object.hasOwn(this.reasons, block);
+    }
+
+    // (B x K), row by row; NaN where a method has no number.
+    unpacked(metric) {
+      const { log, low, high } = this.json.scale[metric];
+      const step = (high - low) / (NONE - 1);
+      return Float64Array.from(this.codes(metric), (code) => {
+        if (code === NONE) return NaN;
+        return log ? Math.exp(low + step * code) : low + step * code;
+      });
+    }
+
+    error(metric, block, method) {
+      return this.values(metric)[block * this.overview.methods.length + method];
+    }
+
+    // Methods with a number in some block.
+    usable(metric) {
+      const codes = this.codes(metric);
+      const count = this.overview.methods.length;
+      return this.overview.methods.map((_, method) => {
+        for (let at = method; at < codes.length; at += count) if (codes[at] !== NONE) return true;
+        return false;
+      });
+    }
+
+    // Blocks in which every method has a number, or every method that has any.
+    completeIn(metric) {
+      const codes = this.codes(metric);
+      const count = this.overview.methods.length;
+      const usable = this.usable(metric);
+      const blocks = [];
+      for (let block = 0; block < this.size; block += 1) {
+        let known = this.unit[block] !== NONE;
+        for (let method = 0; known && method < count; method += 1) {
+          known = !usable[method] || codes[block * count + method] !== NONE;
+        }
+        if (known) blocks.push(block);
+      }
+      return blocks;
+    }
+
+    // Blocks that a filter leaves: suspects, marker (a label), region (labels).
+    blocks(metric, { suspects, marker, region }) {
+      const { layout } = this.overview;
+      const wanted = marker !== null ? [marker] : region !== null ? this.overview.regionLabels(region) : null;
+      if (suspects && !wanted) return this.complete(metric);
+      const codes = wanted && this.column(layout.column);
+      const known = wanted && new Set(wanted.map((label) => this.overview.columns[layout.column].indexOf(label)));
+      return this.complete(metric).filter(
+        (block) => (suspects || !this.isSuspect(block)) && (!known || known.has(codes[block])));
+    }
+
+    // (B x K) ranks within each block, 1 is best; equal values share the mean of their places.
+    ranksIn(metric) {
+      const values = this.values(metric);
+      const count = this.overview.methods.length;
+      const sign = this.overview.metric(metric).better === "higher" ? -1 : 1;
+      const ranks = new Float32Array(values.length).fill(NaN);
+      for (const block of this.complete(metric)) {
+        const row = Array.from(values.subarray(block * count, (block + 1) * count), (value, at) => [sign * value, at])
+          .filter(([value]) => !Number.isNaN(value)).sort((a, b) => a[0] - b[0]);
+        for (let from = 0, to = 0; from < row.length; from = to) {
+          while (to < row.length && row[to][0] === row[from][0]) to += 1;
+          for (let at = from; at < to; at += 1) ranks[block * count + row[at][1]] = (from + 1 + to) / 2;
+        }
+      }
+      return ranks;
+    }
+
+    // Numbers of all methods: those of the table where nothing is left out, else computed here.
+    summary(metric, statistic, filter) {
+      return this.summaries(JSON.stringify([metric, statistic, filter]));
+    }
+
+    summarized(metric, statistic, filter) {
+      const { overview, json } = this;
+      const whole = filter.marker === null && filter.region === null;
+      const plain = whole && metric === overview.json.metric;
+      const doubtless = filter.suspects || !json.suspects;
+      const blocks = this.blocks(metric, filter);
+      const better = statistic === "rank" ? "lower" : overview.metric(metric).better;
+      if (plain && doubtless) {
+        const values = numeric(json[statistic]);
+        const judged = statistic === "mean" && json.best.length > 0;
+        return {
+          values, blocks, filtered: false,
+          best: judged ? json.best : bestOf(values, better), tied: judged ? json.tied : [],
+        };
+      }
+      if (plain && statistic === "mean" && json.without_suspects) {
+        const { mean, best, tied } = json.without_suspects;
+        return { values: numeric(mean), blocks, filtered: true, best, tied };
+      }
+      const values = this.compute(metric, statistic, blocks);
+      return { values, blocks, filtered: !whole || !doubtless, best: bestOf(values, better), tied: [] };
+    }
+
+    compute(metric, statistic, blocks) {
+      const count = this.overview.methods.length;
+      const numbers = statistic === "rank" ? this.ranks(metric) : this.values(metric);
+      return Float64Array.from({ length: count }, (_, method) => {
+        const value = (block) => numbers[block * count + method];
+        if (!blocks.length) return NaN;
+        return statistic === "median" ? medianOf(blocks.map(value)) : unitMean(blocks, this.unit, value);
+      });
+    }
+
+    // What identifies a block: [column, label] pairs, and when it is.
+    labelsOf(block) {
+      return Object.keys(this.json.rows).map((name) => {
+        const code = this.column(name)[block];
+        return [name, this.overview.columns[name][code]];
+      });
+    }
+
+    framesOf(block) {
+      const [start, frames] = [this.json.start?.[block], this.json.frames?.[block]];
+      if (!Number.isFinite(start)) return "";
+      return frames > 1 ? `frames ${start} to ${start + frames - 1}` : `frame ${start}`;
+    }
+
+    // A short name: the marker or the last label, and the frames.
+    nameOf(block) {
+      const labels = this.labelsOf(block);
+      const { layout } = this.overview;
+      const [name, label] = labels.find(([column]) => column === layout?.column) ?? labels.at(-1) ?? ["block", block];
+      const frames = this.framesOf(block);
+      return [typeof label === "number" ? `${name} ${label}` : label, frames].filter(Boolean).join(", ");
+    }
+  }
+
+  const bestOf = (values, better) => {
+    const known = [...values.keys()].filter((method) => Number.isFinite(values[method]));
+    if (better === "none" || !known.length) return [];
+    const sign = better === "higher" ? -1 : 1;
+    const first = Math.min(...known.map((method) => sign * values[method]));
+    return known.filter((method) => sign * values[method] === first);
+  };
+
+  class Overview {
+    constructor(json) {
+      this.json = json;
+      this.methods = json.methods.map(({ label }) => String(label));
+      this.seconds = json.methods.map(({ seconds }) => seconds ?? null);
+      this.metrics = json.metrics;
+      this.layout = json.layout;
+      this.within = json.within;
+      this.columns = Object.fromEntries(Object.entries(json.columns).map(([name, { labels }]) => [name, labels]));
+      this.groups = json.groups.map((group, index) => new Group(group, this, index));
+    }
+
+    metric(name) {
+      return this.metrics.find((metric) => metric.name === name);
+    }
+
+    regionLabels(region) {
+      return (this.layout?.regions[region] ?? []).map((at) => this.layout.names[at]);
+    }
+
+    // Groups side by side in one picture share all labels but the last.
+    panels() {
+      const panels = new Map();
+      for (const group of this.groups) {
+        const labels = group.labels.slice(0, -1);
+        const key = JSON.stringify(labels);
+        if (!panels.has(key)) panels.set(key, { labels, groups: [] });
+        panels.get(key).groups.push(group);
+      }
+      return [...panels.values()].map(({ labels, groups }) => ({
+        title: labels.map((label, at) => `${this.within[at].name} ${label}`).join(", "), groups,
+      }));
+    }
+  }
+
+  return { load: (id) => new Overview(page.data(id)), Overview, medianOf };
+});

@@ -1,0 +1,186 @@
+"use strict";
+// What the charts of one comparison show: the reader's choice with its defaults, the numbers under
+// it, the role of each method, and the words for them. The first comparison of a page shares the
+// whole selection; others share methods, and keep group, block and filters to themselves.
+nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
+  const OWN = ["metric", "statistic", "group", "block", "marker", "region", "suspects"];
+  const UNSET = { metric: null, statistic: null, group: null, block: null, marker: null, region: null, suspects: true };
+  const STATISTICS = { mean: "Mean", median: "Median", rank: "Mean rank" };
+
+  class View {
+    constructor(overview, shared) {
+      this.overview = overview;
+      this.own = shared ? null : { ...UNSET };
+      this.readers = [];
+      selection.on((_, changed) => {
+        if (shared || [...changed].some((name) => !OWN.includes(name))) this.notify();
+      });
+    }
+
+    notify() {
+      for (const reader of this.readers) reader();
+    }
+
+    on(reader) {
+      this.readers.push(reader);
+    }
+
+    get state() {
+      return this.own ? { ...selection.state, ...this.own } : selection.state;
+    }
+
+    set(values) {
+      if (!this.own) {
+        selection.set(values);
+        return;
+      }
+      const own = Object.entries(values).filter(([name]) => OWN.includes(name));
+      Object.assign(this.own, Object.fromEntries(own));
+      const others = Object.entries(values).filter(([name]) => !OWN.includes(name));
+      if (own.length) this.notify();
+      if (others.length) selection.set(Object.fromEntries(others));
+    }
+
+    toggle(name, value) {
+      this.set({ [name]: this.state[name] === value ? null : value });
+    }
+
+    clear() {
+      this.set({ ...UNSET, method: null, methods: null });
+    }
+
+    get metric() {
+      return this.overview.metric(this.state.metric) ?? this.overview.metrics[0];
+    }
+
+    get statistic() {
+      const { statistic } = this.state;
+      return Object.hasOwn(STATISTICS, statistic ?? "") ? statistic : "mean";
+    }
+
+    // Which end of the numbers shown is better.
+    get better() {
+      return this.statistic === "rank" ? "lower" : this.metric.better;
+    }
+
+    get unit() {
+      return this.statistic === "rank" ? "" : this.metric.unit;
+    }
+
+    get group() {
+      const { groups } = this.overview;
+      return groups[this.state.group] ?? groups[this.overview.json.shown_group];
+    }
+
+    get panel() {
+      return this.overview.panels().find(({ groups }) => groups.includes(this.group));
+    }
+
+    get block() {
+      const { block } = this.state;
+      return block !== null && block < this.group.size ? block : null;
+    }
+
+    get method() {
+      return this.place(this.state.method);
+    }
+
+    get reference() {
+      return this.place(this.state.reference ?? this.overview.json.baseline);
+    }
+
+    get marker() {
+      const { layout } = this.overview;
+      return layout?.names.includes(this.state.marker) ? this.state.marker : null;
+    }
+
+    get region() {
+      return Object.hasOwn(this.overview.layout?.regions ?? {}, this.state.region ?? "") ? this.state.region : null;
+    }
+
+    get filter() {
+      return { suspects: this.state.suspects !== false, marker: this.marker, region: this.region };
+    }
+
+    place(label) {
+      const at = this.overview.methods.indexOf(String(label));
+      return at < 0 ? null : at;
+    }
+
+    // Places of the methods that a reader wants to see and that have a number in one of the groups.
+    shown(groups = this.overview.groups) {
+      const { methods } = this.state;
+      const chosen = methods && new Set(methods);
+      const numbers = groups.map((group) => this.numbers(group).values);
+      return this.overview.methods.flatMap((label, at) =>
+        (!chosen || chosen.has(label)) && numbers.some((values) => Number.isFinite(values[at])) ? [at] : []);
+    }
+
+    numbers(group = this.group) {
+      return group.summary(this.metric.name, this.statistic, this.filter);
+    }
+
+    get filtered() {
+      return this.numbers().filtered;
+    }
+
+    // The best of the shown methods first.
+    ranked(group = this.group) {
+      const { values } = this.numbers(group);
+      const sign = this.better === "higher" ? -1 : 1;
+      return this.shown([group]).sort((a, b) => sign * (values[a] - values[b]));
+    }
+
+    // Classes of a method in a group, or in any of several.
+    roles(method, groups = [this.group]) {
+      const best = groups.some((group) => this.numbers(group).best.includes(method));
+      return [
+        best && "best", method === this.reference && "reference", method === this.method && "selected",
+      ].filter(Boolean).join(" ");
+    }
+
+    // The larger, the more a label of the method matters.
+    weight(method, groups) {
+      const roles = this.roles(method, groups);
+      return 4 * roles.includes("selected") + 2 * roles.includes("best") + roles.includes("reference");
+    }
+
+    // How a value stands to the best one: a multiple, or a difference where a ratio means nothing.
+    toBest(value, best) {
+      if (!Number.isFinite(value) || !Number.isFinite(best)) return "";
+      if (best > 0 && value > 0 && this.statistic !== "rank") {
+        const times = this.better === "higher" ? best / value : value / best;
+        return `\u00d7${times < 10 ? times.toFixed(2) : times < 1000 ? times.toFixed(0) : times.toExponential(0)}`;
+      }
+      const difference = value - best;
+      return `${difference < 0 ? "" : "+"}${page.number(difference)}`;
+    }
+
+    get what() {
+      return this.statistic === "rank" ? `Mean rank by ${this.metric.name}` : `${STATISTICS[this.statistic]} ${this.metric.name}`;
+    }
+
+    text(value) {
+      return `${page.number(value)}${this.unit && Number.isFinite(value) ? ` ${this.unit}` : ""}`;
+    }
+
+    error(value) {
+      return `${page.number(value)}${this.metric.unit && Number.isFinite(value) ? ` ${this.metric.unit}` : ""}`;
+    }
+
+    // The last label of a group with its axis: "length 45".
+    groupText(group) {
+      const axis = this.overview.within.at(-1);
+      return axis ? `${axis.name} ${group.labels.at(-1)}` : "all";
+    }
+  }
+
+  const seconds = (value) => {
+    if (value >= 100) return `${Math.round(value)} s`;
+    if (value >= 1) return `${value.toFixed(1)} s`;
+    if (value >= 0.01) return `${Math.round(value * 1000)} ms`;
+    return value >= 0.0001 ? `${(value * 1000).toFixed(1)} ms` : `${(value * 1e6).toFixed(0)} \u00b5s`;
+  };
+
+  return { View, STATISTICS, seconds };
+});
