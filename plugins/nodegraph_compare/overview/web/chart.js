@@ -25,12 +25,13 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     draw();
     if (!key || focus.isConnected) return;
     const same = [...host.querySelectorAll("[data-key]")].find((mark) => mark.dataset.key === key);
-    if (same) moveTo(host, same);
+    if (same?.dataset.kind) moveTo(host, same);
+    else same?.focus();
   };
 
   // Of the marks of a chart, one can be reached by Tab, the others by arrow keys.
   const moveTo = (host, mark) => {
-    for (const other of host.querySelectorAll("[data-key][tabindex='0']")) {
+    for (const other of host.querySelectorAll("[data-kind][tabindex='0']")) {
       if (other.dataset.kind === mark.dataset.kind) other.setAttribute("tabindex", -1);
     }
     mark.setAttribute("tabindex", 0);
@@ -38,11 +39,11 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
   };
 
   const marksOf = (host, kind) =>
-    [...host.querySelectorAll(`[data-key][data-kind="${kind}"]`)]
+    [...host.querySelectorAll(`[data-kind="${kind}"]`)]
       .sort((a, b) => Number(a.dataset.order) - Number(b.dataset.order));
 
   const firstReachable = (host) => {
-    for (const kind of new Set([...host.querySelectorAll("[data-key]")].map((mark) => mark.dataset.kind))) {
+    for (const kind of new Set([...host.querySelectorAll("[data-kind]")].map((mark) => mark.dataset.kind))) {
       const marks = marksOf(host, kind);
       if (!marks.some((mark) => mark.getAttribute("tabindex") === "0")) marks[0].setAttribute("tabindex", 0);
     }
@@ -50,8 +51,8 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
 
   const STEPS = { ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1 };
   const walk = (host, event) => {
-    const mark = event.target.closest("[data-key]");
-    if (!mark || mark.dataset.kind === "cell") return;
+    const mark = event.target.closest("[data-kind]");
+    if (!mark) return;
     if (event.key === "Enter" || event.key === " ") {
       if (mark.tagName === "BUTTON") return;
       event.preventDefault();

@@ -72,7 +72,7 @@ nodegraph.define("compare/control_bar", ["page", "compare/view"], (page, { STATI
 
   const note = (view) => {
     const name = view.overview.json.blocks_name;
-    const sample = view.group.json.index ? `The page holds ${view.group.size} of ${view.group.json.all_blocks} ${name}. ` : "";
+    const sample = view.group.size < view.group.json.all_blocks ? `The page holds ${view.group.size} of ${view.group.json.all_blocks} ${name}. ` : "";
     if (!view.numbers().filtered) return sample;
     return `${sample}Under the filter: ${view.numbers().blocks.length} ${name}; this explores, the answer above stands.`;
   };

@@ -58,7 +58,10 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       const ratios = view.better !== "none" && view.statistic !== "rank"
         && groups.every((group) => [...view.numbers(group).values].every((value) => !(value <= 0)));
       const timed = shown.some((method) => view.overview.seconds[method] !== null);
-      const aside = width >= 420;
+      const asides = width < 420 ? [] : [
+        ratios && groups.length > 1 && { key: "worst", title: "Worst", text: (method) => worstText(worstOf(view, method, groups)) },
+        timed && { key: "time", title: "Time", text: (method) => (view.overview.seconds[method] === null ? "\u2013" : seconds(view.overview.seconds[method])) },
+      ].filter(Boolean);
       const sign = view.better === "higher" ? -1 : 1;
       const keyOf = {
         name: (method) => view.overview.methods[method],
@@ -79,30 +82,28 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       const head = (key, label, className) => element("th", {
         scope: "col", class: className,
         "aria-sort": String(sort.key) === String(key) ? (sort.falling ? "descending" : "ascending") : null,
-      }, element("button", { type: "button", title: "Sort by this column", onclick: () => choose(key) }, label));
+      }, element("button", { type: "button", title: "Sort by this column", "data-key": `head ${key}`, onclick: () => choose(key) }, label));
       const axis = view.overview.within.at(-1)?.name ?? "";
       const above = view.overview.panels().filter((panel) => panel.groups.some((group) => groups.includes(group)));
-      const spanned = above.length > 1 || narrow ? element("tr", {}, element("td", {}),
+      const spanned = above.length > 1 || narrow ? element("tr", {}, element("td", { class: "name" }),
         ...above.map(({ title, groups: members }) => element("th", { scope: "colgroup", colspan: members.length, class: "panel" },
           [title, narrow ? axis : ""].filter(Boolean).join(", "))),
-        aside ? element("td", { colspan: Number(ratios && groups.length > 1) + Number(timed) || 1 }) : null) : null;
+        ...asides.map(() => element("td", { class: "aside" }))) : null;
       const longest = Math.max(...shown.map((method) => view.overview.methods[method].length), 6);
       const table = element("table", { class: "heat", style: `--name-width: ${Math.round(Math.min(longest * 7.6 + 6, width * 0.34))}px` },
         element("thead", {}, spanned, element("tr", {},
           head("name", "Method", "name"),
           ...groups.map((group, at) => head(group.index, at || narrow || !axis ? String(group.labels.at(-1) ?? view.what) : view.groupText(group), group === view.group ? "here" : "")),
-          aside && ratios && groups.length > 1 ? head("worst", "Worst", "aside") : null,
-          aside && timed ? head("time", "Time", "aside") : null)),
+          ...asides.map(({ key, title }) => head(key, title, "aside")))),
         element("tbody", {}, rows.map((method, at) => {
           const label = view.overview.methods[method];
           return element("tr", { class: `method ${view.roles(method, groups)}`, "data-method": label },
             element("th", { scope: "row" }, element("button", { ...chart.methodMark(view, method, at, null), type: "button", role: null, title: label }, label)),
             ...groups.map((group) => cell(view, group, method, narrow)),
-            aside && ratios && groups.length > 1 ? element("td", { class: "aside" }, worstText(worstOf(view, method, groups))) : null,
-            aside && timed ? element("td", { class: "aside" }, view.overview.seconds[method] === null ? "\u2013" : seconds(view.overview.seconds[method])) : null);
+            ...asides.map(({ text }) => element("td", { class: "aside" }, text(method))));
         })));
       const fold = order.length > MOST && element("button", {
-        type: "button", class: "more", "aria-expanded": String(whole),
+        type: "button", class: "more", "data-key": "more", "aria-expanded": String(whole),
         onclick: () => { whole = !whole; redraw(); },
       }, whole ? "Show fewer" : `Show all ${order.length} methods`);
       plot.replaceChildren(element("div", { class: "scroller", tabindex: groups.length * 44 > width ? 0 : null, role: "group", "aria-label": "Methods by group" }, table), fold || "");
@@ -113,7 +114,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
           strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? ", and its multiple of the best" : ", and the difference to the best"}. `),
           view.better === "none" ? "" : "Deeper blue is nearer the best. ",
           verdict ? "Outlined cells are tied with the best. " : "",
-          aside && ratios && groups.length > 1 ? "Worst: the largest multiple over the groups. " : "",
+          asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
           "A click on a head sorts.",
         ],
       };

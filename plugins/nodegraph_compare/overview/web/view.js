@@ -86,7 +86,7 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
     }
 
     get reference() {
-      return this.place(this.state.reference ?? this.overview.json.baseline);
+      return this.place(this.state.reference);
     }
 
     get marker() {
@@ -176,10 +176,8 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
   }
 
   const seconds = (value) => {
-    if (value >= 100) return `${Math.round(value)} s`;
-    if (value >= 1) return `${value.toFixed(1)} s`;
-    if (value >= 0.01) return `${Math.round(value * 1000)} ms`;
-    return value >= 0.0001 ? `${(value * 1000).toFixed(1)} ms` : `${(value * 1e6).toFixed(0)} \u00b5s`;
+    const [size, unit] = value >= 1 ? [value, "s"] : value >= 1e-4 ? [value * 1e3, "ms"] : [value * 1e6, "\u00b5s"];
+    return `${size < 10 ? +size.toFixed(1) : Math.round(size)} ${unit}`;
   };
 
   return { View, STATISTICS, seconds };
