@@ -10,6 +10,7 @@ import networkx as nx
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.axes import CombinationCounter, check_fixed_axes, node_axes
 from nodegraph.graph.flatten import FlatGraph
+from nodegraph.graph.lost_axes import LostAxes
 from nodegraph.graph.methods import (
     ResolvedMethod,
     at_first_labels,
@@ -22,7 +23,7 @@ from nodegraph.graph.namespace import Namespace
 from nodegraph.graph.settings import SettingsReader
 from nodegraph.graph.wiring import WireChecker, sorted_names, typed_network
 from nodegraph.graphfile.axes import is_label
-from nodegraph.graphfile.spec import NodeSpec, Reference
+from nodegraph.graphfile.spec import NodeSpec, Reference, SkipSpec
 from nodegraph.plugin.registry import Registry
 
 
@@ -73,6 +74,7 @@ class Assembler:
         self._nodes: dict[str, GraphNode] = {}
         self._wires = WireChecker(spec, self._nodes, self._namespace, problems)
         self._left_out: list[LeftOut] = []
+        self._lost = LostAxes()
         self._incomplete: set[str] = set()  # nodes that may lack an axis because of an error
         self._ignored = Problems()  # errors that may follow from those
 
@@ -80,36 +82,44 @@ class Assembler:
         """Return the graph, or None if there are errors, in it or in a graph that it uses."""
         for name in sorted_names(self._sources, self._problems):
             self._nodes[name] = self._node(self._spec.nodes[name])
+        self._spec = replace(
+            self._spec,
+            outputs={name: self._lost.without(each) for name, each in self._spec.outputs.items()},
+            known=tuple(map(self._lost.without, self._spec.known)),
+            report=tuple(map(self._lost.without, self._spec.report)),
+        )
         self._check_graph_inputs()
         self._check_sections()
         self._namespace.check_choices()
-        self._check_skip()
+        skip = self._checked_skip()
         check_requires(self._spec, self._problems)
         self._settings.fill(in_full=self._combinations.check())
         if self._problems or not self._flat.is_complete:
             return None
-        network = typed_network(self._nodes)
+        network = typed_network(
+            {name: self._lost.without_names(node) for name, node in self._nodes.items()}
+        )
         self._remove_left_out(network)
         labels = {name: axis.labels for name, axis in self._namespace.axes.items()}
         return Graph(
-            self._spec,
+            replace(self._spec, skip=skip),
             self._registry,
             nx.freeze(network),
             self._namespace.axes,
             self._namespace.inputs,
             self._choices,
             tuple(self._left_out),
-            deprecations(self._spec.nodes.values(), self._methods, labels, self._registry),
+            (
+                *deprecations(self._spec.nodes.values(), self._methods, labels, self._registry),
+                *self._lost.notices(),
+            ),
         )
 
     def _node(self, spec: NodeSpec) -> GraphNode:
-        resolved = self._methods[spec.name]
+        resolved = self._lost.rewired(self._methods[spec.name])
         labels = self._namespace.axes[spec.name].labels if spec.has_alternatives else ("",)
-        methods = {
-            method.label: method
-            for method in (self._method(spec, each) for each in resolved)
-            if method is not None and method.label in labels
-        }
+        every = [method for each in resolved if (method := self._method(spec, each)) is not None]
+        methods = {method.label: method for method in every if method.label in labels}
         gathers = any(method.gathers for method in methods.values())
         if spec.over and methods and not gathers:
             self._problems.add(spec.over[0][1], f"{spec.name}: 'over' needs a port that gathers")
@@ -130,6 +140,7 @@ class Assembler:
         node = GraphNode(
             spec.name, spec.place, methods, spec.has_alternatives, axes, gathered, spec.prefix
         )
+        self._lost.add(node, self._nodes, every)
         if gathers:
             self._check_gathered_names(node)
         self._combinations.add(node, self._nodes)
@@ -206,8 +217,9 @@ class Assembler:
                 self._wires.check(reference, None, section)
                 self._check_fixed_axes(reference)
 
-    def _check_skip(self) -> None:
-        axes = self._namespace.axes
+    def _checked_skip(self) -> tuple[SkipSpec, ...]:
+        """Return the rules that apply to the nodes."""
+        axes, rules = self._namespace.axes, []
         for item in self._spec.skip:
             for axis, labels in item.labels.items():
                 if axis in axes:
@@ -217,9 +229,12 @@ class Assembler:
                     self._problems.add(item.place, f"skip: no axis {axis!r}", hint)
             if self._incomplete or not item.labels.keys() <= axes.keys():
                 continue
-            if not any(item.labels.keys() <= set(node.axes) for node in self._nodes.values()):
+            if any(item.labels.keys() <= set(node.axes) for node in self._nodes.values()):
+                rules.append(item)
+            elif not self._lost.explains(item, self._nodes.values()):
                 names = " and ".join(item.labels)
                 self._problems.add(item.place, f"skip: no node has the axes {names} together")
+        return tuple(rules)
 
     def _check_skip_labels(self, place: Place, axis: str, labels: Iterable[object]) -> None:
         known = self._namespace.axes[axis]

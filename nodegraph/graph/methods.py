@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
@@ -52,18 +52,22 @@ class ResolvedMethod:
             else:
                 yield from feed.sources.values()
 
+    def rewired(self, change: Callable[[Reference], Reference]) -> ResolvedMethod:
+        """Return the method with each reference that feeds it changed."""
+        wiring: dict[str, Reference | Gathering] = {}
+        for name, feed in self.wiring.items():
+            if isinstance(feed, Reference):
+                wiring[name] = change(feed)
+            else:
+                sources = {label: change(source) for label, source in feed.sources.items()}
+                wiring[name] = replace(feed, sources=sources)
+        return replace(self, wiring=wiring)
+
     def with_first_labels(self, axes: Mapping[str, Axis]) -> ResolvedMethod:
         """Return the method with each `FIRST` in its wiring replaced by the label."""
         if not any(FIRST in source.at.values() for source in self.references()):
             return self
-        wiring: dict[str, Reference | Gathering] = {}
-        for name, feed in self.wiring.items():
-            if isinstance(feed, Reference):
-                wiring[name] = at_first_labels(feed, axes)
-            else:
-                sources = {at: at_first_labels(each, axes) for at, each in feed.sources.items()}
-                wiring[name] = replace(feed, sources=sources)
-        return replace(self, wiring=wiring)
+        return self.rewired(lambda source: at_first_labels(source, axes))
 
 
 def at_first_labels(source: _Reference, axes: Mapping[str, Axis]) -> _Reference:
