@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from nodegraph.formatting import name_at
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Gather, Graph, GraphNode, Method
-from nodegraph.graphfile.spec import Reference
+from nodegraph.graphfile.spec import Reference, SkipSpec
 from nodegraph.node.declaration import Declared
 from nodegraph.node.ports import Absent, Label
 from nodegraph.state import State
@@ -134,6 +135,14 @@ class Plan:
     steps: tuple[Step, ...]
     cells: Mapping[str, Mapping[Combination, int]]
     skipped: Mapping[str, Mapping[Combination, str]]
+
+    def skipped_together(self) -> Mapping[str, Mapping[str, int]]:
+        """Return how many combinations of each node are skipped, by the reason."""
+        together: dict[str, dict[str, int]] = {}
+        for node, reasons in self.skipped.items():
+            for reason, count in Counter(reasons.values()).items():
+                together.setdefault(reason, {})[node] = count
+        return together
 
     @cached_property
     def network(self) -> nx.DiGraph[int]:
@@ -334,10 +343,18 @@ class _Planner:
         return self._known_labels[own]
 
     def _skip_reason(self, labels: Mapping[str, Label]) -> str:
-        for item in self._graph.spec.skip:
-            if all(axis in labels and labels[axis] in item.labels[axis] for axis in item.labels):
-                return f"skip: {', '.join(f'{axis} = {labels[axis]}' for axis in item.labels)}"
-        return ""
+        rules = self._graph.spec.skip
+        return next((skip_reason(item) for item in rules if _applies(item, labels)), "")
+
+
+def skip_reason(item: SkipSpec) -> str:
+    """Return why a rule leaves out combinations, in the same words for all of them."""
+    labels = (f"{axis} = {' or '.join(map(str, of))}" for axis, of in item.labels.items())
+    return f"skip: {', '.join(labels)}"
+
+
+def _applies(item: SkipSpec, labels: Mapping[str, Label]) -> bool:
+    return all(axis in labels and labels[axis] in of for axis, of in item.labels.items())
 
 
 def _unused_axes(

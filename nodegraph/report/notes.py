@@ -60,10 +60,8 @@ def _settled(run: Run, settings: RunSettings) -> Iterator[StepNote]:
 
 
 def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
-    for name, cells in run.plan.skipped.items():
-        axes = run.plan.graph.nodes[name].axes
-        for at, reason in cells.items():
-            yield StepNote(name, labels_of(dict(zip(axes, at, strict=True))), reason, Kind.LEFT_OUT)
+    for reason, counts in run.plan.skipped_together().items():
+        yield StepNote(", ".join(counts), "", reason, Kind.LEFT_OUT, count=sum(counts.values()))
 
 
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -19,7 +19,7 @@ from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Run
 from nodegraph.graph import Graph, GraphNode
-from nodegraph.plan import Output, Step, StepInput
+from nodegraph.plan import Output, Step, StepInput, skip_reason
 from nodegraph.runs.settings import Bool, Float, Int, Label, RunSettings
 from nodegraph.state import State
 from nodegraph.validation import first_error
@@ -102,11 +102,19 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
-    """A combination that was not planned, and why."""
+    """Combinations that were not planned, and why.
 
-    node: str
-    labels: Labels
+    Attributes
+    ----------
+    labels : dict of axis to labels
+        Those that the reason names; a combination that was not planned and has them is meant.
+    counts : dict of node to int
+        How many combinations of each node.
+    """
+
     reason: str
+    counts: dict[str, Int]
+    labels: dict[str, list[Label]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +260,10 @@ class Record:
 def record(run: Run, settings: RunSettings) -> Record:
     """Return the record of a run."""
     graph = run.plan.graph
+    rules = {
+        skip_reason(item): {axis: list(labels) for axis, labels in item.labels.items()}
+        for item in graph.spec.skip
+    }
     return Record(
         format=FORMAT,
         command=settings.command,
@@ -275,9 +287,8 @@ def record(run: Run, settings: RunSettings) -> Record:
         not_kept=dict(run.cache.not_stored) if run.cache else {},
         steps=_steps(run, settings),
         skipped=[
-            Skipped(name, dict(zip(node.axes, labels, strict=True)), reason)
-            for name, node in graph.nodes.items()
-            for labels, reason in run.plan.skipped[name].items()
+            Skipped(reason, dict(counts), rules.get(reason, {}))
+            for reason, counts in run.plan.skipped_together().items()
         ],
         versions=versions(graph),
         notices=[
@@ -445,16 +456,14 @@ def _faults(record: Record) -> Iterator[str]:
             for source in sources:
                 if source.step not in steps:
                     yield f"{here}: inputs.{port}: no step {source.step}"
-    lists: dict[str, Sequence[Skipped | NotShown]] = {
-        "skipped": record.skipped,
-        "not_shown": record.not_shown,
-    }
-    for key, entries in lists.items():
-        for index, entry in enumerate(entries):
-            yield from (f"{key}.{index}: {fault}" for fault in _faults_of_cell(entry, record))
+    for index, skipped in enumerate(record.skipped):
+        unknown = sorted(skipped.counts.keys() - record.nodes.keys())
+        yield from (f"skipped.{index}: no node {name!r}" for name in unknown)
+    for index, shown in enumerate(record.not_shown):
+        yield from (f"not_shown.{index}: {fault}" for fault in _faults_of_cell(shown, record))
 
 
-def _faults_of_cell(cell: Cell | Skipped | NotShown, record: Record) -> Iterator[str]:
+def _faults_of_cell(cell: Cell | NotShown, record: Record) -> Iterator[str]:
     node = record.nodes.get(cell.node)
     if node is None:
         yield f"no node {cell.node!r}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,7 @@ class SavedRun:
             reasons = (
                 skipped.reason
                 for skipped in self.record.skipped
-                if skipped.node == node and _matches(skipped.labels, at)
+                if node in skipped.counts and _may_be_at(skipped.labels, at)
             )
             reason = next(reasons, "the run has no such combination")
             raise NodegraphError(f"{name_at(node, at)}: {reason}")
@@ -129,6 +129,10 @@ def stored_values(step: RecordedStep, store: Store) -> tuple[Any, ...]:
         return store.load(entry) if entry is not None else ()
     except DamagedEntry:
         return ()
+
+
+def _may_be_at(labels: Mapping[str, Collection[Label]], at: Mapping[str, object]) -> bool:
+    return all(str(at[axis]) in map(str, of) for axis, of in labels.items() if axis in at)
 
 
 def _matches(labels: Mapping[str, Label], at: Mapping[str, object]) -> bool:

@@ -221,7 +221,7 @@ def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> No
     )
     assert counts(plan) == {"capture": 1, "gaps": 5, "fill": 11, "error": 11, "table": 1}
     assert plan.skipped["gaps"] == {(2, 15): "skip: trial = 2, length = 15"}
-    assert plan.skipped["fill"][0, 5, "hold"] == "skip: trial = 0, fill = hold"
+    assert plan.skipped["fill"][0, 5, "hold"] == "skip: trial = 0, fill = hold or pass"
     fed = plan.steps[plan.cells["table"][()]].inputs["scores"]
     assert isinstance(fed, Gathered)
     assert len(fed.entries) == 11
