@@ -138,11 +138,11 @@ class EventLog:
             What a step of a method took in earlier runs.
         """
         self._left = left
-        self._remaining = Remaining(steps, seconds)
+        self._remaining = Remaining(steps if self._listeners else (), seconds)
 
-    def medians(self) -> dict[str, float]:
-        """Return the median seconds of the steps that were computed, by method."""
-        return self._remaining.medians()
+    def means(self) -> dict[str, float]:
+        """Return the mean seconds of the steps that were computed, by method."""
+        return self._remaining.means()
 
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""

@@ -4,36 +4,43 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
-from statistics import median
 
-from nodegraph.plan import Step
+from nodegraph.plan import Gathered, Step
 
 _OVERHEAD = 0.002
 """Seconds that a step takes beside its function: its key, its inputs, storing its result."""
 
 
 class Remaining:
-    """Weighs the steps that are left by the median time of their method.
+    """Weighs the steps that are left by what steps of their methods took.
 
     Parameters
     ----------
     steps
         Those that are to be computed.
     seconds
-        Medians of earlier runs by method, for methods of which nothing has ended yet.
+        What a step took in earlier runs by method, for methods of which nothing has ended yet.
     """
 
     def __init__(self, steps: Iterable[Step], seconds: Mapping[str, float]) -> None:
-        self._left = Counter(step.method.node.name for step in steps)
         self._earlier = seconds
-        self._times: dict[str, list[float]] = defaultdict(list)
-        self._spent = 0.0
+        self._left: Counter[str] = Counter()
+        self._gathers: dict[str, bool] = {}
+        for step in steps:
+            name = step.method.node.name
+            self._left[name] += 1
+            if name not in self._gathers:
+                inputs = step.inputs.values()
+                self._gathers[name] = any(isinstance(source, Gathered) for source in inputs)
+        self._ended: Counter[str] = Counter()
+        self._seconds: dict[str, float] = defaultdict(float)
 
     def add(self, step: Step, seconds: float) -> None:
         """Note that a step was computed."""
-        self._times[step.method.node.name].append(seconds)
-        self._spent += seconds + _OVERHEAD
-        self.drop(step)
+        name = step.method.node.name
+        self._ended[name] += 1
+        self._seconds[name] += seconds
+        self._left[name] -= 1
 
     def drop(self, step: Step) -> None:
         """Note that a step need not be computed any more."""
@@ -48,18 +55,21 @@ class Remaining:
             Seconds since the first step was begun. The steps that ended in them say how fast
             this is, whatever runs at the same time.
         """
-        if not self._spent:
+        means = self.means()
+        if not means:
             return None
-        known = {**self._earlier, **self.medians()}
-        computed = [time for times in self._times.values() for time in times]
-        typical = sum(computed) / len(computed)
+        known = {**self._earlier, **means}
+        ended = self._ended.total()
+        spent = sum(self._seconds.values())
+        # what gathers reads what many steps gave, and is as slow as the slowest rather than typical
+        unknown = {True: max(means.values()), False: spent / ended}
         left = sum(
-            count * (known.get(name, typical) + _OVERHEAD)
+            count * (known.get(name, unknown[self._gathers.get(name, False)]) + _OVERHEAD)
             for name, count in self._left.items()
             if count > 0
         )
-        return elapsed * left / self._spent
+        return elapsed * left / (spent + ended * _OVERHEAD)
 
-    def medians(self) -> dict[str, float]:
-        """Return the median seconds of a step by method."""
-        return {name: median(times) for name, times in self._times.items()}
+    def means(self) -> dict[str, float]:
+        """Return the mean seconds of a step by method."""
+        return {name: self._seconds[name] / count for name, count in self._ended.items()}

@@ -68,7 +68,7 @@ def execute(
             keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
             observer=log,
         )
-        earlier = store.recall(_SECONDS) if store is not None else {}
+        earlier = store.recall(_SECONDS) if store is not None and schedule.left else {}
         log.begin(lambda: len(schedule.left), map(plan.steps.__getitem__, schedule.left), earlier)
         with collecting_warnings(), one_thread_each() if schedule.left else nullcontext():
             for result in executor(schedule, how):
@@ -78,8 +78,8 @@ def execute(
                 f"executor {how.executor!r} ended with {len(schedule.left)} of {len(plan.steps)} "
                 "steps left to compute"
             )
-        if store is not None and (medians := log.medians()):
-            store.remember(_SECONDS, earlier | medians)
+        if store is not None and (means := log.means()):
+            store.remember(_SECONDS, earlier | means)
     except BaseException:
         log.interrupted()
         raise

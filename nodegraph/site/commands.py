@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from html import escape
 
 from nodegraph.site.page import Entry, Page
-from nodegraph.site.prose import inline_html, table
+from nodegraph.site.prose import blocks_html, inline_html, table
 
 
 def command_page(parsers: Mapping[str, ArgumentParser]) -> Page:
     """Return the page of all commands."""
-    names = {name: parser.description or "" for name, parser in parsers.items()}
+    names = {name: _description(parser).partition("\n")[0] for name, parser in parsers.items()}
     rows = [
         (f'<a href="#{escape(name)}"><code>nodegraph {escape(name)}</code></a>', escape(text))
         for name, text in names.items()
@@ -34,12 +34,16 @@ def _command(name: str, parser: ArgumentParser) -> str:
         [
             f'<section id="{escape(name)}">',
             f"<h2><code>nodegraph {escape(name)}</code></h2>",
-            f"<p>{inline_html(parser.description or '')}</p>",
+            blocks_html(_description(parser)),
             f'<pre class="command"><code>{escape(usage)}</code></pre>',
             table(("argument", "meaning"), rows),
             "</section>",
         ]
     )
+
+
+def _description(parser: ArgumentParser) -> str:
+    return parser.description or ""
 
 
 def _form(action: Action) -> str:

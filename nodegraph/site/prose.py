@@ -80,7 +80,7 @@ def docstring_html(doc: str) -> tuple[str, str]:
         for title, content in zip(rest[::2], rest[1::2], strict=True)
         if title != "Parameters"
     ]
-    return _blocks(lead), "\n".join(sections)
+    return blocks_html(lead), "\n".join(sections)
 
 
 def _section(title: str, content: str) -> str:
@@ -98,18 +98,18 @@ def _definitions(content: str) -> Iterator[str]:
     for term, text in re.findall(r"^(\S.*)\n((?:(?:[ \t]+.*)?\n?)*)", f"{content}\n", re.MULTILINE):
         yield f"<dt><code>{escape(term)}</code></dt>"
         if text.strip():
-            yield f"<dd>{_blocks(textwrap.dedent(text))}</dd>"
+            yield f"<dd>{blocks_html(textwrap.dedent(text))}</dd>"
 
 
-def _blocks(text: str) -> str:
-    """Return paragraphs, lists, ruled tables and indented code."""
-    blocks = re.split(r"\n\s*\n", text.strip("\n"))
+def blocks_html(text: str) -> str:
+    """Return paragraphs, lists, ruled tables and indented code as HTML."""
+    blocks = re.split(r"\n[ \t]*\n|(?<=:)\n(?=  )", text.strip("\n"))
     return "\n".join(_block(block) for block in blocks if block.strip())
 
 
 def _block(block: str) -> str:
     lines = block.splitlines()
-    if any(_RULED.match(line) for line in lines) or all(line.startswith("    ") for line in lines):
+    if any(_RULED.match(line) for line in lines) or all(line.startswith("  ") for line in lines):
         return f"<pre><code>{escape(textwrap.dedent(block))}</code></pre>"
     if _ITEM.match(block):
         items = (inline_html(item) for item in _ITEM.split(block) if item.strip())

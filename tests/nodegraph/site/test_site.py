@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import os
 import re
 import subprocess
@@ -9,13 +10,16 @@ from collections.abc import Iterator
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import NamedTuple, get_type_hints
 from urllib.parse import unquote
 
 import pytest
 
+import nodegraph as ng
 from nodegraph.cli.main import COMMANDS, main
 from nodegraph.graphfile.keys import TOP_LEVEL
 from nodegraph.plugin import hooks
+from nodegraph.plugin.hook_types import expect
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import Study
 from nodegraph.report.study import study_bytes
@@ -26,6 +30,10 @@ from tests.browser import BROWSER, open_tab
 PAGES = Path(readmes.ROOT) / "nodegraph" / "site" / "pages"
 HOSTILE = '</title><script>alert(1)</script><img src="https://example.org/x.png">'
 AXE = os.environ.get("NODEGRAPH_AXE", "")
+
+
+class Lips(NamedTuple):
+    width: float = 0.0
 
 
 class Links(HTMLParser):
@@ -105,6 +113,23 @@ def test_every_node_command_hook_and_key_appears(site: Path) -> None:
     assert all(f"<td><code>{name}</code></td>" in texts["language.html"] for name in TOP_LEVEL)
     index = (site / "search-index.js").read_text()
     assert all(f'"{name}"' in index for name in ("fill.muscle", "nodegraph lock", "alternatives"))
+
+
+@pytest.mark.parametrize("name", [name for name in vars(hooks) if name.startswith("nodegraph_")])
+def test_the_example_of_a_hook_gives_what_the_hook_returns(name: str, tmp_path: Path) -> None:
+    hook = vars(hooks)[name]
+    (example,) = doctest.DocTestParser().get_examples(hook.__doc__)
+    names = dict.fromkeys(re.findall(r"\b[a-z]+(?:_[a-z]+)+\b", example.source), callable)
+    space = {**names, **vars(ng), "hookimpl": ng.hookimpl, "Path": Path, "Lips": Lips}
+    space |= {name: getattr(ng, name) for name in ng.__all__}
+    space |= {"Spline": Lips, "__file__": str(tmp_path / "plugin.py")}
+    exec(example.source, space)
+    if name == "nodegraph_nodes":
+        return  # it imports a package
+    value = space[name]()
+    expect(value, get_type_hints(hook)["return"])
+    for item in value if isinstance(value, list) else ():
+        assert type(item).__name__ in str(get_type_hints(hook)["return"]) or callable(item)
 
 
 def test_the_gallery_has_every_study_with_its_report_or_its_command(site: Path) -> None:
