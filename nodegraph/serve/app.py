@@ -21,13 +21,14 @@ from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingR
 from starlette.routing import Route
 
 from nodegraph.errors import NodegraphError, listed, nearest
+from nodegraph.formatting import labels_of
 from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, policy, source, templates_of
 from nodegraph.runs.reopen import NotStored, ReopenedRun
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.serve.runs import OpenRun, OpenRuns, RunState
-from nodegraph.serve.values import Query, packed, shown
+from nodegraph.serve.values import Query, labels_in, packed, shown
 
 _EVERY = 0.5
 """Seconds between two looks at the events of a run."""
@@ -146,21 +147,22 @@ class _Pages:
                 "run": run,
                 "condition": condition,
                 "title": run.title,
-                "snapshot": run.snapshot(),
+                "snapshot": run.snapshot(condition.state),
                 "drawing": run.drawing(),
             }
             for run, condition in conditions.items()
         ]
         going = [run.name for run, each in conditions.items() if not each.state.is_final]
-        script = _source("progress.js").replace("__RUNS__", _json(going))
+        scripts = [source(f"{name}.js") for name in SCRIPTS]
+        scripts.append(_source("progress.js").replace("__RUNS__", _json(going)))
         drawings = [str(part["drawing"]) for part in parts]
         title = " | ".join(dict.fromkeys(str(part["title"]) for part in parts))
-        return _page("progress.html", title=title, parts=parts, scripts=[script], trusted=drawings)
+        return _page("progress.html", title=title, parts=parts, scripts=scripts, trusted=drawings)
 
     def runs(self, request: Request) -> Response:
         """List the runs, to be seen side by side."""
         rows = [
-            {"run": run, "title": run.title, "state": run.condition().state}
+            {"run": run, "title": run.title, "state": run.condition().state, "begun": run.begun}
             for run in self._runs.all().values()
         ]
         return _page("runs.html", title="Runs", rows=rows, first=self._runs.first)
@@ -176,6 +178,7 @@ class _Pages:
         run = self._run(request)
         query = _query(request)
         context: dict[str, Any] = {"run": run, "title": query.get("node", ""), "query": query}
+        context["labels"] = labels_of(labels_in(query))
         scripts = [*(source(f"{name}.js") for name in SCRIPTS), _server([run])]
         values = self._values(run, query)
         try:

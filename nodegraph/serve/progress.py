@@ -77,11 +77,18 @@ class Progress:
         elif isinstance(event.get("step"), int):
             self._settle(event, RUNNING if kind == EventKind.STARTED else kind)
 
-    def counts(self) -> dict[str, dict[str, int]]:
-        """Return how many steps of each node are in which state; states without any are absent."""
+    def counts(self, *, is_over: bool = False) -> dict[str, dict[str, int]]:
+        """Return how many steps of each node are in which state; states without any are absent.
+
+        Parameters
+        ----------
+        is_over
+            Whether nothing is running any more, whatever the events say.
+        """
         counts: dict[str, Counter[str]] = {name: Counter() for name in self.nodes}
         for node, state in self._states.values():
-            counts.setdefault(node, Counter())[state] += 1
+            if not (is_over and state == RUNNING):
+                counts.setdefault(node, Counter())[state] += 1
         for node, steps in self.nodes.items():
             counts[node][WAITING] = max(0, steps - counts[node].total())
         return {

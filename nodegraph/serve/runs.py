@@ -97,25 +97,31 @@ class OpenRun:
             return Condition(RunState.UNREADABLE, str(error), self._recorded_command())
         return Condition(RunState.FINISHED)
 
-    def snapshot(self) -> dict[str, Any]:
-        """Return how far the run is, as plain data."""
+    def snapshot(self, state: RunState | None = None) -> dict[str, Any]:
+        """Return how far the run is, as plain data.
+
+        Parameters
+        ----------
+        state
+            If it is known; by default it is looked up from time to time.
+        """
         with self._lock:
             news = self._read_events()
             self._quiet = 0 if news else self._quiet + 1
-            progress = self._events.progress
-            data = {
-                "nodes": progress.counts(),
-                "seconds": round(progress.seconds, 1),
-                "left": progress.left,
-                "to_go": progress.to_go,
-                "failures": progress.failures,
-            }
-        if news:
-            self._state = RunState.RUNNING
+        if state is not None or news:
+            self._state = state or RunState.RUNNING
         elif self._quiet % _QUIET == 0:
             # seldom, as it holds for a moment the lock that a run takes when it begins
             self._state = self.condition().state
-        return {"state": self._state, **data}
+        progress = self._events.progress
+        return {
+            "state": self._state,
+            "nodes": progress.counts(is_over=self._state.is_final),
+            "seconds": round(progress.seconds, 1),
+            "left": progress.left,
+            "to_go": progress.to_go,
+            "failures": progress.failures,
+        }
 
     def study(self) -> Study:
         """Return what the report shows.
@@ -178,6 +184,14 @@ class OpenRun:
             self._read_events()
             return str(self._events.progress.planned.get("title", ""))
 
+    @property
+    def begun(self) -> str:
+        """When the run began, as its first event has it."""
+        with self._lock:
+            self._read_events()
+            began = str(self._events.progress.planned.get("began", ""))
+        return began[: len("2026-11-22T15:42")].replace("T", " ")
+
     @cached_property
     def _settings(self) -> RunSettings | None:
         """What the run was started with, from its first event."""
@@ -201,12 +215,11 @@ class OpenRun:
             self._read_events()
         progress = self._events.progress
         settings = self._settings
-        message = (
-            f"the run ended after {progress.seconds:.0f} s without a result; finished steps are "
-            "stored, and the same command continues from there"
-        )
+        message = f"the run ended after {progress.seconds:.0f} s without a result"
         if settings is None:
             return Condition(RunState.INTERRUPTED, message)
+        if settings.cache:
+            message += "; finished steps are stored, and the same command continues from there"
         origin = Path(str(progress.planned.get("folder", "")))
         return Condition(
             RunState.INTERRUPTED, message, _command(settings, origin, self.folder.resolve())

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import reprlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from nodegraph.errors import NodegraphError, nearest
+from nodegraph.errors import NodegraphError, listed, nearest
 from nodegraph.execute.results import Values
 from nodegraph.formatting import labels_of, name_at
 from nodegraph.node.ports import Label
@@ -22,8 +23,6 @@ Query = Mapping[str, str]
 AT = "at."
 """Beginning of the names in a query that are axes."""
 
-_LONGEST = 4000
-
 
 @dataclass(frozen=True)
 class Shown:
@@ -31,7 +30,7 @@ class Shown:
 
     Attributes
     ----------
-    title : str
+    labels : str
     rendered : Rendered
     seconds : float
         That its step took.
@@ -41,7 +40,7 @@ class Shown:
         Files that it can be written as.
     """
 
-    title: str
+    labels: str
     rendered: Rendered
     seconds: float
     kind: str
@@ -78,11 +77,12 @@ def shown(run: ReopenedRun, query: Query) -> Shown:
         raise NodegraphError(f"{name_at(name, labels)} was {outcome.state}: {outcome.reason}")
     value = values.shown_at(labels)
     registry = run.plan.graph.registry
-    title = f"{name} {labels_of(labels)}".strip()
+    text = labels_of(labels)
+    title = f"{name} {text}".strip()
     origin = RunOrigin(run, run.record.settings, values.node, labels)
     return Shown(
-        title,
-        render_in_run(value, title, origin) or Rendered("", _start(str(value))),
+        text,
+        render_in_run(value, title, origin) or Rendered("", _summary(value)),
         outcome.seconds,
         type(value).__name__,
         exporters_of(value, registry),
@@ -212,5 +212,16 @@ def packed(run: ReopenedRun, query: Query) -> Mapping[str, Any]:
     raise NodegraphError("there is nothing to show of this block")
 
 
-def _start(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
+def _summary(value: Any) -> str:
+    """Return what a value is made of, where no plugin shows it."""
+    if not is_dataclass(value):
+        return _part(value)
+    return "\n".join(f"{each.name}: {_part(getattr(value, each.name))}" for each in fields(value))
+
+
+def _part(value: Any) -> str:
+    if hasattr(value, "shape") and hasattr(value, "dtype"):
+        return f"{' x '.join(map(str, value.shape))} {value.dtype}"
+    if isinstance(value, (tuple, list)):
+        return listed(value)
+    return reprlib.repr(value)

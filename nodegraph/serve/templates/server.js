@@ -2,6 +2,8 @@
 nodegraph.define("server", ["page"], ({ element, announce }) => {
   const RUNS = __RUNS__;
   const listeners = [];
+  let current = null;
+  document.addEventListener("close", () => current?.abort(), true);
   const state = element("p", { class: "served-progress", role: "status", hidden: true });
   document.body.append(state, element("style", null,
     ".served-progress { position: fixed; z-index: 9; right: 1rem; bottom: 1rem; margin: 0; padding: 0.6rem 1rem;" +
@@ -10,7 +12,8 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
   if (!document.querySelector(".served-bar")) {
     const of_run = (name) => element("a", { href: `/values?${new URLSearchParams({ run: name })}` },
       RUNS.length > 1 ? `All results of ${name}` : "All results");
-    const bar = element("nav", { class: "served-bar", "aria-label": "Pages" }, element("a", { href: "/runs" }, "Runs"), RUNS.map(of_run));
+    const bar = element("nav", { class: "served-bar", "aria-label": "Pages" },
+      element("a", { href: "/runs" }, "Runs"), RUNS.map(of_run));
     (document.querySelector("body > header") ?? document.body).prepend(bar);
   }
   const report = (line) => {
@@ -45,7 +48,11 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
   };
   // path: "detail"; parameters: {node, compare, methods: [...], block: {...}}. An error has `changed`,
   // a list, where code or files are not as they were in the run; {now: 1} then takes them as they are.
-  const get = async (path, parameters = {}, signal = undefined) => {
+  const get = async (path, parameters = {}) => {
+    // who asks for another, or closes the dialog, has left this one
+    current?.abort();
+    current = new AbortController();
+    const { signal } = current;
     const query = { run: RUNS[0] };
     for (const [name, value] of Object.entries(parameters)) {
       query[name] = typeof value === "object" ? JSON.stringify(value) : String(value);

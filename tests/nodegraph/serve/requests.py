@@ -38,9 +38,13 @@ def send(
     method: str = "GET",
     body: bytes = b"",
     host: str = HOST,
+    leave: bool = False,
     **headers: Any,
 ) -> Answer:
-    """Send one request; an underscore in the name of a header stands for a hyphen."""
+    """Send one request; an underscore in the name of a header stands for a hyphen.
+
+    With ``leave``, the connection ends with the first part of the answer.
+    """
     path, _, query = target.partition("?")
     named = {name.replace("_", "-"): value for name, value in headers.items()}
     pairs = {"host": host, **named}.items()
@@ -58,10 +62,10 @@ def send(
         "server": ("127.0.0.1", 8321),
         "client": ("127.0.0.1", 50000),
     }
-    return asyncio.run(_answer(app, scope, body))
+    return asyncio.run(_answer(app, scope, body, leave=leave))
 
 
-async def _answer(app: ASGIApp, scope: dict[str, Any], body: bytes) -> Answer:
+async def _answer(app: ASGIApp, scope: dict[str, Any], body: bytes, *, leave: bool) -> Answer:
     start: dict[str, Any] = {}
     parts: list[bytes] = []
     messages = [{"type": "http.request", "body": body, "more_body": False}]
@@ -78,7 +82,7 @@ async def _answer(app: ASGIApp, scope: dict[str, Any], body: bytes) -> Answer:
             start.update(message)
         else:
             parts.append(message.get("body", b""))
-            if not message.get("more_body"):
+            if leave or not message.get("more_body"):
                 answered.set()
 
     await app(scope, receive, take)

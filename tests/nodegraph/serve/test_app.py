@@ -1,0 +1,245 @@
+"""The pages show runs in whatever state they are, and nothing else of this machine."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+import pytest
+
+import nodegraph as ng
+from nodegraph.runs.folder import RunFolder
+from tests.nodegraph.serve.conftest import Pages
+from tests.nodegraph.serve.requests import Answer
+
+Opened = Callable[..., Pages]
+RUN = Path("runs/toy")
+VALUE = urlencode({"run": "toy", "node": "fill", "at.start": 1, "at.fill": "hold"})
+BLOCK = {
+    "run": "toy",
+    "node": "table",
+    "compare": "fill",
+    "methods": json.dumps(["hold", "<b>"]),
+    "block": json.dumps({"start": 5, "gap": 3}),
+}
+
+
+def shown(answer: Answer) -> str:
+    """Return a page, which runs no script but its own and fetches from nowhere else."""
+    page = answer.text
+    policy = answer.headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "frame-ancestors 'none'" in policy
+    assert "connect-src 'self'" in policy
+    assert not re.search(r"script-src [^;]*(unsafe|\*|http)", policy)
+    assert "<script>bad" not in page
+    assert "<b>" not in page
+    assert "Traceback" not in page
+    return page
+
+
+def computed(answer: Answer) -> list[Any]:
+    """Return the lines of a computation."""
+    assert answer.status == 200, answer.text
+    return [json.loads(line) for line in answer.text.splitlines()]
+
+
+def test_the_report_is_that_of_the_file_with_a_server_behind_it(opened: Opened) -> None:
+    page = shown(opened().get("/"))
+    assert "&lt;script&gt;bad()" in page
+    assert 'nodegraph.define("server", ["page"]' in page
+    assert 'href="./files/0/run.json"' in page
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../../toys.py", "..%2f..%2ftoys.py", "%2e%2e/%2e%2e/toys.py", "/etc/passwd", "toys.py", "",
+        "..%5c..%5ctoys.py", "run.json/../../../toys.py", "study.json.gz%00", ".",
+    ],
+)  # fmt: skip
+def test_files_are_those_that_the_report_lists(opened: Opened, name: str) -> None:
+    pages = opened()
+    assert json.loads(pages.get("/files/0/run.json").body)["format"] == 1
+    answer = pages.get(f"/files/0/{name}")
+    assert answer.status == 404
+    assert b"toy.number" not in answer.body
+    assert pages.get("/files/1/run.json").status == 404
+
+
+def test_files_that_a_study_links_outside_its_folder_are_not_given(opened: Opened) -> None:
+    study = json.loads(gzip.decompress((RUN / "study.json.gz").read_bytes()))
+    study["files"][0]["path"] = "../../toys.py"
+    (RUN / "study.json.gz").write_bytes(gzip.compress(json.dumps(study).encode()))
+    (RUN / "events.jsonl").unlink()
+    (RUN / "events.jsonl").symlink_to(Path("toys.py").absolute())
+    pages = opened()
+    shown(pages.get("/"))
+    assert pages.get("/files/0/../../toys.py").status == 404
+    assert pages.get("/files/0/events.jsonl").status == 404
+
+
+def test_any_value_is_shown_and_saved(opened: Opened) -> None:
+    pages = opened()
+    index = shown(pages.get("/values?run=toy"))
+    assert 'name="at.start"' in index
+    assert "&lt;b&gt;" in index
+    page = shown(pages.get(f"/value?{VALUE}"))
+    assert "start=1, fill=hold" in page
+    assert '<pre tabindex="0">2.0</pre>' in page
+    error = shown(pages.get(f"/value?{VALUE.replace('node=fill', 'node=error')}"))
+    assert "error: 1.0" in error
+
+
+@pytest.mark.parametrize(
+    ("query", "names"),
+    [
+        ("run=nowhere", ["nowhere", "toy"]),
+        ("run=toy&node=nowhere", ["nowhere", "table"]),
+        ("run=toy&node=fill.nowhere", ["nowhere", "output"]),
+        ("run=toy&node=fill&at.start=7&at.fill=hold", ["7", "1, 5"]),
+        ("run=toy&node=fill&at.start=1", ["fill", "hold"]),
+        ("run=toy&node=a&at.start=1&at.odd=1", ["odd", "start"]),
+        ("run=toy&node=fill&at.start=5&at.fill=%3Cb%3E", ["refused", "too large"]),
+    ],
+)
+def test_what_there_is_not_is_a_message(opened: Opened, query: str, names: list[str]) -> None:
+    answer = opened().get(f"/value?{query}")
+    assert answer.status in (404, 409)
+    page = shown(answer)
+    assert all(name in page for name in names)
+
+
+def test_a_value_that_is_not_stored_is_computed_and_stored(opened: Opened) -> None:
+    shutil.rmtree("store")
+    pages = opened()
+    assert 'id="compute"' in shown(pages.get(f"/value?{VALUE}"))
+    query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold"}
+    lines = computed(pages.post(json.dumps({"for": "value", "query": query}).encode()))
+    assert [line.get("step") for line in lines[1:-1]] == ["a(start=1)", "fill(start=1, fill=hold)"]
+    assert lines[-1] == {"finished": True}
+    assert "2.0" in shown(opened().get(f"/value?{VALUE}"))
+
+
+def test_a_block_is_packed_from_what_its_scores_read(opened: Opened) -> None:
+    data = opened().get(f"/detail?{urlencode(BLOCK)}").data
+    assert data == {
+        "block": {"start": 5, "gap": 3},
+        "inputs": {"hold": {"estimate": 6.0, "truth": 5.0}},  # the other method refused it
+    }
+
+
+def test_a_block_is_computed_when_it_is_looked_at(opened: Opened) -> None:
+    shutil.rmtree("store")
+    pages = opened()
+    answer = pages.get(f"/detail?{urlencode(BLOCK)}")
+    assert (answer.status, answer.data["missing"], answer.data["changed"]) == (409, 2, [])
+    lines = computed(pages.post(json.dumps({"for": "detail", "query": BLOCK}).encode()))
+    assert lines[-1] == {"finished": True}
+    assert pages.get(f"/detail?{urlencode(BLOCK)}").data["inputs"]["hold"]["estimate"] == 6.0
+
+
+def test_changed_code_is_named_and_used_only_when_asked_for(opened: Opened) -> None:
+    Path("toys.py").write_text(Path("toys.py").read_text().replace("x + 1", "x + 10"))
+    assert "2.0" in shown(opened().get(f"/value?{VALUE}"))  # as it was in the run
+    shutil.rmtree("store")
+    pages = opened()
+    page = shown(pages.get(f"/value?{VALUE}"))
+    assert "toys:hold was edited" in page
+    query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold"}
+    answer = pages.post(json.dumps({"for": "value", "query": query}).encode())
+    assert answer.status == 409
+    assert "toys:hold" in answer.data["message"]
+    now = {"for": "value", "query": {**query, "now": "1"}}
+    assert computed(pages.post(json.dumps(now).encode()))[-1] == {"finished": True}
+    assert "11.0" in shown(pages.get(f"/value?{VALUE}&now=1"))
+    assert 'id="compute"' in shown(pages.get(f"/value?{VALUE}"))
+
+
+def test_nothing_is_computed_for_a_reader_who_has_left(opened: Opened) -> None:
+    waiting = """import time, pathlib
+    while not pathlib.Path("go").exists():
+        time.sleep(0.01)
+    return start"""
+    Path("toys.py").write_text(Path("toys.py").read_text().replace("return start", waiting))
+    pages = opened()
+    query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold", "now": "1"}
+    first = pages.post(json.dumps({"for": "value", "query": query}).encode(), leave=True)
+    assert first.text.startswith('{"ended": 0')
+    Path("go").touch()
+    later = {**query, "node": "a"}
+    del later["at.fill"]
+    computed(pages.post(json.dumps({"for": "value", "query": later}).encode()))
+    assert "1.0" in shown(pages.get(f"/value?{urlencode(later)}"))
+    assert 'id="compute"' in shown(pages.get(f"/value?{urlencode(query)}"))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"", b"[]", b"7", b"{}", b'{"for": "odd", "query": {}}', b'{"for": "value", "query": 7}',
+        b"[" * 50_000, b'{"for": "detail", "query": {"node": "table"}}', b"\xff",
+        json.dumps({"for": "detail", "query": {**BLOCK, "methods": "7"}}).encode(),
+        json.dumps({"for": "detail", "query": {**BLOCK, "block": '{"gap": [7]}'}}).encode(),
+    ],
+)  # fmt: skip
+def test_odd_requests_to_compute_are_messages(opened: Opened, body: bytes) -> None:
+    answer = opened().post(body)
+    assert answer.status == 409
+    assert "internal error" not in answer.data["message"]
+
+
+def test_a_run_that_goes_on_is_drawn_with_its_states(opened: Opened, folder: Path) -> None:
+    graph = ng.load("toy.yaml", plugins=["toys.py"])
+    events: list[Any] = []
+    ng.run(graph, store="store2", listeners=[events.append])
+    going = RunFolder(Path("runs/going"), graph.spec.text)
+    half = [event for event in events if event.node in ("", "a") and event.kind != "finished"]
+    for event in half:
+        going.hear(event)
+    pages = opened("runs/going")
+    page = shown(pages.get("/"))
+    assert 'data-box="fill"' in page
+    counts = json.loads(re.findall(r'data-snapshot="([^"]*)"', page)[0].replace("&#34;", '"'))
+    assert counts["state"] == "running"
+    assert counts["nodes"] == {
+        "a": {"done": 2}, "fill": {"waiting": 4}, "error": {"waiting": 4}, "table": {"waiting": 1},
+    }  # fmt: skip
+    going.close()  # as if it were killed
+    page = shown(pages.get("/"))
+    assert "interrupted" in page
+    assert "nodegraph run toy.yaml --plugin toys.py --store store2 --out runs/going" in page
+    sent = pages.get("/progress?run=going").text
+    assert json.loads(sent.splitlines()[-2].removeprefix("data: "))["going"]["state"] != "running"
+    assert "going" in shown(opened("runs").get("/runs"))
+
+
+@pytest.mark.parametrize("name", ["run.json", "study.json.gz", "events.jsonl", "graph.yaml"])
+@pytest.mark.parametrize("content", [None, b"", b"\x1f\x8b", b"{}", b"[" * 9999])
+def test_a_damaged_folder_is_a_message(opened: Opened, name: str, content: bytes | None) -> None:
+    (RUN / name).unlink()
+    if content is not None:
+        (RUN / name).write_bytes(content)
+    pages = opened()
+    for target in ("/", "/runs", "/values?run=toy", f"/value?{VALUE}", "/files/0/run.json"):
+        answer = pages.get(target)
+        assert answer.status in (200, 404, 409), answer.body
+        assert b"internal error" not in answer.body
+
+
+def test_runs_stand_side_by_side(opened: Opened) -> None:
+    shutil.copytree(RUN, "runs/other")
+    pages = opened("runs/toy")
+    assert 'value="other"' in shown(pages.get("/runs"))
+    both = shown(pages.get("/?run=toy&run=other"))
+    assert 'class="several"' in both
+    assert "./files/1/run.json" in both
+    assert shown(opened("runs").get("/")) == shown(opened("runs").get("/runs"))
+    with pytest.raises(ng.NodegraphError, match="store"):
+        opened("store")
