@@ -94,12 +94,13 @@ def _grid_data(grid: Grid) -> dict[str, Any]:
 def _parts(
     study: Study, run: Run, folder: Path, console: Console, *, full: bool
 ) -> Iterator[str | Table]:
-    sentences = study.answer if full else study.answer[:_MOST_SENTENCES]
+    sentences = study.answer if full else study.short_answer[:_MOST_SENTENCES]
     # what is piped has a line per sentence
     width = console.width if console.is_terminal else sys.maxsize
     yield from (textwrap.fill(sentence, width) for sentence in sentences)
-    if len(study.answer) > len(sentences):
-        yield f"{len(study.answer) - len(sentences)} more sentences: --full, or the report"
+    more = len(study.answer) - len(sentences)
+    if more:
+        yield f"{more} more sentence{'' if more == 1 else 's'}: --full, or the report"
     for section in study.sections:
         yield from _section(section, console.width, full=full)
     for kind in note_kinds(study):

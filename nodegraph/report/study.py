@@ -254,6 +254,12 @@ class Study:
     runs: int = 1
 
     @property
+    def short_answer(self) -> tuple[str, ...]:
+        """The sentences of the values that answer at a glance; all sentences without any."""
+        leads = (section.rendered for section in self.sections if section.rendered.lead)
+        return tuple(line for rendered in leads for line in rendered.answer) or self.answer
+
+    @property
     def ok(self) -> bool:
         """Whether no step failed, and all that the report lists is shown."""
         return not any(note.kind is Kind.FAILED for note in self.notes)

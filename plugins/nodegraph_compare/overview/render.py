@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
-from html import escape
+from html import escape, unescape
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
 
 def render_overview(overview: Overview, title: str) -> Rendered:
     """Return the verdicts alone, as a notebook shows them."""
-    return Rendered(lead_of(overview, title), styles=(_text("cards.css"),))
+    answer = (_plain(sentence(overview)),)
+    return Rendered(lead_of(overview, title), styles=(_text("cards.css"),), answer=answer)
 
 
 def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Rendered:
@@ -46,8 +48,9 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     """
     name = f"overview-{origin.node}"
     lead, styles = lead_of(overview, name), (_text("cards.css"), *_web(".css"))
+    answer = (_plain(sentence(overview)),)
     if not overview.groups:
-        return Rendered("", "there are no blocks", lead=lead, styles=styles)
+        return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)
     excerpt = excerpt_of(overview)
     details = details_of(overview, excerpt, origin)
     data = {**packed(overview, excerpt, title, origin), **details.data}
@@ -70,6 +73,7 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     return Rendered(
         f'<div class="overview" data-overview="{escape(name)}">{html}</div>'
         f"{json_script(data, name)}{details.html}",
+        answer=answer,
         lead=lead,
         replaces=("figure",),
         scripts=(*_web(".js"), *details.scripts),
@@ -83,6 +87,11 @@ def lead_of(overview: Overview, name: str) -> str:
         f'<div class="overview-lead"><p class="overview-sentence">{sentence(overview)}</p>'
         f"{verdicts(overview, name)}{scope_line(overview)}</div>"
     )
+
+
+def _plain(html: str) -> str:
+    """Return the text of a sentence, as a terminal shows it."""
+    return unescape(re.sub(r"<[^>]*>", "", html))
 
 
 def _ranking_heading(overview: Overview) -> str:
