@@ -11,7 +11,14 @@ from nodegraph.errors import NodegraphError, nearest
 
 HELP = "Draw a graph."
 
-_FORMATS = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".dot": "dot", ".gv": "dot"}
+_FORMATS = {
+    ".svg": "svg",
+    ".pdf": "pdf",
+    ".mmd": "mermaid",
+    ".mermaid": "mermaid",
+    ".dot": "dot",
+    ".gv": "dot",
+}
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -39,9 +46,11 @@ def draw(arguments: Namespace) -> int:
         raise NodegraphError(
             f"--out {arguments.out}: {nearest(suffix, _FORMATS)}; or choose with --format"
         )
-    text: str = getattr(drawing, name)(picture_of(graph_of(arguments)))
+    if name == "pdf" and not arguments.out:
+        raise NodegraphError("--format pdf: needs a file, --out graph.pdf")
+    drawn: str | bytes = getattr(drawing, name)(picture_of(graph_of(arguments)))
     if arguments.out:
-        write_and_print(arguments.out, text.encode())
+        write_and_print(arguments.out, drawn.encode() if isinstance(drawn, str) else drawn)
     else:
-        print(text)
+        print(drawn)
     return 0

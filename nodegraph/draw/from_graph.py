@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
 from nodegraph.draw.shape import shortened
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
-from nodegraph.graph import Graph, GraphNode
+from nodegraph.graph import Gather, Graph, GraphNode
+from nodegraph.graphfile.spec import Reference
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label, Port
 
 _MOST_METHODS = 12
 _MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 16
+
+_Ends = tuple[str, str, str, str]
+"""A node and its output, and the node and port that read it."""
 
 
 def drawing_for_page(graph: Graph) -> str:
@@ -27,20 +32,11 @@ def drawing_for_page(graph: Graph) -> str:
 
 def picture_of(graph: Graph) -> Picture:
     """Return the picture of a graph."""
-    arrows: dict[tuple[str, str, str, str], Arrow] = {}
+    wires: dict[_Ends, list[Reference]] = {}
     for source, target, wire in graph.wires():
-        arrows.setdefault(
-            (source, wire.output, target, wire.port),
-            Arrow(
-                source,
-                wire.output,
-                target,
-                wire.port,
-                gathers=wire.gathers,
-                truth=_is_truth(graph.nodes[source], wire.output),
-                fixed=labels_of(wire.reference.at),
-            ),
-        )
+        ends = (source, wire.output, target, wire.port)
+        wires.setdefault(ends, []).append(wire.reference)
+    arrows = {ends: _arrow(graph, ends, references) for ends, references in wires.items()}
     read = {(source, output) for source, output, _, _ in arrows}
     fed = {(target, port) for _, _, target, port in arrows}
     boxes = tuple(_box(graph, node, read, fed) for node in graph.nodes.values())
@@ -56,12 +52,61 @@ def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
     return f"{len(short)} labels: {short[0]} … {short[-1]}"
 
 
+def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
+    source, output, target, port = ends
+    feed = graph.nodes[target].first.inputs.get(port)
+    common = set.intersection(*(set(reference.at.items()) for reference in references))
+    return Arrow(
+        *ends,
+        gathers=isinstance(feed, Gather),
+        truth=_is_truth(graph.nodes[source], output),
+        fixed=labels_of(
+            {axis: label for axis, label in references[0].at.items() if (axis, label) in common}
+        ),
+        gathered=_gathered(graph, ends, feed) if isinstance(feed, Gather) else "",
+    )
+
+
+def _gathered(graph: Graph, ends: _Ends, feed: Gather) -> str:
+    """Return how many values a gathering port gets over an arrow, and of what."""
+    source, output, target, _ = ends
+    own = {
+        label: reference
+        for label, reference in feed.sources.items()
+        if (reference.node, graph.output_name(reference)) == (source, output)
+    }
+    return _counted(graph, graph.nodes[target], Gather(feed.axis, own), ", ".join(own))
+
+
+def _received(graph: Graph, node: GraphNode, feed: Reference | Gather | None) -> str:
+    """Return how many values a gathering port gets, and of what; empty for another port."""
+    if not isinstance(feed, Gather):
+        return ""
+    return _counted(graph, node, feed, f"{len(feed.sources)}: {', '.join(feed.sources)}")
+
+
+def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
+    free = {
+        axis
+        for source in feed.sources.values()
+        for axis in graph.nodes[source.node].axes
+        if axis not in source.at
+    }
+    sizes = {axis: len(graph.axes[axis].labels) for axis in node.gathered if axis in free}
+    counts = [f"{size} {axis}" for axis, size in sizes.items() if size > 1]
+    return " \N{MULTIPLICATION SIGN} ".join([named, *counts] if feed.axis else counts)
+
+
 def _box(
     graph: Graph, node: GraphNode, read: set[tuple[str, str]], fed: set[tuple[str, str]]
 ) -> Box:
     described = node.first.node
     ports = {port.name: port for method in node.methods.values() for port in method.node.inputs}
-    inputs = [_socket(port) for port in ports.values() if (node.name, port.name) in fed]
+    inputs = [
+        replace(_socket(port), gathers=_received(graph, node, node.first.inputs.get(port.name)))
+        for port in ports.values()
+        if (node.name, port.name) in fed
+    ]
     outputs = [_socket(port) for port in _outputs(described, node.name, read)]
     labels = list(node.methods) if node.has_alternatives else []
     more = [f"and {len(labels) - _MOST_METHODS} more"] if len(labels) > _MOST_METHODS else []

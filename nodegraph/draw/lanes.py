@@ -1,4 +1,4 @@
-"""Lanes between layers, in which segments run sideways where curves would be too crowded."""
+"""Lanes between layers, in which segments run sideways."""
 
 from __future__ import annotations
 
@@ -16,9 +16,6 @@ LANE = 10.0
 # The least width of a segment that runs sideways, and the distance of two in one lane.
 _SIDEWAYS = 16.0
 _APART = 8.0
-# Up to so many lanes and segments, curves are drawn.
-_FEW_LANES = 4
-_FEW_SEGMENTS = 10
 
 _End = tuple[int, float, bool]
 
@@ -40,15 +37,6 @@ class _Bundle:
     def right(self) -> float:
         """The rightmost place."""
         return max(self.begins | self.ends)
-
-
-def is_crowded(gaps: Sequence[Sequence[Segment]], middles: Sequence[float]) -> bool:
-    """Return whether too many segments run sideways for curves to be distinguishable."""
-    for gap in gaps:
-        sideways = [segment for segment in gap if _is_sideways(segment, middles)]
-        if len(sideways) > _FEW_SEGMENTS or lane_count(lanes(sideways, middles)) > _FEW_LANES:
-            return True
-    return False
 
 
 def lanes(gap: Sequence[Segment], middles: Sequence[float]) -> dict[Segment, int]:

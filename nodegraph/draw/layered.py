@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from nodegraph.draw.lanes import LANE, is_crowded, lane_count, lanes
+from nodegraph.draw.lanes import LANE, lane_count, lanes
 from nodegraph.draw.layering import Cell, Net, Point, Segment, Wire, ends_of, layers_of, net
 from nodegraph.draw.positions import order_layers, place_cells
 
@@ -111,12 +111,11 @@ class _Stack:
         )
 
     def _measure(self, entered: bool, left: bool) -> list[_Gap]:
-        crowded = is_crowded(self._net.gaps, self._middles)
         gaps = []
         for depth, segments in enumerate(self._net.gaps):
             base = _ENTRY_GAP if entered and not depth else _GAP
             base = _EXIT_GAP if left and depth == len(self._net.gaps) - 2 else base
-            taken = lanes(segments, self._middles) if crowded else {}
+            taken = lanes(segments, self._middles)
             gaps.append(_Gap(taken, self._gap_height(segments, taken, base)))
         gaps[-1:] = [_Gap({}, 0.0)] if gaps else []
         return gaps

@@ -18,9 +18,9 @@ _SPACE_BESIDE = 44.0
 _SPACE_BELOW = 60.0
 # The aspect ratio of a wide drawing, the width that none is too narrow for, and by how much a
 # layer may be wider.
-_ASPECT = 1.6
-_ALWAYS_NARROW_ENOUGH = 1800.0
-_TOO_WIDE = 1.4
+_ASPECT = 1.4
+_ALWAYS_NARROW_ENOUGH = 1150.0
+_TOO_WIDE = 1.15
 # A hub has at least so many wires in or out, or one for so many cells.
 _FEWEST = 8
 _SHARE = 20

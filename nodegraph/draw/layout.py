@@ -264,8 +264,8 @@ def _shapes(picture: Picture, paths: Mapping[str, Path]) -> list[Shape]:
     wired: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
     for arrow in picture.arrows:
         wired[arrow.source].setdefault(arrow.source_port, [])
-        fixed = wired[arrow.target].setdefault(arrow.target_port, [])
-        fixed += [arrow.fixed] if arrow.fixed else []
+        notes = wired[arrow.target].setdefault(arrow.target_port, [])
+        notes += [f"at {arrow.fixed}"] if arrow.fixed else []
     return [_shape(box, wired[box.name], paths[box.name]) for box in picture.boxes]
 
 

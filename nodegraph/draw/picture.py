@@ -12,10 +12,11 @@ Kind = Literal["node", "input", "report"]
 
 @dataclass(frozen=True, slots=True)
 class Socket:
-    """A drawn port: its name, and its type in small print."""
+    """A drawn port: its name, its type, and what a gathering port receives."""
 
     name: str
     type: str = ""
+    gathers: str = ""
 
     def __str__(self) -> str:
         return f"{self.name}: {self.type}" if self.type else self.name
@@ -62,6 +63,8 @@ class Arrow:
         The value is the truth, which methods must not see.
     fixed : str
         Axes that the arrow fixes: ``trial=0, length=45``.
+    gathered : str
+        What a gathering port receives over the arrow: ``17 fill x 3 length``, or ``guenter, lin``.
     """
 
     source: str
@@ -71,10 +74,12 @@ class Arrow:
     gathers: bool = False
     truth: bool = False
     fixed: str = ""
+    gathered: str = ""
 
     def __str__(self) -> str:
-        notes = [text for text in (self.fixed and f"at {self.fixed}",) if text]
-        notes += ["truth"] * self.truth + ["gathers"] * self.gathers
+        notes = [f"at {self.fixed}"] if self.fixed else []
+        notes += ["truth"] * self.truth
+        notes += [f"gathers {self.gathered}".rstrip()] * self.gathers
         text = f"{self.source}.{self.source_port} to {self.target}.{self.target_port}"
         return text + (f" ({', '.join(notes)})" if notes else "")
 

@@ -74,8 +74,9 @@ _WIDEST_ROW = 236.0
 _NARROWEST = 112.0
 _SOCKET_GAP = 14.0
 _ALL_SOCKETS = 3
-_SIZES = {"port": 11.0, "type": 9.5, "fixed": 10.0, "name": 15.0, "line": 11.5}
-_LEADING = {"port": 13.0, "type": 11.5, "fixed": 12.5, "name": 19.0, "line": 16.0}
+_NOTE = 26
+_SIZES = {"port": 11.0, "more": 9.5, "note": 10.0, "name": 15.0, "line": 11.5}
+_LEADING = {"port": 13.0, "more": 11.5, "note": 12.5, "name": 19.0, "line": 16.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +139,7 @@ class _Slot:
 
 
 def shape(
-    box: Box, wired: frozenset[str], fixed: Mapping[str, Sequence[str]], label: str = ""
+    box: Box, wired: frozenset[str], notes: Mapping[str, Sequence[str]], label: str = ""
 ) -> Shape:
     """Return the box laid out.
 
@@ -147,13 +148,13 @@ def shape(
     box : Box
     wired : frozenset of str
         Ports with an arrow: of a box with many ports, the others are only counted.
-    fixed : mapping of input port to texts
-        Labels that the arrows into each port fix.
+    notes : mapping of input port to texts
+        Which labels the arrows into each port fix.
     label : str
         Shown instead of the name, if not empty.
     """
     label = label or box.name
-    inputs = _slots(box.inputs, wired, fixed)
+    inputs = _slots(box.inputs, wired, notes)
     outputs = _slots(box.outputs, wired, {})
     chips = _chip_texts(box)
     inner = max(_NARROWEST, _heading_width(box, label), _strip_width(inputs), _strip_width(outputs))
@@ -183,11 +184,11 @@ def shape(
 
 
 def _slots(
-    sockets: Sequence[Socket], wired: frozenset[str], fixed: Mapping[str, Sequence[str]]
+    sockets: Sequence[Socket], wired: frozenset[str], notes: Mapping[str, Sequence[str]]
 ) -> list[_Slot]:
     few = len(sockets) <= _ALL_SOCKETS
     slots = [
-        _slot(socket, fixed.get(socket.name, ()))
+        _slot(socket, notes.get(socket.name, ()))
         for socket in sockets
         if few or socket.name in wired
     ]
@@ -195,15 +196,15 @@ def _slots(
     if rest:
         names = tuple(socket.name for socket in rest)
         more = f"+{len(rest)} more" if slots else f"{len(rest)} ports"
-        slots.append(_Slot(names, (("type", more),), ", ".join(map(str, rest))))
+        slots.append(_Slot(names, (("more", more),), ", ".join(map(str, rest))))
     return slots
 
 
-def _slot(socket: Socket, fixed: Sequence[str]) -> _Slot:
+def _slot(socket: Socket, notes: Sequence[str]) -> _Slot:
+    texts = tuple(dict.fromkeys([socket.gathers, *notes] if socket.gathers else notes))
     lines = [("port", shortened(socket.name, 24))]
-    lines += [("type", shortened(socket.type, 28))] if socket.type else []
-    lines += [("fixed", shortened(f"at {text}", 34)) for text in dict.fromkeys(fixed)]
-    return _Slot((socket.name,), tuple(lines), str(socket))
+    lines += [("note", shortened(text, _NOTE)) for text in texts]
+    return _Slot((socket.name,), tuple(lines), "; ".join((str(socket), *texts)))
 
 
 def _strip_width(slots: Sequence[_Slot]) -> float:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from itertools import pairwise
-from math import copysign
 
 from nodegraph.draw.layering import Point
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, FrameBox, layout
@@ -15,9 +13,39 @@ from nodegraph.draw.shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shorte
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
-_STRANDS = (-5.0, 5.0, 0.0)
-_MEETING = 14.0
+_WIDE_HALF = 6.0
+_DOT, _WIDE_DOT = 3.0, 4.4
 _CORNER = 7.0
+
+
+_LOOK = {
+    "paper": 'fill="#ffffff"',
+    "shade": 'fill="#17202c" fill-opacity="0.12"',
+    "frame": 'fill="#ffffff" stroke="#aeb8c5" stroke-width="1.2"',
+    "frame input": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="1.2"',
+    "frame report": 'fill="#ffffff" stroke="#0b63c4" stroke-width="2.2"',
+    "rule": 'stroke="#e4e8ee"',
+    "around": 'fill="#7f8fa4" fill-opacity="0.08" stroke="#aeb8c5" stroke-dasharray="2 3"',
+    "wire": 'fill="none" stroke="#6c7889" stroke-width="1.6" stroke-linecap="round"',
+    "wire truth": 'fill="none" stroke="#a04a00" stroke-width="1.6" stroke-dasharray="6 4.5"',
+    "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="3.4" stroke-linecap="round"',
+    "head": 'fill="#6c7889"',
+    "head truth": 'fill="#a04a00"',
+    "name": 'font-size="15" font-weight="650"',
+    "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
+    "port": 'font-size="11"',
+    "more": 'font-size="9.5" fill="#5b6675"',
+    "note": 'font-size="10" fill="#0b63c4"',
+    "label": 'font-size="13" font-weight="650" fill="#5b6675"',
+    "chip alternative": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="0.8"',
+    "chip axis": 'fill="#e8f1fc"',
+    "chip more": 'fill="none"',
+    "chip text": 'font-size="11"',
+    "chip axis text": 'font-size="11" font-weight="600" fill="#0b63c4"',
+    "chip more text": 'font-size="11" fill="#5b6675"',
+    "legend": 'font-size="11" fill="#5b6675"',
+}
+"""For programs that do not read the style sheet: `picture.css` in its light colours."""
 
 
 def number(value: float) -> str:
@@ -38,31 +66,6 @@ def line(points: Sequence[Point]) -> str:
     """
     (tip_x, tip_y), rest = points[-1], points[:-1]
     return _path([*rest, (tip_x, tip_y - HEAD_LENGTH + 1.0)])
-
-
-def fan(points: Sequence[Point]) -> str:
-    """Return several such lines that run side by side and meet shortly before the tip."""
-    tip_x, tip_y = points[-1]
-    end = [(tip_x, tip_y - _MEETING), (tip_x, tip_y)]
-    return "".join(line([*_beside(points, strand)[:-1], *end]) for strand in _STRANDS)
-
-
-def _beside(points: Sequence[Point], right: float) -> list[Point]:
-    """Return the points moved sideways, to the right of a line that runs down."""
-    moved = []
-    ways = [_way(begin, other) for begin, other in pairwise(points)]
-    for (x, y), before, after in zip(points, [ways[0], *ways], [*ways, ways[-1]], strict=True):
-        down = before[1] or after[1]
-        aside = before[0] or after[0]
-        moved.append((x + right * down, y - right * aside))
-    return moved
-
-
-def _way(begin: Point, other: Point) -> tuple[float, float]:
-    """Return the direction in which a line leaves and reaches its ends."""
-    if begin[1] == other[1]:
-        return copysign(1.0, other[0] - begin[0]), 0.0
-    return 0.0, copysign(1.0, other[1] - begin[1])
 
 
 def _path(points: Sequence[Point]) -> str:
@@ -111,10 +114,69 @@ def _pair(point: Point) -> str:
     return f"{number(point[0])} {number(point[1])}"
 
 
-def head(x: float, y: float) -> str:
+def head(x: float, y: float, *, truth: bool, gathers: bool) -> str:
     """Return an arrow head whose tip is at a point, from above."""
-    left, right, base = number(x - _HEAD_HALF), number(x + _HEAD_HALF), number(y - HEAD_LENGTH)
-    return f'<path class="head" d="M{left} {base}H{right}L{number(x)} {number(y)}Z"/>'
+    half = _WIDE_HALF if gathers else _HEAD_HALF
+    left, right, base = number(x - half), number(x + half), number(y - HEAD_LENGTH)
+    look = _LOOK["head truth" if truth else "head"]
+    return f'<path class="head" {look} d="M{left} {base}L{right} {base}L{number(x)} {number(y)}Z"/>'
+
+
+def dots(picture: Picture, routes: Sequence[Sequence[Point]]) -> list[str]:
+    """Return a dot wherever lines from one port part, or lines to one port meet."""
+    bundles: dict[tuple[str, str, str, bool], list[int]] = {}
+    for place, arrow in enumerate(picture.arrows):
+        for end in (
+            ("from", arrow.source, arrow.source_port),
+            ("to", arrow.target, arrow.target_port),
+        ):
+            bundles.setdefault((*end, arrow.truth), []).append(place)
+    radius: dict[tuple[Point, bool], float] = {}
+    for (*_, truth), members in bundles.items():
+        wide = any(picture.arrows[member].gathers for member in members)
+        for point in _junctions([routes[member] for member in members]):
+            radius[point, truth] = max(radius.get((point, truth), _DOT), _WIDE_DOT if wide else 0.0)
+    return [
+        f'<circle class="dot{" truth" * truth}" cx="{number(x)}" cy="{number(y)}" r="{size:g}"'
+        f" {_LOOK['head truth' if truth else 'head']}/>"
+        for ((x, y), truth), size in sorted(radius.items())
+    ]
+
+
+def _junctions(routes: Sequence[Sequence[Point]]) -> set[Point]:
+    """Return the corners of lines from which lines run in three directions or more."""
+    lines = [_without_stops([_rounded(point) for point in route]) for route in routes]
+    levels: dict[float, list[tuple[float, float]]] = {}
+    falls: dict[float, list[tuple[float, float]]] = {}
+    for line_points in lines:
+        for (x, y), (right, below) in pairwise(line_points):
+            if y == below:
+                levels.setdefault(y, []).append((min(x, right), max(x, right)))
+            elif x == right:
+                falls.setdefault(x, []).append((y, below))
+    corners = {point for points in lines for point in points[1:-1]}
+    return {point for point in corners if _directions(point, levels, falls) > 2}
+
+
+def _directions(
+    point: Point,
+    levels: Mapping[float, Sequence[tuple[float, float]]],
+    falls: Mapping[float, Sequence[tuple[float, float]]],
+) -> int:
+    x, y = point
+    beside, along = levels.get(y, ()), falls.get(x, ())
+    return sum(
+        (
+            any(low < x <= high for low, high in beside),
+            any(low <= x < high for low, high in beside),
+            any(low < y <= high for low, high in along),
+            any(low <= y < high for low, high in along),
+        )
+    )
+
+
+def _rounded(point: Point) -> Point:
+    return round(point[0], 3), round(point[1], 3)
 
 
 _SAMPLE = 30.0
@@ -132,7 +194,8 @@ def legend(picture: Picture, left: float, top: float) -> tuple[str, float, float
     for sample, text in entries:
         parts.append(f'<g transform="translate({number(x)} {number(y)})">{sample}</g>')
         parts.append(
-            f'<text x="{number(x + _SAMPLE + 7)}" y="{number(y + 4)}">{escaped(text)}</text>'
+            f'<text {_LOOK["legend"]} x="{number(x + _SAMPLE + 7)}" y="{number(y + 4)}">'
+            f"{escaped(text)}</text>"
         )
         x += _SAMPLE + 7 + width(text, _SIZE) + 18.0
     return "".join([*parts, "</g>"]), x - 18.0, top + _HEIGHT
@@ -141,15 +204,20 @@ def legend(picture: Picture, left: float, top: float) -> tuple[str, float, float
 def _entries(picture: Picture) -> list[tuple[str, str]]:
     entries = []
     if any(arrow.truth for arrow in picture.arrows):
-        entries.append(('<g class="truth"><path class="wire" d="M0 0H30"/></g>', "truth"))
+        entries.append((_sample("truth"), "truth"))
     if any(arrow.gathers for arrow in picture.arrows):
-        lines = "M0 -5C12 -5 16 0 22 0M0 5C12 5 16 0 22 0M0 0H30"
-        entries.append((f'<g class="gathers"><path class="wire" d="{lines}"/></g>', "gathers"))
+        entries.append((_sample("gathers"), "gathers"))
     for style, radius, text in (("alternative", 5, "alternatives"), ("axis", 7, "axes")):
         if any(box.alternatives if style == "alternative" else box.axes for box in picture.boxes):
-            rect = f'<rect x="2" y="-7" width="26" height="14" rx="{radius}"/>'
+            look = _LOOK[f"chip {style}"]
+            rect = f'<rect {look} x="2" y="-7" width="26" height="14" rx="{radius}"/>'
             entries.append((f'<g class="chip {style}">{rect}</g>', text))
     return entries
+
+
+def _sample(kind: str) -> str:
+    look = _LOOK[f"wire {kind}"]
+    return f'<g class="{kind}"><path class="wire" {look} d="M0 0L30 0"/></g>'
 
 
 _MARGIN = 16.0
@@ -161,9 +229,10 @@ def svg(picture: Picture) -> str:
 
     Boxes stand in layers, so that every arrow runs downwards; a tall picture is folded into
     columns, and an arrow to the next column runs around. None runs through a box. Boxes whose
-    dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is a
-    fan of several lines that meet. Colours follow the reader's light or dark scheme; a page
-    sets ``--picture-paper`` and ``--picture-face`` to fit its own.
+    dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is wide,
+    and a dot joins lines of one port. Types of ports show on hover. Colours follow the reader's
+    light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
+    Programs that read no style sheet draw it light.
 
     Raises
     ------
@@ -171,11 +240,10 @@ def svg(picture: Picture) -> str:
         If arrows form a cycle.
     """
     drawing = layout(picture)
-    meeting = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     arrows = [
-        _arrow(arrow, points, alone=meeting[arrow.target, arrow.target_port] == 1)
-        for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
+        _arrow(arrow, points) for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
     ]
+    arrows += dots(picture, drawing.routes)
     frames = [_frame(frame) for frame in drawing.frames]
     boxes = [_box(shape, x, y) for shape, (x, y) in drawing.boxes]
     explained, wide, high = legend(picture, 0.0, drawing.height + 18.0)
@@ -191,8 +259,11 @@ def _document(picture: Picture, parts: Sequence[str], width: float, height: floa
         f' width="{wide}" height="{high}" viewBox="0 0 {wide} {high}"'
         f' style="max-width: 100%; min-width: {least}px; height: auto">'
     )
-    paper = f'<rect class="paper" width="{wide}" height="{high}"/>'
-    inside = f'<g transform="translate({number(_MARGIN)} {number(_MARGIN)})">'
+    paper = f'<rect class="paper" {_LOOK["paper"]} width="{wide}" height="{high}"/>'
+    inside = (
+        '<g font-family="DejaVu Sans, Arial, sans-serif" fill="#17202c"'
+        f' transform="translate({number(_MARGIN)} {number(_MARGIN)})">'
+    )
     title = tag("title", picture.title or "graph") + tag("desc", _description(picture))
     return "\n".join(
         [begin, title, f"<style>\n{style}</style>", paper, inside, *parts, "</g>", "</svg>\n"]
@@ -210,17 +281,19 @@ def _frame(frame: FrameBox) -> str:
     return (
         f'<g class="around" data-frame="{escaped(frame.name)}"'
         f' transform="translate({number(frame.x)} {number(frame.y)})">{tag("title", frame.name)}'
-        f'<rect {size}/><text class="label" x="{number(PADDING)}" y="{number(LABEL_HEIGHT - 7)}">'
+        f'<rect {_LOOK["around"]} {size}/><text class="label" {_LOOK["label"]}'
+        f' x="{number(PADDING)}" y="{number(LABEL_HEIGHT - 7)}">'
         f"{escaped(shortened(frame.label))}</text></g>"
     )
 
 
-def _arrow(arrow: Arrow, points: Sequence[Point], *, alone: bool) -> str:
-    path = fan(points) if arrow.gathers and alone else line(points)
+def _arrow(arrow: Arrow, points: Sequence[Point]) -> str:
     styles = "arrow" + " truth" * arrow.truth + " gathers" * arrow.gathers
+    look = _LOOK["wire truth" if arrow.truth else "wire gathers" if arrow.gathers else "wire"]
+    tip = head(*points[-1], truth=arrow.truth, gathers=arrow.gathers)
     return (
         f'<g class="{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
-        f'<path class="wire" d="{path}"/>{head(*points[-1])}</g>'
+        f'<path class="wire" {look} d="{line(points)}"/>{tip}</g>'
     )
 
 
@@ -229,17 +302,19 @@ def _ends(arrow: Arrow) -> str:
 
 
 def _box(shape: Shape, x: float, y: float) -> str:
-    radius = 18 if shape.box.kind == "input" else 9
+    kind = shape.box.kind
+    radius = 18 if kind == "input" else 9
+    look = _LOOK["frame" if kind == "node" else f"frame {kind}"]
     size = f'width="{number(shape.width)}" height="{number(shape.height)}" rx="{radius}"'
     parts = [
         f'<g class="box box-{shape.box.kind}" data-box="{escaped(shape.box.name)}"'
         f' transform="translate({number(x)} {number(y)})">',
         tag("title", " ".join((shape.box.name, *shape.box.lines))),
-        f'<rect class="shade" y="2" {size}/><rect class="frame" {size}/>',
+        f'<rect class="shade" {_LOOK["shade"]} y="2" {size}/><rect class="frame" {look} {size}/>',
     ]
     for rule in shape.rules:
         parts.append(
-            f'<line class="rule" x1="1" x2="{number(shape.width - 1)}"'
+            f'<line class="rule" {_LOOK["rule"]} x1="1" x2="{number(shape.width - 1)}"'
             f' y1="{number(rule)}" y2="{number(rule)}"/>'
         )
     parts += [_text(text) for text in shape.texts] + [_chip(chip) for chip in shape.chips]
@@ -250,16 +325,19 @@ def _text(text: Text) -> str:
     middle = ' text-anchor="middle"' if text.middle else ""
     hint = tag("title", text.hint) if text.hint else ""
     return (
-        f'<text class="{text.style}" x="{number(text.x)}" y="{number(text.y)}"{middle}>'
+        f'<text class="{text.style}" {_LOOK[text.style]}'
+        f' x="{number(text.x)}" y="{number(text.y)}"{middle}>'
         f"{escaped(text.text)}{hint}</text>"
     )
 
 
 def _chip(chip: Chip) -> str:
+    words = _LOOK.get(f"chip {chip.style} text", _LOOK["chip text"])
     return (
         f'<g class="chip {chip.style}">{tag("title", chip.hint)}'
-        f'<rect x="{number(chip.x)}" y="{number(chip.y)}" width="{number(chip.width)}"'
+        f"<rect {_LOOK[f'chip {chip.style}']}"
+        f' x="{number(chip.x)}" y="{number(chip.y)}" width="{number(chip.width)}"'
         f' height="{number(CHIP_HEIGHT)}" rx="{5 if chip.style == "alternative" else 9.5}"/>'
-        f'<text x="{number(chip.x + chip.width / 2)}" y="{number(chip.y + 13.3)}"'
+        f'<text {words} x="{number(chip.x + chip.width / 2)}" y="{number(chip.y + 13.3)}"'
         f' text-anchor="middle">{escaped(chip.text)}</text></g>'
     )

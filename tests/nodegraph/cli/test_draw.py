@@ -35,12 +35,19 @@ def test_a_drawing_is_written(command: Command, name: str, begins: str) -> None:
     assert begins in path.read_text(encoding="utf-8")[:200]
 
 
+def test_a_drawing_is_written_as_pdf(command: Command) -> None:
+    status, _, err = command("draw", "toy.yaml", "--out", "a.pdf")
+    assert (status, err) == (0, "")
+    assert Path("a.pdf").read_bytes().startswith(b"%PDF")
+
+
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
         (["--out", "a.bmp"], ".svg"),
         (["--out", "toys.py/a.svg"], "toys.py"),
         (["--format", "bmp"], "invalid choice"),
+        (["--format", "pdf"], "--out"),
     ],
 )
 def test_a_drawing_that_cannot_be_written_is_an_error(

@@ -45,3 +45,29 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     }  # fmt: skip
     types = {socket.name: socket.type for socket in boxes["gaps"].outputs}
     assert types == {"gappy": "float", "truth": "Truth[float]", "hidden": "int"}
+
+
+def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -> None:
+    text = """
+    axes: {length: [5, 15], trial: {count: 20}}
+    nodes:
+      capture: {use: read.number}
+      gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
+      fill: {in: gaps.gappy, alternatives: [fill.hold, fill.scale]}
+      error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
+      table: {use: compare.table, in: {scores: {from: error, at: {length: 5}}}}
+      named:
+        use: compare.table
+        in:
+          scores:
+            held: {from: error, at: {fill: hold, length: 5}}
+            scaled: {from: error, at: {fill: scale, length: 5}}
+    report: [table, named]
+    """
+    picture = picture_of(graph_of(text))
+    gathers = {box.name: box.inputs[0].gathers for box in picture.boxes if box.inputs}
+    assert {*gathers["table"].split(" \N{MULTIPLICATION SIGN} ")} == {"20 trial", "2 fill"}
+    assert gathers["named"] == "2: held, scaled \N{MULTIPLICATION SIGN} 20 trial"
+    assert gathers["fill"] == ""
+    fixed = {arrow.target: arrow.fixed for arrow in picture.arrows if arrow.gathers}
+    assert fixed == {"table": "length=5", "named": "length=5"}

@@ -2,6 +2,11 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
 from nodegraph.draw.shape import clean
@@ -119,6 +124,21 @@ def test_names_with_dots_stand_in_dot_clusters() -> None:
         "n2",
     ]
     assert 'graph [label="fine", labelloc=t, labeljust=l' in dot(nested())
+
+
+@pytest.mark.parametrize("picture", [two(gathers=True, fixed="k=3"), hostile(), nested()])
+def test_the_tools_render_it(picture: Picture, tmp_path: Path) -> None:
+    tools = {
+        "dot": (dot, ["-Tsvg", "-o", "a.svg", "in"]),
+        "mmdc": (mermaid, ["-i", "in", "-o", "a.svg"]),
+    }
+    installed = [(shutil.which(name), *how) for name, how in tools.items() if shutil.which(name)]
+    if not installed:
+        pytest.skip("neither Graphviz nor mermaid-cli is installed")
+    for tool, draw, words in installed:
+        (tmp_path / "in").write_text(draw(picture), encoding="utf-8")
+        subprocess.run([str(tool), *words], cwd=tmp_path, check=True, capture_output=True)
+        assert "<svg" in (tmp_path / "a.svg").read_text(encoding="utf-8")
 
 
 def test_no_frame_ends_its_label() -> None:

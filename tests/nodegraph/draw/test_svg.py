@@ -314,12 +314,38 @@ def test_a_frame_that_is_left_and_entered_again_is_not_drawn() -> None:
     assert texts == {"a.one", "b", "a.two", "one", "two"}
 
 
-def test_several_arrows_into_one_port_meet_as_single_lines() -> None:
-    port = (Socket("x"),)
-    boxes = (Box("a", (), (), port), Box("b", (), (), port), Box("c", (), port))
-    arrows = tuple(Arrow(name, "x", "c", "x", gathers=True) for name in "ab")
-    root = ElementTree.fromstring(svg(Picture("meet", boxes, arrows)))
-    assert [len(lines(arrow)) for arrow in arrows_of(root)] == [1, 1]
+def dots_of(picture: Picture) -> list[tuple[float, float]]:
+    circles = ElementTree.fromstring(svg(picture)).iter(f"{SVG}circle")
+    return [(float(dot.attrib["cx"]), float(dot.attrib["cy"])) for dot in circles]
+
+
+def test_a_dot_joins_lines_of_one_port_and_no_others() -> None:
+    assert len(dots_of(fan_out(3))) == 1
+    assert len(dots_of(fan_in(3))) == 1
+    assert dots_of(chain(3)) == []
+    crossing = [("a", "d"), ("b", "c")]
+    assert dots_of(plain(list("abcd"), crossing)) == []
+    (x, y), *_ = dots_of(fan_out(3))
+    root = ElementTree.fromstring(svg(fan_out(3)))
+    paths = [lines(arrow)[0] for arrow in arrows_of(root)]
+    assert all(any(abs(a - x) < 8 and abs(b - y) < 8 for a, b in path) for path in paths)
+
+
+def test_lines_run_down_and_sideways_with_round_corners() -> None:
+    for arrow in arrows_of(ElementTree.fromstring(svg(fan_out(6)))):
+        path = next(arrow.iter(f"{SVG}path")).attrib["d"]
+        assert "C" not in path
+
+
+def test_a_program_without_the_style_sheet_finds_all_colours() -> None:
+    root = ElementTree.fromstring(svg(fill()))
+    style = root.findtext(f"{SVG}style") or ""
+    assert style.index("@supports") < style.index("{")
+    assert "var(" not in ElementTree.tostring(root, encoding="unicode").replace(style, "")
+    for kind, needed in (
+        ("rect", "fill"), ("path", "fill"), ("text", "font-size"), ("line", "stroke"),
+    ):  # fmt: skip
+        assert all(needed in element.attrib for element in root.iter(f"{SVG}{kind}")), kind
 
 
 def test_arrows_say_what_they_are() -> None:
@@ -330,8 +356,11 @@ def test_arrows_say_what_they_are() -> None:
     assert drawn["gaps.truth error.truth"].attrib["class"] == "arrow truth"
     assert drawn["error.table table.tables"].attrib["class"] == "arrow gathers"
     assert drawn["gaps.gappy fill.recording"].attrib["class"] == "arrow"
-    assert len(lines(drawn["error.table table.tables"])) == 3
-    assert len(lines(drawn["gaps.gappy fill.recording"])) == 1
+    wide, plain_line = (
+        float(next(drawn[name].iter(f"{SVG}path")).attrib["stroke-width"])
+        for name in ("error.table table.tables", "gaps.gappy fill.recording")
+    )
+    assert wide > 2 * plain_line
     title = drawn["fill.recording faces.recordings"].findtext(f"{SVG}title")
     assert title == "fill.recording to faces.recordings (at trial=0, gathers)"
 
@@ -346,9 +375,10 @@ def test_alternatives_axes_ports_and_fixed_labels_are_written() -> None:
         "trial \u00d720",
         "length \u00d73",
         "gaps.cut",
-        "Mask",
     ):
         assert text in texts
+    hints = [element.findtext(f"{SVG}title") for element in root.iter(f"{SVG}text")]
+    assert "hidden: Mask" in hints
     assert texts.count("at trial=0") == 2
     assert root.findtext(f"{SVG}title") == "Three ways to fill"
     assert "gaps gaps.cut" in (root.findtext(f"{SVG}desc") or "")
@@ -371,7 +401,7 @@ def test_names_stay_text() -> None:
     arrow = Arrow(HOSTILE, HOSTILE, "last", HOSTILE, fixed=HOSTILE)
     drawn = svg(Picture(HOSTILE, (box, last), (arrow,)))
     tags = {element.tag.removeprefix(SVG) for element in ElementTree.fromstring(drawn).iter()}
-    assert tags <= {"svg", "title", "desc", "style", "g", "rect", "line", "path", "text"}
+    assert tags <= {"svg", "title", "desc", "style", "g", "rect", "line", "path", "text", "circle"}
     assert "<script" not in drawn
 
 

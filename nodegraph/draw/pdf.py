@@ -1,0 +1,143 @@
+"""A picture as PDF: its SVG, drawn by matplotlib from the attributes of the elements."""
+
+from __future__ import annotations
+
+import re
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+
+from nodegraph.draw.picture import Picture
+from nodegraph.draw.shape import clean
+from nodegraph.draw.svg import svg
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_SVG = "{http://www.w3.org/2000/svg}"
+_PIXELS = 96.0
+_POINTS = 0.75
+"""Points of a pixel."""
+
+_PLACE = re.compile(r"translate\(([-\d.]+) ([-\d.]+)\)")
+_COMMAND = re.compile(r"([MLQCZ])([^MLQCZ]*)")
+_INHERITED = ("fill", "font-family")
+
+
+def pdf(picture: Picture) -> bytes:
+    """Return the picture as a PDF file of one page, light, as large as the SVG.
+
+    Raises
+    ------
+    ValueError
+        If arrows form a cycle.
+    """
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    root = ElementTree.fromstring(svg(picture))
+    width, height = float(root.attrib["width"]), float(root.attrib["height"])
+    figure = Figure(figsize=(width / _PIXELS, height / _PIXELS))
+    axis = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(height, 0.0))
+    axis.axis("off")
+    _Drawing(figure).draw(root, 0.0, 0.0, {})
+    file = BytesIO()
+    # embedded as outlines of characters, the text can be searched and copied
+    with rc_context({"pdf.fonttype": 42}):
+        figure.savefig(
+            file, format="pdf", metadata={"CreationDate": None, "Title": clean(picture.title)}
+        )
+    return file.getvalue()
+
+
+class _Drawing:
+    """Draws elements on a figure, in their order."""
+
+    def __init__(self, figure: Figure) -> None:
+        (self._axis,) = figure.axes
+        self._count = 0
+
+    def draw(
+        self, element: ElementTree.Element, x: float, y: float, inherited: dict[str, str]
+    ) -> None:
+        place = _PLACE.match(element.get("transform", ""))
+        if place:
+            x, y = x + float(place[1]), y + float(place[2])
+        look = inherited | dict(element.attrib)
+        kind = element.tag.removeprefix(_SVG)
+        self._count += 1
+        if kind == "text":
+            self._text(element.text or "", x, y, look)
+        elif kind in ("rect", "circle", "line", "path"):
+            self._shape(kind, x, y, look)
+        below = {name: look[name] for name in _INHERITED if name in look}
+        for inside in element:
+            self.draw(inside, x, y, below)
+
+    def _text(self, text: str, x: float, y: float, look: dict[str, str]) -> None:
+        self._axis.text(
+            x + float(look["x"]),
+            y + float(look["y"]),
+            text,
+            color=look.get("fill", "#000000"),
+            fontsize=float(look["font-size"]) * _POINTS,
+            fontweight="bold" if "font-weight" in look else "normal",
+            family="monospace" if look.get("font-family") == "monospace" else "DejaVu Sans",
+            ha="center" if look.get("text-anchor") == "middle" else "left",
+            va="baseline",
+            parse_math=False,
+            zorder=self._count,
+        )
+
+    def _shape(self, kind: str, x: float, y: float, look: dict[str, str]) -> None:
+        from matplotlib.lines import Line2D
+        from matplotlib.patches import Circle, FancyBboxPatch, PathPatch
+
+        stroke, fill = look.get("stroke", "none"), look.get("fill", "none")
+        width = float(look.get("stroke-width", 1.0)) * _POINTS
+        style: dict[str, Any] = {
+            "zorder": self._count,
+            "linewidth": width if stroke != "none" else 0,
+        }
+        dashes = [
+            float(length) * _POINTS / width for length in look.get("stroke-dasharray", "").split()
+        ]
+        if dashes:
+            style["linestyle"] = (0, dashes)
+        if kind == "line":
+            ends = [[float(look[f"{axis}{end}"]) for end in (1, 2)] for axis in "xy"]
+            self._axis.add_line(
+                Line2D(
+                    [x + end for end in ends[0]],
+                    [y + end for end in ends[1]],
+                    color=stroke,
+                    **style,
+                )
+            )
+            return
+        alpha = float(look.get("fill-opacity", 1.0))
+        style |= {"facecolor": "none" if fill == "none" else (fill, alpha), "edgecolor": stroke}
+        if kind == "circle":
+            centre = (x + float(look["cx"]), y + float(look["cy"]))
+            self._axis.add_patch(Circle(centre, float(look["r"]), **style))
+        elif kind == "path":
+            self._axis.add_patch(PathPatch(_path(look["d"], x, y), **style))
+        else:
+            corner = (x + float(look.get("x", 0.0)), y + float(look.get("y", 0.0)))
+            size = float(look["width"]), float(look["height"])
+            rounding = f"round,pad=0,rounding_size={look['rx']}" if "rx" in look else "square,pad=0"
+            self._axis.add_patch(FancyBboxPatch(corner, *size, boxstyle=rounding, **style))
+
+
+def _path(text: str, x: float, y: float) -> Any:
+    from matplotlib.path import Path
+
+    codes = {"M": Path.MOVETO, "L": Path.LINETO, "Q": Path.CURVE3, "C": Path.CURVE4}
+    points: list[tuple[float, float]] = []
+    kinds: list[Any] = []
+    for command, numbers in _COMMAND.findall(text):
+        values = [float(value) for value in numbers.split()]
+        pairs = [(x + a, y + b) for a, b in zip(values[0::2], values[1::2], strict=True)]
+        points += pairs or points[:1]
+        kinds += [codes[command]] * len(pairs) if pairs else [Path.CLOSEPOLY]
+    return Path(points, kinds)
