@@ -41,7 +41,11 @@ def unit_text(units: Units, question: Question) -> str:
     """Return the number of units with their name: ``8 actors``, ``10 segments``."""
     if units.kind == "clusters":
         return f"{units.clusters} {cluster_text(question)}"
-    named = {"segments": "segments of the recording", "draws": "repetitions"}
+    named = {
+        "segments": "segments of the recording",
+        "runs": "runs of blocks in their order",
+        "draws": "repetitions",
+    }
     return f"{len(units.means)} {named.get(units.kind, 'recordings')}"
 
 
@@ -67,8 +71,9 @@ def rules(question: Question) -> str:
         return f"The independent units are {of}, which weigh equally. {few}"
     return (
         "All blocks are of one recording, and results hold for further ones of it: the units are "
-        "equal segments of it, long against the time over which errors are correlated, or its "
-        f"repetitions, where blocks have no place in time. {few}"
+        "equal segments of it, long against the time over which errors are correlated; where "
+        "blocks have no place in time, its repetitions, or equal runs of blocks in their order. "
+        f"{few}"
     )
 
 

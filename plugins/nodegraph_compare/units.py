@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from nodegraph_compare.blocks import Group
 
-Kind = Literal["clusters", "segments", "draws", "nothing"]
+Kind = Literal["clusters", "segments", "runs", "draws", "nothing"]
 Speech = Literal["nothing", "described", "provisional", "settled"]
 
 MOST_RECORDINGS = 2
@@ -32,8 +32,9 @@ class Units:
     Attributes
     ----------
     kind : str
-        ``clusters``, three or more; of fewer recordings, ``segments`` in time, or ``draws``,
-        repetitions on the same data; ``nothing`` where there is no such unit.
+        ``clusters``, three or more; of fewer recordings, ``segments`` in time, ``draws``,
+        repetitions on the same data, or ``runs`` of blocks in their order where they have no
+        place in time; ``nothing`` where there is no such unit.
     clusters : int
         Number of clusters, 1 without any.
     means : (N, K) array of float64
@@ -120,7 +121,8 @@ def _of_kept(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_])
     if group.draws > 1:
         return _draws(values, cluster, draw, overall)
     order = np.arange(len(values), dtype=np.float64)
-    return _segments(values, cluster, order, np.ones(len(values)), overall, "blocks")
+    units = _segments(values, cluster, order, np.ones(len(values)), overall, "blocks")
+    return replace(units, kind="runs") if units.kind == "segments" else units
 
 
 def _draws(

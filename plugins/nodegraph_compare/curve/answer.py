@@ -143,6 +143,11 @@ def losses(
         )
         if count
     ]
+    sentences += [
+        f"{start_text(points.label)}{points.taken} {rows} as by the fallback"
+        for points in curves
+        if skipped and points.taken
+    ]
     lacking = [str(points.label) for points in curves if len(points.curve) == 0]
     sentences += [f"without a curve: {', '.join(lacking)}"] if any(lacking) else []
     if level is not None:

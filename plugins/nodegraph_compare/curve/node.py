@@ -13,12 +13,14 @@ from nodegraph import Across, ColumnOf, Label, listed, node
 from nodegraph_compare.curve.answer import answer, losses, notes
 from nodegraph_compare.curve.lead import lead_of
 from nodegraph_compare.curve.marks import Mark, marks
-from nodegraph_compare.curve.points import Axes, floors, points, unit_names
+from nodegraph_compare.curve.points import Axes, compared_in, floors, points, unit_names
 from nodegraph_compare.curve.scale import scale_of
+from nodegraph_compare.labels import fallback_label
 from nodegraph_compare.question import (
     Clusters,
     Names,
     OneColumn,
+    OneLabel,
     OneName,
     check_clusters,
     check_known,
@@ -173,6 +175,7 @@ def curve(
     blocks: Names = (),
     clusters: Clusters = (),
     lowest: bool | None = None,
+    fallback: OneLabel = None,
     mark: Mark = "none",
     tolerance: Annotated[float, Field(ge=0)] = 2.0,
 ) -> Curve:
@@ -224,6 +227,9 @@ def curve(
         point is a combination of the axes that are neither `x` nor compared nor in `blocks`; with
         no blocks, a row. Otherwise it takes their mean. Default: true where `x` is a column, as
         where several searches choose one number of markers; false where it is an axis.
+    fallback
+        A label of `compare`, whose value stands where another curve has none in a block at the
+        same `x`, as where a method refuses; counted in the notes. Needs `blocks`.
     mark
         ``shared``: the smallest minimum that every curve has one within `tolerance` of, by a
         black circle around each curve's nearest; where there is none the title states that, and a
@@ -250,7 +256,8 @@ def curve(
     ------
     ValueError
         If a name is neither axis nor column, is used twice, or `x` or the metric holds no
-        numbers; the message lists what there is.
+        numbers; the message lists what there is. If there is a fallback, and nothing is compared
+        or there are no blocks.
 
     References
     ----------
@@ -268,7 +275,7 @@ def curve(
         clusters=clusters,
         lowest=lowest,
     )
-    curves = points(scores, axes)
+    curves = points(scores, axes, _fallback(scores, axes, fallback))
     level = None
     if floor is not None:
         check_floor(floor, axes)
@@ -294,6 +301,15 @@ def curve(
         warnings.warn("; ".join(lost), stacklevel=2)
     figure = draw(axes, curves, marked, level, scale, mark, tolerance, unit)
     return Curve(with_info(frame, info), figure)
+
+
+def _fallback(scores: Across[Table], axes: Axes, name: str | None) -> Label | None:
+    if name is None:
+        return None
+    if axes.compare is None or not axes.blocks:
+        lacking = "blocks" if axes.compare else "an axis or column to compare"
+        raise ValueError(f"a fallback needs {lacking}, and there is none")
+    return fallback_label(compared_in(scores, axes), name)
 
 
 def _levels(known: Mapping[Label, float], curves: Sequence[Points]) -> dict[Label, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -75,6 +75,8 @@ class Points:
     without_x, without_value : int
         Rows left out because x is no finite number, and blocks (or rows) because the metric is
         none.
+    taken : int
+        Blocks whose value is the fallback's.
     """
 
     label: Label
@@ -86,6 +88,7 @@ class Points:
     count: NDArray[np.intp]
     without_x: int
     without_value: int
+    taken: int = 0
 
     @property
     def curve(self) -> NDArray[np.intp]:
@@ -106,7 +109,7 @@ class _Rows:
     value: NDArray[np.float64]
 
 
-def points(scores: Across[Table], axes: Axes) -> tuple[Points, ...]:
+def points(scores: Across[Table], axes: Axes, fallback: Label | None = None) -> tuple[Points, ...]:
     """Return the points of every compared label, in the order of the labels.
 
     Parameters
@@ -115,13 +118,26 @@ def points(scores: Across[Table], axes: Axes) -> tuple[Points, ...]:
         The gathered tables.
     axes
         Which axis or column is what.
+    fallback
+        The label whose value stands where another one with a curve has none in a block.
     """
     rows = _rows(scores, axes)
-    labels = tuple(dict.fromkeys(rows.labels))
-    if axes.compare is not None and axes.compare in scores.axes:
-        labels = label_order(scores, axes.compare)
+    taken: dict[Label, int] = {}
+    if fallback is not None:
+        rows, taken = _filled(rows, fallback)
+    labels = compared_in(scores, axes)
     of = _places(rows.labels)
-    return tuple(_points(rows, of.get(label, []), label, axes) for label in labels)
+    return tuple(
+        replace(_points(rows, of.get(label, []), label, axes), taken=taken.get(label, 0))
+        for label in labels
+    )
+
+
+def compared_in(scores: Across[Table], axes: Axes) -> tuple[Label, ...]:
+    """Return the compared labels in order; an empty one where nothing is compared."""
+    if axes.compare is not None and axes.compare in scores.axes:
+        return label_order(scores, axes.compare)
+    return tuple(dict.fromkeys(_gathered(scores, axes.compare)))
 
 
 def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
@@ -152,6 +168,39 @@ def _rows(scores: Across[Table], axes: Axes) -> _Rows:
         x=_numbers(scores, axes.x),
         value=_numbers(scores, axes.metric),
     )
+
+
+def _filled(rows: _Rows, fallback: Label) -> tuple[_Rows, dict[Label, int]]:
+    """Return rows in which blocks without a number have the fallback's, and how many by label."""
+    keys = list(zip(rows.x.tolist(), rows.others, rows.blocks, strict=True))
+    of, value = _places(zip(rows.labels, keys, strict=True)), rows.value.copy()
+    known = {
+        key: (places[0], float(rows.value[places].mean()))
+        for (label, key), places in of.items()
+        if label == fallback and np.isfinite(rows.value[places]).all()
+    }
+    added: list[tuple[Label, int, float]] = []
+    taken: dict[Label, int] = {}
+    finite = np.isfinite(rows.value)
+    for label in dict.fromkeys(each for each, has in zip(rows.labels, finite, strict=True) if has):
+        for key, (place, instead) in known.items():
+            own = of.get((label, key), [])
+            if finite[own].all() and own:
+                continue
+            taken[label] = taken.get(label, 0) + 1
+            value[own] = instead
+            if not own:
+                added.append((label, place, instead))
+    places = [*range(len(keys)), *(place for _, place, _ in added)]
+    filled = _Rows(
+        labels=[*rows.labels, *(label for label, _, _ in added)],
+        others=[rows.others[place] for place in places],
+        blocks=[rows.blocks[place] for place in places],
+        units=[rows.units[place] for place in places],
+        x=rows.x[places],
+        value=np.concatenate([value, [instead for _, _, instead in added]]),
+    )
+    return filled, taken
 
 
 def unit_names(scores: Across[Table], axes: Axes) -> tuple[str, ...]:

@@ -308,5 +308,36 @@ def test_settings_have_their_defaults() -> None:
     assert node.cite == ("olsson2005confidence", "satopaa2011finding")
     assert {name: setting.default for name, setting in node.settings.items() if name != "x"} == {
         "metric": None, "compare": None, "blocks": (), "clusters": (), "lowest": None,
-        "mark": "none", "tolerance": 2.0,
+        "fallback": None, "mark": "none", "tolerance": 2.0,
     }  # fmt: skip
+
+
+def test_the_fallback_stands_where_another_curve_has_no_number() -> None:
+    def entry(fill: str, share: int, *errors: float) -> Any:
+        frame = pd.DataFrame({"gap": range(len(errors)), "rmse": errors})
+        return {"fill": fill, "share": share}, frame
+
+    scores = Across(
+        ("fill", "share"),
+        (
+            entry("linear", 1, 1.0, 2.0),
+            entry("linear", 2, 5.0, 7.0),
+            entry("picky", 1, 0.5, NAN),
+            entry("never", 1, NAN, NAN),
+        ),
+    )
+    settings: dict[str, Any] = {
+        "x": "share",
+        "metric": "rmse",
+        "compare": "fill",
+        "blocks": ("gap",),
+    }
+    with pytest.warns(UserWarning, match="without a curve: never"):
+        frame = curve(scores, fallback="linear", **settings).table
+    picky = frame[frame["fill"] == "picky"]
+    # of gaps 0 and 1: its own and the fallback's; at share 2 it has no table
+    assert dict(zip(picky["share"], picky["rmse"], strict=True)) == {1: 1.25, 2: 6.0}
+    (note,) = [note for note in info_of(frame).notes if "fallback" in note]
+    assert note.startswith("picky: 3 blocks")
+    with pytest.raises(ValueError, match="blocks"):
+        curve(scores, fallback="linear", **{**settings, "blocks": ()})
