@@ -27,3 +27,15 @@ def name_at(node: str, labels: Mapping[str, Any]) -> str:
 def printable(text: str) -> str:
     """Return a text with what UTF-8 cannot encode, such as parts of a file's name, escaped."""
     return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()
+
+
+def duration(seconds: float) -> str:
+    """Return a time as people say it: ``0.3 s``, ``42 s``, ``3 min 20 s``, ``2 h 5 min``."""
+    if seconds < 10:
+        return f"{seconds:.2g} s" if seconds >= 0.095 else f"{seconds * 1000:.0f} ms"
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

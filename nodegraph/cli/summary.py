@@ -71,7 +71,12 @@ def summary_json(study: Study, run: Run, folder: Path) -> str:
         "seconds": round(run.seconds, 3),
         **{
             kind.kind.replace(" ", "_"): [
-                {"node": group.node, "reason": group.reason, "count": group.count}
+                {
+                    "node": group.node,
+                    "methods": group.methods,
+                    "reason": group.reason,
+                    "count": group.count,
+                }
                 for group in kind.groups
             ]
             for kind in note_kinds(study)
@@ -190,7 +195,7 @@ def _mark(grid: Grid, row: int, column: int) -> str:
 
 def _warning(group: NoteGroup) -> str:
     times = f" ({group.count} times)" if group.count > 1 else ""
-    return f"warning: {group.node}: {group.reason}{times}"
+    return f"warning: {group.where}: {group.reason}{times}"
 
 
 def _failure(group: NoteGroup) -> str:
@@ -198,7 +203,7 @@ def _failure(group: NoteGroup) -> str:
     first = f" at {group.labels[0]}" if group.labels else ""
     more = f" and {group.count - 1} more" if group.count > 1 else ""
     repeat = f"\n    repeat it alone: {group.repeat}" if group.repeat else ""
-    return f"failed: {group.node}{first}{more}: {group.reason}{repeat}"
+    return f"failed: {group.where}{first}{more}: {group.reason}{repeat}"
 
 
 def _more(count: int, *, full: bool) -> Iterator[str]:

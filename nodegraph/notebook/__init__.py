@@ -7,11 +7,12 @@ from importlib.resources import files
 
 from nodegraph.draw.from_graph import drawing_for_page, labels_text
 from nodegraph.execute import Run
+from nodegraph.formatting import duration
 from nodegraph.graph import Graph
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.compose import compose
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.page import duration, templates_of, titled
+from nodegraph.report.page import templates_of, titled
 from nodegraph.runs.settings import RunSettings
 
 _MOST = 24

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from html import escape
 from types import UnionType
-from typing import Any, Protocol, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Protocol, get_args, get_origin, get_type_hints
 
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,15}){1,2}")
 
@@ -26,6 +26,11 @@ def expect(value: Any, hint: Any) -> Any:
         If it is of another type.
     """
     hints = get_args(hint) if isinstance(hint, UnionType) else (hint,)
+    if get_origin(hint) is Literal:
+        if value not in get_args(hint):
+            words = " or ".join(map(repr, get_args(hint)))
+            raise TypeError(f"expected {words}, got {value!r}")
+        return value
     kinds = tuple(get_origin(each) or each for each in hints)
     is_one_item = kinds == (Iterable,) and isinstance(value, (str, bytes, Mapping))
     if is_one_item or not isinstance(value, kinds):
@@ -47,6 +52,9 @@ def _check_fields(record: Any) -> None:
 @cache
 def _hints(kind: type) -> Mapping[str, Any]:
     return get_type_hints(kind)
+
+
+Kind = Literal["", "table", "figure"]
 
 
 @dataclass(frozen=True)
@@ -97,6 +105,10 @@ class Rendered:
         Other outputs of the node that the fragment shows too: the report only links their files.
     grid : Grid, optional
         What a terminal shows in place of the text, which it may shorten.
+    title : str
+        What the value calls itself: its heading, where the graph gives none.
+    kind : {"", "table", "figure"}
+        As what the report numbers it; empty for what has no number.
 
     Raises
     ------
@@ -116,6 +128,8 @@ class Rendered:
     lead: str = ""
     replaces: tuple[str, ...] = ()
     grid: Grid | None = None
+    title: str = ""
+    kind: Kind = ""
 
     def __post_init__(self) -> None:
         _check_fields(self)

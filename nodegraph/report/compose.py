@@ -17,13 +17,14 @@ from nodegraph.execute.results import Values
 from nodegraph.filenames import clashes, file_stem, fold, portable_paths
 from nodegraph.formatting import labels_of, size_text
 from nodegraph.graph import Graph
+from nodegraph.graphfile.spec import ReportEntry
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.methods import Methods
-from nodegraph.report.notes import step_notes
+from nodegraph.report.notes import step_notes, with_relevance
 from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.report.study import (
     AxisRow,
@@ -34,6 +35,7 @@ from nodegraph.report.study import (
     StepNote,
     Study,
     TimingRow,
+    numbered,
 )
 from nodegraph.runs.folder import EVENTS, RECORD, REPORT, STUDY, graph_name
 from nodegraph.runs.record import NotShown, versions
@@ -75,7 +77,7 @@ def compose(
         title=graph.title,
         answer=tuple(dict.fromkeys(shown.answer)),
         notes_markdown=graph.spec.notes,
-        sections=tuple(shown.sections),
+        sections=numbered(_with_titles(shown.sections)),
         graph_svg=drawing_for_page(graph),
         axes=tuple(
             AxisRow(name, tuple(map(str, axis.labels))) for name, axis in graph.axes.items()
@@ -85,7 +87,9 @@ def compose(
         methods=methods.rows(),
         without_result=methods.without_result(),
         bibtex=methods.bibtex(),
-        notes=(*shown.notes, *step_notes(run, settings)),
+        notes=tuple(
+            with_relevance((*shown.notes, *step_notes(run, settings)), graph, _numbers(shown))
+        ),
         timings=_timings(run),
         seconds=run.seconds,
         versions=tuple(software.items()),
@@ -100,6 +104,31 @@ def compose(
     return Composed(study, tuple(shown.not_shown))
 
 
+def _numbers(shown: _Shown) -> Iterator[str]:
+    """Yield the nodes that give numbers: tables, and answers."""
+    for section in shown.sections:
+        if section.rendered.kind == "table" or section.rendered.answer or section.rendered.lead:
+            yield section.node
+
+
+def _with_titles(sections: Iterable[Section]) -> Iterator[Section]:
+    """Yield sections with a heading: of another output of the node, or the name in the graph."""
+    listed = list(sections)
+    titles: dict[str, str] = {}
+    for section in listed:
+        if section.title:
+            titles.setdefault(section.node, section.title)
+    for section in listed:
+        title = section.title or titles.get(section.node) or _heading(section)
+        yield replace(section, title=title)
+
+
+def _heading(section: Section) -> str:
+    """Return the names in the graph as a heading: ``Errors on the face``."""
+    text = section.node.replace("_", " ").replace(".", " ")
+    return text[:1].upper() + text[1:]
+
+
 @dataclass(frozen=True)
 class _Result:
     """A value that the report shows.
@@ -112,15 +141,19 @@ class _Result:
     labels : mapping of axis to label
     values : Values
         Of the output, at all combinations.
+    entry : ReportEntry
+        Under which it is listed.
     """
 
     node: str
     output: str
     labels: Mapping[str, Label]
     values: Values
+    entry: ReportEntry
 
     @property
-    def title(self) -> str:
+    def name(self) -> str:
+        """The node and its output, as messages name them."""
         return f"{self.node} {self.output}".strip()
 
     @property
@@ -128,7 +161,7 @@ class _Result:
         return labels_of(self.labels)
 
     def __str__(self) -> str:
-        return f"{self.title} {self.combination}".strip()
+        return f"{self.name} {self.combination}".strip()
 
 
 def _results(run: Run) -> Iterator[_Result]:
@@ -140,9 +173,9 @@ def _results(run: Run) -> Iterator[_Result]:
             name = output or (first if rest else "")
             values = run[f"{node}.{output}" if output else node]
             for labels in values.labels():
-                if run.plan.graph.report_entry(node, port, labels) is None:
-                    continue
-                yield _Result(node, "" if name == node else name, labels, values)
+                entry = run.plan.graph.report_entry(node, port, labels)
+                if entry is not None:
+                    yield _Result(node, "" if name == node else name, labels, values, entry)
 
 
 class _Shown:
@@ -165,7 +198,9 @@ class _Shown:
             if isinstance(value, Files):
                 self._add_files(result, value)
                 return
-            origin = RunOrigin(self._run, self._settings, result.node, result.labels)
+            # the files beside the report have the author's words too
+            caption = result.entry.caption or result.entry.title
+            origin = RunOrigin(self._run, self._settings, result.node, result.labels, caption)
             rendered = render_in_run(value, str(result), origin)
             if rendered is not None:
                 self._add_rendered(result, rendered)
@@ -203,7 +238,7 @@ class _Shown:
         lost = {path: reason for path, reason in reasons.items() if reason}
         for path, reason in lost.items():
             message = f"{path} cannot be written: {reason}"
-            self.notes.append(StepNote(result.title, result.combination, message, Kind.FAILED))
+            self.notes.append(StepNote(result.name, result.combination, message, Kind.FAILED))
         return lost
 
     def _add_error(self, result: _Result, error: Exception) -> None:
@@ -214,7 +249,7 @@ class _Shown:
         trace = "".join(traceback.format_exception(error))
         self._add(result, Rendered("", message), ())
         self.notes.append(
-            StepNote(result.title, result.combination, message, Kind.FAILED, trace=trace)
+            StepNote(result.name, result.combination, message, Kind.FAILED, trace=trace)
         )
         self.not_shown.append(
             NotShown(result.node, plain(result.labels), reason, result.output, trace)
@@ -222,12 +257,13 @@ class _Shown:
 
     def _add(self, result: _Result, rendered: Rendered, links: Iterable[Link]) -> None:
         section = Section(
-            result.title,
+            result.entry.title or rendered.title,
             rendered,
             result.combination,
             tuple(links),
             node=result.node,
             output=result.output,
+            caption=result.entry.caption,
         )
         self.sections.append(section)
 

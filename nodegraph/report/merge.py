@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
 
-from nodegraph.report.study import Link, Section, SettingRow, Study
+from nodegraph.plugin.hook_types import Rendered
+from nodegraph.report.study import Link, Section, SettingRow, Study, numbered
+
+_NAMED = re.compile(r'\s(?:id|name)="([^"]+)"')
 
 
 def merged(studies: Mapping[str, Study]) -> Study:
     """Return one study of several runs.
 
-    Sections of one title stand together, a run after the other; each result, note, method and
-    time is labelled with the name of its run. A method that ran alike everywhere is listed once.
+    Each question stands once, with what answers it in each run. Sections of one title stand
+    together, a run after the other; each result, note and time is labelled with the name of its
+    run. A method that ran alike everywhere is listed once.
 
     Parameters
     ----------
@@ -27,7 +32,7 @@ def merged(studies: Mapping[str, Study]) -> Study:
         title=_joined(" | ", studies, "title"),
         answer=tuple(f"{name}: {line}" for name, study in runs for line in study.answer),
         notes_markdown=_joined("\n\n", studies, "notes_markdown"),
-        sections=tuple(_sections(studies)),
+        sections=numbered(_sections(studies)),
         graph_svg=first.graph_svg,
         axes=first.axes if _equal(study.axes for study in studies.values()) else (),
         inputs=tuple(_inputs(studies)),
@@ -81,11 +86,31 @@ def _moved(links: Iterable[Link], folder: str) -> tuple[Link, ...]:
 
 
 def _sections(studies: Mapping[str, Study]) -> Iterator[Section]:
-    every = [(name, section) for name, study in studies.items() for section in study.sections]
-    for title in dict.fromkeys(section.title for _, section in every):
-        for name, section in every:
-            if section.title == title:
-                yield replace(section, labels=_with_name(name, section.labels))
+    every = [
+        replace(
+            section,
+            run=name,
+            question=study.title,
+            rendered=_with_own_ids(section.rendered, number),
+        )
+        for number, (name, study) in enumerate(studies.items(), 1)
+        for section in study.sections
+    ]
+    for key in dict.fromkeys((section.question, section.title) for section in every):
+        yield from (section for section in every if (section.question, section.title) == key)
+
+
+def _with_own_ids(rendered: Rendered, number: int) -> Rendered:
+    """Return a fragment whose ids and groups of buttons are those of no other run."""
+    if number == 1:
+        return rendered
+    names = dict.fromkeys(_NAMED.findall(rendered.html + rendered.lead))
+    if not names:
+        return rendered
+    longest_first = sorted(names, key=len, reverse=True)
+    used = re.compile(rf"""(?<=["'#])({"|".join(map(re.escape, longest_first))})(?=["')])""")
+    own = rf"\1-{number}"
+    return replace(rendered, html=used.sub(own, rendered.html), lead=used.sub(own, rendered.lead))
 
 
 def _inputs(studies: Mapping[str, Study]) -> Iterator[SettingRow]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from nodegraph.errors import listed
 from nodegraph.execute import Run
 from nodegraph.formatting import labels_of
-from nodegraph.plan import Step
+from nodegraph.graph import Graph
 from nodegraph.report.study import Kind, StepNote, Study
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
@@ -32,7 +33,13 @@ _TITLES: tuple[tuple[Kind, str, str], ...] = (
     ),
     (Kind.WARNING, "Warnings", "These steps ran, with warnings about their results."),
 )
-_NUMBER = re.compile(r"(?<![A-Za-z_\d])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", re.IGNORECASE)
+_NUMBER = re.compile(r"(?<![A-Za-z_\d])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])", re.IGNORECASE)
+_QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|`[^`]*`")
+_NAME = re.compile(r"(?<![\w.])\w*[A-Za-z]_?\d\w*|(?<![\w.])\w+_\w+")
+_LIST = re.compile(r"…(?:(?:,| and|, and) …)+")
+_LONG = 5
+"""Of so many words, one may differ in a template."""
+_MOST_METHODS = 8
 
 
 def step_notes(run: Run, settings: RunSettings) -> tuple[StepNote, ...]:
@@ -50,12 +57,13 @@ def _settled(run: Run, settings: RunSettings) -> Iterator[StepNote]:
     for step, outcome in run.settled(*_KIND_OF_STATE):
         repeat = settings.repeat(step) if outcome.state is State.FAILED else ""
         yield StepNote(
-            _name(step),
+            step.node,
             labels_of(step.labels),
             outcome.message,
             _KIND_OF_STATE[outcome.state],
             repeat=repeat,
             trace=outcome.trace,
+            method=step.method.node.name,
         )
 
 
@@ -81,23 +89,73 @@ def _noticed(run: Run) -> Iterable[StepNote]:
 def _warned(run: Run) -> Iterator[StepNote]:
     for step, outcome in run.settled():
         for message in outcome.warnings:
-            yield StepNote(_name(step), labels_of(step.labels), message, Kind.WARNING)
+            yield StepNote(
+                step.node,
+                labels_of(step.labels),
+                message,
+                Kind.WARNING,
+                method=step.method.node.name,
+            )
 
 
-def _name(step: Step) -> str:
-    return f"{step.node} ({step.method.node.name})"
+def with_relevance(
+    notes: Iterable[StepNote], graph: Graph, numbers: Iterable[str]
+) -> Iterator[StepNote]:
+    """Yield notes that say whether the numbers of the report depend on their nodes.
+
+    Parameters
+    ----------
+    notes
+    graph
+    numbers
+        The nodes whose numbers the report shows.
+    """
+    import networkx as nx
+
+    ends = set(numbers) & set(graph.nodes)
+    touching = ends.union(*(nx.ancestors(graph.network, end) for end in ends))
+    for note in notes:
+        known = note.node in graph.nodes
+        yield replace(note, matters=note.node in touching) if known else note
 
 
 @dataclass(frozen=True, slots=True)
 class NoteGroup:
-    """Notes of one node with one reason, apart from the numbers in warnings."""
+    """Notes of one node with one reason, apart from the numbers and names in it.
+
+    Attributes
+    ----------
+    node : str
+    methods : tuple of str
+        The methods of the node that gave such a note, by their full names.
+    reason : str
+        With ``…`` for what differs among the notes.
+    count : int
+        Of combinations.
+    labels : tuple of str
+        The combinations, each with its reason where these differ.
+    repeat, trace : str
+        Of the first.
+    matters : bool, optional
+        Whether the numbers of the report depend on the node; None where that is not known.
+    """
 
     node: str
+    methods: tuple[str, ...]
     reason: str
     count: int
     labels: tuple[str, ...]
     repeat: str
     trace: str
+    matters: bool | None
+
+    @property
+    def where(self) -> str:
+        """The node with its methods: ``fill (akima, linear)``."""
+        names = [method.rpartition(".")[2] for method in self.methods]
+        if len(names) == 1:
+            names = list(self.methods)
+        return f"{self.node} ({listed(names, _MOST_METHODS)})" if names else self.node
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,13 +174,13 @@ class NoteKind:
         if self.kind is not Kind.WARNING:
             return f"{self.count} {self.kind}"
         if len(self.groups) == self.count:
-            return _counted(self.count, "warning")
+            return counted(self.count, "warning")
         kinds = (
             "1 kind of warning"
             if len(self.groups) == 1
             else f"{len(self.groups)} kinds of warnings"
         )
-        return f"{kinds} in {_counted(self.steps, 'step')}"
+        return f"{kinds} in {counted(self.steps, 'step')}"
 
 
 def note_kinds(study: Study) -> tuple[NoteKind, ...]:
@@ -139,39 +197,67 @@ def note_kinds(study: Study) -> tuple[NoteKind, ...]:
 
 
 def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
-    together: dict[tuple[str, str], list[StepNote]] = {}
+    templates: dict[str, list[_Template]] = {}
     for note in notes:
-        together.setdefault((note.node, _alike(note)), []).append(note)
-    groups = [
-        NoteGroup(
-            node=node,
-            reason=same[0].reason if _have_one_reason(same) else reason,
-            count=sum(note.count for note in same),
-            labels=tuple(
-                _labels(note, with_reason=not _have_one_reason(same))
-                for note in same
-                if note.labels
-            ),
-            repeat=next((note.repeat for note in same if note.repeat), ""),
-            trace=next((note.trace for note in same if note.trace), ""),
+        words = _words(note.reason)
+        known = templates.setdefault(note.node, [])
+        template = next((each for each in known if each.fits(words)), None)
+        if template is None:
+            template = _Template(words)
+            known.append(template)
+        template.add(note, words)
+    groups = [template.group() for of_node in templates.values() for template in of_node]
+    return tuple(sorted(groups, key=lambda group: (not group.matters, -group.count)))
+
+
+def _words(reason: str) -> list[str]:
+    """Return the words of a reason, with ``…`` for numbers, quoted names and lists of them."""
+    text = _QUOTED.sub("…", reason)
+    text = _NAME.sub("…", _NUMBER.sub("…", text))
+    return _LIST.sub("…", text).split()
+
+
+class _Template:
+    """Notes of one node whose reasons differ in few words."""
+
+    def __init__(self, words: list[str]) -> None:
+        self._words = words
+        self._notes: list[StepNote] = []
+
+    def fits(self, words: list[str]) -> bool:
+        """Return whether a reason has these words, all but few."""
+        if len(words) != len(self._words):
+            return False
+        pairs = zip(words, self._words, strict=True)
+        differ = sum(a != b for a, b in pairs if "…" not in (a, b))
+        return differ <= len(words) // _LONG
+
+    def add(self, note: StepNote, words: list[str]) -> None:
+        """Add a note; what differs from the words of the others becomes ``…``."""
+        pairs = zip(self._words, words, strict=True)
+        self._words = [a if a == b else "…" for a, b in pairs]
+        self._notes.append(note)
+
+    def group(self) -> NoteGroup:
+        """Return the notes as one group."""
+        notes = self._notes
+        same = len({note.reason for note in notes}) == 1
+        return NoteGroup(
+            node=notes[0].node,
+            methods=tuple(dict.fromkeys(note.method for note in notes if note.method)),
+            reason=notes[0].reason if same else _LIST.sub("…", " ".join(self._words)),
+            count=sum(note.count for note in notes),
+            labels=tuple(_labels(note, with_reason=not same) for note in notes if note.labels),
+            repeat=next((note.repeat for note in notes if note.repeat), ""),
+            trace=next((note.trace for note in notes if note.trace), ""),
+            matters=notes[0].matters,
         )
-        for (node, reason), same in together.items()
-    ]
-    return tuple(sorted(groups, key=lambda group: -group.count))
-
-
-def _alike(note: StepNote) -> str:
-    """Return the reason of a note; of a warning without its numbers, which differ by step."""
-    return _NUMBER.sub("…", note.reason) if note.kind is Kind.WARNING else note.reason
-
-
-def _have_one_reason(notes: Iterable[StepNote]) -> bool:
-    return len({note.reason for note in notes}) == 1
 
 
 def _labels(note: StepNote, *, with_reason: bool) -> str:
     return f"{note.labels}: {note.reason}" if with_reason else note.labels
 
 
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
+def counted(count: int, what: str) -> str:
+    """Return a number of things: ``3 steps``."""
+    return f"{count:,} {what}{'' if count == 1 else 's'}"

@@ -25,7 +25,7 @@ def render_in_run(value: Any, title: str, origin: RunOrigin) -> Rendered | None:
     for renderer in origin.run.plan.graph.registry.hooks.renderers:
         if isinstance(value, renderer.type):
             if renderer.render_in_run is None:
-                return renderer.render(value, title)
+                return renderer.render(value, origin.caption or title)
             return renderer.render_in_run(value, title, origin)
     return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
 

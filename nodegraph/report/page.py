@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html.parser import HTMLParser
@@ -12,8 +13,11 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from nodegraph.formatting import duration
+from nodegraph.report.descriptions import descriptions, shared_meanings
+from nodegraph.report.facts import fold_facts, head_facts
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.study import Section, Study
+from nodegraph.report.study import Kind, Section, Study
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -21,11 +25,12 @@ if TYPE_CHECKING:
 
     from nodegraph.plugin.hook_types import Rendered
 
-SCRIPTS = ("modules", "helpers", "selection", "frames", "tables")
+SCRIPTS = ("modules", "helpers", "selection", "theme", "frames", "tables")
 """The page's own scripts, by the names of their files."""
 
 _SHOWN = 3
 _MANY = 24
+_CODE = re.compile(r":[a-z:]+:`~?([^`]+)`|``([^`]+)``|`([^`]+)`")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +40,21 @@ class Titled:
     title: str
     anchor: str
     sections: tuple[Section, ...]
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether one of them answers at a glance."""
+        return any(section.rendered.lead for section in self.sections)
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """A question: what answers it in each run, and the results."""
+
+    title: str
+    anchor: str
+    leads: tuple[Section, ...]
+    results: tuple[Titled, ...]
 
 
 _NO_SERVER = 'nodegraph.define("server", [], () => null);\n'
@@ -56,24 +76,27 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
     """
     own = [source(f"{name}.js") for name in SCRIPTS]
     own.append(server)
-    leads = [section for section in study.sections if section.rendered.lead]
-    first = leads[0] if leads else next(iter(study.sections), None)
     scripts = _once(own, (section.rendered.scripts for section in study.sections))
     styles = _once([source("page.css")], (section.rendered.styles for section in study.sections))
     trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
-    trusted += [section.rendered.lead for section in leads]
+    trusted += [section.rendered.lead for section in study.sections]
+    described, kinds = descriptions(study.methods), note_kinds(study)
+    shared = shared_meanings(described)
     return (
         templates_of("nodegraph.report")
         .get_template("page.html")
         .render(
             study=study,
-            first=first,
-            replaced=_replaced(study.sections),
-            results=titled(shown_first(study.sections)),
-            kinds=note_kinds(study),
-            notes=_markdown(study.notes_markdown),
+            questions=_questions(study),
+            facts=head_facts(study),
+            about=fold_facts(study),
+            methods=described,
+            shared=shared,
+            shared_texts={(setting.name, setting.meaning) for setting in shared},
+            kinds=kinds,
+            failed=any(kind.kind is Kind.FAILED for kind in kinds),
+            notes=_markdown(study.notes_markdown) if study.notes_markdown else "",
             policy=policy(trusted, *scripts, connect=server != _NO_SERVER),
-            steps=sum(row.steps for row in study.timings),
             stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,
             many=_MANY,
@@ -104,16 +127,25 @@ def standalone_page(rendered: Rendered, title: str) -> str:
     )
 
 
-def _replaced(sections: Iterable[Section]) -> set[tuple[str, str]]:
-    """Return the nodes and outputs that other sections show too."""
-    return {(section.node, output) for section in sections for output in section.rendered.replaces}
+def _questions(study: Study) -> list[_Question]:
+    """Return the questions of a study, one unless it is of several unlike runs.
 
-
-def shown_first(sections: Iterable[Section]) -> list[Section]:
-    """Return sections with those that have a lead before others of their node."""
-    listed = list(sections)
-    nodes = list(dict.fromkeys(section.node for section in listed))
-    return sorted(listed, key=lambda each: (nodes.index(each.node), not each.rendered.lead))
+    What answers a question is the first lead of each run, or else its first sentences.
+    """
+    titles = list(dict.fromkeys(section.question for section in study.sections)) or [""]
+    questions = []
+    for number, title in enumerate(titles, 1):
+        sections = [section for section in study.sections if section.question == title]
+        leads = []
+        for run in dict.fromkeys(section.run for section in sections):
+            of_run = [section for section in sections if section.run == run]
+            answering = [section for section in of_run if section.rendered.lead] or [
+                section for section in of_run[:1] if section.rendered.answer
+            ]
+            leads += answering[:1]
+        results = titled(sections, f"result-{number}" if len(titles) > 1 else "result")
+        questions.append(_Question(title, f"question-{number}", tuple(leads), results))
+    return questions
 
 
 def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
@@ -133,7 +165,12 @@ def templates_of(package: str) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"trusted": _trusted, "path": _path, "duration": duration}
+    environment.filters |= {
+        "trusted": _trusted,
+        "path": _path,
+        "duration": duration,
+        "inline": _inline,
+    }
     return environment
 
 
@@ -153,6 +190,16 @@ def _path(path: str) -> str:
     return "./" + quote(path.replace("\\", "/").lstrip("/"))
 
 
+def _inline(text: str) -> Markup:
+    """Return a sentence of a documentation, in which names and values stand as code."""
+    from markupsafe import escape
+
+    def code(match: re.Match[str]) -> str:
+        return f"<code>{next(filter(None, match.groups()))}</code>"
+
+    return _trusted(_CODE.sub(code, str(escape(text))))
+
+
 def _markdown(text: str) -> Markup:
     """Return notes as HTML; raw HTML and pictures, which could fetch something, stay text."""
     from markdown_it import MarkdownIt
@@ -161,23 +208,12 @@ def _markdown(text: str) -> Markup:
     return _trusted(reader.enable("table").disable("image").render(text))
 
 
-def duration(seconds: float) -> str:
-    """Return a time as people say it: ``0.3 s``, ``42 s``, ``3 min 20 s``, ``2 h 5 min``."""
-    if seconds < 10:
-        return f"{seconds:.2g} s" if seconds >= 0.095 else f"{seconds * 1000:.0f} ms"
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
-def titled(sections: Iterable[Section]) -> tuple[Titled, ...]:
+def titled(sections: Iterable[Section], anchor: str = "result") -> tuple[Titled, ...]:
     """Return sections that follow each other with one title as one."""
     runs = groupby(sections, key=lambda section: section.title)
     return tuple(
-        Titled(title, f"result-{number}", tuple(run)) for number, (title, run) in enumerate(runs, 1)
+        Titled(title, f"{anchor}-{number}", tuple(run))
+        for number, (title, run) in enumerate(runs, 1)
     )
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import gzip
 import json
 import zlib
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -52,6 +54,14 @@ class Section:
     files : tuple of Link
     node, output : str
         Where it comes from.
+    caption : str
+        The author's; empty for none.
+    number : str
+        ``Table 1``; empty for what has none.
+    is_replaced : bool
+        Whether another section of the node shows it too, so that only its files are linked.
+    run, question : str
+        Which run it is of, and the title of its study, where there are several.
     """
 
     title: str
@@ -60,6 +70,44 @@ class Section:
     files: tuple[Link, ...] = ()
     node: str = ""
     output: str = ""
+    caption: str = ""
+    number: str = ""
+    is_replaced: bool = False
+    run: str = ""
+    question: str = ""
+
+    @property
+    def where(self) -> str:
+        """The run and the combination, as far as there are several."""
+        labels = ", ".join(part.replace("=", " ", 1) for part in self.labels.split(", "))
+        return ", ".join(filter(None, [self.run, labels]))
+
+
+def numbered(sections: Iterable[Section]) -> tuple[Section, ...]:
+    """Return sections with the numbers of their tables and figures.
+
+    What another section of the same node shows too has none. Sections of one title come together,
+    those with a lead first.
+    """
+    listed = list(sections)
+    places: dict[tuple[str, str], int] = {}
+    for section in listed:
+        places.setdefault((section.question, section.title), len(places))
+    listed.sort(key=lambda each: (places[each.question, each.title], not each.rendered.lead))
+    replaced = {
+        (section.run, section.node, output)
+        for section in listed
+        for output in section.rendered.replaces
+    }
+    counts: Counter[str] = Counter()
+    result = []
+    for section in listed:
+        is_replaced = (section.run, section.node, section.output) in replaced
+        kind = "" if is_replaced else section.rendered.kind
+        counts[kind] += 1
+        number = f"{kind.capitalize()} {counts[kind]}" if kind else ""
+        result.append(replace(section, number=number, is_replaced=is_replaced))
+    return tuple(result)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +210,10 @@ class StepNote:
         The command that runs this step alone.
     trace : str
         Where an error happened, for the method's author.
+    method : str
+        The method's full name: ``fill.muscle``.
+    matters : bool, optional
+        Whether a table of the report depends on the node; None where that is not known.
     """
 
     node: str
@@ -171,6 +223,8 @@ class StepNote:
     count: int = 1
     repeat: str = ""
     trace: str = ""
+    method: str = ""
+    matters: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,10 +30,10 @@ __all__ = [
 @hookimpl
 def nodegraph_renderers() -> Iterable[Renderer]:
     """Return how tables and figures appear in a report."""
-    from nodegraph_tables.rendering import render_table
+    from nodegraph_tables.rendering import render_table, render_table_in_run
 
     return (
-        Renderer(Table, render_table),
+        Renderer(Table, render_table, render_table_in_run),
         Renderer(Figure, render_figure),
         Renderer(StoredFigure, render_stored_figure),
     )

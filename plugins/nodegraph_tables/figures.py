@@ -104,7 +104,7 @@ def render_stored_figure(figure: StoredFigure, title: str) -> Rendered:
     width = _WIDTH.search(drawing)
     size = f' style="--wide: {width[1]}"' if width else ""
     html = f'<figure class="figure"{size}>{drawing.replace("<svg", label, 1)}</figure>'
-    return Rendered(html=html, files={".svg": figure.svg, ".pdf": figure.pdf})
+    return Rendered(html=html, files={".svg": figure.svg, ".pdf": figure.pdf}, kind="figure")
 
 
 def show_broken_formulas_as_text(figure: Figure) -> None:

@@ -16,6 +16,8 @@ from nodegraph_tables.types import Table
 if TYPE_CHECKING:
     import pandas as pd
 
+    from nodegraph import Origin
+
 _MOST_LINES = 200
 """Rows from which a table is cut in a terminal."""
 _MOST_ROWS = 5_000
@@ -65,26 +67,28 @@ def render_table(table: Table, title: str) -> Rendered:
     return _rendered(table, info_of(table).title or title)
 
 
-def _rendered(table: pd.DataFrame, caption: str, number: str = "") -> Rendered:
+def render_table_in_run(table: Table, title: str, origin: Origin) -> Rendered:
+    """Return a table as `render_table` does, with the caption that the graph gives it."""
+    return _rendered(table, origin.caption or info_of(table).title or title)
+
+
+def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
     table = _with_named_rows(table)
     info = info_of(table)
     columns, constants = _without_constants(columns_of(table))
     notes = [*constants, *info.notes]
     csv = _csv(table)
     return Rendered(
-        html=_html(_numbered(number, caption), columns, info, notes, csv.decode()),
+        html=_html(caption, columns, info, notes, csv.decode()),
         text=_text(columns, notes),
         files={".csv": csv, ".tex": _latex(caption, columns, constants).encode()},
         answer=info.answer,
         lead=lead_html(info.lead) if info.lead else "",
         styles=(lead_style(),) if info.lead else (),
         grid=grid_of(table, caption),
+        title=info.title,
+        kind="table",
     )
-
-
-def _numbered(number: str, caption: str) -> str:
-    caption = escape(caption)
-    return f"<b>{escape(number)}.</b> {caption}" if number else caption
 
 
 def _without_constants(columns: Sequence[Column]) -> tuple[list[Column], list[str]]:
@@ -161,7 +165,7 @@ def _html(
     cut = [f"The first {_MOST_ROWS} of {len(rows)} rows; the CSV file has all."]
     return (
         f'<figure{_class(kinds)}><div class="scroll"><table class="sortable">'
-        f"<caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         f'</div><template class="csv">{escape(csv, quote=False)}</template>'
         f"{_notes([*(cut if len(rows) > _MOST_ROWS else []), *notes])}</figure>"
     )

@@ -94,7 +94,7 @@ def test_a_run_shows_how_its_steps_ended_and_why(run: Run) -> None:
 def test_a_run_shows_what_its_report_shows_and_folds_what_is_long(run: Run) -> None:
     read = Read(run_html(run))
     assert HOSTILE in read.texts
-    assert "many: 6 more combinations" in read.texts
+    assert "Many: 6 more combinations" in read.texts
     shown = [text for text in read.texts if re.fullmatch(r"trial=\d+", text)]
     assert shown == [f"trial={number}" for number in range(24)]
     notes, text, graph = [False, True, True], [False], [True]

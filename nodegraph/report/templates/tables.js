@@ -70,7 +70,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     const sort = (head, index, sign) => {
       const exact = head.classList.contains("number") && one.records && head.dataset.column;
       const keyed = one.rows().map((row) => ({
-        row, text: exact ? one.fields(row)[head.dataset.column] : textOf(row.cells[index]),
+        row, text: exact ? one.fields(row)[head.dataset.column] : row.cells[index].dataset.value ?? textOf(row.cells[index]),
       }));
       const filled = keyed.filter(({ text }) => text !== "");
       const numeric = filled.every(({ text }) => !Number.isNaN(numberOf(text)));

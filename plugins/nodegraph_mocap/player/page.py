@@ -47,7 +47,7 @@ def render_playback(playback: Playback, title: str) -> Rendered:
     )
     if playback.notes:
         html += "".join(f'<p class="quiet">{escape(note)}</p>' for note in playback.notes)
-    rendered = Rendered(html, scripts=_scripts(), styles=(_source("player.css"),))
+    rendered = Rendered(html, scripts=_scripts(), styles=(_source("player.css"),), kind="figure")
     alone = standalone_page(rendered, title or "Playback")
     return replace(rendered, files={".html": alone.encode()})
 

@@ -51,12 +51,12 @@ def test_sections_are_what_the_report_lists_at_every_combination(
     study = _study(run_of(TEXT))
     shown = [(section.title, section.labels, section.rendered.text) for section in study.sections]
     assert shown == [
-        ("text", "length=5", "5"),
-        ("text", "length=15", "15"),
-        ("gaps hidden", "length=5, trial=0", "5"),
-        ("gaps hidden", "length=5, trial=1", "5"),
-        ("gaps hidden", "length=15, trial=0", "15"),
-        ("gaps hidden", "length=15, trial=1", "15"),
+        ("Text", "length=5", "5"),
+        ("Text", "length=15", "15"),
+        ("Gaps", "length=5, trial=0", "5"),
+        ("Gaps", "length=5, trial=1", "5"),
+        ("Gaps", "length=15, trial=0", "15"),
+        ("Gaps", "length=15, trial=1", "15"),
     ]
 
 
@@ -64,14 +64,14 @@ def test_without_a_list_the_nodes_that_nothing_reads_are_shown(
     run_of: Callable[..., Run],
 ) -> None:
     text = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}, c: {use: text.write}}"
-    assert [section.title for section in _study(run_of(text)).sections] == ["b", "c"]
+    assert [section.title for section in _study(run_of(text)).sections] == ["B", "C"]
 
 
 def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
     notes = _study(run_of(TEXT)).notes
     below = ["length=5, trial=0", "length=5, trial=1", "length=15, trial=0", "length=15, trial=1"]
-    refused = [("fill (strict.positive)", f"{value}, fill=positive") for value in below]
-    failed = [("fill (strict.fails)", f"{value}, fill=fails") for value in below]
+    refused = [("fill", f"{value}, fill=positive") for value in below]
+    failed = [("fill", f"{value}, fill=fails") for value in below]
     assert sorted(_kinds(notes, "refused")) == sorted(refused)
     assert sorted(_kinds(notes, "failed")) == sorted(failed)
     (skipped,) = [note for note in notes if note.kind == "left out"]
@@ -133,7 +133,7 @@ def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> N
     with pytest.warns(UserWarning, match="a: cannot be shown: RuntimeError: no ink"):
         study = _study(run)
     shown = [(section.title, section.rendered.text) for section in study.sections]
-    assert shown == [("a", "cannot be shown: RuntimeError: no ink"), ("b", "0")]
+    assert shown == [("A", "cannot be shown: RuntimeError: no ink"), ("B", "0")]
     (note,) = study.notes
     assert (note.node, note.kind, note.reason) == ("a", "failed", shown[0][1])
     assert "in explode" in note.trace
@@ -237,7 +237,7 @@ report: [one]
     assert files["out_start-1.5/one.txt"] == b"1.5"
     assert files["out_start-2.5/more/about.md"] == b"a number"
     last = study.sections[-1]
-    assert (last.title, last.labels) == ("out", "start=2.5")
+    assert (last.title, last.labels) == ("Out", "start=2.5")
     assert last.rendered.text == ("out_start-2.5/one.txt (3 B)\nout_start-2.5/more/about.md (8 B)")
     assert [link.text for link in last.files] == ["one.txt", "about.md"]
     assert 'out_start-1.5/one.txt">one.txt</a>' in page(study)

@@ -9,6 +9,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import pytest
 
 from nodegraph.draw import Box, Picture, svg
+from nodegraph.formatting import duration
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import (
     AxisRow,
@@ -21,7 +22,6 @@ from nodegraph.report import (
     TimingRow,
     page,
 )
-from nodegraph.report.page import duration
 from nodegraph.report.study import Kind
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "rect", "line", "path"}
@@ -64,13 +64,20 @@ class Hostile:
             # what is trusted, and what a paper says where the page says more
             trusted = {"graph_svg": "<svg></svg>", "in_print": "by name"}
             if kind is Section:  # by these the page arranges sections
-                trusted |= {"node": "table", "output": "figure"}
+                trusted |= {"node": "table", "output": "figure", "question": ""}
+                trusted["labels"] = f"k={self.text()}"
             return kind(
                 **{
-                    field.name: trusted.get(field.name) or self.make(hints[field.name])
+                    field.name: trusted[field.name]
+                    if field.name in trusted
+                    else self.make(hints[field.name])
                     for field in fields(kind)
                 }
             )
+        if kind == bool | None:
+            return True
+        if kind is bool:
+            return False
         if kind is Kind:
             return Kind.FAILED
         if get_origin(kind) is tuple:
@@ -121,7 +128,7 @@ def test_every_text_is_shown_and_none_is_run() -> None:
     links = [tag["href"] for tag in read.all("a")]
     paths = [link for link in links if link.startswith("./")]
     assert len(hostile.texts) > 40
-    assert len(paths) == 2
+    assert len(paths) == 3
     for number, text in enumerate(hostile.texts):
         in_path = any(f"alert%28{number}%29" in path for path in paths)
         assert in_path or text in shown, f"text {number} is not shown as it is"
@@ -175,8 +182,8 @@ def test_all_of_a_study_is_in_its_page() -> None:
     for text in texts:
         assert text in read.text, text
     assert "<strong>restores</strong>" in html
-    order = [html.index(text) for text in ("muscle is best", "restores", "Errors", "drawn</title>")]
-    order += [html.index(f'<h2 id="{note}"') for note in ("methods", "notes", "timings", "again")]
+    order = [html.index(text) for text in ("muscle is best", "Errors", "restores", "drawn</title>")]
+    order += [html.index(f'id="{part}"') for part in ("settings", "reproduce", "download")]
     assert order == sorted(order)
 
 
@@ -198,7 +205,7 @@ def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
     slow = [StepNote("fill", f"k={k}", "slow", Kind.WARNING) for k in range(60)]
     read = Page(page(study(notes=(*gaps, *slow))))
     assert "2 kinds of warnings in 60 steps" in read.text
-    assert "… gaps of m1 open" in read.text
+    assert "… gaps of … open" in read.text
     assert "k=59: 59 gaps of m1 open" in read.text
     assert "1 kind of warning in 60 steps" in Page(page(study(notes=tuple(slow)))).text
     assert "2 warnings" in Page(page(study(notes=(gaps[3], slow[3])))).text
@@ -249,7 +256,7 @@ def test_one_title_is_one_result_and_many_labels_fold() -> None:
     html = page(Study("Many", sections=sections))
     assert html.count('<section class="result"') == 1
     assert html.count('<details class="fold">') == 3
-    assert all(f"k={k}" in html for k in range(6))
+    assert all(f"k {k}" in html for k in range(6))
 
 
 def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:

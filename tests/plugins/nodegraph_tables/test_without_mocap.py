@@ -49,7 +49,7 @@ files = {}
 write = lambda name, content: files.update({name: content}) or ""
 study = compose(run, RunSettings(graph="toy.yaml"), write=write).study
 assert study.answer == ("a is smaller.",), study.answer
-assert [section.title for section in study.sections] == ["rows", "plot"]
+assert [section.title for section in study.sections] == ["Rows", "Plot"]
 assert files["rows.csv"] == b"name,size\\na,1.5\\nb,2.0\\n"
 assert {"rows.tex", "plot.svg", "plot.pdf"} <= set(files)
 html = page(study)

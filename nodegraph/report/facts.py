@@ -1,0 +1,96 @@
+"""What a page says of its study in one line: in its head, and beside what is folded."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import PurePath
+
+from nodegraph.formatting import duration
+from nodegraph.report.notes import counted, note_kinds
+from nodegraph.report.study import Study
+
+_MOST_AXES = 4
+_LONGEST = 110
+_SENTENCE = re.compile(r".*?[.?!](?=\s|$)", re.DOTALL)
+_MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
+
+
+def head_facts(study: Study) -> list[str]:
+    """Return the study's name, how much there is of what, and its date."""
+    name = PurePath(study.graph_file).stem
+    sizes = sorted(_sizes(study), key=lambda text: not text.endswith(" methods"))[:_MOST_AXES]
+    return [text for text in (name, ", ".join(sizes), _date(study.created)) if text]
+
+
+def fold_facts(study: Study) -> dict[str, str]:
+    """Return a line for each part that is folded, by its name."""
+    uses = len({row.use for row in study.methods})
+    steps, stored = (
+        sum(getattr(row, name) for row in study.timings) for name in ("steps", "stored")
+    )
+    nodes = counted(len({row.node for row in study.methods}), "node")
+    took = f" in {duration(study.seconds)}" if study.seconds else ""
+    source = f", {'all' if stored == steps else f'{stored:,}'} of them from stored results"
+    files = Counter(link.text for section in study.sections for link in section.files)
+    inputs = ", ".join(f"{row.name} {row.value}" for row in study.inputs)
+    settings = [inputs, counted(len(study.axes), "axis").replace("axiss", "axes")]
+    settings += [counted(len(study.versions), "package")]
+    return {
+        "measured": _first_sentence(study.notes_markdown),
+        "methods": f"{counted(uses, 'method')}, with what they do, their settings and sources",
+        "notes": _notes(study),
+        "graph": f"{nodes}, {counted(steps, 'step')}",
+        "settings": "; ".join(_shortened(text) for text in settings if text),
+        "reproduce": f"{counted(steps, 'step')} done{took}{source if stored else ''}",
+        "download": ", ".join(f"{count} {kind}" for kind, count in files.items()) or "what ran",
+    }
+
+
+def _sizes(study: Study) -> Iterator[str]:
+    """Yield how many labels each axis has: ``18 methods``, ``8 recordings``."""
+    of_methods = {row.node for row in study.methods if row.label}
+    for axis in study.axes:
+        count = len(axis.labels)
+        if count < 2:
+            continue
+        name = "method" if axis.name in of_methods and len(of_methods) == 1 else axis.name
+        name = name.rpartition(".")[2].replace("_", " ")
+        yield f"{count:,} {name if name.endswith('s') else _plural(name)}"
+
+
+def _plural(name: str) -> str:
+    if name.endswith(("x", "ch", "sh")):
+        return f"{name}es"
+    return f"{name[:-1]}ies" if re.search(r"[^aeiou]y$", name) else f"{name}s"
+
+
+def _date(created: str) -> str:
+    try:
+        when = datetime.fromisoformat(created)
+    except ValueError:
+        return created
+    return f"{when.day} {when:%B %Y}"
+
+
+def _notes(study: Study) -> str:
+    kinds = note_kinds(study)
+    if not kinds:
+        return "nothing failed, and nothing warned"
+    touching = sum(bool(group.matters) for kind in kinds for group in kind.groups)
+    text = f"; {touching} touch{'es' if touching == 1 else ''} the numbers" if touching else ""
+    return f"{', '.join(map(str, kinds))}{text}"
+
+
+def _first_sentence(markdown: str) -> str:
+    text = " ".join(_MARKS.sub(r"\1", markdown).split())
+    match = _SENTENCE.match(text)
+    return _shortened(match[0] if match else text)
+
+
+def _shortened(text: str) -> str:
+    if len(text) <= _LONGEST:
+        return text
+    return f"{text[:_LONGEST].rpartition(' ')[0]} …"
