@@ -36,11 +36,13 @@ FIGURES = [
 ]
 
 
-def relabelled(value: Any) -> Any:
+def relabelled(value: Any, *, truth: bool) -> Any:
     """Return what is gathered with labels that matplotlib reads in ways of its own."""
     if not isinstance(value, Across):
         return value
     first = value.values()[0]
+    if truth:  # one for all, or its labels would tell takes apart, and not methods
+        return Across((), (({}, first),))
     return Across(
         value.axes, tuple(({axis: label for axis in value.axes}, first) for label in SHOWN)
     )
@@ -49,7 +51,8 @@ def relabelled(value: Any) -> Any:
 def drawn(node: Node) -> list[Figure]:
     """Return the figures that a node draws of the first specimen that it does not decline."""
     for _, values in cases(node, {}, INSTALLED):
-        inputs = {port: relabelled(value) for port, value in values.items()}
+        truths = {port.name for port in node.inputs if port.truth}
+        inputs = {port: relabelled(value, truth=port in truths) for port, value in values.items()}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -10,33 +12,59 @@ from pydantic import Field
 
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.recordings import check_truth, estimated, named, true_positions
+from nodegraph_plot.recordings import check_something, check_truth, estimated, true_positions
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Mapping
+
+    from nodegraph import Label
+
+Samples = Literal["made", "all"]
+
+
+@dataclass(frozen=True)
+class MarkerErrors:
+    """The errors of one picture, by marker.
+
+    Attributes
+    ----------
+    errors : dict of marker to float
+        Millimetres; NaN without a sample.
+    samples : dict of marker to int
+        How many are behind each error.
+    takes : int
+    """
+
+    errors: dict[str, float]
+    samples: dict[str, int]
+    takes: int
 
 
 @node("plot.error_map")
 def error_map(
     recordings: Across[Trajectories],
-    truth: Truth[Trajectories],
+    truth: Truth[Across[Trajectories]],
     *,
-    samples: Literal["made", "all"] = "made",
+    samples: Samples = "made",
     view: Annotated[str, Field(pattern=r"^(auto|[+-][xyz][+-][xyz])$")] = "auto",
 ) -> Figure:
-    """Draw the error of every marker on the face, a picture per recording, in one colour scale.
+    """Draw the error of every marker as a disc on the face, a picture per method, in one scale.
 
-    The error of a marker is the root mean square of its distance to the truth over its samples,
-    and is drawn where the truth has the marker on average. Triangles between markers have the
-    mean colour of their corners. A marker without such a sample is a hollow circle. The scale
-    ends at the largest error of all pictures.
+    Recordings whose labels differ only along axes of the truth (recordings, trials, lengths of
+    gaps) are in one picture: the same method, applied to several takes. The error of a marker in a
+    take is the root mean square of its distance to the truth over its samples; what is drawn is
+    the mean over the takes in which it has any. Area and colour of a disc say the same, on a
+    logarithmic scale from the least to the largest error of all pictures. A marker stands at its
+    mean position in the truths, seen from the front of each. The last picture has, at each marker,
+    how many samples are behind its error: the least number of all pictures. A marker without one
+    is a hollow circle.
 
     Parameters
     ----------
     recordings
         Drawn in their order.
     truth
-        Its markers are matched by name.
+        Of each recording that of its labels. Markers are matched by name.
     samples
         ``made``: those that were filled or repaired. ``all``: every present one.
     view
@@ -49,34 +77,73 @@ def error_map(
     Raises
     ------
     ValueError
-        If a recording has no frames or no markers, the truth has another number of frames than a
-        recording, `view` is not of that form, or no recording has a sample whose truth is known.
+        If a recording has no frames or no markers, has no truth or several, the truth has another
+        number of frames, `view` is not of that form, or no recording has a sample whose truth is
+        known.
     """
     from nodegraph_plot.error_map_figure import draw
 
-    by_name = named(recordings)
-    check_truth(by_name, truth)
-    errors = {name: _errors(values, truth, samples) for name, values in by_name.items()}
-    if not any(np.isfinite(values).any() for values in errors.values()):
+    pairs = _pairs(recordings, truth)
+    pictures = {name: _errors(takes, samples) for name, takes in pairs.items()}
+    if not any(np.isfinite(list(each.errors.values())).any() for each in pictures.values()):
         raise ValueError(f"no recording has a sample ({samples}) whose truth is known")
-    _warn(errors, samples)
-    return draw(by_name, errors, truth, view)
+    _warn(pictures, samples)
+    return draw(pictures, truth.values(), view)
 
 
-def _errors(
-    recording: Trajectories, truth: Trajectories, samples: Literal["made", "all"]
-) -> NDArray[np.float64]:
-    """Return the (M,) root mean square distances, NaN where there is no sample."""
-    squared = ((recording.positions - true_positions(truth, recording)) ** 2).sum(axis=2)
-    chosen = estimated(recording) if samples == "made" else recording.present
-    chosen = chosen & np.isfinite(squared)
-    count = chosen.sum(axis=0)
-    total = np.where(chosen, squared, 0.0).sum(axis=0)
-    return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+def _pairs(
+    recordings: Across[Trajectories], truth: Across[Trajectories]
+) -> dict[str, list[tuple[Trajectories, Trajectories]]]:
+    """Return each recording with its truth, by the labels that the truth does not have."""
+    if not len(recordings):
+        raise ValueError("there is no recording to draw")
+    pairs: dict[str, list[tuple[Trajectories, Trajectories]]] = defaultdict(list)
+    for name, (labels, recording) in zip(recordings.names(), recordings, strict=True):
+        check_something(name, recording)
+        true = _truth_of(name, labels, truth)
+        check_truth({name: recording}, true)
+        own = {axis: label for axis, label in labels.items() if axis not in truth.axes}
+        pairs[Across(tuple(own), ((own, recording),)).names()[0]].append((recording, true))
+    return dict(pairs)
 
 
-def _warn(errors: dict[str, NDArray[np.float64]], samples: str) -> None:
-    without = {name: int(np.isnan(values).sum()) for name, values in errors.items()}
+def _truth_of(name: str, labels: Mapping[str, Label], truth: Across[Trajectories]) -> Trajectories:
+    alike = [
+        (known, value)
+        for known, value in truth
+        if all(labels[axis] == label for axis, label in known.items() if axis in labels)
+    ]
+    if len(alike) == 1:
+        return alike[0][1]
+    of = f" of {name}" if name else ""
+    if not alike:
+        raise ValueError(f"there is no truth{of}")
+    free = [axis for axis in truth.axes if axis not in labels]
+    raise ValueError(f"there are {len(alike)} truths{of}: fix {', '.join(free)} with `at`")
+
+
+def _errors(takes: list[tuple[Trajectories, Trajectories]], samples: Samples) -> MarkerErrors:
+    """Return the mean over takes of the root mean square distances."""
+    errors: dict[str, list[float]] = defaultdict(list)
+    counts: dict[str, int] = defaultdict(int)
+    for recording, truth in takes:
+        squared = ((recording.positions - true_positions(truth, recording)) ** 2).sum(axis=2)
+        chosen = estimated(recording) if samples == "made" else recording.present
+        chosen = chosen & np.isfinite(squared)
+        count = chosen.sum(axis=0)
+        total = np.where(chosen, squared, 0.0).sum(axis=0)
+        for marker, number, each in zip(recording.markers, count, total, strict=True):
+            counts[marker] += int(number)
+            errors[marker] += [float(np.sqrt(each / number))] if number else []
+    means = {marker: float(np.mean(each)) if each else np.nan for marker, each in errors.items()}
+    return MarkerErrors(means, dict(counts), len(takes))
+
+
+def _warn(pictures: Mapping[str, MarkerErrors], samples: Samples) -> None:
+    without = {
+        name: sum(number == 0 for number in picture.samples.values())
+        for name, picture in pictures.items()
+    }
     counts = [f"{name or 'recording'} {count}" for name, count in without.items() if count]
     if counts:
         warnings.warn(

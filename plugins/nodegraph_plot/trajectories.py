@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from nodegraph import Across, Truth, node
+from nodegraph import Across, Truth, nearest, node
 from nodegraph_mocap import Figure, Trajectories
 from nodegraph_plot.recordings import (
     check_all_markers,
     check_frames,
     check_truth,
     comparable,
+    estimated,
     named,
     named_looks,
     runs,
+    true_positions,
 )
+from nodegraph_tables.style import looks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FEWEST_AROUND = 10
+_MOST_IN_FULL = 6
+_BEST = 3
+"""So many are drawn in full where there are more."""
 
 Coordinate = Literal["x", "y", "z"]
 
@@ -34,14 +41,20 @@ def trajectories(
     markers: tuple[str, ...] = (),
     frames: tuple[int, int] | None = None,
     coordinates: tuple[Coordinate, ...] = ("x", "y", "z"),
+    reference: str = "",
 ) -> Figure:
     """Draw coordinates over time: a row per coordinate, a column per marker, a line per recording.
 
     Where all recordings have the same measured samples, these are drawn once, in grey. Elsewhere
-    each has its own line, with a symbol on every filled or repaired sample. Frames in which any
-    recording has no measured sample are shaded. A line that strays from the measured samples and
-    the truth by more than one and a half times their range leaves the picture. A sample between
-    two missing ones is a dot, and so is a frame alone.
+    each has its own line. Up to six are drawn in full, with a symbol on every filled or repaired
+    sample and their names beside the lines, in the order in which they lie where they are farthest
+    apart. Of more, these are the three of least error and the reference, and the others are thin
+    and grey. The error is the root mean square distance to the truth over the filled and repaired
+    samples that are drawn; a recording that lacks more of them comes after one that lacks fewer,
+    and without a truth the first three are drawn in full. Frames in which any recording has no
+    measured sample are shaded. A line that strays from the measured samples and the truth by more
+    than one and a half times their range leaves the picture. A sample between two missing ones is
+    a dot, and so is a frame alone.
 
     Parameters
     ----------
@@ -58,6 +71,8 @@ def trajectories(
         again on each side, at least 10; the whole take where there is no gap.
     coordinates
         Any of x, y, z.
+    reference
+        Name of a recording that is drawn in full and dashed, whatever its error.
 
     Returns
     -------
@@ -67,7 +82,8 @@ def trajectories(
     ------
     ValueError
         If a recording has no frames or no markers, lacks one that is asked for, the first frame is
-        after the last, or the truth has another number of frames than a recording.
+        after the last, the truth has another number of frames than a recording, or there is no
+        recording of the reference's name.
     """
     from nodegraph_plot.trajectory_figure import draw
 
@@ -80,7 +96,41 @@ def trajectories(
     window = _around_gap(by_name, chosen, truth) if frames is None else frames
     if window[0] > window[1]:
         raise ValueError(f"frames are first and last, the first not after the last; got {window}")
-    return draw(by_name, truth, named_looks(recordings), chosen, window, coordinates)
+    look = named_looks(recordings)
+    if reference and reference not in look:
+        raise ValueError(f"no recording is labelled {reference!r}; {nearest(reference, look)}")
+    full = _in_full(by_name, truth, chosen, window, reference)
+    if len(full) < len(by_name):
+        look = looks(full)  # of so many, some share a colour in the figures of a graph
+    if reference in full:
+        look[reference] = replace(look[reference], line="--")
+    return draw(by_name, truth, {name: look[name] for name in full}, chosen, window, coordinates)
+
+
+def _in_full(
+    recordings: dict[str, Trajectories],
+    truth: Trajectories | None,
+    markers: tuple[str, ...],
+    window: tuple[int, int],
+    reference: str,
+) -> set[str]:
+    """Return the names of the recordings that are drawn in full."""
+    if len(recordings) <= _MOST_IN_FULL:
+        return set(recordings)
+    shown = slice(window[0], window[1] + 1)
+
+    def rank(name: str) -> tuple[int, float]:
+        recording = recordings[name]
+        columns = [recording.markers.index(marker) for marker in markers]
+        errors = np.linalg.norm(recording.positions - true_positions(truth, recording), axis=2)
+        known = np.isfinite(errors) & estimated(recording)
+        squares = np.where(known, errors, 0.0)[shown, columns] ** 2
+        lacking = np.count_nonzero(~recording.present[shown, columns])
+        count = np.count_nonzero(known[shown, columns])
+        return lacking, float(np.sqrt(squares.sum() / count)) if count else np.inf
+
+    best = sorted(recordings, key=rank) if truth else list(recordings)
+    return {*best[:_BEST], *({reference} & recordings.keys())}
 
 
 def _most_estimated(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,8 @@ from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
 from nodegraph_plot.recordings import estimated, runs, true_positions
-from nodegraph_tables.style import BLACK, LIGHT, PALE
+from nodegraph_tables.axes import SMALL, plain
+from nodegraph_tables.style import BLACK, LIGHT, PALE, REST, Look
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,13 +23,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_mocap import Trajectories
-    from nodegraph_tables.style import Look
 
 _STRAY = 1.5
 _BROAD = 3.0
-_LEGEND_COLUMNS = 4
-_LETTERS = 24
-"""In a line of the legend."""
+_LETTERS = 22
+"""In the name of a line."""
+
+_TALL = 1.7
+"""Inches of a panel."""
+
+_LEADING = 1.3 * SMALL / 72.0
+"""Inches between the names of two lines."""
 
 
 @dataclass(frozen=True)
@@ -82,13 +86,12 @@ def draw(
     window: tuple[int, int],
     coordinates: Sequence[str],
 ) -> Figure:
-    """Return the figure: a row per coordinate, a column per marker."""
+    """Return the figure: a row per coordinate, a column per marker.
+
+    Recordings that have a look are drawn in full, the others thin and grey.
+    """
     rows, columns = len(coordinates), len(markers)
-    size = (
-        max(4.6 * columns, 7.0),
-        1.8 * rows + 0.5 + 0.25 * math.ceil(len(look) / _LEGEND_COLUMNS),
-    )
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=(max(4.6 * columns, 7.0), _TALL * rows + 0.8), layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
     rate = next(iter(recordings.values())).rate
     shading: set[str] = set()
@@ -101,12 +104,13 @@ def draw(
         axes[-1, column].set_xlabel(f"frame (at {rate:g} Hz)")
     for row, coordinate in enumerate(coordinates):
         axes[row, 0].set_ylabel(f"{coordinate} (mm)")
-    handles = _handles(list(recordings), look, sorted(shading), known=truth is not None)
+    handles = _handles(len(recordings) - len(look), sorted(shading))
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=min(len(handles), _LEGEND_COLUMNS),
+        ncols=len(handles),
         frameon=False,
+        fontsize="small",
     )
     return figure
 
@@ -139,14 +143,46 @@ def _panel(
         axis.axvspan(ends[0] - 0.5, ends[1] + 0.5, color=PALE, linewidth=0, zorder=0)
     common = np.where(curves.common, values[0], np.nan)
     (grey,) = axis.plot(curves.frames, common, color=LIGHT, linewidth=_BROAD, label="measured")
+    named: list[tuple[str, Look, NDArray[np.float64]]] = []
     for place, name in enumerate(names):
-        _line(axis, curves, place, values[place], look[name], name)
+        if name in look:
+            _line(axis, curves, place, values[place], look[name], name)
+            named.append((name or "recording", look[name], values[place]))
+        else:
+            own = np.where(curves.own, values[place], np.nan)
+            axis.plot(curves.frames, own, color=REST, linewidth=0.5, label=name, zorder=2.5)
     (black,) = axis.plot(curves.frames, true, color=BLACK, linewidth=0.8, label="truth")
     grey.set(zorder=2, **_dots(common))
     black.set(zorder=5, **_dots(true))
+    if np.isfinite(true).any():
+        named.append(("truth", Look(BLACK, "", "-"), true))
     _limit(axis, np.concatenate([values[curves.measured], true]), values)
     _along(axis, curves.frames)
-    axis.spines[["top", "right"]].set_visible(False)
+    plain(axis)
+    _name(axis, named)
+
+
+def _name(axis: Axes, lines: Sequence[tuple[str, Look, NDArray[np.float64]]]) -> None:
+    """Write the names of lines beside the axes, in their order where they are farthest apart."""
+    every = np.array([values for _, _, values in lines])
+    known = np.isfinite(every)
+    apart = np.where(known, every, -np.inf).max(axis=0) - np.where(known, every, np.inf).min(axis=0)
+    widest = int(np.argmax(np.where(known.any(axis=0), apart, -1.0)))
+    # what is missing there comes last
+    order = np.argsort(np.nan_to_num(every[:, widest], nan=-np.inf), kind="stable")
+    middle = (len(lines) - 1) / 2
+    for step, place in enumerate(order):
+        name, look, _ = lines[place]
+        height = 0.5 + (step - middle) * _LEADING / _TALL
+        axis.plot(
+            [1.02, 1.07], [height, height], look.line, color=look.colour, linewidth=1.4,
+            marker=look.marker, markersize=3, markevery=[0], transform=axis.transAxes,
+            clip_on=False,
+        )  # fmt: skip
+        axis.text(
+            1.09, height, figure_text(name, across=_LETTERS), transform=axis.transAxes,
+            color=look.colour, fontsize=SMALL, va="center",
+        )  # fmt: skip
 
 
 def _line(
@@ -166,7 +202,7 @@ def _line(
         values[filled],
         look.marker,
         color=look.colour,
-        markersize=3,
+        markersize=2.6,
         markeredgewidth=0,
         label=f"{name}, filled",
         zorder=4,
@@ -202,24 +238,12 @@ def _limit(axis: Axes, steady: NDArray[np.float64], values: NDArray[np.float64])
     axis.set_ylim(low - margin, high + margin)
 
 
-def _handles(
-    names: Sequence[str], look: dict[str, Look], shading: Sequence[str], *, known: bool
-) -> list[Artist]:
-    handles: list[Artist] = [
-        Line2D(
-            [],
-            [],
-            color=look[name].colour,
-            linestyle=look[name].line,
-            marker=look[name].marker,
-            markersize=4,
-            label=figure_text(name, across=_LETTERS, lines=2) or "recording",
-        )
-        for name in names
-    ]
-    handles.append(Line2D([], [], color=LIGHT, linewidth=_BROAD, label="measured in all"))
-    if known:
-        handles.append(Line2D([], [], color=BLACK, linewidth=0.8, label="truth"))
+def _handles(others: int, shading: Sequence[str]) -> list[Artist]:
+    """Return what is not named beside its line."""
+    handles: list[Artist] = [Line2D([], [], color=LIGHT, linewidth=_BROAD, label="measured in all")]
+    if others:
+        label = f"{others} others" if others > 1 else "another"
+        handles.append(Line2D([], [], color=REST, linewidth=0.7, label=label))
     if shading:
         handles.append(Patch(color=PALE, label=" or ".join(shading)))
     return handles

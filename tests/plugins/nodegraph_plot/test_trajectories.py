@@ -12,7 +12,7 @@ from nodegraph import Absent, Across
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_plot.trajectories import trajectories
 from nodegraph_tables.figures import draw
-from nodegraph_tables.style import looks
+from nodegraph_tables.style import REST, looks
 from tests.plugins.nodegraph_plot import made_face
 
 COLUMN = made_face.GAP_MARKER
@@ -113,6 +113,54 @@ def test_methods_look_as_in_other_figures_also_when_one_is_absent() -> None:
     assert line.get_marker() == expected["cubic"].marker
 
 
+def many(*offsets: float) -> Across[Trajectories]:
+    return across(**{f"off{offset}": made_face.filled(offset) for offset in offsets})
+
+
+def names_beside(axis: Any) -> list[str]:
+    return [text.get_text() for text in axis.texts]
+
+
+def test_of_many_the_best_three_and_the_reference_are_in_full_and_the_rest_grey() -> None:
+    recordings = many(0.5, 0.1, -0.3, 0.9, 0.2, 2.0, -4.0)
+    figure = trajectories(recordings, made_face.truth(), reference="off2.0")
+    full = {"off0.1", "off0.2", "off-0.3", "off2.0"}
+    for axis in figure.axes:
+        assert names_beside(axis) == ["off-0.3", "truth", "off0.1", "off0.2", "off2.0"]
+        dotted = {line.get_label().removesuffix(", filled") for line in axis.lines
+                  if str(line.get_label()).endswith("filled")}  # fmt: skip
+        assert dotted == full
+        thin = {name for name in ("off0.5", "off0.9", *full)
+                if to_hex(curve(axis, name).get_color()) == REST}  # fmt: skip
+        assert thin == {"off0.5", "off0.9"}
+        colours = {to_hex(curve(axis, name).get_color()) for name in full}
+        assert len(colours) == len(full)
+        assert curve(axis, "off2.0").get_linestyle() == "--"
+    assert "3 others" in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_who_leaves_samples_missing_is_not_the_best() -> None:
+    recordings = across(
+        none=made_face.gappy(),
+        **{f"off{offset}": made_face.filled(offset) for offset in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)},
+    )
+    axis = trajectories(recordings, made_face.truth()).axes[0]
+    assert names_beside(axis) == ["truth", "off1.0", "off2.0", "off3.0"]
+
+
+def test_without_a_truth_the_first_three_of_many_are_in_full() -> None:
+    axis = trajectories(many(0.5, 0.1, -0.3, 0.9, 0.2, 0.7, 0.8)).axes[0]
+    assert set(names_beside(axis)) == {"off0.5", "off0.1", "off-0.3"}
+
+
+def test_a_reference_that_is_not_selected_is_left_out_and_a_wrong_one_refused() -> None:
+    recordings = many(0.5, 0.1, -0.3, 0.9, 0.2, 0.7, 0.8)
+    known = Across(("fill",), recordings.entries, known={"fill": ("linear", "off0.5")})
+    assert "linear" not in names_beside(trajectories(known, reference="linear").axes[0])
+    with pytest.raises(ValueError, match=r"did you mean 'off0\.1'"):
+        trajectories(recordings, reference="off0.11")
+
+
 def test_a_line_that_strays_does_not_flatten_the_rest() -> None:
     recordings = across(lin=made_face.filled(0.1), wild=made_face.filled(900.0))
     (axis, *_) = trajectories(recordings, made_face.truth()).axes
@@ -208,7 +256,7 @@ def test_the_shading_is_called_what_it_is(origins: tuple[Origin, ...], words: li
         take = take.with_samples(take.positions, changed=changed, origin=origin)
     figure = trajectories(across(one=take), markers=("mouth_l",), frames=(0, 39))
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["one", "measured in all", *words]
+    assert labels == ["measured in all", *words]
 
 
 def test_the_default_marker_is_the_one_with_most_repairs_in_the_frames_drawn() -> None:
