@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -106,15 +106,16 @@ def _points(truths: Sequence[Trajectories], view: str) -> Points:
     return {marker: np.mean(each, axis=0) for marker, each in places.items()}
 
 
-def _edges(truth: Trajectories, points: Points) -> list[list[NDArray[np.float64]]]:
+def _edges(truth: Trajectories, points: Points) -> NDArray[np.float64]:
+    """Return the edges as one line, (3 E, 2), broken by NaN between them."""
     names = ((truth.markers[first], truth.markers[second]) for first, second in edges_of(truth))
-    return [[points[a], points[b]] for a, b in names if a in points and b in points]
+    gap = np.full(2, np.nan)
+    ends = [[points[a], points[b], gap] for a, b in names if a in points and b in points]
+    return np.array(ends).reshape(-1, 2)
 
 
-def _face(axis: Axes, points: Points, edges: list[list[NDArray[np.float64]]]) -> None:
-    from matplotlib.collections import LineCollection
-
-    axis.add_collection(LineCollection(edges, colors=LINE, linewidths=0.5, zorder=1))
+def _face(axis: Axes, points: Points, edges: NDArray[np.float64]) -> None:
+    axis.plot(edges[:, 0], edges[:, 1], color=LINE, linewidth=0.5, zorder=1)
     every = np.array(list(points.values()))
     low, high = every.min(axis=0), every.max(axis=0)
     room = 0.08 * max(1.0, float((high - low).max()))
@@ -133,12 +134,12 @@ def _discs(axis: Axes, points: Points, picture: MarkerErrors, scale: _Scale) -> 
     places = np.array([points[marker] for marker in there]).reshape(-1, 2)
     known = np.isfinite(errors)
     axis.scatter(
-        *places[~known].T, s=18, facecolors="none", edgecolors=REST, linewidths=0.7,
-        label="no sample", zorder=2,
+        places[~known, 0], places[~known, 1], s=18, facecolors="none", edgecolors=REST,
+        linewidths=0.7, label="no sample", zorder=2,
     )  # fmt: skip
     axis.scatter(
-        *places[known].T, s=scale.areas(errors[known]), c=errors[known], cmap=_COLOURS,
-        norm=scale.norm, edgecolors=REST, linewidths=0.4, label="error", zorder=3,
+        places[known, 0], places[known, 1], s=scale.areas(errors[known]), c=errors[known],
+        cmap=_COLOURS, norm=scale.norm, edgecolors=REST, linewidths=0.4, label="error", zorder=3,
     )  # fmt: skip
 
 
@@ -149,9 +150,8 @@ def _numbers(axis: Axes, points: Points, pictures: Mapping[str, MarkerErrors]) -
             least[marker] = min(number, least.get(marker, number))
     for marker, number in least.items():
         if marker in points:
-            axis.text(
-                *points[marker], str(number), fontsize=5, ha="center", va="center", color=QUIET
-            )
+            x, y = points[marker].tolist()
+            axis.text(x, y, str(number), fontsize=5, ha="center", va="center", color=QUIET)
     alike = all(each.samples == least for each in pictures.values())
     axis.set_title(f"samples behind each error{'' if alike else ', at least'}", fontsize="small")
 
@@ -159,13 +159,17 @@ def _numbers(axis: Axes, points: Points, pictures: Mapping[str, MarkerErrors]) -
 def _handles(scale: _Scale, *, hollow: bool) -> list[Line2D]:
     steps = scale.steps()
     handles = [
-        _disc(f"{error:g}{' mm' if error == steps[-1] else ''}", area, _COLOURS(scale.norm(error)))
+        _disc(
+            f"{error:g}{' mm' if error == steps[-1] else ''}",
+            area,
+            to_hex(_COLOURS(float(scale.norm(error)))),
+        )
         for error, area in zip(steps, scale.areas(np.array(steps)), strict=True)
     ]
     return [*handles, *([_disc("no sample", 18.0, "none")] if hollow else [])]
 
 
-def _disc(label: str, area: float, colour: object) -> Line2D:
+def _disc(label: str, area: float, colour: str) -> Line2D:
     return Line2D(
         [], [], linestyle="none", marker="o", markersize=math.sqrt(area), label=label,
         markerfacecolor=colour, markeredgecolor=REST, markeredgewidth=0.5,

@@ -125,8 +125,8 @@ def _in_full(
         errors = np.linalg.norm(recording.positions - true_positions(truth, recording), axis=2)
         known = np.isfinite(errors) & estimated(recording)
         squares = np.where(known, errors, 0.0)[shown, columns] ** 2
-        lacking = np.count_nonzero(~recording.present[shown, columns])
-        count = np.count_nonzero(known[shown, columns])
+        lacking = int(np.count_nonzero(~recording.present[shown, columns]))
+        count = int(np.count_nonzero(known[shown, columns]))
         return lacking, float(np.sqrt(squares.sum() / count)) if count else np.inf
 
     best = sorted(recordings, key=rank) if truth else list(recordings)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
 
-from nodegraph import Across
+from nodegraph import Across, Label
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.view import frontal
 from nodegraph_plot.error_map import error_map
@@ -91,7 +91,7 @@ def test_all_pictures_have_one_scale() -> None:
 
 
 def over_takes(**sizes: tuple[float, ...]) -> Across[Trajectories]:
-    entries = tuple(
+    entries: tuple[tuple[dict[str, Label], Trajectories], ...] = tuple(
         ({"take": take, "smooth": name}, smoothed(size))
         for name, each in sizes.items()
         for take, size in enumerate(each)

@@ -127,8 +127,8 @@ def test_of_many_the_best_three_and_the_reference_are_in_full_and_the_rest_grey(
     full = {"off0.1", "off0.2", "off-0.3", "off2.0"}
     for axis in figure.axes:
         assert names_beside(axis) == ["off-0.3", "truth", "off0.1", "off0.2", "off2.0"]
-        dotted = {line.get_label().removesuffix(", filled") for line in axis.lines
-                  if str(line.get_label()).endswith("filled")}  # fmt: skip
+        labels = [str(line.get_label()) for line in axis.lines]
+        dotted = {label.removesuffix(", filled") for label in labels if label.endswith("filled")}
         assert dotted == full
         thin = {name for name in ("off0.5", "off0.9", *full)
                 if to_hex(curve(axis, name).get_color()) == REST}  # fmt: skip
