@@ -19,11 +19,12 @@ if TYPE_CHECKING:
     from nodegraph_compare.overview.pack import Excerpt
     from nodegraph_compare.overview.value import Overview
 
-_MOST_BYTES = 1_000_000
+_MOST_BYTES = 500_000
 _MOST_READ = 150
 """Inputs of scores that are read while a page is written."""
 
-_MOST_BLOCKS = 48
+_AT_RANDOM = 40
+"""Blocks of each group that are tried: those in combinations that were read anyway are shown."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Details:
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A block by its group and its place in the page, and why it is worth a look."""
+    """A block by its group and its place in the page, and why it is worth a look, if it is."""
 
     group: int
     block: int
@@ -91,7 +92,7 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
         ((place, each) for several in wanted for place, each in enumerate(several)),
         key=lambda item: item[0],
     ):
-        if len(elements) >= _MOST_BLOCKS or size > _MOST_BYTES:
+        if size > _MOST_BYTES:
             break
         key = f"{candidate.group}/{candidate.block}"
         inputs = None if key in ids else takes.read(candidate)
@@ -105,9 +106,10 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
         ids[key] = f"overview-{origin.node}-{len(elements)}"
         elements.append(json_script(view, ids[key]))
         size += len(elements[-1])
-        data["suggested"].append(
-            {"group": candidate.group, "block": candidate.block, "why": candidate.why}
-        )
+        if candidate.why:
+            data["suggested"].append(
+                {"group": candidate.group, "block": candidate.block, "why": candidate.why}
+            )
     data |= {"layout": layout, "detail": {"module": detail.module, "packed": ids}}
     return Details(data, "".join(elements), detail.scripts, detail.styles)
 
@@ -146,8 +148,8 @@ def _worth_a_look(overview: Overview, excerpt: Excerpt, at: int) -> Iterator[_Ca
         typical = int(np.nanargmin(np.abs(own - np.nanmedian(own))))
         order.setdefault(typical, f"typical for {name}")
     random = np.random.default_rng(at).permutation(np.flatnonzero(known))
-    for block in random[:1].tolist():
-        order.setdefault(int(block), "at random")
+    for place, block in enumerate(random[:_AT_RANDOM].tolist()):
+        order.setdefault(int(block), "" if place else "at random")
     for block, why in order.items():
         yield _Candidate(at, block, why)
 
