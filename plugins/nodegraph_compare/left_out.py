@@ -100,7 +100,7 @@ def filled(group: Group, fallback: Label | None, blocks: str) -> str:
         for name, count in zip(group.methods, group.taken, strict=False)
         if count
     ]
-    return f", missing {blocks} as by {fallback} ({', '.join(lost)})" if lost else ""
+    return f"missing {blocks} as by {fallback} ({', '.join(lost)})" if lost else ""
 
 
 def _lacking(group: Group) -> list[tuple[Label, int]]:

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph import Across, node
 from nodegraph_compare.agreement.limits import Pair, pairs_of
-from nodegraph_compare.blocks import groups
+from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import CONFIDENCE
-from nodegraph_compare.labels import compared_labels, named_label
 from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
 from nodegraph_compare.question import (
     Clusters,
@@ -17,8 +16,6 @@ from nodegraph_compare.question import (
     OneLabel,
     OneName,
     Question,
-    ask,
-    unit_of,
 )
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
@@ -101,14 +98,12 @@ def agreement(
     """
     from nodegraph_compare.agreement.figure import draw
 
-    question = ask(
+    comparison = prepare(
         scores, metric=metric, compare=compare, within=within, blocks=blocks, clusters=clusters
     )
-    gathered = groups(scores, question)
-    order = compared_labels(scores, question, gathered)
-    against = named_label(order, baseline)
+    question, gathered, unit = comparison.question, comparison.groups, comparison.unit
+    against = comparison.baseline(baseline)
     pairs = [pair for group in gathered for pair in pairs_of(group, against)]
-    unit = unit_of(scores, question.metric)
     notes = (
         block_text(question),
         f"Differences are first minus second. lower, upper: limits of agreement, bias -+ 1.96 sd. "

@@ -8,9 +8,8 @@ import numpy as np
 
 from nodegraph import Across, Refusal, listed, node
 from nodegraph_compare.bayes.beliefs import SIDES, Beliefs, beliefs
-from nodegraph_compare.blocks import groups
+from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import FEWEST_JUDGED
-from nodegraph_compare.labels import compared_labels, fallback_label, named_label
 from nodegraph_compare.left_out import (
     MOST_GROUPS,
     block_text,
@@ -28,11 +27,7 @@ from nodegraph_compare.question import (
     OneColumn,
     OneLabel,
     OneName,
-    Question,
-    ask,
-    blocks_name,
     suited_margin,
-    unit_of,
 )
 from nodegraph_compare.scope import caution, cluster_text, scope
 from nodegraph_compare.table.summary import by_ratio
@@ -42,7 +37,7 @@ from nodegraph_tables import TableInfo, with_info
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from nodegraph import Label
+    from nodegraph_compare.comparison import Comparison
     from nodegraph_compare.question import Margin
 
 CLEAR = 0.95
@@ -130,7 +125,7 @@ def bayes(
     """
     from nodegraph_compare.bayes.figure import draw
 
-    question = ask(
+    comparison = prepare(
         scores,
         metric=metric,
         compare=compare,
@@ -138,17 +133,14 @@ def bayes(
         blocks=blocks,
         clusters=clusters,
         better=better,
+        fallback=fallback,
     )
+    question, gathered = comparison.question, comparison.filled
     if question.better == "none":
         raise ValueError(f"{question.metric} has no better end; give `better`")
-    gathered = groups(scores, question)
-    order = compared_labels(scores, question, gathered)
-    against = named_label(order, baseline)
-    instead = fallback_label(order, fallback)
-    if instead is not None:
-        gathered = tuple(group.filled(instead) for group in gathered)
+    against = comparison.baseline(baseline)
     ratio = by_ratio(gathered, question.better)
-    margin = suited_margin(equivalent, question, unit_of(scores, question.metric), ratio=ratio)
+    margin = suited_margin(equivalent, question, comparison.unit, ratio=ratio)
     known = [
         belief
         for group in gathered
@@ -162,22 +154,17 @@ def bayes(
             f"{f'there are {most}' if question.clusters else 'all is of one recording'}"
         )
     return Believed(
-        _table(known, question, margin, (*left_out(scores, question, gathered),), instead,
-               blocks_name(scores, question)),
+        _table(known, comparison, margin, left_out(scores, question, gathered)),
         draw(known, question, margin),
-    )  # fmt: skip
+    )
 
 
 def _table(
-    known: Sequence[Beliefs],
-    question: Question,
-    margin: Margin,
-    lost: tuple[str, ...],
-    fallback: Label | None,
-    blocks: str,
+    known: Sequence[Beliefs], comparison: Comparison, margin: Margin, lost: Sequence[str]
 ) -> Table:
     from pandas import DataFrame
 
+    question = comparison.question
     name = question.compare or "method"
     further = f"new {cluster_text(question).removesuffix('s')}"
     frame = DataFrame(
@@ -193,10 +180,7 @@ def _table(
     within = f" within {', '.join(question.within)}" if question.within else ""
     info = TableInfo(
         title=f"Probabilities for {question.metric} by {name}{within}",
-        answer=tuple(
-            f"{_answer(belief, question, margin, fallback, blocks)}."
-            for belief in known[:MOST_GROUPS]
-        ),
+        answer=tuple(f"{_answer(belief, comparison, margin)}." for belief in known[:MOST_GROUPS]),
         notes=(
             f"{block_text(question)} {end_text(question)} The independent units are "
             f"{cluster_text(question)}, which weigh equally.",
@@ -210,9 +194,8 @@ def _table(
     return with_info(frame, info)
 
 
-def _answer(
-    belief: Beliefs, question: Question, margin: Margin, fallback: Label | None, blocks: str
-) -> str:
+def _answer(belief: Beliefs, comparison: Comparison, margin: Margin) -> str:
+    question, blocks = comparison.question, comparison.blocks
     group, units = belief.group, belief.summary.units
     sides: dict[str, list[str]] = {side: [] for side in (*SIDES, "undecided")}
     for at, place in enumerate(belief.places):
@@ -221,11 +204,11 @@ def _answer(
         side = SIDES[largest] if p >= CLEAR else "undecided"
         sides[side].append(f"{group.methods[place]} ({SIDES[largest]}: {p:.2f})")
     texts = [f"{side}: {listed(names)}" for side, names in sides.items() if names]
-    over = narrowed(group, blocks)
+    over, taken = narrowed(group, blocks), filled(group, comparison.fallback, blocks)
     few = caution(units, question)
     return (
         f"{start_text(group_text(group, question))}against {group.methods[belief.reference]}, with "
         f"a margin of {margin}, the mean {question.metric} {scope(units, question, blocks)}"
-        f"{f' ({over})' if over else ''}{filled(group, fallback, blocks)} is "
+        f"{f' ({over})' if over else ''}{f', {taken}' if taken else ''} is "
         f"{'; '.join(texts)}{f'; {few}' if few else ''}"
     )

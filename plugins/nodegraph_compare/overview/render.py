@@ -20,6 +20,7 @@ from nodegraph_compare.overview.findings import (
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.sentence import sentence
 from nodegraph_compare.overview.words import varying
+from nodegraph_tables.lead import MOST_CARDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,8 +48,11 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
         Of the run, which knows the times of methods and the inputs of scores.
     """
     name = f"overview-{origin.node}"
-    lead, styles = lead_of(overview, name), (_text("cards.css"), *_web(".css"))
-    answer = (_plain(sentence(overview)),)
+    # of a metric without a better end, the table's own lead says more
+    described = overview.metric.better == "none" and len(overview.groups) == 1
+    lead = "" if described and 1 < len(overview.methods) <= MOST_CARDS else lead_of(overview, name)
+    styles = (_text("cards.css"), *_web(".css"))
+    answer = (_plain(sentence(overview)),) if lead else ()
     if not overview.groups:
         return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)
     excerpt = excerpt_of(overview)

@@ -23,59 +23,42 @@ from nodegraph_compare.statistics import TEST_NAMES
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from nodegraph import Label
+    from nodegraph_compare.comparison import Comparison
     from nodegraph_compare.question import Question
     from nodegraph_compare.ranks.ranking import PairTest, Ranking
 
 
-def answers(
-    rankings: Sequence[Ranking],
-    question: Question,
-    test: PairTest,
-    blocks: str,
-    fallback: Label | None,
-) -> list[str]:
+def answers(rankings: Sequence[Ranking], comparison: Comparison, test: PairTest) -> list[str]:
     """Return a sentence on each group, or one on all where there are many.
 
     Parameters
     ----------
-    rankings, question
-        Of the comparison.
+    rankings, comparison
+        The ranking of each group, and what is compared.
     test
         Of the pairs.
-    blocks
-        What several blocks are called.
-    fallback
-        The method whose values stand where another has none.
     """
     if len(rankings) > MOST_GROUPS:
-        return [_counted(rankings, question)]
+        return [_counted(rankings, comparison.question)]
     sentences = []
     for ranking in rankings:
-        sentence = answer(ranking, question, test, blocks, fallback)
+        sentence = answer(ranking, comparison, test)
         absent = numberless(ranking.group)
         sentences.append(f"{sentence}; {absent}." if absent else f"{sentence}.")
     return sentences
 
 
-def answer(
-    ranking: Ranking, question: Question, test: PairTest, name: str, fallback: Label | None
-) -> str:
+def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
     """Return which method ranks first, whether by chance, and which are not apart from it.
-
-    Where over a quarter of the blocks are left out, their number is stated.
 
     Parameters
     ----------
-    ranking, question
-        Of the comparison.
+    ranking, comparison
+        Of a group, and what is compared.
     test
         Of the pairs.
-    name
-        What several blocks are called.
-    fallback
-        The method whose values stand where another has none.
     """
+    question, name = comparison.question, comparison.blocks
     start = start_text(group_text(ranking.group, question))
     count, blocks = len(ranking.methods), int(ranking.group.complete.sum())
     if not blocks:
@@ -89,10 +72,11 @@ def answer(
     held = f" {scope(units, question, name)}" if units.count else f" within {name}"
     first = _firsts(ranking)
     names = listed([str(ranking.methods[place]) for place in first])
+    taken = filled(ranking.group, comparison.fallback, name)
+    missing = f", {taken}" if taken else ""
     sentence = (
         f"{start}{names} {'has' if len(first) == 1 else 'share'} the lowest mean rank "
-        f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}"
-        f"{filled(ranking.group, fallback, name)}"
+        f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}{missing}"
     )
     few = caution(units, question)
     if units.speech == "nothing":

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from nodegraph import Across, Label, node
-from nodegraph_compare.blocks import groups
+from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import LEVEL
-from nodegraph_compare.labels import compared_labels, fallback_label
 from nodegraph_compare.left_out import block_text, end_text, left_out
 from nodegraph_compare.question import (
     Better,
@@ -19,8 +18,6 @@ from nodegraph_compare.question import (
     OneLabel,
     OneName,
     Question,
-    ask,
-    blocks_name,
 )
 from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.lead import lead_of
@@ -140,7 +137,7 @@ def ranks(
     """
     from nodegraph_compare.ranks.figure import draw
 
-    question = ask(
+    comparison = prepare(
         scores,
         metric=metric,
         compare=compare,
@@ -148,17 +145,15 @@ def ranks(
         blocks=blocks,
         clusters=clusters,
         better=better,
+        fallback=fallback,
     )
-    gathered = groups(scores, question)
-    instead = fallback_label(compared_labels(scores, question, gathered), fallback)
-    if instead is not None:
-        gathered = tuple(group.filled(instead) for group in gathered)
+    question, gathered = comparison.question, comparison.filled
     rankings = [rank(group, question.better, test) for group in gathered]
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=f"Mean ranks of {question.metric}{question.by}",
-        answer=tuple(answers(rankings, question, test, blocks_name(scores, question), instead)),
-        lead=lead_of(rankings, question, blocks_name(scores, question)),
+        answer=tuple(answers(rankings, comparison, test)),
+        lead=lead_of(rankings, question, comparison.blocks),
         notes=(
             f"{block_text(question)} {end_text(question)} {rules(question)}",
             f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "

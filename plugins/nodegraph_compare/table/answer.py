@@ -16,28 +16,33 @@ from nodegraph_compare.left_out import (
     filled,
     group_text,
     narrowed,
-    numberless,
     start_text,
 )
 from nodegraph_compare.question import sign_of
-from nodegraph_compare.scope import caution, few_blocks, rules, scope
+from nodegraph_compare.scope import few_blocks, rules, scope
 from nodegraph_compare.table.sensitivity import (
     PLAIN,
-    behind_by_all_rules,
     change_to,
-    objections,
-    suspects_text,
+    other_best,
+    tied_with_best,
+    without_suspects,
 )
+from nodegraph_compare.table.verdict import verdict_on
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from nodegraph import Label
+    from nodegraph_compare.comparison import Comparison
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Paired, Summary
+    from nodegraph_compare.table.verdict import Verdict
 
 _NOTED = 20
+_TIED = 5
+"""Names in a sentence; the table marks all of them."""
+
 _MISSING = (
     "All statistics use only blocks in which every method with any number has all its numbers."
 )
@@ -51,58 +56,42 @@ _MOST_BLOCKS = 0.55
 _EXTREME = {"lower": "lowest", "higher": "highest"}
 
 
-def answers(
-    summaries: Sequence[Summary],
-    question: Question,
-    unit: str,
-    blocks: str,
-    fallback: Label | None,
-) -> list[str]:
-    """Return the sentences on all groups: one on each, or on all of them where there are many.
+def answers(comparison: Comparison, summaries: Sequence[Summary]) -> list[str]:
+    """Return the sentences on all groups: a line on each, or on all of them where there are many.
 
     Parameters
     ----------
-    summaries, question
-        Of the comparison.
-    unit
-        Of the metric.
-    blocks
-        What several blocks are called.
-    fallback
-        The method whose values stand where another has none.
+    comparison, summaries
+        What is compared, and the summary of each group.
     """
+    question = comparison.question
     if len(summaries) > MOST_GROUPS and question.compare and question.better != "none":
         return [
-            _counted(summaries, question, blocks),
-            *_narrow_groups(summaries, blocks),
-            *_unsteady_groups(summaries, blocks),
+            _counted(summaries, question, comparison.blocks),
+            *_narrow_groups(summaries, comparison.blocks),
+            *_unsteady_groups(summaries, comparison.blocks),
         ]
     sentences = []
-    for same in _alike(summaries[:MOST_GROUPS], question, blocks, fallback):
-        sentences.append(f"{_Answer(same, question, unit, blocks, fallback).text()}.")
+    for same in _alike(summaries[:MOST_GROUPS], comparison):
+        start = _start(same, question)
+        sentences.append(f"{start}{_means(same, comparison)}{_verdict(same[0], comparison)}.")
         for summary in same:
             sentences += _to_baseline(summary, question)
     rest = len(summaries) - MOST_GROUPS
     return sentences + ([f"{rest} more groups are in the table."] if rest > 0 else [])
 
 
-def notes(
-    summaries: Sequence[Summary],
-    question: Question,
-    against: Label | None,
-    fallback: Label | None,
-) -> list[str]:
-    """Return what the numbers of the table mean.
+def notes(comparison: Comparison, summaries: Sequence[Summary], against: Label | None) -> list[str]:
+    """Return what the numbers of the table mean, and what they rest on.
 
     Parameters
     ----------
-    summaries, question
-        Of the comparison.
+    comparison, summaries
+        What is compared, and the summary of each group.
     against
         The baseline's label, if there is one.
-    fallback
-        The method whose values stand where another has none.
     """
+    question, fallback = comparison.question, comparison.fallback
     of = "the best" if against is None else str(against)
     ratio = all(summary.ratio for summary in summaries)
     what = "ratio of mean errors" if ratio else "difference of means"
@@ -113,190 +102,172 @@ def notes(
         "intervals; median: over blocks.",
     ]
     if any(summary.paired is not None for summary in summaries):
+        also = f" difference: of means to {of}." if ratio else ""
         sentences.append(
             f"{'ratio' if ratio else 'difference'}: {what} to {of}, paired by units, with "
             f"{CONFIDENCE:.0%} intervals and p (at most {LEVEL:g}: clearly apart) by Tukey's range "
             "with the larger of a pair's own and the pooled standard error, over all pairs of a "
-            "group. g: the mean difference over its standard deviation, above 0 where worse than "
-            f"{of}; wins: units in which it is better; margin: the smallest within which it is "
-            "shown to be equal (two one-sided tests at 5 %)."
+            f"group.{also} g: the mean difference over its standard deviation, above 0 where worse "
+            f"than {of}; wins: units in which it is better; margin: the smallest within which it "
+            "is shown to be equal (two one-sided tests at 5 %)."
         )
     if len(summaries) > 1 and any(summary.judged for summary in summaries):
         sentences.append(
             f"p is adjusted within a group: a claim that rests on any of the {len(summaries)} "
             f"groups must multiply it by {len(summaries)}."
         )
-    for summary in summaries:
-        start = start_text(group_text(summary.group, question))
-        if few := few_blocks(summary.units, question):
-            sentences.append(f"{start}{few}.")
-        sentences += [f"{start}{text}" for text in _doubts(summary)]
-        sentences += _suspects(summary, start)
+    for remark in (_few, _typical, _taken, _by_fallback, _doubts, _suspects):
+        sentences += _together(summaries, comparison, remark)
     return sentences
 
 
-def _suspects(summary: Summary, start: str) -> list[str]:
-    """Return the blocks whose truth is suspect."""
-    names, more = summary.suspects[:_NOTED], len(summary.suspects) - _NOTED
-    rest = f"; and {more} more" if more > 0 else ""
-    return [f"{start}the truth is suspect in {'; '.join(names)}{rest}."] if names else []
+def _together(
+    summaries: Sequence[Summary],
+    comparison: Comparison,
+    remark: Callable[[Summary, Comparison], str],
+) -> list[str]:
+    """Return remarks on groups, the same remark on several once."""
+    groups: dict[str, list[str]] = {}
+    for summary in summaries:
+        if text := remark(summary, comparison):
+            name = group_text(summary.group, comparison.question)
+            groups.setdefault(text, []).append(name)
+    more = len(groups) - _NOTED
+    texts = [
+        f"{'' if len(names) == len(summaries) > 1 else start_text('; '.join(names))}{text}."
+        for text, names in list(groups.items())[:_NOTED]
+    ]
+    return texts + ([f"and so in {more} more groups"] if more > 0 else [])
 
 
-def _doubts(summary: Summary) -> list[str]:
+def _few(summary: Summary, comparison: Comparison) -> str:
+    return few_blocks(summary.units, comparison.question)
+
+
+def _typical(summary: Summary, comparison: Comparison) -> str:
+    """Return which method is better in most blocks, where that is not the best one."""
+    if summary.best is None or not summary.blocks.any():
+        return ""
+    first = int(np.nanargmin(summary.rank))
+    values = summary.group.values[summary.group.complete]
+    better = sign_of(summary.end) * (values[:, [first]] - values[:, summary.bests]) < 0.0
+    share = float(better.mean())
+    if summary.bests[first] or share < _MOST_BLOCKS:
+        return ""
+    return (
+        f"{_name(summary, first)} is better than {_best_names(summary)} in most "
+        f"{comparison.blocks} ({share:.0%}), so that few large errors decide the mean"
+    )
+
+
+def _taken(summary: Summary, comparison: Comparison) -> str:
+    return filled(summary.group, comparison.fallback, comparison.blocks)
+
+
+def _by_fallback(summary: Summary, comparison: Comparison) -> str:
+    """Return which methods are behind only because another's values stand for missing ones."""
+    names = _names(summary, tied_with_best(summary) & summary.behind)
+    if not names:
+        return ""
+    return (
+        f"clearly behind only with {comparison.fallback} in place of missing "
+        f"{comparison.blocks}: {listed(names)}"
+    )
+
+
+def _doubts(summary: Summary, comparison: Comparison) -> str:
     """Return which differences rest on normally distributed units."""
     paired = summary.paired
     names = [] if paired is None else _names(summary, paired.doubtful)
     if not names:
-        return []
-    return [
+        return ""
+    return (
         f"{listed(names)}: the t-test alone finds a difference that sign flips do not confirm "
-        "(p of flips); it rests on units that are normally distributed."
-    ]
+        "(p of flips); it rests on units that are normally distributed"
+    )
 
 
-def _alike(
-    summaries: Sequence[Summary], question: Question, blocks: str, fallback: Label | None
-) -> list[list[Summary]]:
+def _suspects(summary: Summary, comparison: Comparison) -> str:
+    """Return the blocks whose truth is suspect, and what is said without them."""
+    other = without_suspects(summary)
+    if other is None:
+        return ""
+    names, more = summary.suspects[:_NOTED], len(summary.suspects) - _NOTED
+    rest = f"; and {more} more" if more > 0 else ""
+    change = change_to(summary, other) or "the answer is the same"
+    return f"without suspect {comparison.blocks} {change} ({'; '.join(names)}{rest})"
+
+
+def _alike(summaries: Sequence[Summary], comparison: Comparison) -> list[list[Summary]]:
     """Return the groups whose sentences differ only in their numbers, together."""
     together: dict[object, list[Summary]] = {}
     for place, summary in enumerate(summaries):
-        answer = _Answer([summary], question, "", blocks, fallback)
-        key = place if summary.best is None or not summary.judged else answer.rest()
+        text = _verdict(summary, comparison)
+        key = place if summary.best is None or not summary.judged else text
         together.setdefault((_best_names(summary), key), []).append(summary)
     return list(together.values())
 
 
-class _Answer:
-    """The sentence on groups that are alike: which mean is best, which are not behind it."""
+def _means(same: Sequence[Summary], comparison: Comparison) -> str:
+    """Return the best mean of a group, or of groups that are alike."""
+    summary, metric = same[0], comparison.question.metric
+    if not summary.blocks.any():
+        return "no block has a number for every method; nothing can be said"
+    if not comparison.question.compare:
+        return f"the mean {metric} is known ({_numbers(summary, 0, comparison)})"
+    if np.count_nonzero(summary.blocks) == 1:
+        only = int(np.flatnonzero(summary.blocks)[0])
+        numbers = _numbers(summary, only, comparison)
+        return f"only {_name(summary, only)} has a mean {metric} ({numbers})"
+    if summary.best is None:
+        ends = (int(np.nanargmin(summary.mean)), int(np.nanargmax(summary.mean)))
+        low, high = (f"{_name(summary, at)} ({_numbers(summary, at, comparison)})" for at in ends)
+        return f"the mean {metric} is lowest for {low} and highest for {high}"
+    verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
+    best = f"{_best_names(summary)} {verb} the {_EXTREME[summary.end]} mean {metric}"
+    if len(same) == 1:
+        return f"{best} ({_numbers(summary, summary.best, comparison)})"
+    means = [float(each.mean[each.best]) for each in same if each.best is not None]
+    return f"{best} ({_valued(sorted({min(means), max(means)}), comparison.unit)})"
 
-    def __init__(
-        self,
-        same: Sequence[Summary],
-        question: Question,
-        unit: str,
-        blocks: str,
-        fallback: Label | None,
-    ) -> None:
-        self._same, self._question, self._unit, self._blocks = same, question, unit, blocks
-        self._summary, self._fallback = same[0], fallback
 
-    def text(self) -> str:
-        """Return the sentence, without its full stop."""
-        summary, question = self._summary, self._question
-        start = _start(self._same, question)
-        absent = numberless(summary.group)
-        end = f"; {absent}" if absent else ""
-        if not summary.blocks.any():
-            return f"{start}no block has a number for every method; nothing can be said{end}"
-        if not question.compare:
-            numbers = self._numbers(summary, 0)
-            return f"{start}the mean {question.metric} is known ({numbers}){end}"
-        if np.count_nonzero(summary.blocks) == 1:
-            only = int(np.flatnonzero(summary.blocks)[0])
-            numbers = self._numbers(summary, only)
-            name = _name(summary, only)
-            return f"{start}only {name} has a mean {question.metric} ({numbers}){end}"
-        if summary.best is None:
-            return f"{start}{self._span()}{self._over()}{end}"
-        verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
-        best = f"{_best_names(summary)} {verb} the {_EXTREME[question.better]} mean"
-        numbers = self._numbers_of()
-        return f"{start}{best} {question.metric} ({numbers}){self.rest()}"
+def _verdict(summary: Summary, comparison: Comparison) -> str:
+    """Return what follows the best mean: for what it holds, and what is not behind."""
+    question, blocks = comparison.question, comparison.blocks
+    if np.count_nonzero(summary.blocks) < 2 or summary.best is None:
+        return ""
+    verdict = verdict_on(summary, question, blocks)
+    if verdict.speech == "nothing":
+        return f"; nothing can be said {verdict.scope}: {verdict.caution}"
+    texts = _apart(summary, verdict) if summary.judged else []
+    if verdict.objection:
+        texts = [f"no verdict stands: {verdict.objection}"]
+    elif summary.judged and summary.margin is not None and summary.paired is not None:
+        texts.append(_equal(summary, summary.paired))
+    other = without_suspects(summary)
+    change = "" if other is None else other_best(summary, other)
+    texts += filter(None, [change and f"without suspect {blocks} {change}", verdict.caution])
+    return f" {verdict.scope}" + "".join(f"; {text}" for text in texts)
 
-    def rest(self) -> str:
-        """Return what follows the best mean: for what it holds, and what is not behind."""
-        summary = self._summary
-        units = summary.units
-        absent = numberless(summary.group)
-        suspect = suspects_text(summary, self._blocks)
-        texts = [*self._verdict(), *filter(None, [suspect, absent])]
-        held = f" {scope(units, self._question, self._blocks)}" if units.count else ""
-        missing = filled(summary.group, self._fallback, self._blocks)
-        return f"{held}{self._over()}{missing}" + "".join(f"; {text}" for text in texts)
 
-    def _over(self) -> str:
-        over = narrowed(self._summary.group, self._blocks)
-        return f" ({over})" if over else ""
+def _apart(summary: Summary, verdict: Verdict) -> list[str]:
+    close, behind = _names(summary, verdict.tied), np.count_nonzero(verdict.behind)
+    if not close:
+        return ["every other method is clearly behind"] if behind else []
+    best = "them" if np.count_nonzero(verdict.best) > 1 else "it"
+    rest = f"; the {'other' if behind == 1 else f'other {behind}'} clearly behind"
+    return [f"not clearly apart from {best}: {listed(close, _TIED)}{rest if behind else ''}"]
 
-    def _verdict(self) -> list[str]:
-        summary, question = self._summary, self._question
-        if summary.units.speech == "nothing":
-            why = summary.units.why or f"{summary.units.count} units"
-            further = scope(summary.units, question, self._blocks)
-            return [f"nothing can be said {further}: {why}", *self._typical()]
-        few = caution(summary.units, question)
-        objection = objections(summary, self._blocks)
-        apart = self._apart() if summary.judged else []
-        if objection:
-            apart = [f"no verdict stands: {objection}"]
-        return [*apart, *self._typical(), *([few] if few else [])]
 
-    def _apart(self) -> list[str]:
-        summary = self._summary
-        worse = (summary.blocks > 0) & ~summary.bests
-        if not worse.any():
-            return []
-        behind = behind_by_all_rules(summary)
-        close = _names(summary, worse & ~behind)
-        texts = ["every other method is clearly behind"]
-        if close:
-            more = np.count_nonzero(worse) - len(close)
-            rest = f"; the {'other' if more == 1 else f'other {more}'} clearly behind"
-            best = "them" if np.count_nonzero(summary.bests) > 1 else "it"
-            texts = [f"not clearly apart from {best}: {listed(close)}{rest if more else ''}"]
-        if depends := _names(summary, summary.behind & ~behind):
-            texts.append(
-                f"clearly behind only with {self._fallback} in place of missing {self._blocks}: "
-                f"{listed(depends)}"
-            )
-        if summary.margin is not None and summary.paired is not None:
-            texts.append(_equal(summary, summary.paired))
-        return texts
-
-    def _typical(self) -> list[str]:
-        """Return which method is better in most blocks, where that is not the best one."""
-        summary = self._summary
-        first = int(np.nanargmin(summary.rank))
-        values = summary.group.values[summary.group.complete]
-        better = sign_of(summary.end) * (values[:, [first]] - values[:, summary.bests]) < 0.0
-        share = float(better.mean())
-        if summary.bests[first] or share < _MOST_BLOCKS:
-            return []
-        return [
-            f"{_name(summary, first)} is better in most {self._blocks} ({share:.0%}), so that few "
-            "large errors decide the mean"
-        ]
-
-    def _numbers_of(self) -> str:
-        """Return the best mean and its interval, or the range of the best means of groups."""
-        bests = [(summary, summary.best) for summary in self._same if summary.best is not None]
-        if len(bests) == 1:
-            return self._numbers(*bests[0])
-        means = [float(summary.mean[place]) for summary, place in bests]
-        counts = sorted({int(summary.blocks[place]) for summary, place in bests})
-        span = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-        ends = sorted({min(means), max(means)})
-        return f"{_valued(ends, self._unit)}, {span} {self._blocks} each"
-
-    def _numbers(self, summary: Summary, place: int) -> str:
-        count = int(summary.blocks[place])
-        several = (
-            f"one {self._blocks.removesuffix('s')}" if count == 1 else f"{count} {self._blocks}"
-        )
-        text = _valued([float(summary.mean[place])], self._unit)
-        if not np.isfinite(summary.low[place]):
-            return f"{text}, {several}"
+def _numbers(summary: Summary, place: int, comparison: Comparison) -> str:
+    """Return a mean with its interval, and of how many blocks it is where some are left out."""
+    unit = comparison.unit
+    text = _valued([float(summary.mean[place])], unit)
+    if np.isfinite(summary.low[place]):
         ends = [float(summary.low[place]), float(summary.high[place])]
-        bare = _valued(ends, self._unit if self._unit == "share" else "")
-        return f"{text}, interval {bare}, {several}"
-
-    def _span(self) -> str:
-        """Return the extremes of a metric of which neither end is better."""
-        summary = self._summary
-        low, high = int(np.nanargmin(summary.mean)), int(np.nanargmax(summary.mean))
-        ends = [f"{_name(summary, at)} ({self._numbers(summary, at)})" for at in (low, high)]
-        metric = self._question.metric
-        return f"the mean {metric} is lowest for {ends[0]} and highest for {ends[1]}"
+        text += f", interval {_valued(ends, unit if unit == 'share' else '')}"
+    used, total = int(summary.blocks[place]), len(summary.group.values)
+    return text if used == total else f"{text}, {used} of {total} {comparison.blocks}"
 
 
 def _equal(summary: Summary, paired: Paired) -> str:

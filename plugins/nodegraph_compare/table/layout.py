@@ -222,9 +222,15 @@ def completed(layout: Layout, question: Question) -> Layout:
     return Layout(layout.rows, rest if layout.rows else ())
 
 
+_DIFFERENCE = {
+    "difference": "difference",
+    "difference low": "difference_low",
+    "difference high": "difference_high",
+}
 _PAIRED = {
     "low": "low",
     "high": "high",
+    **_DIFFERENCE,
     "p": "p",
     "p of flips": "flips",
     "g": "effect",
@@ -266,7 +272,13 @@ def long_table(
         for name, values in _columns(summary, question, paired, marks).items():
             columns.setdefault(name, []).extend(values)
     labels = (*question.within, *question.compared)
-    frame = DataFrame({name: values for name, values in columns.items() if _holds(name, values)})
+    frame = DataFrame(
+        {
+            name: values
+            for name, values in columns.items()
+            if _holds(name, values) and not _says_no_more(name, values, columns["mean"])
+        }
+    )
     marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
     tied = [mark for summary in summaries for mark in tied_with_best(summary)[summary.ranked]]
     highlights = [
@@ -277,7 +289,7 @@ def long_table(
         *_VALUED,
         f"mean, {COMMON}",
         f"mean, {WORST}",
-        *((paired, f"{paired} low", f"{paired} high") if paired != "ratio" else ()),
+        *_DIFFERENCE,
     )
     units = {name: unit for name in valued if unit and name in frame}
     margin = next((s.margin for s in summaries), None)
@@ -287,7 +299,8 @@ def long_table(
         name: {"low": low, "high": high}
         for name, low, high in (
             ("mean", "low", "high"),
-            (paired, f"{paired} low", f"{paired} high"),
+            ("ratio", "ratio low", "ratio high"),
+            ("difference", "difference low", "difference high"),
         )
         if name in frame
     }
@@ -330,7 +343,8 @@ def _columns(
     columns["blocks"] = summary.blocks
     columns |= {name: getattr(summary, name) for name in _VALUED}
     nothing = np.full(len(group.methods), np.nan)
-    columns[name] = nothing if paired is None else paired.value
+    if name == "ratio":
+        columns[name] = nothing if paired is None else paired.value
     for part, attribute in _PAIRED.items():
         head = f"{name} {part}" if part in ("low", "high") else part
         columns[head] = nothing if paired is None else getattr(paired, attribute)
@@ -372,6 +386,11 @@ def _ahead(declared: Declared) -> str:
     if frames is None:
         return "whole take"
     return "" if frames < 0 else f"{frames} frames"
+
+
+def _says_no_more(name: str, values: Sequence[float], means: Sequence[float]) -> bool:
+    """Whether a column repeats the means, as nothing is missing."""
+    return name.startswith("mean, ") and np.array_equal(values, means, equal_nan=True)
 
 
 def _holds(name: str, values: Sequence[Any]) -> bool:

@@ -244,10 +244,10 @@ def table(
     info = info_of(means)
     info = replace(
         info,
-        answer=tuple(answers(summaries, question, unit, comparison.blocks, instead)),
+        answer=tuple(answers(comparison, summaries)),
         lead=lead_of(summaries, question, unit, comparison.blocks),
         notes=(
-            *notes(summaries, question, against, instead),
+            *notes(comparison, summaries, against),
             *info.notes,
             *(
                 f"{label}: adapted {each['adapted']}"

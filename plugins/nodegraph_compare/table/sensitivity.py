@@ -24,8 +24,6 @@ COMMON: Final = "common blocks"
 WORST: Final = "worst of block"
 PLAIN: Final = "without suspects"
 
-_NAMED = 3
-
 
 def summary_of(
     group: Group,
@@ -77,43 +75,29 @@ def objections(summary: Summary, blocks: str) -> str:
     return " and ".join(
         f"{text} {other}"
         for rule, text in named.items()
-        if rule in variants and (other := _other_best(summary, variants[rule]))
+        if rule in variants and (other := other_best(summary, variants[rule]))
     )
+
+
+def stands(summary: Summary) -> bool:
+    """Whether there is a verdict: units enough, a better end, and one best by every rule."""
+    return summary.judged and summary.best is not None and not objections(summary, "")
 
 
 def behind_by_all_rules(summary: Summary) -> NDArray[np.bool_]:
     """Return (K,), the methods clearly behind by every rule for missing blocks."""
+    if not stands(summary):
+        return np.zeros(summary.level.shape, dtype=bool)
     variants = _variants(summary)
     rules = [variants[rule].behind for rule in (COMMON, WORST) if rule in variants]
     return np.asarray(np.logical_and.reduce([summary.behind, *rules]))
 
 
 def tied_with_best(summary: Summary) -> NDArray[np.bool_]:
-    """Return (K,), the methods that units enough for a verdict do not tell from the best."""
-    if summary.best is None or not summary.judged:
+    """Return (K,), the methods that a verdict does not tell from the best."""
+    if not stands(summary):
         return np.zeros(summary.level.shape, dtype=bool)
     return (summary.blocks > 0) & ~summary.bests & ~behind_by_all_rules(summary)
-
-
-def suspects_text(summary: Summary, blocks: str) -> str:
-    """Return which blocks are suspect, and what is said without them; empty without any.
-
-    Parameters
-    ----------
-    summary
-        With its variants.
-    blocks
-        What several blocks are called.
-    """
-    other = without_suspects(summary)
-    if other is None:
-        return ""
-    count = len(summary.suspects)
-    several = f"{count} suspect {blocks}" if count > 1 else f"a suspect {blocks.removesuffix('s')}"
-    change = change_to(summary, other) or "the answer is the same"
-    more = count - _NAMED
-    rest = f"; and {more} more in the notes" if more > 0 else ""
-    return f"without {several} ({'; '.join(summary.suspects[:_NAMED])}{rest}) {change}"
 
 
 def without_suspects(summary: Summary) -> Summary | None:
@@ -127,7 +111,7 @@ def _variants(summary: Summary) -> dict[str, Summary]:
 
 def change_to(summary: Summary, other: Summary) -> str:
     """Return what another rule says in place of the verdict; empty where it says the same."""
-    if best := _other_best(summary, other):
+    if best := other_best(summary, other):
         return best
     behind, still = _names(summary, summary.behind), _names(other, other.behind)
     gone = [name for name in behind if name not in still]
@@ -139,7 +123,7 @@ def change_to(summary: Summary, other: Summary) -> str:
     )
 
 
-def _other_best(summary: Summary, other: Summary) -> str:
+def other_best(summary: Summary, other: Summary) -> str:
     """Return what has the best mean by another rule; empty where the same has."""
     bests, others = _names(summary, summary.bests), _names(other, other.bests)
     if bests == others:

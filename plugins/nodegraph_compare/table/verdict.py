@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.scope import caution, scope
-from nodegraph_compare.table.sensitivity import behind_by_all_rules, objections
+from nodegraph_compare.table.sensitivity import behind_by_all_rules, objections, tied_with_best
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,8 +37,6 @@ class Verdict:
     best, tied, behind : (K,) arrays of bool
         Behind are those that are clearly worse by every rule for missing blocks, tied all others
         with a number. Both are empty without a verdict.
-    by_fallback : (K,) array of bool
-        Clearly worse only with the fallback's values in place of missing ones.
     """
 
     speech: Speech
@@ -48,13 +46,6 @@ class Verdict:
     best: NDArray[np.bool_]
     tied: NDArray[np.bool_]
     behind: NDArray[np.bool_]
-    by_fallback: NDArray[np.bool_]
-
-    @property
-    def stands(self) -> bool:
-        """Whether there is a verdict: units enough, a better end, and rules that agree."""
-        judged = self.speech in ("provisional", "settled")
-        return judged and not self.objection and bool(self.best.any())
 
 
 def verdict_on(summary: Summary, question: Question, blocks: str) -> Verdict:
@@ -74,17 +65,13 @@ def verdict_on(summary: Summary, question: Question, blocks: str) -> Verdict:
     few = caution(units, question)
     if units.speech == "nothing":
         few = units.why or f"{units.count} units"
-    none = np.zeros(summary.level.shape, dtype=bool)
-    stands = summary.judged and summary.best is not None and not objection
-    behind = behind_by_all_rules(summary) if stands else none
-    worse = (summary.blocks > 0) & ~summary.bests
+    behind = behind_by_all_rules(summary)
     return Verdict(
         speech=units.speech,
         scope=scope(units, question, blocks),
         caution=few,
         objection=objection,
         best=summary.bests,
-        tied=worse & ~behind if stands else none,
+        tied=tied_with_best(summary),
         behind=behind,
-        by_fallback=summary.behind & ~behind if stands else none,
     )
