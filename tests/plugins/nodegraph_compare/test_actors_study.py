@@ -107,8 +107,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Any:
             "third": "shy",
         }
         (folder / "graph.yaml").write_text(GRAPH.format(**{**values, "more": more, **settings}))
-        command = ["run", str(folder / "graph.yaml"), "--plugin", str(folder / "made.py"), *words]
-        return main([*command, "--out", str(folder / "run"), "--jobs", "1"])
+        command = ["run", str(folder / "graph.yaml"), "--plugin", str(folder / "made.py"), "--full"]
+        return main([*command, *words, "--out", str(folder / "run"), "--jobs", "1"])
 
     return run_graph
 
@@ -121,21 +121,21 @@ def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
     assert "shy has the lowest mean rmse (" in text
     assert re.search(r"\d+ of 160 gaps\) over 8 actors", text)
     assert re.search(r"\d+ of 160 blocks left out \(shy lacks \d+\)", text)
-    assert run("fallback: other", "--full") == 0
+    assert run("fallback: other") == 0
     text = capsys.readouterr().out
     assert "plain has the lowest mean rmse (" in text
     assert "no verdict stands: over common gaps shy has the best mean" in text
     assert "mean, worst of block" in text
     assert re.search(r"plain +.* whole take", text)
     assert re.search(r"shy +.* 3 frames", text)
-    assert run("fallback: other", "--full", use="compare.ranks") == 0
+    assert run("fallback: other", use="compare.ranks") == 0
     assert "missing gaps as by other (shy" in capsys.readouterr().out
 
 
 def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
     run: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("fallback: plain", "--full", third="few") == 0
+    assert run("fallback: plain", third="few") == 0
     text = capsys.readouterr().out
     assert "plain has the lowest mean rmse (" in text
     assert "no verdict stands" not in text
@@ -146,7 +146,7 @@ def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
 def test_a_block_in_which_every_method_fails_is_named(
     run: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("fallback: plain", "--full", broken="true") == 0
+    assert run("fallback: plain", broken="true") == 0
     text = capsys.readouterr().out
     assert "without suspect gaps" in text
     assert "(actor 0, trial 0, gap 7, marker chin: every method fails)" in text
