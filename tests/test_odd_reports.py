@@ -162,9 +162,9 @@ def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> 
     for kind in ("nothing", "endless"):
         assert by_kind[kind][:2] == ["0", ""]
     assert by_kind["refused"][-2] == by_kind["fails"][-2] == "1"
-    # leads stand for the figures of comparisons
+    replaced = ("table_figure", "one_figure")
     drawn = tab.value("document.querySelectorAll('.result figure.figure > svg').length")
-    assert drawn == len([path for path in odd.glob("*.svg") if "_figure" not in path.stem])
+    assert drawn == len([path for path in odd.glob("*.svg") if path.stem not in replaced])
     text = tab.value("document.querySelector('#notes').parentElement.textContent")
     assert "cannot</b>" in text
     assert "Repeat it alone" in text
