@@ -81,7 +81,7 @@ def _as_data(answer: Callable[[Request], Any]) -> _Endpoint:
         try:
             return JSONResponse(answer(request))
         except NotComputed as error:
-            return JSONResponse(error.data, HTTPStatus.CONFLICT)
+            return JSONResponse(error.data, HTTPStatus.ACCEPTED)
         except Exception as error:
             return JSONResponse({"message": _text(error)}, _status(error))
 

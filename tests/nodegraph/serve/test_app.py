@@ -139,7 +139,7 @@ def test_a_block_is_computed_when_it_is_looked_at(opened: Opened) -> None:
     shutil.rmtree("store")
     pages = opened()
     answer = pages.get(f"/detail?{urlencode(BLOCK)}")
-    assert (answer.status, answer.data["missing"], answer.data["changed"]) == (409, 2, [])
+    assert (answer.status, answer.data["missing"], answer.data["changed"]) == (202, 2, [])
     lines = computed(pages.post(json.dumps({"for": "detail", "query": BLOCK}).encode()))
     assert lines[-1] == {"finished": True}
     assert pages.get(f"/detail?{urlencode(BLOCK)}").data["inputs"]["hold"]["estimate"] == 6.0
