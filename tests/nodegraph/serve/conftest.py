@@ -61,7 +61,7 @@ title: <script>bad()</script>
 axes: {start: [1, 5]}
 nodes:
   a: {use: toy.number, with: {start: $start}}
-  fill: {in: a, alternatives: {hold: {use: fill.hold}, "<b>": {use: fill.strict}}}
+  fill: {in: a, alternatives: {hold: {use: fill.hold}, "<u>": {use: fill.strict}}}
   error: {use: toy.score, in: {estimate: fill, truth: a}}
   table: {use: toy.table, in: error}
 report: [table]

@@ -25,7 +25,7 @@ BLOCK = {
     "run": "toy",
     "node": "table",
     "compare": "fill",
-    "methods": json.dumps(["hold", "<b>"]),
+    "methods": json.dumps(["hold", "<u>"]),
     "block": json.dumps({"start": 5, "gap": 3}),
 }
 
@@ -39,7 +39,7 @@ def shown(answer: Answer) -> str:
     assert "connect-src 'self'" in policy
     assert not re.search(r"script-src [^;]*(unsafe|\*|http)", policy)
     assert "<script>bad" not in page
-    assert "<b>" not in page
+    assert "<u>" not in page
     assert "Traceback" not in page
     return page
 
@@ -89,7 +89,7 @@ def test_any_value_is_shown_and_saved(opened: Opened) -> None:
     pages = opened()
     index = shown(pages.get("/values?run=toy"))
     assert 'name="at.start"' in index
-    assert "&lt;b&gt;" in index
+    assert "&lt;u&gt;" in index
     page = shown(pages.get(f"/value?{VALUE}"))
     assert "start=1, fill=hold" in page
     assert '<pre tabindex="0">2.0</pre>' in page
@@ -106,7 +106,7 @@ def test_any_value_is_shown_and_saved(opened: Opened) -> None:
         ("run=toy&node=fill&at.start=7&at.fill=hold", ["7", "1, 5"]),
         ("run=toy&node=fill&at.start=1", ["fill", "hold"]),
         ("run=toy&node=a&at.start=1&at.odd=1", ["odd", "start"]),
-        ("run=toy&node=fill&at.start=5&at.fill=%3Cb%3E", ["refused", "too large"]),
+        ("run=toy&node=fill&at.start=5&at.fill=%3Cu%3E", ["refused", "too large"]),
     ],
 )
 def test_what_there_is_not_is_a_message(opened: Opened, query: str, names: list[str]) -> None:
@@ -238,7 +238,7 @@ def test_runs_stand_side_by_side(opened: Opened) -> None:
     pages = opened("runs/toy")
     assert 'value="other"' in shown(pages.get("/runs"))
     both = shown(pages.get("/?run=toy&run=other"))
-    assert 'class="several"' in both
+    assert ">toy<" in both
     assert "./files/1/run.json" in both
     assert shown(opened("runs").get("/")) == shown(opened("runs").get("/runs"))
     with pytest.raises(ng.NodegraphError, match="store"):
