@@ -22,6 +22,7 @@ _QUIET = (
     *("--disable-background-networking", "--disable-component-update", "--hide-scrollbars"),
 )
 _PATIENCE = 120
+_KEY_CODES = {"Tab": 9, "Enter": 13, "Escape": 27}  # with which keys do what a browser does
 # Chromium reads commands from file 3 and answers into file 4
 _WITH_PIPES = (
     "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); "
@@ -92,8 +93,9 @@ class Tab:
 
     def press(self, key: str, *, shift: bool = False) -> None:
         """Press a key and let it go."""
-        text = {"text": key} if len(key) == 1 else {}
-        event = {"key": key, "modifiers": 8 * shift}
+        text = {"text": "\r"} if key == "Enter" else {"text": key} if len(key) == 1 else {}
+        code = {"windowsVirtualKeyCode": _KEY_CODES[key]} if key in _KEY_CODES else {}
+        event = {"key": key, "modifiers": 8 * shift, **code}
         self.send("Input.dispatchKeyEvent", type="keyDown", **event, **text)
         self.send("Input.dispatchKeyEvent", type="keyUp", **event)
 

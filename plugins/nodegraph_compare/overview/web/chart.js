@@ -104,7 +104,9 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     new ResizeObserver(() => {
       if (Math.abs(Math.floor(plot.getBoundingClientRect().width) - lastWidth) > 1) redraw();
     }).observe(plot);
-    view.on(redraw);
+    view.on((changed) => {
+      if ([...changed].some((name) => name !== "block")) redraw();
+    });
     plot.addEventListener("pointerover", (event) => {
       selection.hover("method", event.target.closest("[data-method]")?.dataset.method ?? null);
     });

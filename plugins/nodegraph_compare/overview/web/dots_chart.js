@@ -270,7 +270,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
 
     const choose = ({ block, method }) => {
       const known = view.numbers().best.includes(method) || method === view.reference;
-      view.set({ group: view.group.index, block, ...(known ? {} : { method: view.overview.methods[method] }) });
+      view.set({ block, ...(known ? {} : { method: view.overview.methods[method] }) });
     };
 
     const place = (event) => {
@@ -345,7 +345,8 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       });
       // the canvas stays, and with it the focus
       if (!scene.isConnected) plot.replaceChildren(element("div", { class: "dots" }, scene));
-      scene.parentElement.replaceChildren(scene, ...labels);
+      for (const part of [...scene.parentElement.children]) if (part !== scene) part.remove();
+      scene.after(...labels);
       dots.paint(picture);
       compose();
       return {

@@ -74,19 +74,25 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
         const best = view.numbers(group).best.includes(method);
         mark.append(svg("circle", { cx: px, cy: y, r: best ? 5 : 2.4, class: "mark" }));
       }
-      const end_ = atEnd.get(method);
-      if (end_ !== undefined) {
+      // what can be seen of the name belongs to no button, which says more
+      const label = svg("g", {
+        class: mark.getAttribute("class"), "data-method": name, "aria-hidden": "true",
+        onpointermove: (event) => chart.showNote(event, name, ...lines),
+      });
+      const endY = atEnd.get(method);
+      if (endY !== undefined) {
         const value = view.numbers(last).values[method];
-        mark.append(svg("path", { class: "lead", d: `M${end + 6},${axis.place(value)}L${end + 20},${end_}` }));
-        mark.append(text(end + 24, end_ + 4, name, {}, ));
-        mark.lastChild.append(svg("tspan", { dx: 6, class: "value" }, page.number(value)));
+        label.append(svg("path", { class: "lead", d: `M${end + 6},${axis.place(value)}L${end + 20},${endY}` }));
+        label.append(svg("rect", { class: "reach", x: end + 21, y: endY - ROW / 2, width: after - 21, height: ROW }));
+        label.append(text(end + 24, endY + 4, name));
+        label.lastChild.append(svg("tspan", { dx: 6, class: "value" }, page.number(value)));
       }
-      const start_ = atStart.get(method);
-      if (start_ !== undefined) {
-        mark.append(svg("path", { class: "lead", d: `M${start - 6},${axis.place(view.numbers(first).values[method])}L${start - 20},${start_}` }));
-        mark.append(text(start - 24, start_ + 4, name, { "text-anchor": "end" }));
+      const startY = atStart.get(method);
+      if (startY !== undefined) {
+        label.append(svg("path", { class: "lead", d: `M${start - 6},${axis.place(view.numbers(first).values[method])}L${start - 20},${startY}` }));
+        label.append(text(start - 24, startY + 4, name, { "text-anchor": "end" }));
       }
-      all.append(mark);
+      all.append(mark, label);
     }
     return all;
   };

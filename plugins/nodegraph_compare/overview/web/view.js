@@ -13,12 +13,12 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       this.own = shared ? null : { ...UNSET };
       this.readers = [];
       selection.on((_, changed) => {
-        if (shared || [...changed].some((name) => !OWN.includes(name))) this.notify();
+        if (shared || [...changed].some((name) => !OWN.includes(name))) this.notify(changed);
       });
     }
 
-    notify() {
-      for (const reader of this.readers) reader();
+    notify(changed) {
+      for (const reader of this.readers) reader(changed);
     }
 
     on(reader) {
@@ -37,7 +37,7 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       const own = Object.entries(values).filter(([name]) => OWN.includes(name));
       Object.assign(this.own, Object.fromEntries(own));
       const others = Object.entries(values).filter(([name]) => !OWN.includes(name));
-      if (own.length) this.notify();
+      if (own.length) this.notify(new Set(own.map(([name]) => name)));
       if (others.length) selection.set(Object.fromEntries(others));
     }
 

@@ -1,0 +1,528 @@
+"""The charts of a comparison in a browser: what they draw, what keys and clicks do, odd data."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.typing import NDArray
+from scipy.stats import rankdata
+
+from nodegraph import Across, Detail, Rendered, Renderer, json_script
+from nodegraph.report import Section, Study, page
+from nodegraph_compare import nodegraph_renderers
+from nodegraph_compare.overview.value import Overview
+from nodegraph_compare.table.node import table as table_of
+from nodegraph_tables import TableInfo, with_info
+from tests.browser import BROWSER, Tab, open_tab
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+
+AXE = os.environ.get("NODEGRAPH_AXE", "")
+RECIPES = ("plain", "rich", "vegan", "nut", "rye")
+FACTORS = {180: (1.0, 1.02, 1.6, 2.0, 3.0), 220: (2.0, 1.0, 1.7, 2.4, 2.6)}
+SHELVES = tuple(f"{side}{row}" for side in "LR" for row in range(3))
+SUSPECTS = (4, 9)
+LINE = "[data-chart=ranking] .line-chart g[role=button][data-method=%s]"
+CELLS = (
+    "[...document.querySelectorAll('.heat tbody tr[data-method=%s] td:not(.aside)')]"
+    ".map((cell) => cell.firstChild.textContent)"
+)
+COUNT = "document.querySelectorAll(%r).length"
+
+
+@dataclass(frozen=True)
+class Bakery:
+    """The origin of an overview in a run."""
+
+    node: str = "recipes"
+    labels: Mapping[str, Any] = field(default_factory=dict)
+    caption: str = ""
+    details: tuple[Detail, ...] = ()
+
+    def seconds(self, axis: str) -> Mapping[Any, float]:
+        return {recipe: 0.001 * 3**at for at, recipe in enumerate(RECIPES)}
+
+    def uses(self, axis: str) -> Mapping[Any, str]:
+        return {}
+
+    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
+        return {"oven": 1.0}
+
+    def command(self, labels: Mapping[str, Any]) -> str:
+        return "nodegraph run bake.yaml " + " ".join(f"--only {k}={v}" for k, v in labels.items())
+
+
+def wastes() -> dict[tuple[int, int, str], NDArray[np.float64]]:
+    """Sixty cakes of each recipe by kitchen and heat, ten on each shelf."""
+    random = np.random.default_rng(1)
+    errors = {}
+    for kitchen in range(8):
+        for heat, factors in FACTORS.items():
+            base = random.lognormal(sigma=0.5, size=12)
+            for recipe, factor in zip(RECIPES, factors, strict=True):
+                errors[kitchen, heat, recipe] = base * factor * random.uniform(0.95, 1.05, 12)
+    return errors
+
+
+WASTES = wastes()
+
+
+def overview() -> Overview:
+    entries = []
+    for (kitchen, heat, recipe), waste in WASTES.items():
+        frame = pd.DataFrame(
+            {
+                "cake": np.arange(12),
+                "shelf": [SHELVES[at % 6] for at in range(12)],
+                "waste": waste,
+                "mess": waste**2,
+                "suspect": ["the scale slipped" if at in SUSPECTS else "" for at in range(12)],
+            }
+        )
+        info = TableInfo(units={"waste": "g"}, better={"waste": "lower", "mess": "lower"})
+        labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
+        entries.append((labels, with_info(frame, info)))
+    scores: Any = Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+    result: Overview = table_of(
+        scores, metric="waste", compare="recipe", within=("heat",), blocks=("cake", "shelf")
+    ).overview
+    return result
+
+
+def shelves(inputs: Mapping[str, Any], column: str) -> Mapping[str, Any] | None:
+    if column != "shelf":
+        return None
+    return {
+        "title": "in the oven",
+        "names": list(SHELVES),
+        "points": [[at // 3, at % 3] for at in range(6)],
+        "edges": [[0, 1], [1, 2], [3, 4], [4, 5], [0, 3]],
+        "regions": {"left": [0, 1, 2], "right": [3, 4, 5]},
+    }
+
+
+def pack(block: Mapping[str, Any], inputs: Mapping[str, Any]) -> Mapping[str, Any]:
+    return {"cake": str(block["cake"]), "shelf": str(block["shelf"])}
+
+
+VIEW = """nodegraph.define("bakery/cake", [], () => ({
+  show: (stage, packed, context) => { stage.textContent = `cake ${packed.cake}`; },
+}));"""
+PROBE = """nodegraph.define("probe", ["compare/scale"], (scales) => { window.scales = scales; });"""
+
+
+def saved(folder: Path, rendered: Rendered) -> Path:
+    file = folder / "report.html"
+    study = Study("Which recipe wastes least?", sections=(Section("recipes", rendered),))
+    file.write_text(page(study), encoding="utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def bakery(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of the comparison of recipes."""
+    renderer = nodegraph_renderers()
+    (in_run,) = (
+        each.render_in_run
+        for each in renderer
+        if isinstance(each, Renderer) and each.type is Overview
+    )
+    assert in_run is not None
+    detail = Detail(float, pack, shelves, "bakery/cake", scripts=(VIEW, PROBE))
+    rendered = in_run(overview(), "Recipes", Bakery(details=(detail,)))
+    return saved(tmp_path_factory.mktemp("bakery"), rendered)
+
+
+@pytest.fixture(scope="module")
+def browser_tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    with open_tab(tmp_path_factory.mktemp("profile")) as tab:
+        yield tab
+
+
+@pytest.fixture
+def tab(browser_tab: Tab) -> Iterator[Tab]:
+    """A tab whose console stays empty."""
+    browser_tab.prefer()
+    browser_tab.send("Page.navigate", url="about:blank")
+    browser_tab.console.clear()
+    yield browser_tab
+    assert browser_tab.console == []
+
+
+def mean_over_kitchens(recipe: str, heat: int, cakes: list[int]) -> float:
+    return float(np.mean([WASTES[kitchen, heat, recipe][cakes].mean() for kitchen in range(8)]))
+
+
+def mean_rank(kitchen: int, heat: int, recipe: str) -> float:
+    wasted = np.array([WASTES[kitchen, heat, each] for each in RECIPES])
+    return float((rankdata(wasted, axis=0)[RECIPES.index(recipe)]).mean())
+
+
+def text(tab: Tab, selector: str) -> str:
+    return str(tab.value(f"document.querySelector({selector!r}).textContent"))
+
+
+def choose(tab: Tab, label: str, value: str) -> None:
+    tab.value(
+        "{ const select = [...document.querySelectorAll('.control-bar label')]"
+        f".find((each) => each.textContent.startsWith({label!r})).querySelector('select');"
+        f"select.value = {value!r}; select.dispatchEvent(new Event('change')); }}"
+    )
+
+
+def numbers(cells: list[str]) -> list[float]:
+    return [float(cell) for cell in cells]
+
+
+def test_the_charts_show_the_numbers_of_the_table(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    for recipe in RECIPES:
+        means = [mean_over_kitchens(recipe, heat, list(range(12))) for heat in FACTORS]
+        assert numbers(tab.value(CELLS % recipe)) == pytest.approx(means, rel=6e-3)
+        assert tab.value(COUNT % (LINE % recipe)) == 1
+    best = tab.value(
+        "[...document.querySelectorAll('.heat td.first')]"
+        ".map((cell) => cell.closest('tr').dataset.method)"
+    )
+    assert sorted(best) == ["plain", "rich"]
+    assert tab.value(COUNT % ".cost-chart g.method") == len(RECIPES)
+    assert tab.value(COUNT % ".map-chart circle.disc[data-marker]") == 6 * len(
+        tab.value("[...document.querySelectorAll('.map')].map(() => 1)")
+    )
+    assert "rich" in text(tab, "[data-chart=cost]") + text(tab, "[data-chart=blocks]")
+
+
+def test_a_method_is_selected_everywhere_and_cleared_by_a_second_click(
+    tab: Tab, bakery: Path
+) -> None:
+    tab.show(bakery, width=1280)
+    for clicks in (1, 2):
+        tab.click(f"{LINE % 'rye'} + g text")
+        marks = tab.value(
+            "[...document.querySelectorAll('.selected')].map((mark) => mark.closest('[data-chart]')"
+            "?.dataset.chart)"
+        )
+        assert set(marks) == ({"ranking", "cost", "blocks", "layout"} if clicks == 1 else set())
+        assert ("rye" in tab.value("location.hash")) is (clicks == 1)
+    tab.value("location.hash = '#select:method=nut&group=0'")
+    assert tab.value(f"document.querySelector({LINE % 'nut'!r}).matches('.selected')")
+    assert text(tab, ".segments [aria-checked=true]") == "180"
+
+
+def test_pointing_changes_no_number(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    before = text(tab, "[data-overview]")
+    x, y = tab.middle(f"{LINE % 'vegan'} + g text")
+    tab.mouse("mouseMoved", x, y)
+    assert tab.value("document.querySelector('.line-chart .plot').matches('.dim')")
+    assert "vegan" in text(tab, ".chart-note.visible")
+    assert text(tab, "[data-overview]") == before
+    assert tab.value("location.hash") == ""
+
+
+@pytest.mark.parametrize("statistic", ["mean", "median"])
+def test_a_filter_recomputes_what_is_described_and_says_so(
+    tab: Tab, bakery: Path, statistic: str
+) -> None:
+    tab.show(bakery, width=1280)
+    lead = tab.value("document.querySelector('.overview-lead').innerHTML")
+    choose(tab, "Statistic", statistic)
+    tab.click(".map-chart circle[data-marker=L1]")
+    kept = [1, 7]
+    for recipe in RECIPES:
+        wanted = [
+            mean_over_kitchens(recipe, heat, kept)
+            if statistic == "mean"
+            else float(np.median([WASTES[k, heat, recipe][kept] for k in range(8)]))
+            for heat in FACTORS
+        ]
+        assert numbers(tab.value(CELLS % recipe)) == pytest.approx(wanted, rel=6e-3)
+    assert "16 blocks; this explores" in text(tab, ".filter-note")
+    assert tab.value(COUNT % ".heat td.tied") == 0
+    tab.click(".chip")
+    assert text(tab, ".filter-note") == ""
+    assert tab.value("document.querySelector('.overview-lead').innerHTML") == lead
+
+
+def test_suspects_are_left_out(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    tab.click(".control-bar .toggle")
+    kept = [at for at in range(12) if at not in SUSPECTS]
+    means = [mean_over_kitchens("nut", heat, kept) for heat in FACTORS]
+    assert numbers(tab.value(CELLS % "nut")) == pytest.approx(means, rel=6e-3)
+    assert "80 blocks" in text(tab, ".filter-note")
+    tab.click(".chip.clear")
+    assert text(tab, ".filter-note") == ""
+
+
+def test_ranks_and_other_metrics(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    choose(tab, "Statistic", "rank")
+    ranks = [np.mean([mean_rank(kitchen, heat, "rye") for kitchen in range(8)]) for heat in FACTORS]
+    assert numbers(tab.value(CELLS % "rye")) == pytest.approx(ranks, rel=6e-3)
+    tab.click(".control-bar .toggle")
+    assert numbers(tab.value(CELLS % "rye")) == pytest.approx(ranks, rel=0.05)
+    tab.click(".control-bar .toggle")
+    choose(tab, "Statistic", "mean")
+    choose(tab, "Metric", "mess")
+    squares = [
+        np.mean([(WASTES[kitchen, heat, "rye"] ** 2).mean() for kitchen in range(8)])
+        for heat in FACTORS
+    ]
+    assert numbers(tab.value(CELLS % "rye")) == pytest.approx(squares, rel=6e-3)
+
+
+def test_marks_and_heads_are_used_by_keys(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    tab.value("document.querySelector('.line-chart g[tabindex=\"0\"]').focus()")
+    first = tab.value("document.activeElement.dataset.method")
+    tab.press("ArrowDown")
+    second = tab.value("document.activeElement.dataset.method")
+    assert first != second
+    tab.press("Enter")
+    assert tab.value("document.activeElement.dataset.method") == second
+    assert tab.value("document.activeElement.ariaPressed") == "true"
+    assert tab.value(COUNT % ".line-chart g[tabindex='0']") == 1
+    tab.value("document.querySelector('.heat thead button').focus()")
+    tab.press("Enter")
+    names = "[...document.querySelectorAll('.heat tbody tr')].map((row) => row.dataset.method)"
+    assert tab.value(names) == sorted(RECIPES)
+    tab.press("Enter")
+    assert tab.value(names) == sorted(RECIPES, reverse=True)
+    assert tab.value("document.querySelector('.heat thead th[aria-sort]').ariaSort") == "descending"
+
+
+def test_a_dot_opens_its_block(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    tab.value("document.querySelector('.dots canvas').focus()")
+    tab.press("ArrowLeft")
+    live = "document.querySelector('[aria-live=polite]').textContent"
+    assert "96 of 96: " in tab.value(live)
+    tab.press("ArrowLeft")
+    assert "95 of 96: " in tab.value(live)
+    tab.press("Enter")
+    assert tab.value("document.querySelector('dialog').open")
+    worst = sorted(((*key, at) for key in WASTES for at in range(12) if key[1:] == (220, "rich")),
+                   key=lambda item: WASTES[item[:3]][item[3]])  # fmt: skip
+    kitchen, _, _, cake = worst[-2]
+    head = text(tab, "dialog .head")
+    assert f"kitchen {kitchen}" in head
+    assert f"cake {cake}" in head
+    bars = tab.value(
+        "[...document.querySelectorAll('.bars button')]"
+        ".map((bar) => [bar.dataset.method, Number(bar.lastChild.textContent)])"
+    )
+    assert dict(bars) == pytest.approx(
+        {recipe: WASTES[kitchen, 220, recipe][cake] for recipe in RECIPES}, rel=6e-3
+    )
+    assert f"--only kitchen={kitchen}" in text(tab, "dialog code")
+    tab.press("PageUp")
+    assert f"cake {worst[-1][3]}" in text(tab, "dialog .head")
+    tab.press("Escape")
+    assert not tab.value("document.querySelector('dialog').open")
+    assert tab.value("document.activeElement.tagName") == "CANVAS"
+    assert tab.value("location.hash") in ("", "#")
+
+
+def test_a_suggested_block_is_shown_by_the_plugin(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    tab.click(".suggestion.suspect")
+    assert "the scale slipped" in text(tab, "dialog .suspect")
+    assert re.fullmatch(r"cake \d+", text(tab, "dialog .stage"))
+
+
+def test_a_phone_shows_all_without_scrolling_sideways(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=390)
+    assert tab.value("document.documentElement.scrollWidth") <= 390
+    assert not tab.value("document.querySelector('.control-bar .filters').checkVisibility()")
+    tab.click(".more-controls")
+    assert tab.value("document.querySelector('.control-bar .filters').checkVisibility()")
+    assert tab.value("document.documentElement.scrollWidth") <= 390
+
+
+def test_a_print_has_no_controls(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery, width=1280)
+    tab.send("Emulation.setEmulatedMedia", media="print")
+    try:
+        shown = "document.querySelector(%r).checkVisibility()"
+        assert not tab.value(shown % ".control-bar")
+        assert not tab.value(shown % ".suggestion")
+        assert tab.value(shown % ".heat")
+    finally:
+        tab.send("Emulation.setEmulatedMedia", media="")
+
+
+@pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(tab: Tab, bakery: Path, scheme: str) -> None:
+    tab.prefer(prefers_color_scheme=scheme, prefers_reduced_motion="reduce")
+    tab.show(bakery, width=1280)
+    tab.value(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
+    for state in ("[data-overview]", "dialog"):
+        if state == "dialog":
+            tab.click(".suggestion")
+        violations = tab.value(f"axe.run({state!r}).then((result) => result.violations)")
+        problems = [
+            each["id"] + ": " + node["html"] for each in violations for node in each["nodes"]
+        ]
+        assert problems == []
+
+
+SCALE = "scales.fitting(%s, 0, 300).ticks(60).map(({ value, text }) => [value, text])"
+TICKS: tuple[tuple[list[float], list[float]], ...] = (
+    ([1, 100], [1, 3, 10, 30, 100]),
+    ([0.31, 3.8], [0.5, 1, 2]),
+    ([5.1, 5.3], [5.1, 5.15, 5.2, 5.25, 5.3]),
+    ([0, 10], [0, 5, 10]),
+    ([-4, 4], [-4, -2, 0, 2, 4]),
+    ([1e-9, 1e6], [1e-9, 1e-6, 1e-3, 1, 1e3, 1e6]),
+)
+
+
+def test_ticks_are_round_numbers(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery)
+    for values, ticks in TICKS:
+        drawn = tab.value(SCALE % json.dumps(values))
+        assert [value for value, _ in drawn] == pytest.approx(ticks)
+        texts = [float(label.replace("\u2212", "-")) for _, label in drawn]
+        assert texts == pytest.approx(ticks)
+
+
+def test_labels_move_apart_as_little_as_can_be(tab: Tab, bakery: Path) -> None:
+    tab.show(bakery)
+    wanted = [50.0, 10.0, 11.0, 12.0, 95.0, 99.0]
+    places = tab.value(f"scales.spread({wanted}, 10, 0, 100)")
+    assert places == pytest.approx([50, 1, 11, 21, 90, 100])
+    assert tab.value("scales.spread([5, 5], 10, 0, 100)") == [0, 10]
+
+
+def packed(values: NDArray[Any]) -> str:
+    return base64.b64encode(np.asarray(values).astype("<u2").tobytes()).decode()
+
+
+def codes(values: NDArray[np.float64]) -> tuple[str, dict[str, Any]]:
+    known = np.isfinite(values)
+    log = bool((values[known] > 0).all())
+    ends = np.log(values[known]) if log else values[known]
+    low, high = (float(ends.min()), float(ends.max())) if known.any() else (0.0, 0.0)
+    result = np.full(values.shape, 65535)
+    result[known] = np.rint((ends - low) / ((high - low) or 1) * 65534)
+    return packed(result), {"log": log, "low": low, "high": high}
+
+
+def data_of(
+    groups: list[NDArray[np.float64]], better: str = "lower", **more: Any
+) -> dict[str, Any]:
+    """The data of an overview of (B, K) errors by group, as the charts read them."""
+    methods = [f"method_{at}_of_a_family" for at in range(groups[0].shape[1])]
+    entries = []
+    for at, errors in enumerate(groups):
+        text, scale = codes(errors)
+        usable = np.isfinite(errors).any(axis=0)
+        whole = np.isfinite(errors[:, usable]).all(axis=1) & usable.any()
+        mean = np.full(len(methods), np.nan)
+        if whole.any():
+            mean[usable] = errors[whole][:, usable].mean(axis=0)
+        listed = [float(value) if np.isfinite(value) else None for value in mean]
+        best = [] if better == "none" or not whole.any() else [
+            int(np.nanargmax(mean) if better == "higher" else np.nanargmin(mean))
+        ]  # fmt: skip
+        entries.append(
+            {
+                "labels": [at], "title": f"heat {at}", "blocks": int(whole.sum()),
+                "all_blocks": len(errors), "mean": listed, "median": listed, "rank": listed,
+                "best": best, "tied": [], "behind": [], "suspects": 0, "without_suspects": None,
+                "unit": packed(np.where(whole, np.arange(len(errors)) % 9, 65535)),
+                "rows": {"cake": packed(np.arange(len(errors)))}, "suspect": {},
+                "errors": {"waste": text}, "scale": {"waste": scale},
+            }
+        )  # fmt: skip
+    metric = {"name": "waste", "unit": "g", "better": better}
+    return {
+        "node": "odd", "metric": "waste", "unit": "g", "better": better, "compare": "recipe",
+        "blocks_name": "cakes", "units_name": "", "metrics": [metric], "groups": entries,
+        "within": [{"name": "heat", "labels": [*range(len(groups))]}],
+        "methods": [{"label": each, "seconds": 0.01 + at} for at, each in enumerate(methods)],
+        "shown_group": len(groups) - 1, "layout": None, "detail": None, "suggested": [],
+        "command": None, "columns": {"cake": {"labels": [*map(str, range(max(map(len, groups))))]}},
+        **more,
+    }  # fmt: skip
+
+
+def some(*shape: int) -> NDArray[np.float64]:
+    return np.random.default_rng(3).lognormal(size=shape)
+
+
+def lacking() -> list[NDArray[np.float64]]:
+    errors = some(2, 30, 4)
+    errors[0, :, 1] = np.nan
+    errors[1, 3, 2] = np.inf
+    return [*errors]
+
+
+ODD = {
+    "one method": data_of([*some(2, 30, 1)]),
+    "one group": data_of([some(30, 4)], within=[]),
+    "many methods": data_of([*some(2, 12, 200)]),
+    "many groups": data_of([*some(40, 6, 5)]),
+    "numbers missing": data_of(lacking()),
+    "an empty group": data_of([some(30, 4), np.full((5, 4), np.nan), some(30, 4)]),
+    "no numbers": data_of([np.full((5, 4), np.nan)]),
+    "values of 0 and below": data_of([some(30, 4) - 1, np.zeros((30, 4))]),
+    "all equal": data_of([np.full((30, 4), 2.5)] * 2),
+    "higher is better": data_of([*some(2, 30, 4)], better="higher"),
+    "neither end is better": data_of([*some(2, 30, 4)], better="none"),
+}
+OVERLAPS = """(() => {
+  const boxes = [...document.querySelectorAll(".line-chart text:not(.tick, .head, .title)")]
+    .map((text) => text.getBoundingClientRect()).filter(({ width }) => width);
+  let count = 0;
+  boxes.forEach((a, at) => boxes.slice(at + 1).forEach((b) => {
+    const beside = a.left >= b.right - 1 || b.left >= a.right - 1;
+    count += !beside && a.top < b.bottom - 3 && b.top < a.bottom - 3;
+  }));
+  return count;
+})()"""
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_odd_data_are_drawn_without_complaint(tab: Tab, tmp_path: Path, kind: str) -> None:
+    charts = "".join(
+        f'<div data-chart="{name}"></div>' for name in ("controls", "ranking", "cost", "blocks")
+    )
+    html = f'<div data-overview="odd">{charts}</div>{json_script(ODD[kind], "odd")}'
+    web = files("nodegraph_compare.overview").joinpath("web")
+    sources = {item.name: item.read_text(encoding="utf-8") for item in web.iterdir()}
+    rendered = Rendered(
+        html,
+        scripts=tuple(text for name, text in sources.items() if name.endswith(".js")),
+        styles=tuple(text for name, text in sources.items() if name.endswith(".css")),
+    )
+    tab.show(saved(tmp_path, rendered), width=1280)
+    for width in (1280, 390):
+        tab.size(width, 900)
+        tab.value("new Promise((resolve) => setTimeout(resolve, 60))")
+        drawn = tab.value("document.querySelector('[data-overview]').innerHTML")
+        assert not re.search(r"NaN|Infinity|undefined|null", drawn)
+        assert tab.value("document.documentElement.scrollWidth") <= width
+        assert tab.value(OVERLAPS) == 0
+    bests = tab.value(COUNT % ".heat td.first")
+    assert (bests == 0) is (kind in ("no numbers", "neither end is better"))
+    if kind == "many methods":
+        assert tab.value(COUNT % ".heat tbody tr") < 40
+        tab.click(".heat-table .more")
+        assert tab.value(COUNT % ".heat tbody tr") == 200
+    if kind == "one group":
+        assert tab.value(COUNT % ".line-chart path.line") == 0
+        assert tab.value(COUNT % ".line-chart g[role=button]") == 4
