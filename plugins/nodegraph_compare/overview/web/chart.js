@@ -126,9 +126,9 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     selection.on_hover((kind, value) => {
       if (kind !== "method") return;
       plot.classList.toggle("dim", value !== null && view.place(value) !== null);
-      for (const mark of plot.querySelectorAll("[data-method]")) {
-        mark.classList.toggle("hover", mark.dataset.method === value);
-      }
+      for (const mark of plot.querySelectorAll(".hover")) mark.classList.remove("hover");
+      if (value === null) return;
+      for (const mark of plot.querySelectorAll(`[data-method="${CSS.escape(value)}"]`)) mark.classList.add("hover");
     });
     redraw();
     return redraw;

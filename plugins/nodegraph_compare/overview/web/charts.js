@@ -15,7 +15,7 @@ nodegraph.define("compare/charts", [
     controls: controlBar.draw,
     ranking: (host, view) => {
       host.classList.add("ranking");
-      if (view.overview.panels().length > 1 || view.overview.groups.length > 5) host.classList.add("wide");
+      if (view.overview.panels.length > 1 || view.overview.groups.length > 5) host.classList.add("wide");
       const [lines, table] = parts(host, "", "");
       lineChart.draw(lines, view);
       heatTable.draw(table, view);

@@ -1,7 +1,7 @@
 "use strict";
 // Every block a dot, a row per method, on a canvas. Dots are stamped into pixels row by row, which
 // takes a million of them in a fraction of a second; what is pointed at is drawn over that picture.
-nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "compare/scale", "compare/overview"], (page, selection, chart, scales, { medianOf }) => {
+nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "compare/scale", "compare/overview"], (page, selection, chart, scales, { NONE, medianOf, valuesOfCodes }) => {
   const { element } = page;
   const { strong } = chart;
   const TOP = 26;
@@ -17,7 +17,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
     return ((hash ^ (hash >>> 13)) >>> 0) / 2 ** 32;
   };
 
-  // Coverage of a disc or of the rim of a diamond, pixel by pixel.
+  // Coverage of a disc, or of the rim of a diamond: across, down and share of each pixel.
   const stamp = (radius, rim) => {
     const half = Math.ceil(radius + 0.5);
     const cells = [];
@@ -25,10 +25,10 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       for (let x = -half; x <= half; x += 1) {
         const far = rim ? Math.abs(x) + Math.abs(y) : Math.hypot(x, y);
         const cover = rim ? scales.between(rim / 2 + 0.5 - Math.abs(far - radius), 0, 1) : scales.between(radius + 0.5 - far, 0, 1);
-        if (cover > 0.02) cells.push([x, y, cover]);
+        if (cover > 0.02) cells.push(x, y, cover);
       }
     }
-    return cells;
+    return Float32Array.from(cells);
   };
 
   const colour = (host, name) => {
@@ -39,10 +39,13 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
     return channels;
   };
 
-  // Layout of the picture: where rows and values are.
+  const ROLES = { selected: "selected", best: "best", reference: "ink", rest: "quiet" };
+
+  // The picture of all dots at one width, of one group under one filter.
   class Dots {
     constructor(view, plot, width) {
       this.view = view;
+      this.plot = plot;
       this.width = width;
       this.ratio = Math.min(2, devicePixelRatio || 1);
       this.numbers = view.numbers();
@@ -55,17 +58,23 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       this.left = scales.between(longest * LETTER + 12, 60, width < 500 ? 118 : 160);
       this.right = width - (width < 500 ? 46 : 60);
       this.values = view.group.values(view.metric.name);
+      this.codes = view.group.codes(view.metric.name);
       this.count = view.overview.methods.length;
       this.x = scales.fitting(this.range(), this.left + 6, this.right - 8, { room: 0.03 });
       this.cells = new Map();
-      this.first = this.rows.includes(view.method) ? view.method : this.rows[0];
       this.order = null;
-      this.plot = plot;
+      this.suspects = this.blocks.filter((block) => view.group.isSuspect(block));
+      this.others = this.suspects.length ? this.blocks.filter((block) => !view.group.isSuspect(block)) : this.blocks;
+      this.inks = Object.fromEntries(["ink", "quiet", "line", "paper", "best", "selected", "suspect"].map((name) => [name, colour(plot, name)]));
+      this.font = `12px ${getComputedStyle(plot).fontFamily}`;
+      this.painted = new Map();
+      this.canvas = document.createElement("canvas");
+      this.canvas.width = Math.round(width * this.ratio);
+      this.canvas.height = Math.round(this.height * this.ratio);
     }
 
     range() {
       const { blocks, rows, values, count } = this;
-      const low = [];
       let [least, most] = [Infinity, -Infinity];
       for (const block of blocks) {
         for (const method of rows) {
@@ -73,73 +82,91 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
           if (value < least) least = value;
           if (value > most) most = value;
         }
-        low.push(values[block * count + rows[0]]);
       }
       // a few values close to 0 would leave no room for the others on a log scale
-      return [least > 0 ? Math.max(least, most / 1e5, medianOf(low) / 300) : least, most];
+      const typical = medianOf(blocks.map((block) => values[block * count + rows[0]]));
+      return [least > 0 ? Math.max(least, most / 1e5, typical / 300) : least, most];
+    }
+
+    across(value) {
+      const x = this.x.place(this.x.log && value < this.x.low ? this.x.low : value);
+      return scales.between(x, this.left + 3, this.right - 3);
+    }
+
+    down(row, block) {
+      return TOP + (row + 0.5 + (jitter(block) - 0.5) * 0.68) * this.rowHeight;
     }
 
     at(method, block) {
-      return this.place(this.rowOf.get(method), block, this.values[block * this.count + method]);
+      return [this.across(this.values[block * this.count + method]), this.down(this.rowOf.get(method), block)];
     }
 
-    place(row, block, value) {
-      const x = this.x.place(this.x.log && value < this.x.low ? this.x.low : value);
-      return [
-        scales.between(x, this.left + 3, this.right - 3),
-        TOP + (row + 0.5) * this.rowHeight + (jitter(block) - 0.5) * this.rowHeight * 0.68,
-      ];
+    role(method) {
+      const roles = this.view.roles(method).split(" ");
+      return ["selected", "best", "reference"].find((role) => roles.includes(role)) ?? "rest";
     }
 
-    // The picture of all dots, without what is pointed at.
-    paint(canvas) {
-      const { ratio, width, height, rows, blocks, rowHeight, view } = this;
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
-      const context = canvas.getContext("2d");
-      const size = canvas.width;
-      const crowd = blocks.length;
-      const radius = (crowd > 20000 ? 0.7 : crowd > 3000 ? 1.1 : 1.75) * Math.min(1, Math.max(0.5, rowHeight / 14)) * ratio;
+    // Paints the rows whose colour is not that of their role yet.
+    paint() {
+      const crowd = this.blocks.length;
+      const radius = (crowd > 20000 ? 0.7 : crowd > 3000 ? 1.1 : 1.75) * scales.between(this.rowHeight / 14, 0.5, 1) * this.ratio;
       const opacity = scales.between(40 / Math.sqrt(crowd), 0.12, 0.62);
-      const [disc, diamond] = [stamp(radius, 0), stamp(Math.min(3.2 * ratio, rowHeight * ratio * 0.3), 1.1 * ratio)];
-      const inks = { rest: colour(this.plot, "quiet"), best: colour(this.plot, "best"), selected: colour(this.plot, "selected"), reference: colour(this.plot, "ink"), suspect: colour(this.plot, "suspect") };
-      const suspects = blocks.filter((block) => view.group.isSuspect(block));
-      const plain = suspects.length ? blocks.filter((block) => !view.group.isSuspect(block)) : blocks;
-      rows.forEach((method, row) => {
-        const top = Math.round((TOP + row * rowHeight) * ratio);
-        const tall = Math.round((TOP + (row + 1) * rowHeight) * ratio) - top;
-        const image = context.createImageData(size, tall);
-        const cover = new Float32Array(size * tall);
-        const layer = (members, shape, alpha, [red, green, blue]) => {
-          cover.fill(0);
-          for (const block of members) {
-            const value = this.values[block * this.count + method];
-            if (value !== value) continue;
-            const [px, py] = this.place(row, block, value);
-            const [x, y] = [Math.round(px * ratio), Math.round(py * ratio) - top];
-            for (const [dx, dy, part] of shape) {
-              if (y + dy < 0 || y + dy >= tall) continue;
-              const place = (y + dy) * size + x + dx;
-              cover[place] += (1 - cover[place]) * part * alpha;
-            }
-          }
-          const { data } = image;
-          for (let place = 0; place < cover.length; place += 1) {
-            const over = cover[place];
-            if (!over) continue;
-            const under = (data[4 * place + 3] / 255) * (1 - over);
-            const sum = over + under;
-            data[4 * place] = (red * over + data[4 * place] * under) / sum;
-            data[4 * place + 1] = (green * over + data[4 * place + 1] * under) / sum;
-            data[4 * place + 2] = (blue * over + data[4 * place + 2] * under) / sum;
-            data[4 * place + 3] = sum * 255;
-          }
-        };
-        const role = ["selected", "best", "reference"].find((name) => view.roles(method).split(" ").includes(name)) ?? "rest";
-        layer(plain, disc, opacity, inks[role]);
-        if (suspects.length) layer(suspects, diamond, Math.max(0.5, opacity), inks.suspect);
-        context.putImageData(image, 0, top);
+      const shapes = [
+        [this.others, stamp(radius, 0), opacity],
+        [this.suspects, stamp(Math.min(3.2, this.rowHeight * 0.3) * this.ratio, 1.1 * this.ratio), Math.max(0.5, opacity), this.inks.suspect],
+      ];
+      this.rows.forEach((method, row) => {
+        const role = this.role(method);
+        if (this.painted.get(method) === role) return;
+        this.painted.set(method, role);
+        this.paintRow(method, row, shapes, this.inks[ROLES[role]]);
       });
+    }
+
+    // Where each code of the metric, and each block within its row, is in pixels.
+    get pixels() {
+      this.places ??= {
+        x: Int16Array.from(valuesOfCodes(this.view.group.json.scale[this.view.metric.name]), (value) => this.across(value) * this.ratio),
+        y: Float32Array.from({ length: this.view.group.size }, (_, block) => (this.down(0, block) - TOP) * this.ratio),
+      };
+      return this.places;
+    }
+
+    paintRow(method, row, shapes, ink) {
+      const context = this.canvas.getContext("2d");
+      const top = Math.round((TOP + row * this.rowHeight) * this.ratio);
+      const tall = Math.round((TOP + (row + 1) * this.rowHeight) * this.ratio) - top;
+      const size = this.canvas.width;
+      const image = context.createImageData(size, tall);
+      const { data } = image;
+      const { x, y } = this.pixels;
+      for (const [blocks, shape, opacity, [red, green, blue] = ink] of shapes) {
+        if (!blocks.length) continue;
+        const cover = new Float32Array(size * tall);
+        for (const block of blocks) {
+          const code = this.codes[block * this.count + method];
+          if (code === NONE) continue;
+          const across = x[code];
+          const down = Math.round(y[block]);
+          for (let cell = 0; cell < shape.length; cell += 3) {
+            const line = down + shape[cell + 1];
+            if (line < 0 || line >= tall) continue;
+            const place = line * size + across + shape[cell];
+            cover[place] += (1 - cover[place]) * shape[cell + 2] * opacity;
+          }
+        }
+        for (let place = 0; place < cover.length; place += 1) {
+          const over = cover[place];
+          if (!over) continue;
+          const under = (data[4 * place + 3] / 255) * (1 - over);
+          const sum = over + under;
+          data[4 * place] = (red * over + data[4 * place] * under) / sum;
+          data[4 * place + 1] = (green * over + data[4 * place + 1] * under) / sum;
+          data[4 * place + 2] = (blue * over + data[4 * place + 2] * under) / sum;
+          data[4 * place + 3] = sum * 255;
+        }
+      }
+      context.putImageData(image, 0, top);
     }
 
     // Blocks of a row by columns of a few pixels, made when the row is first pointed at.
@@ -187,7 +214,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
   const draw = (host, view, open) => {
     let dots = null;
     let cursor = null; // the dot that keys or the pointer are at
-    const picture = element("canvas", {});
+    let key = "";
     const scene = element("canvas", {
       tabindex: 0, role: "application", "aria-roledescription": "chart of dots",
     });
@@ -200,13 +227,13 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
 
     const compose = (hover = null) => {
       if (!dots) return;
-      const { ratio, width, height, rowHeight, rows, left, right, x } = dots;
-      scene.width = picture.width;
-      scene.height = picture.height;
+      const { ratio, width, height, rowHeight, rows, x, canvas } = dots;
+      scene.width = canvas.width;
+      scene.height = canvas.height;
       const context = scene.getContext("2d");
-      const ink = (name) => `rgb(${colour(dots.plot, name).join(" ")})`;
+      const ink = (name) => `rgb(${dots.inks[name].join(" ")})`;
       context.scale(ratio, ratio);
-      context.font = `12px ${getComputedStyle(scene).fontFamily}`;
+      context.font = dots.font;
       context.fillStyle = ink("quiet");
       context.strokeStyle = ink("line");
       context.textAlign = "center";
@@ -221,10 +248,10 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       rows.forEach((method, row) => {
         const top = TOP + row * rowHeight;
         context.globalAlpha = hover === null || hover === method ? 1 : 0.25;
-        context.drawImage(picture, 0, top * ratio, picture.width, rowHeight * ratio, 0, top, width, rowHeight);
+        context.drawImage(canvas, 0, top * ratio, canvas.width, rowHeight * ratio, 0, top, width, rowHeight);
         const mean = dots.numbers.values[method];
         if (view.statistic !== "rank" && Number.isFinite(mean)) {
-          const px = scales.between(x.place(mean), left + 3, right - 3);
+          const px = dots.across(mean);
           context.fillStyle = ink("paper");
           context.fillRect(px - 2.5, top + 1, 5, rowHeight - 2);
           context.fillStyle = ink("ink");
@@ -303,7 +330,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
         if (cursor) choose(cursor);
         return;
       }
-      const method = cursor?.method ?? dots.first;
+      const method = cursor?.method ?? (dots.rowOf.has(view.method) ? view.method : dots.rows[0]);
       const order = dots.walk(method);
       const at = cursor ? order.indexOf(cursor.block) : -1;
       const row = dots.rows.indexOf(method);
@@ -323,13 +350,14 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
 
     const render = (plot, width) => {
       const blocksName = view.overview.json.blocks_name;
-      cursor = null;
       if (!view.ranked().length || !view.numbers().blocks.length) {
-        dots = null;
+        [dots, cursor, key] = [null, null, ""];
         plot.replaceChildren(element("p", {}, `No ${blocksName} are left by the filter.`));
         return { finding: [] };
       }
-      dots = new Dots(view, plot, width);
+      // of another selected method or reference only rows change their colour
+      const next = JSON.stringify([width, devicePixelRatio, view.group.index, view.metric.name, view.statistic, view.filter, view.state.methods, look()]);
+      if (next !== key) [dots, cursor, key] = [new Dots(view, plot, width), null, next];
       scene.style.height = `${dots.height}px`;
       scene.setAttribute("aria-label", `${dots.blocks.length} ${blocksName} as dots, a row per method. Left and right arrows walk by error, up and down change the method, Enter opens.`);
       const most = Math.floor((dots.rows.length * dots.rowHeight) / ROW_LABEL);
@@ -347,7 +375,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       if (!scene.isConnected) plot.replaceChildren(element("div", { class: "dots" }, scene));
       for (const part of [...scene.parentElement.children]) if (part !== scene) part.remove();
       scene.after(...labels);
-      dots.paint(picture);
+      dots.paint();
       compose();
       return {
         finding: finding(view, dots),
@@ -359,13 +387,15 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
         ],
       };
     };
+    // a canvas does not follow the colours of the page by itself
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const look = () => [dark.matches, document.documentElement.dataset.theme];
     const redraw = chart.mount(host, view, { className: "dots-chart", draw: render });
     selection.on_hover((kind, value) => {
       if (kind === "method" && dots && !cursor) compose(value === null ? null : view.place(value));
     });
-    // a canvas does not follow the colours of the page by itself
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-    new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme", "class"] });
+    dark.addEventListener("change", redraw);
+    new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme"] });
   };
 
   // Half of the blocks, the worst, and what suspect ones make of it.

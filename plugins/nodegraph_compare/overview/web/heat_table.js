@@ -84,7 +84,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         "aria-sort": String(sort.key) === String(key) ? (sort.falling ? "descending" : "ascending") : null,
       }, element("button", { type: "button", title: "Sort by this column", "data-key": `head ${key}`, onclick: () => choose(key) }, label));
       const axis = view.overview.within.at(-1)?.name ?? "";
-      const above = view.overview.panels().filter((panel) => panel.groups.some((group) => groups.includes(group)));
+      const above = view.overview.panels.filter((panel) => panel.groups.some((group) => groups.includes(group)));
       const spanned = above.length > 1 || narrow ? element("tr", {}, element("td", { class: "name" }),
         ...above.map(({ title, groups: members }) => element("th", { scope: "colgroup", colspan: members.length, class: "panel" },
           [title, narrow ? axis : ""].filter(Boolean).join(", "))),

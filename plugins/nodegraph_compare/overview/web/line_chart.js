@@ -43,8 +43,9 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       .sort((a, b) => view.numbers(group).values[b] - view.numbers(group).values[a]);
     const labels = (group) => {
       const methods = side(group);
-      const most = wide ? Math.floor((bottom - TOP) / ROW) : Math.floor((bottom - TOP) / ROW);
-      const kept = methods.filter((method) => scales.thin([...methods].sort((a, b) => weight(b) - weight(a)), most, (item) => weight(item) > 0).has(method));
+      const most = Math.floor((bottom - TOP) / ROW);
+      const named = scales.thin([...methods].sort((a, b) => weight(b) - weight(a)), most, (method) => weight(method) > 0);
+      const kept = methods.filter((method) => named.has(method));
       const places = scales.spread(kept.map((method) => axis.place(view.numbers(group).values[method])), ROW, TOP, bottom);
       return new Map(kept.map((method, at) => [method, places[at]]));
     };
@@ -98,7 +99,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   };
 
   const drawLines = (view, plot, width) => {
-    const panels = view.overview.panels();
+    const panels = view.overview.panels;
     const columns = scales.between(Math.floor(width / 330), 1, panels.length);
     const rows = Math.ceil(panels.length / columns);
     const shown = view.shown();
@@ -142,7 +143,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const best = groups.map((group) => view.numbers(group).best.map((method) => view.overview.methods[method]).join(" and "));
     const parts = [];
     const [first, last] = [groups[0], groups.at(-1)];
-    const panel = view.overview.panels().length > 1 ? [strong(view.panel.title), ": "] : [];
+    const panel = view.overview.panels.length > 1 ? [strong(view.panel.title), ": "] : [];
     if (new Set(best).size === 1 && groups.length > 1) parts.push(strong(best[0]), " is best throughout. ");
     else if (groups.length > 1) {
       const moves = view.shown([first]).filter((method) => place(last, method)).map((method) => ({ method, from: place(first, method), to: place(last, method) }))

@@ -9,6 +9,14 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     return new Uint16Array(bytes.buffer);
   };
 
+  // The value of each code of a metric; NaN for that which stands for no number.
+  const valuesOfCodes = ({ log, low, high }) => {
+    const step = (high - low) / (NONE - 1);
+    const values = Float64Array.from({ length: NONE + 1 }, (_, code) => (log ? Math.exp(low + step * code) : low + step * code));
+    values[NONE] = NaN;
+    return values;
+  };
+
   const cached = (make) => {
     const values = new Map();
     return (key) => {
@@ -75,12 +83,8 @@ nodegraph.define("compare/overview", ["page"], (page) => {
 
     // (B x K), row by row; NaN where a method has no number.
     unpacked(metric) {
-      const { log, low, high } = this.json.scale[metric];
-      const step = (high - low) / (NONE - 1);
-      return Float64Array.from(this.codes(metric), (code) => {
-        if (code === NONE) return NaN;
-        return log ? Math.exp(low + step * code) : low + step * code;
-      });
+      const values = valuesOfCodes(this.json.scale[metric]);
+      return Float64Array.from(this.codes(metric), (code) => values[code]);
     }
 
     error(metric, block, method) {
@@ -221,6 +225,7 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       this.within = json.within;
       this.columns = Object.fromEntries(Object.entries(json.columns).map(([name, { labels }]) => [name, labels]));
       this.groups = json.groups.map((group, index) => new Group(group, this, index));
+      this.panels = this.panelsOf();
     }
 
     metric(name) {
@@ -232,7 +237,7 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     }
 
     // Groups side by side in one picture share all labels but the last.
-    panels() {
+    panelsOf() {
       const panels = new Map();
       for (const group of this.groups) {
         const labels = group.labels.slice(0, -1);
@@ -246,5 +251,5 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     }
   }
 
-  return { load: (id) => new Overview(page.data(id)), Overview, medianOf };
+  return { load: (id) => new Overview(page.data(id)), NONE, medianOf, valuesOfCodes };
 });

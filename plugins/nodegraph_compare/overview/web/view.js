@@ -12,12 +12,14 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       this.overview = overview;
       this.own = shared ? null : { ...UNSET };
       this.readers = [];
+      this.known = new Map(); // numbers of groups until something changes
       selection.on((_, changed) => {
         if (shared || [...changed].some((name) => !OWN.includes(name))) this.notify(changed);
       });
     }
 
     notify(changed) {
+      this.known.clear();
       for (const reader of this.readers) reader(changed);
     }
 
@@ -73,7 +75,7 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
     }
 
     get panel() {
-      return this.overview.panels().find(({ groups }) => groups.includes(this.group));
+      return this.overview.panels.find(({ groups }) => groups.includes(this.group));
     }
 
     get block() {
@@ -117,7 +119,8 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
     }
 
     numbers(group = this.group) {
-      return group.summary(this.metric.name, this.statistic, this.filter);
+      if (!this.known.has(group)) this.known.set(group, group.summary(this.metric.name, this.statistic, this.filter));
+      return this.known.get(group);
     }
 
     get filtered() {

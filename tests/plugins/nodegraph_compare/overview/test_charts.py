@@ -79,7 +79,7 @@ WASTES = wastes()
 
 
 def overview() -> Overview:
-    entries = []
+    entries: list[Any] = []
     for (kitchen, heat, recipe), waste in WASTES.items():
         frame = pd.DataFrame(
             {
@@ -330,6 +330,7 @@ def test_a_dot_opens_its_block(tab: Tab, bakery: Path) -> None:
     tab.press("PageUp")
     assert f"cake {worst[-1][3]}" in text(tab, "dialog .head")
     tab.press("Escape")
+    tab.value("new Promise((resolve) => setTimeout(resolve))")  # the dialog closes in a task
     assert not tab.value("document.querySelector('dialog').open")
     assert tab.value("document.activeElement.tagName") == "CANVAS"
     assert tab.value("location.hash") in ("", "#")
