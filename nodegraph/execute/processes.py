@@ -5,12 +5,16 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 
+from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.execute.executor import HowToRun, Schedule
 from nodegraph.execute.threads import Calls, Results, distribute, make_calls
 from nodegraph.execute.worker.client import CallCodec, Worker, WorkerEndedError
 from nodegraph.execute.worker.protocol import Request, Response, ResponseKind
 from nodegraph.state import State
+
+_MOST_STARTS = 3
+"""Of worker processes for one call, of which each ends before it is ready."""
 
 
 def processes(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
@@ -93,13 +97,20 @@ class _Slot:
             self._is_calling = False
 
     def _send(self, request: Request) -> Response:
-        worker = self._living_worker()
-        try:
-            return worker.send(request)
-        except WorkerEndedError:
-            self._worker = None
-            worker.close()
-            raise
+        for start in range(1, _MOST_STARTS + 1):
+            worker = self._living_worker()
+            try:
+                return worker.send(request)
+            except WorkerEndedError as error:
+                self._worker = None
+                worker.close()
+                # what ended before it was ready has not begun the call
+                if error.was_ready:
+                    raise
+                if start == _MOST_STARTS:
+                    message = f"a worker process does not start: it {error}"
+                    raise NodegraphError(message) from error
+        raise AssertionError
 
     def _living_worker(self) -> Worker:
         with self._lock:

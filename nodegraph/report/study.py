@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from pydantic import TypeAdapter
 
 
+_MOST_BYTES = 256_000_000
+"""That are read of a study, which may be another person's."""
+
+
 class Kind(StrEnum):
     """What a note is about."""
 
@@ -338,7 +342,11 @@ def read_study(folder: Path) -> Study:
 
     path = folder / STUDY
     try:
-        data = json.loads(gzip.decompress(path.read_bytes()))
+        with gzip.open(path) as file:
+            content = file.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
+            raise ValueError(f"it has more than {_MOST_BYTES / 1e6:.0f} MB")
+        data = json.loads(content)
         return _adapter().validate_python(data)
     except (FileNotFoundError, NotADirectoryError):
         if (folder / RECORD).is_file():

@@ -88,7 +88,8 @@ class Upkeep:
         """Remove entries, the longest unused first, then arrays that no entry needs.
 
         An array younger than an hour stays: another program may have written it just now for an
-        entry that is still to come.
+        entry that is still to come. What is dated in the future, by more than clocks differ,
+        counts as unused for longest.
 
         Parameters
         ----------
@@ -98,9 +99,11 @@ class Upkeep:
             Entries go until all that is needed has at most so many bytes.
         """
         now = time.time()
-        there = sorted(self.entries(), key=lambda entry: entry.used)
+        there = sorted(self.entries(), key=lambda entry: _past(entry.used, now))
         aged = [
-            entry for entry in there if older_than is not None and now - entry.used > older_than
+            entry
+            for entry in there
+            if older_than is not None and now - _past(entry.used, now) > older_than
         ]
         left = there[len(aged) :]
         more = _too_many(left, self._blob_sizes(), keep) if keep is not None else []
@@ -139,14 +142,14 @@ class Upkeep:
     def _without_damaged(self, whole: Set[str], now: float) -> Amount:
         removed = _NONE
         for entry in self._entry_files():
-            if entry.path not in whole and now - _changed(entry) > _HOUR:
+            if entry.path not in whole and now - _past(_changed(entry), now) > _HOUR:
                 removed += _removed(entry.path, Amount(1, 0, _size(entry)))
         return removed
 
     def _without_unneeded(self, needed: Set[str], now: float) -> Amount:
         removed = _NONE
         for blob in self._blob_files():
-            if _name(blob) not in needed and now - _changed(blob) > _HOUR:
+            if _name(blob) not in needed and now - _past(_changed(blob), now) > _HOUR:
                 removed += _removed(blob.path, Amount(0, 1, _size(blob)))
         return removed
 
@@ -155,7 +158,7 @@ class Upkeep:
         items = [*self._all(self._entries), *self._all(self._blobs), *files.files_in(self._root)]
         removed = _NONE
         for item in items:
-            if item.name.endswith(files.UNFINISHED) and now - _changed(item) > _HOUR:
+            if item.name.endswith(files.UNFINISHED) and now - _past(_changed(item), now) > _HOUR:
                 removed += _removed(item.path, Amount(0, 0, _size(item)))
         return removed
 
@@ -168,6 +171,11 @@ def _kept(path: str) -> Kept | None:
         return None
     entry = read_entry(content, os.path.basename(folder) + name.removesuffix(_ENTRY))
     return Kept(entry, path, used, len(content)) if entry is not None else None
+
+
+def _past(changed: float, now: float) -> float:
+    """Return a time in seconds since 1970, 0 for one in the future."""
+    return changed if changed <= now + _HOUR else 0.0
 
 
 def _too_many(there: Sequence[Kept], sizes: Mapping[str, int], keep: int) -> list[Kept]:

@@ -69,8 +69,8 @@ def distance(
     Raises
     ------
     ValueError
-        If frame counts differ and the reference has more than one frame, or no marker is in
-        both.
+        If frame counts differ and the reference has more than one frame, no marker is in both, or
+        a sum of squares is beyond all numbers.
     """
     if reference.frames not in (1, estimate.frames):
         raise ValueError(
@@ -83,10 +83,14 @@ def distance(
             f"no marker is in both: estimate has {listed(estimate.markers)}, reference "
             f"{listed(reference.markers)}"
         )
-    apart = np.linalg.norm(
-        estimate.keep(shared).positions - reference.keep(shared).positions, axis=2
-    )
-    table = _table(apart, shared)
+    with np.errstate(over="raise"):
+        try:
+            apart = np.linalg.norm(
+                estimate.keep(shared).positions - reference.keep(shared).positions, axis=2
+            )
+            table = _table(apart, shared)
+        except FloatingPointError:
+            raise ValueError("distances are too large to be squared") from None
     notes = [*_left_out(estimate, reference), *_lacking(table)]
     for note in notes:
         warnings.warn(note, stacklevel=2)

@@ -47,10 +47,19 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
     -------
     Table
         As above, in the order of the markers.
+
+    Raises
+    ------
+    ValueError
+        If a sum of squares is beyond all numbers.
     """
     from pandas import DataFrame
 
-    vectors, variance = _variances(recording.positions)
+    with np.errstate(over="raise"):
+        try:
+            vectors, variance = _variances(recording.positions)
+        except FloatingPointError:
+            raise ValueError("steps are too large to be squared") from None
     columns = {"vectors": vectors, "roughness": variance}
     table = DataFrame({"marker": np.array(recording.markers, dtype=object), **columns})
     notes = _notes(vectors)

@@ -13,7 +13,6 @@ from dataclasses import replace
 from io import BufferedReader, BufferedWriter
 from typing import cast
 
-from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.execute.worker.protocol import (
     Environment,
@@ -158,7 +157,17 @@ def kill(process: subprocess.Popen[bytes]) -> None:
 
 
 class WorkerEndedError(Exception):
-    """The worker has ended instead of responding; the text says how."""
+    """The worker has ended instead of responding; the text says how.
+
+    Attributes
+    ----------
+    was_ready : bool
+        Whether it was ready for calls before.
+    """
+
+    def __init__(self, how: str, *, was_ready: bool = True) -> None:
+        super().__init__(how)
+        self.was_ready = was_ready
 
 
 class Worker:
@@ -184,8 +193,6 @@ class Worker:
         ------
         WorkerEndedError
             If the process ends first.
-        NodegraphError
-            If the process does not start.
         """
         try:
             # each side reads all of a message before it writes: neither can block the other
@@ -194,10 +201,7 @@ class Worker:
                 self._is_ready = bool(read_frames(self._responses))
             return Response.from_frames(read_frames(self._responses))
         except (EOFError, OSError) as error:
-            end = self._end()
-            if not self._is_ready:
-                raise NodegraphError(f"a worker process does not start: it {end}") from error
-            raise WorkerEndedError(end) from error
+            raise WorkerEndedError(self._end(), was_ready=self._is_ready) from error
 
     def close(self) -> None:
         """Let the process end by itself, if it does so soon."""

@@ -194,7 +194,10 @@ def main() -> None:
     """Respond on standard output to requests from standard input."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     requests, responses = _pipes()
-    write_frames(responses, [b"ready"])
+    try:
+        write_frames(responses, [b"ready"])
+    except BrokenPipeError:
+        os._exit(1)
     reader = _Reader(requests)
     threading.Thread(target=reader.read, daemon=True).start()
     with one_thread_each():  # also of libraries that plugins load
@@ -202,7 +205,10 @@ def main() -> None:
             frames = respond(request).frames()
             sys.stdout.flush()
             reader.is_busy = False
-            write_frames(responses, frames)
+            try:
+                write_frames(responses, frames)
+            except BrokenPipeError:  # the run has ended
+                os._exit(1)
             del request, frames
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from nodegraph import NodegraphError
+from nodegraph.report import study
 from nodegraph.report.study import read_study
 from nodegraph.runs.saved_run import SavedRun
 
@@ -141,6 +142,17 @@ def test_a_file_that_is_not_a_record_is_an_error(command: Command, ran: Path) ->
     for text in ("", "[]", "7", "[" * 100_000, '{"format": 99}', "\0"):
         (ran / "run.json").write_text(text)
         assert "run the graph again" in read_by(command, READERS[:1])
+
+
+def test_a_study_larger_than_its_bound_is_not_read(
+    ran: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    content = gzip.decompress((ran / "study.json.gz").read_bytes())
+    monkeypatch.setattr(study, "_MOST_BYTES", len(content))
+    read_study(ran)
+    (ran / "study.json.gz").write_bytes(gzip.compress(content + b" "))
+    with pytest.raises(NodegraphError, match=r"study\.json\.gz cannot be read"):
+        read_study(ran)
 
 
 def test_a_study_may_be_damaged_anywhere(command: Command, ran: Path) -> None:

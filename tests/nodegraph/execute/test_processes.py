@@ -10,9 +10,10 @@ from typing import IO, Any
 
 import pytest
 
-from nodegraph import node
+from nodegraph import NodegraphError, node
 from nodegraph.execute import HowToRun, Run
 from nodegraph.execute.events import Event
+from nodegraph.execute.worker import client
 
 TWO = HowToRun("processes", 2)
 ONE = HowToRun("processes", 1)
@@ -67,6 +68,38 @@ def test_no_more_processes_start_than_there_are_calls_at_a_time(study: Callable[
     run = study(text, HowToRun("processes", 4))
     assert run["c"].value != os.getpid()
     assert run.counts()["done"] == 3
+
+
+@pytest.fixture
+def killed_at_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+    """Have the first so many worker processes killed before they are ready."""
+
+    def kill(times: int) -> None:
+        flag = tmp_path / "starts"
+        flag.touch()
+        count = (
+            f"import os, pathlib; p = pathlib.Path({str(flag)!r}); p.open('a').write('x'); "
+            f"len(p.read_text()) > {times} or os.kill(os.getpid(), 9); "
+        )
+        monkeypatch.setattr(client, "_PROGRAM", count + client._PROGRAM)
+
+    return kill
+
+
+def test_another_process_starts_for_one_that_was_killed_before_it_was_ready(
+    study: Callable[..., Run], killed_at_start: Callable[[int], None]
+) -> None:
+    killed_at_start(2)
+    run = study("nodes: {a: {use: away.pid}}", ONE)
+    assert run["a"].value != os.getpid()
+
+
+def test_processes_that_never_start_end_the_run(
+    study: Callable[..., Run], killed_at_start: Callable[[int], None]
+) -> None:
+    killed_at_start(99)
+    with pytest.raises(NodegraphError, match=r"does not start.*SIGKILL"):
+        study("nodes: {a: {use: away.pid}}", ONE)
 
 
 @pytest.mark.parametrize(("makes", "takes"), [("opaque", "known"), ("list", "known_first")])

@@ -97,6 +97,16 @@ def test_what_was_not_used_for_so_long_goes(
     assert left(filled) == stay
 
 
+def test_what_is_dated_in_the_future_goes_first(
+    filled: Store, upkeep: Upkeep, files: Files, age: Age
+) -> None:
+    age(files("entries")[0], -60 * DAY)
+    assert upkeep.prune(older_than=45 * DAY).entries == 1
+    age(files("blobs")[0], -60 * DAY)
+    upkeep.prune(keep=0)
+    assert not files("blobs")
+
+
 def test_what_was_found_lately_stays(filled: Store, upkeep: Upkeep) -> None:
     filled.find(key_of(0))
     upkeep.prune(older_than=15 * DAY)

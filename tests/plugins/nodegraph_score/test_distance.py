@@ -144,3 +144,9 @@ def test_the_table_says_what_its_columns_are() -> None:
     assert list(table.columns) == [*UNITS, "farthest"]
     assert info_of(table).units == UNITS
     assert (info_of(table).title, info_of(table).notes) == ("Distances", ())
+
+
+def test_a_distance_beyond_all_numbers_is_refused() -> None:
+    far = replace(recording(), positions=1e200 * recording().positions)
+    with pytest.raises(ValueError, match="too large"):
+        distance(far, recording())
