@@ -29,6 +29,7 @@ SCRIPTS = ("modules", "helpers", "selection", "theme", "frames", "tables")
 """The page's own scripts, by the names of their files."""
 
 _SHOWN = 3
+_OPEN = 3
 _MANY = 24
 _CODE = re.compile(r":[a-z:]+:`~?([^`]+)`|``([^`]+)``|`([^`]+)`")
 
@@ -55,6 +56,11 @@ class _Question:
     anchor: str
     leads: tuple[Section, ...]
     results: tuple[Titled, ...]
+
+    @property
+    def open(self) -> int:
+        """How many of the results are not folded: few beside one that answers at a glance."""
+        return _OPEN if any(result.has_lead for result in self.results) else len(self.results)
 
 
 _NO_SERVER = 'nodegraph.define("server", [], () => null);\n'
