@@ -109,7 +109,7 @@ def _with_own_ids(rendered: Rendered, number: int) -> Rendered:
         return rendered
     longest_first = sorted(names, key=len, reverse=True)
     used = re.compile(rf"""(?<=["'#])({"|".join(map(re.escape, longest_first))})(?=["')])""")
-    own = rf"\1-{number}"
+    own = rf"\1-run-{number}"  # ids often end in a number
     return replace(rendered, html=used.sub(own, rendered.html), lead=used.sub(own, rendered.lead))
 
 

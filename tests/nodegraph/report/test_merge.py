@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -59,3 +60,12 @@ def test_the_results_of_one_run_take_the_whole_width(tab: Tab, tmp_path: Path) -
     (_, left, top), (_, right, lower) = tab.value(CORNERS)
     assert left == right
     assert top < lower
+
+
+def test_ids_of_one_run_are_not_those_of_another() -> None:
+    html = '<p id="chart"></p><p id="chart-2"></p><a href="#chart-2"></a>'
+    study = Study("one", sections=(Section("all", Rendered(html)),))
+    content = page(merged({"first": study, "second": study}))
+    names = re.findall(r'<p id="(chart[^"]*)"', content)
+    assert len(set(names)) == 4
+    assert set(re.findall(r'href="#(chart[^"]*)"', content)) < set(names)

@@ -157,6 +157,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
         try {
           packed = await detail.server.get("detail", {
             node: json.node, compare: json.compare, methods: view.overview.methods, block: labelsOf(view, view.block),
+            ...(detail.run ? { run: detail.run } : {}),
           });
         } catch (error) {
           say(`It could not be computed: ${error.message}`);

@@ -33,7 +33,7 @@ nodegraph.define("compare/charts", [
     const overview = overviews.load(host.dataset.overview);
     const view = new View(overview, at === 0);
     for (const place of host.querySelectorAll("[data-chart]")) DRAW[place.dataset.chart](place, view);
-    const detail = { module: null, server };
+    const detail = { module: null, server, run: host.closest("[data-run]")?.dataset.run };
     const name = overview.json.detail?.module;
     // which module shows a block is only known from the data; modules that are defined now come next
     if (name) nodegraph.define(`compare/detail ${at}`, [name], (module) => { detail.module = module; });
