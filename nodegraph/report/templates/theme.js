@@ -15,7 +15,7 @@ nodegraph.define("theme", [], () => {
   const dark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
   const button = document.getElementById("theme");
   const show = () => {
-    button.textContent = dark() ? "Light" : "Dark";
+    if (button) button.textContent = dark() ? "Light" : "Dark";
     for (const reader of readers) reader(dark());
     dispatchEvent(new Event("themechange"));
   };
@@ -24,17 +24,18 @@ nodegraph.define("theme", [], () => {
     else root.dataset.theme = theme;
     show();
   };
-  if (!button) return { dark, on: (reader) => { readers.push(reader); } };
-  button.hidden = false;
-  button.addEventListener("click", () => {
-    const theme = dark() ? "light" : "dark";
-    try {
-      localStorage.setItem(NAME, theme);
-    } catch { /* it lasts as long as the page */ }
-    choose(theme);
-  });
   system.addEventListener("change", show);
-  if (stored()) choose(stored());
-  else show();
+  if (button) {
+    button.hidden = false;
+    button.addEventListener("click", () => {
+      const theme = dark() ? "light" : "dark";
+      try {
+        localStorage.setItem(NAME, theme);
+      } catch { /* it lasts as long as the page */ }
+      choose(theme);
+    });
+    if (stored()) choose(stored());
+    else show();
+  }
   return { dark, on: (reader) => { readers.push(reader); } };
 });

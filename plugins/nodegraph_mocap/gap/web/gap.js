@@ -17,7 +17,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
   };
 
   const bestOf = ({ overview, group }) => {
-    const { methods, groups } = overview.json ?? overview;
+    const { methods, groups } = overview;
     return (groups[group]?.best ?? []).map((at) => String(methods[at].label));
   };
 

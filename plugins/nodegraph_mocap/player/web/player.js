@@ -1,13 +1,14 @@
 // One clock, in seconds, for all panels of a playback; each shows the frame that began last.
 nodegraph.define("mocap/player", [
-  "page", "selection", "mocap/player/data", "mocap/player/camera", "mocap/player/markers", "mocap/player/mesh",
+  "page", "selection", "theme", "mocap/player/data", "mocap/player/camera", "mocap/player/markers", "mocap/player/mesh",
   "mocap/player/controls", "mocap/player/gestures",
-], (page, selection, { playbackOf }, camera, markers, { drawMesh }, controls, { dragged, keyed }) => {
+], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
   const { drawMarkers, toldMarkers, toldSample } = markers;
   const { controlsFor, chooserFor, legendFor, buttonFor } = controls;
   const MOST = 6; // panels at once
+  const FIRST = 4; // of more
   const NEAR = 10; // px from a marker that point at it
   const TRAIL = 0.5; // seconds
   const FINENESS = 2; // dots for each pixel of the page
@@ -15,7 +16,6 @@ nodegraph.define("mocap/player", [
     light: { text: "#17202c", line: "#9aa4b0", trail: "rgba(42, 134, 200, 0.6)" },
     dark: { text: "#e7ebf0", line: "#68747f", trail: "rgba(86, 164, 226, 0.65)" },
   };
-  const DARK = matchMedia("(prefers-color-scheme: dark)");
   const CALM = matchMedia("(prefers-reduced-motion: reduce)");
 
   // Panels of fills are labelled "ridge", or "ridge, met" where they differ in more than the method.
@@ -24,8 +24,9 @@ nodegraph.define("mocap/player", [
   // All that fit; of more the truth and those with the least errors, of which the best is last.
   const firstShown = ({ panels, truth }) => {
     const places = panels.map((_, place) => place);
+    if (places.length <= MOST) return places;
     const error = (place) => (panels[place] === truth ? -1 : panels[place].error ?? Infinity);
-    return places.sort((a, b) => error(a) - error(b) || a - b).slice(0, MOST).reverse();
+    return places.sort((a, b) => error(a) - error(b) || a - b).slice(0, FIRST).reverse();
   };
 
   class Player {
@@ -168,7 +169,7 @@ nodegraph.define("mocap/player", [
         sight.observe(one.canvas);
         resized.observe(one.canvas);
       }
-      DARK.addEventListener("change", () => this.invalidate());
+      theme.on(() => this.invalidate());
       addEventListener("beforeprint", () => { this.printing = true; this.draw(); });
       addEventListener("afterprint", () => { this.printing = false; this.invalidate(); });
     }
@@ -245,7 +246,7 @@ nodegraph.define("mocap/player", [
     }
 
     draw(chosen = () => true) {
-      const ink = INKS[DARK.matches && !this.printing ? "dark" : "light"];
+      const ink = INKS[theme.dark() && !this.printing ? "dark" : "light"];
       this.panels.forEach((one, place) => {
         if (this.shown.includes(place) && chosen(one)) this.drawn[place] = this.drawPanel(one, ink);
       });
