@@ -176,7 +176,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
     }
   }
 
-  // Blocks that are worth a look, as buttons.
+  // Blocks of the group that are worth a look, as buttons.
   const suggest = (host, view) => {
     const { suggested } = view.overview.json;
     if (!suggested?.length) return;
@@ -186,13 +186,20 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       const value = method === undefined ? "" : ` \u00b7 ${view.overview.methods[method]} ${view.error(from.error(view.metric.name, block, method))}`;
       return element("button", {
         type: "button", class: `suggestion${from.isSuspect(block) ? " suspect" : ""}`,
-        onclick: () => view.set({ group, block }),
+        onclick: () => view.set({ block }),
       }, element("b", {}, `${from.isSuspect(block) ? "\u25c7 " : ""}${why[0].toUpperCase()}${why.slice(1)}`),
-      element("span", {}, `${[from.title, from.nameOf(block)].filter(Boolean).join(" \u00b7 ")}${value}`));
+      element("span", {}, `${from.nameOf(block)}${value}`));
     };
     const list = element("div", { class: "suggestions" });
-    const redraw = () => list.replaceChildren(...suggested.map(entry));
-    host.append(element("h4", {}, `Worth a look`), list);
+    const redraw = () => {
+      const here = suggested.filter(({ group }) => group === view.group.index);
+      host.hidden = !here.length;
+      list.replaceChildren(...here.map(entry));
+    };
+    host.append(element("h4", {}, "Worth a look"), list);
+    view.on((changed) => {
+      if (changed.has("group") || changed.has("metric")) redraw();
+    });
     redraw();
   };
 

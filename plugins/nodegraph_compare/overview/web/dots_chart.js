@@ -8,7 +8,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
   const REACH = 9;
   const CELL = 4;
   const ROW_LABEL = 13;
-  const LETTER = 6.8;
+  const LETTER = 7.4;
 
   // A fixed share of the row's height for each block, without pattern: 0 to 1.
   const jitter = (block) => {
@@ -230,6 +230,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       const { ratio, width, height, rowHeight, rows, x, canvas } = dots;
       scene.width = canvas.width;
       scene.height = canvas.height;
+      scene.classList.toggle("dark", dots.inks.ink[0] > dots.inks.paper[0]);
       const context = scene.getContext("2d");
       const ink = (name) => `rgb(${dots.inks[name].join(" ")})`;
       context.scale(ratio, ratio);
@@ -237,7 +238,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       context.fillStyle = ink("quiet");
       context.strokeStyle = ink("line");
       context.textAlign = "center";
-      for (const { value, text } of x.ticks(64)) {
+      for (const { value, text } of x.ticks(width < 500 ? 40 : 64)) {
         const px = Math.round(x.place(value)) + 0.5;
         context.beginPath();
         context.moveTo(px, TOP - 6);

@@ -6,7 +6,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const { strong, text, line } = chart;
   const HEIGHT = 500;
   const ROW = 15.5;
-  const LETTER = 6.7;
+  const LETTER = 7.2;
   const TOP = 46;
 
   const describe = (view, method, groups) => groups
@@ -151,7 +151,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       const [up, down] = [moves[0], moves.at(-1)];
       const word = (move) => [strong(view.overview.methods[move.method]), ` ${move.to < move.from ? "climbs" : "falls"} from place ${move.from} to ${move.to}`];
       if (up.to < up.from) {
-        parts.push(`From ${view.groupText(first)} to ${last.labels.at(-1)}, `, ...word(up));
+        parts.push(`${panel.length ? "from" : "From"} ${view.groupText(first)} to ${last.labels.at(-1)}, `, ...word(up));
         parts.push(...(down.to > down.from ? [", ", ...word(down)] : []), ". ");
       }
     }
@@ -162,7 +162,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       return low > 0 && view.statistic !== "rank" ? high / low : NaN;
     });
     if (factors.every(Number.isFinite) && factors.length <= 6) {
-      parts.push(`From the best to the worst is a factor of ${factors.map((factor) => (factor < 10 ? factor.toFixed(1) : factor.toFixed(0))).join(", ")}.`);
+      parts.push(`${panel.length && !parts.length ? "from" : "From"} the best to the worst is a factor of ${factors.map((factor) => (factor < 10 ? factor.toFixed(1) : factor.toFixed(0))).join(", ")}.`);
     }
     return parts.length ? [...panel, ...parts] : [];
   };

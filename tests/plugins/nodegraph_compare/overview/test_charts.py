@@ -497,20 +497,26 @@ OVERLAPS = """(() => {
 })()"""
 
 
-@pytest.mark.parametrize("kind", ODD)
-def test_odd_data_are_drawn_without_complaint(tab: Tab, tmp_path: Path, kind: str) -> None:
-    charts = "".join(
-        f'<div data-chart="{name}"></div>' for name in ("controls", "ranking", "cost", "blocks")
-    )
-    html = f'<div data-overview="odd">{charts}</div>{json_script(ODD[kind], "odd")}'
+def charts_of(folder: Path, *data: Mapping[str, Any]) -> Path:
+    """A page of comparisons from their data alone."""
+    html = ""
+    for at, each in enumerate(data):
+        places = (
+            f'<div data-chart="{name}"></div>' for name in ("controls", "ranking", "cost", "blocks")
+        )
+        html += (
+            f'<div data-overview="odd-{at}">{"".join(places)}</div>{json_script(each, f"odd-{at}")}'
+        )
     web = files("nodegraph_compare.overview").joinpath("web")
     sources = {item.name: item.read_text(encoding="utf-8") for item in web.iterdir()}
-    rendered = Rendered(
-        html,
-        scripts=tuple(text for name, text in sources.items() if name.endswith(".js")),
-        styles=tuple(text for name, text in sources.items() if name.endswith(".css")),
-    )
-    tab.show(saved(tmp_path, rendered), width=1280)
+    scripts = tuple(text for name, text in sources.items() if name.endswith(".js"))
+    styles = tuple(text for name, text in sources.items() if name.endswith(".css"))
+    return saved(folder, Rendered(html, scripts=scripts, styles=styles))
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_odd_data_are_drawn_without_complaint(tab: Tab, tmp_path: Path, kind: str) -> None:
+    tab.show(charts_of(tmp_path, ODD[kind]), width=1280)
     for width in (1280, 390):
         tab.size(width, 900)
         tab.value("new Promise((resolve) => setTimeout(resolve, 60))")
@@ -527,3 +533,17 @@ def test_odd_data_are_drawn_without_complaint(tab: Tab, tmp_path: Path, kind: st
     if kind == "one group":
         assert tab.value(COUNT % ".line-chart path.line") == 0
         assert tab.value(COUNT % ".line-chart g[role=button]") == 4
+
+
+def test_comparisons_on_one_page_share_methods_and_no_more(tab: Tab, tmp_path: Path) -> None:
+    tab.show(charts_of(tmp_path, ODD["higher is better"], ODD["all equal"]), width=1280)
+    checked = (
+        "[...document.querySelectorAll('.segments [aria-checked=true]')]"
+        ".map((button) => button.textContent)"
+    )
+    assert tab.value(checked) == ["1", "1"]
+    tab.click("[data-overview=odd-1] .segments button")
+    assert tab.value(checked) == ["1", "0"]
+    assert tab.value("location.hash") == ""
+    tab.click("[data-overview=odd-1] .heat tbody th button")
+    assert tab.value(COUNT % ".heat tr.selected") == 2
