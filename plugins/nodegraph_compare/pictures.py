@@ -56,34 +56,39 @@ class Span(NamedTuple):
         return float(self.smallest * 10.0**above)
 
 
-def span_of(means: NDArray[np.float64], ends: NDArray[np.float64]) -> Span:
+def span_of(mean: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]) -> Span:
     """Return the scale of means: logarithmic where they are more than ten times apart.
+
+    The ends of intervals are in sight unless one reaches far beyond the others: out of the range
+    of the means by more than a third of it and more than three times the median length.
 
     Parameters
     ----------
-    means
+    mean, low, high : (N,) arrays of float64
         NaN counts for nothing.
-    ends
-        Of their intervals: in sight unless they would take a third of the room of the means, on
-        either side.
     """
-    means, ends = means[np.isfinite(means)], ends[np.isfinite(ends)]
-    if not len(means):
+    known = np.isfinite(mean)
+    mean, low, high = mean[known], low[known], high[known]
+    if not len(mean):
         return Span("linear", 0.0, 1.0, 1.0)
-    positive = means[means > 0.0]
-    if len(positive) and means.min() >= 0.0 and means.max() > WIDE * positive.min():
-        kind: Literal["log", "symlog"] = "log" if means.min() > 0.0 else "symlog"
+    positive = mean[mean > 0.0]
+    if len(positive) and mean.min() >= 0.0 and mean.max() > WIDE * positive.min():
+        kind: Literal["log", "symlog"] = "log" if mean.min() > 0.0 else "symlog"
         scale, least = Span(kind, 0.0, 0.0, float(positive.min())), 0.3
-        ends = ends[ends > 0.0]
+        low = np.where(low > 0.0, low, np.nan)
     else:
-        scale, least = Span("linear", 0.0, 0.0, 1.0), 0.1 * float(np.abs(means).max()) or 1.0
-    places, reached = scale.along(means), scale.along(ends)
-    low, high = float(places.min()), float(places.max())
-    size = max(high - low, least)
-    near = reached[(reached > low - size / 3) & (reached < high + size / 3)]
-    low, high = (float(edge) for edge in (min([low, *near]), max([high, *near])))
-    room = _ROOM * max(high - low, least)
-    return scale._replace(low=scale.back(low - room), high=scale.back(high + room))
+        scale, least = Span("linear", 0.0, 0.0, 1.0), 0.1 * float(np.abs(mean).max()) or 1.0
+    places, *ends = (scale.along(each) for each in (mean, low, high))
+    first, last = float(places.min()), float(places.max())
+    size = max(last - first, least)
+    reached = np.concatenate(ends)
+    lengths = np.abs(reached - np.tile(places, 2))
+    usual = np.isfinite(lengths) & (lengths > 0.0)
+    beyond = max(size / 3, 3 * float(np.median(lengths[usual])) if usual.any() else 0.0)
+    near = reached[(reached > first - beyond) & (reached < last + beyond)]
+    first, last = (float(edge) for edge in (min([first, *near]), max([last, *near])))
+    room = _ROOM * max(last - first, least)
+    return scale._replace(low=scale.back(first - room), high=scale.back(last + room))
 
 
 def set_span(axis: Axes, span: Span) -> None:

@@ -157,26 +157,32 @@ def _themed(svg: str) -> str:
     """Return a drawing whose colours follow the page's style sheet, light or dark.
 
     Colours with a role become its custom property, greys a mixture of ink and paper; others are
-    of middle lightness and stay. Without such a style sheet, all stay as they were drawn.
+    of middle lightness and stay, but for texts, which need more contrast and are mixed with ink.
+    Without such a style sheet, all stay as they were drawn.
     """
     shared = _SHEET.search(svg)
     begin = f'<svg style="fill: var(--ink, #000); {shared[1] if shared else ""}"'
     # the rule would hold for the whole page
     svg = _SHEET.sub("", svg).replace("<svg", begin, 1)
-    return _TAG.sub(lambda tag: _STYLE.sub(lambda style: _style(style[0]), tag[0]), svg)
+    return _TAG.sub(_themed_tag, svg)
 
 
-def _style(style: str) -> str:
-    style = _FONTS.sub("system-ui, 'Liberation Sans', Arial, sans-serif", style)
-    return _COLOUR.sub(lambda colour: _page_colour(colour[0]), style)
+def _themed_tag(tag: re.Match[str]) -> str:
+    is_text = tag[0].startswith("<text")
+
+    def style(attribute: re.Match[str]) -> str:
+        fonts = _FONTS.sub("system-ui, 'Liberation Sans', Arial, sans-serif", attribute[0])
+        return _COLOUR.sub(lambda colour: _page_colour(colour[0], is_text=is_text), fonts)
+
+    return _STYLE.sub(style, tag[0])
 
 
-def _page_colour(colour: str) -> str:
+def _page_colour(colour: str, *, is_text: bool) -> str:
     if colour in ROLES:
         return f"var({ROLES[colour]}, {colour})"
     parts = [int(colour[place : place + 2], 16) for place in (1, 3, 5)]
     if max(parts) - min(parts) > _GREY:
-        return colour
+        return f"color-mix(in srgb, {colour} 65%, var(--ink, {colour}))" if is_text else colour
     share = round(100 * (1 - sum(parts) / 765))
     if share in (0, 100):
         return f"var(--ink, {colour})" if share else f"var(--paper, {colour})"

@@ -202,8 +202,8 @@ def curve(
         Tables, with a row per unit or a row in all.
     floor
         Tables of the same metric, by the same compared labels, with what measurement noise alone
-        does: a dashed line at the mean of each label's rows. One line for all where the floor
-        has no labels.
+        does: shaded up to the mean of each label's rows. One floor for all where it has no
+        labels.
     x
         Axis or column of numbers.
     metric
@@ -248,7 +248,7 @@ def curve(
         ``minimum``, ``knee`` or empty). Its answer states what is marked and what the noise floor
         reaches, its notes what was left out.
     figure
-        The curves. Logarithmic along y where no error is negative and they span more than a
+        A panel per curve, at most 24, with the others in grey. Logarithmic along y where no error is negative and they span more than a
         factor of 30, those below a millionth of the largest left aside; these stand on the lower
         edge.
 

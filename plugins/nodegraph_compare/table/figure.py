@@ -121,10 +121,11 @@ def _ordered(summaries: Sequence[Summary], order: Sequence[Label]) -> list[Label
 
 
 def _span(summaries: Sequence[Summary]) -> Span:
-    nothing = np.empty(0)
-    means = np.concatenate([*(summary.mean for summary in summaries), nothing])
-    ends = [end for summary in summaries for end in (summary.low, summary.high)]
-    return span_of(means, np.concatenate([*ends, nothing]))
+    return span_of(
+        np.concatenate([summary.mean for summary in summaries]),
+        np.concatenate([summary.low for summary in summaries]),
+        np.concatenate([summary.high for summary in summaries]),
+    )
 
 
 def _panel(axis: Axes, summary: Summary, methods: Sequence[Label], span: Span) -> None:

@@ -104,16 +104,20 @@ def test_the_last_axis_lies_across_and_methods_keep_their_row() -> None:
 def test_a_scale_is_logarithmic_where_errors_span_a_decade(
     means: tuple[float, ...], kind: str
 ) -> None:
-    span = span_of(np.array(means), np.empty(0))
+    span = span_of(np.array(means), *np.full((2, len(means)), np.nan))
     assert span.kind == kind
     assert span.low < min(means)
     assert span.high > max(means)
 
 
 def test_one_interval_does_not_flatten_all_others() -> None:
-    span = span_of(np.array([1.0, 1.5, 2.0]), np.array([0.9, 1.1, 40.0, -30.0]))
+    mean = np.array([1.0, 1.5, 2.0])
+    span = span_of(mean, mean - 0.1, np.array([1.1, 1.6, 40.0]))
     assert span.low > 0.5
     assert span.high < 2.5
+    wide = span_of(mean, mean - 20.0, mean + 20.0)
+    assert wide.low < -19.0
+    assert wide.high > 22.0
 
 
 @pytest.mark.parametrize("value", [0.0, 3.0])
