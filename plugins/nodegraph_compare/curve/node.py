@@ -248,9 +248,9 @@ def curve(
         ``minimum``, ``knee`` or empty). Its answer states what is marked and what the noise floor
         reaches, its notes what was left out.
     figure
-        A panel per curve, at most 24, with the others in grey. Logarithmic along y where no error is negative and they span more than a
-        factor of 30, those below a millionth of the largest left aside; these stand on the lower
-        edge.
+        A panel per curve, at most 24, with the others in grey. Logarithmic along y where no error
+        is negative and they span more than a factor of 30, those below a millionth of the largest
+        left aside; these stand on the lower edge.
 
     Raises
     ------
