@@ -27,7 +27,7 @@ from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, policy, source, templates_of
 from nodegraph.runs.reopen import NotStored, ReopenedRun
 from nodegraph.runs.saved_run import SavedRun
-from nodegraph.serve.runs import OpenRun, OpenRuns, RunState
+from nodegraph.serve.runs import OpenRun, OpenRuns, RunState, entry_of
 from nodegraph.serve.values import Query, labels_in, packed, shown
 
 _EVERY = 0.5
@@ -161,10 +161,7 @@ class _Pages:
 
     def runs(self, request: Request) -> Response:
         """List the runs, to be seen side by side."""
-        rows = [
-            {"run": run, "title": run.title, "state": run.condition().state, "begun": run.begun}
-            for run in self._runs.all().values()
-        ]
+        rows = [entry_of(run) for run in self._runs.all().values()]
         return _page("runs.html", title="Runs", rows=rows, first=self._runs.first)
 
     def values(self, request: Request) -> Response:
@@ -191,6 +188,7 @@ class _Pages:
             "value.html",
             **context,
             value=value,
+            record=values.record,
             address=request.url.query,
             scripts=[*scripts, *value.rendered.scripts],
             styles=value.rendered.styles,

@@ -22,9 +22,10 @@ from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_written
 from nodegraph.runs.reopen import ReopenedRun, reopen, saved_graph
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.runs.settings import RunSettings
-from nodegraph.serve.progress import EventFile
+from nodegraph.serve.progress import EventFile, Progress
 from nodegraph.store import store_folder
 
+_LONGEST = 1 << 20
 _QUIET = 4
 """After how many looks without a new event a run may have been killed."""
 
@@ -178,19 +179,9 @@ class OpenRun:
     @property
     def title(self) -> str:
         """The title of the study."""
-        if self.condition().state is RunState.FINISHED:
-            return self.study().title
         with self._lock:
             self._read_events()
             return str(self._events.progress.planned.get("title", ""))
-
-    @property
-    def begun(self) -> str:
-        """When the run began, as its first event has it."""
-        with self._lock:
-            self._read_events()
-            began = str(self._events.progress.planned.get("began", ""))
-        return began[: len("2026-11-22T15:42")].replace("T", " ")
 
     @cached_property
     def _settings(self) -> RunSettings | None:
@@ -262,6 +253,26 @@ def _version(path: Path) -> tuple[int, int]:
     except OSError:
         return 0, 0
     return status.st_mtime_ns, status.st_size
+
+
+def entry_of(run: OpenRun) -> dict[str, Any]:
+    """Return what a list of runs says of a run, without reading all of it."""
+    progress = Progress()
+    try:
+        is_going = is_written(run.folder / EVENTS)
+        with (run.folder / EVENTS).open("rb") as file:
+            progress.read(file.readline(_LONGEST))
+    except OSError:
+        is_going = False
+    has_report, has_record = ((run.folder / name).is_file() for name in (STUDY, RECORD))
+    state = RunState.UNREADABLE if has_record else RunState.INTERRUPTED
+    if is_going:
+        state = RunState.WRITING if has_record else RunState.RUNNING
+    elif has_report and has_record:
+        state = RunState.FINISHED
+    began = str(progress.planned.get("began", ""))[: len("2026-11-22T15:42")]
+    title = str(progress.planned.get("title", ""))
+    return {"run": run, "state": state, "title": title, "begun": began.replace("T", " ")}
 
 
 class OpenRuns:

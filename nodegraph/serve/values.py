@@ -30,7 +30,7 @@ class Shown:
 
     Attributes
     ----------
-    labels : str
+    node, labels : str
     rendered : Rendered
     seconds : float
         That its step took.
@@ -40,6 +40,7 @@ class Shown:
         Files that it can be written as.
     """
 
+    node: str
     labels: str
     rendered: Rendered
     seconds: float
@@ -81,6 +82,7 @@ def shown(run: ReopenedRun, query: Query) -> Shown:
     title = f"{name} {text}".strip()
     origin = RunOrigin(run, run.record.settings, values.node, labels)
     return Shown(
+        values.node,
         text,
         render_in_run(value, title, origin) or Rendered("", _summary(value)),
         outcome.seconds,
