@@ -54,10 +54,10 @@ def error_map(
     gaps) are in one picture: the same method, applied to several takes. The error of a marker in a
     take is the root mean square of its distance to the truth over its samples; what is drawn is
     the mean over the takes in which it has any. Area and colour of a disc say the same, on a
-    logarithmic scale from the least to the largest error of all pictures. A marker stands at its
-    mean position in the truths, seen from the front of each. The last picture has, at each marker,
-    how many samples are behind its error: the least number of all pictures. A marker without one
-    is a hollow circle.
+    logarithmic scale from the least to the largest error of all pictures; above a picture stands
+    the median of its markers. A marker stands at its mean position in the truths, seen from the
+    front of each. The last picture has, at each marker, how many samples are behind its error: the
+    least number of all pictures. A marker without one is a hollow circle.
 
     Parameters
     ----------

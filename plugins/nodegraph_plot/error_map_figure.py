@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from nodegraph_mocap import figure_text
 from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.view import frontal
+from nodegraph_tables.axes import SMALL
 from nodegraph_tables.style import LINE, QUIET, REST
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from nodegraph_plot.error_map import MarkerErrors
 
 _ACROSS = 5
-_LETTERS = 30
+_LETTERS = 22
 """In a line above a picture."""
 
 _COLOURS = LinearSegmentedColormap.from_list("errors", ["#f6e3bd", "#d9791c", "#7a2b08"])
@@ -77,7 +78,7 @@ def draw(pictures: Mapping[str, MarkerErrors], truths: Sequence[Trajectories], v
         _face(axis, points, edges)
         _discs(axis, points, picture, scale)
         title = f"{figure_text(name, across=_LETTERS, lines=2)}\n{_overall(picture)}"
-        axis.set_title(title.lstrip("\n"), fontsize="small")
+        axis.set_title(title.lstrip("\n"), fontsize=SMALL)
     numbers = axes[len(pictures)]
     _face(numbers, points, edges)
     _numbers(numbers, points, pictures)
@@ -125,7 +126,7 @@ def _face(axis: Axes, points: Points, edges: NDArray[np.float64]) -> None:
 def _overall(picture: MarkerErrors) -> str:
     known = [error for error in picture.errors.values() if np.isfinite(error)]
     takes = f", {picture.takes} takes" if picture.takes > 1 else ""
-    return f"median of markers {np.median(known):.2g} mm{takes}" if known else "no sample"
+    return f"median {np.median(known):.2g} mm{takes}" if known else "no sample"
 
 
 def _discs(axis: Axes, points: Points, picture: MarkerErrors, scale: _Scale) -> None:
@@ -153,7 +154,7 @@ def _numbers(axis: Axes, points: Points, pictures: Mapping[str, MarkerErrors]) -
             x, y = points[marker].tolist()
             axis.text(x, y, str(number), fontsize=5, ha="center", va="center", color=QUIET)
     alike = all(each.samples == least for each in pictures.values())
-    axis.set_title(f"samples behind each error{'' if alike else ', at least'}", fontsize="small")
+    axis.set_title(f"samples behind\neach error{'' if alike else ', at least'}", fontsize=SMALL)
 
 
 def _handles(scale: _Scale, *, hollow: bool) -> list[Line2D]:

@@ -29,10 +29,12 @@ def playback(
     repaired), joined by its marker set's edges; each animation is a panel with its shaded head.
     One clock, in seconds, drives all: a panel shows the frame that began last, and holds its last
     frame when it is shorter than others. The recordings have one scale, and so have the heads;
-    each panel is centred on what was measured of it. The reader plays, slows down, steps, drags
-    to turn, enlarges, and shows trails; nothing moves before it is asked to. It opens at the
-    frame with most samples that a method has made, and whose truth is known if there is one, else
-    at the first.
+    each panel is centred on what was measured of it. The reader plays, slows down, steps, goes from
+    gap to gap, drags to turn, enlarges, and shows trails or errors ten times as large; nothing
+    moves before it is asked to. It opens at the frame with most samples that a method has made,
+    and whose truth is known if there is one, else at the first. Up to six panels are shown at a
+    time: of more these are at first the truth and the three of least error, and the reader chooses
+    others.
 
     With a truth, its own panel comes first, a hollow circle shows where each made or missing
     sample should be, and the colours can show the error instead. A missing sample is not drawn

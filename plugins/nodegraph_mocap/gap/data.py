@@ -212,10 +212,11 @@ def _largest_error(block: Mapping[str, Any], scored: _Scored) -> _Place | None:
             farthest.append((float(largest[frame]), frame, name))
     if not farthest:
         return None
-    _, frame, name = max(farthest, key=lambda sample: sample[0])
-    frames = range(max(frame - AROUND, 0), min(frame + AROUND + 1, base.frames))
+    error, frame, name = max(farthest, key=lambda sample: sample[0])
     what = "a method errs most" if scored.truth else "methods differ most"
-    return _Place(name, frames, frame, f"{what} in frame {frame}")
+    reason = f"{what} in frame {frame}" if error > 0 else ""
+    at = frame if reason else base.frames // 2
+    return _Place(name, range(max(at - AROUND, 0), min(at + AROUND + 1, base.frames)), at, reason)
 
 
 def _packed(
