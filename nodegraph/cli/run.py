@@ -92,7 +92,9 @@ def run(arguments: Namespace) -> int:
         print(summary_json(written.study, finished, folder.path))
     elif not arguments.quiet:
         out = console(sys.stdout, color=arguments.color)
-        print_summary(written.study, finished, folder.path, out, full=arguments.full)
+        print_summary(
+            written.study, finished, folder.path, out, full=arguments.full, lost=written.lost
+        )
     for name, reason in written.lost.items():
         say(f"{folder.path / name}: cannot be written: {reason}")
     if arguments.open and REPORT not in written.lost:

@@ -6,7 +6,7 @@ import json
 import sys
 import textwrap
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +32,15 @@ _LEGEND = {_BEST: "best", _TIED: "not clearly apart from it"}
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 
 
-def print_summary(study: Study, run: Run, folder: Path, console: Console, *, full: bool) -> None:
+def print_summary(
+    study: Study,
+    run: Run,
+    folder: Path,
+    console: Console,
+    *,
+    full: bool,
+    lost: Collection[str] = (),
+) -> None:
     """Print what a run gave.
 
     Parameters
@@ -45,8 +53,10 @@ def print_summary(study: Study, run: Run, folder: Path, console: Console, *, ful
     console
     full
         Whether to print every sentence, table, warning and failure.
+    lost
+        Files that could not be written.
     """
-    for part in _parts(study, run, folder, console, full=full):
+    for part in (*_parts(study, run, console, full=full), f"\n{_files(study, folder, lost)}"):
         if isinstance(part, str):
             console.print(part, markup=False, soft_wrap=True)
         else:
@@ -96,9 +106,7 @@ def _grid_data(grid: Grid) -> dict[str, Any]:
     }
 
 
-def _parts(
-    study: Study, run: Run, folder: Path, console: Console, *, full: bool
-) -> Iterator[str | Table]:
+def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[str | Table]:
     sentences = study.answer if full else study.short_answer[:_MOST_SENTENCES]
     # what is piped has a line per sentence
     width = console.width if console.is_terminal else sys.maxsize
@@ -122,7 +130,6 @@ def _parts(
             yield from map(_failure, kind.groups if full else kind.groups[:_MOST_GROUPS])
             yield from _more(len(kind.groups), full=full)
     yield from run.not_stored()
-    yield f"\n{_files(study, folder)}"
 
 
 def _section(section: Section, width: int, *, full: bool) -> Iterator[str | Table]:
@@ -211,7 +218,8 @@ def _more(count: int, *, full: bool) -> Iterator[str]:
         yield f"{count - _MOST_GROUPS} more kinds: --full, or the report"
 
 
-def _files(study: Study, folder: Path) -> str:
+def _files(study: Study, folder: Path, lost: Collection[str]) -> str:
     kinds = Counter(link.text for section in study.sections for link in section.files)
-    beside = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    return f"{folder / REPORT}, {RECORD}{f', {beside}' if beside else ''}"
+    first, *rest = [name for name in (REPORT, RECORD, "") if name not in lost]
+    names = [str(folder / first), *filter(None, rest)]
+    return ", ".join([*names, *(f"{count} {kind}" for kind, count in kinds.items())])

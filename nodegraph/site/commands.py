@@ -35,7 +35,7 @@ def _command(name: str, parser: ArgumentParser) -> str:
             f'<section id="{escape(name)}">',
             f"<h2><code>nodegraph {escape(name)}</code></h2>",
             blocks_html(_description(parser)),
-            f'<pre class="command"><code>{escape(usage)}</code></pre>',
+            f'<pre class="command" tabindex="0"><code>{escape(usage)}</code></pre>',
             table(("argument", "meaning"), rows),
             "</section>",
         ]

@@ -18,6 +18,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import REPORT
 from nodegraph.site.page import Entry, Page
+from nodegraph.site.prose import code_html
 
 _FOLDER = "runs"
 _PICTURES = "pictures"
@@ -128,7 +129,7 @@ def _card(name: str, title: str, figure: str, runs: Sequence[RunReport]) -> str:
         for run in runs
     ]
     commands = f"nodegraph examples {name}\nnodegraph run {name}.yaml"
-    below = f"<pre><code>{escape(commands)}</code></pre>" if not runs else ""
+    below = "" if runs else code_html(commands)
     return "\n".join(
         [
             f'<article id="{escape(_anchor(name))}">',

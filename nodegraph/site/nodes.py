@@ -17,7 +17,7 @@ from nodegraph.node.description import (
 from nodegraph.plugin.bibliography import references
 from nodegraph.plugin.registry import Registered, Registry
 from nodegraph.site.page import Entry, Page
-from nodegraph.site.prose import docstring_html, inline_html, table
+from nodegraph.site.prose import code_html, docstring_html, inline_html, table
 
 
 def node_pages(registry: Registry) -> Iterator[Page]:
@@ -82,7 +82,7 @@ def _node(entry: Registered, cited: Mapping[str, str]) -> str:
         )
         for row in describe_settings(node)
     ]
-    example = "" if has_example(node) else f"<pre><code>{escape(example_of(node))}</code></pre>"
+    example = "" if has_example(node) else code_html(example_of(node))
     sources = [cited[key] for key in node.cite]
     parts = [
         f'<section class="node" id="{escape(_anchor(entry))}">',
@@ -91,7 +91,7 @@ def _node(entry: Registered, cited: Mapping[str, str]) -> str:
         f"{''.join(f' · {escape(text)}' for text in describe_declaration(node))}</p>",
         f"<p>Deprecated: {escape(node.deprecated)}.</p>" if node.deprecated else "",
         lead,
-        table(("", "port", "what it is"), port_rows),
+        table(("side", "port", "what it is"), port_rows),
         table(("setting", "default", "unit", "is", "meaning"), setting_rows),
         example,
         sections,

@@ -27,6 +27,8 @@ _SYMBOLS = {
     "sum ": "&Sigma; ",
     "sqrt": "&radic;",
 }
+# what scrolls sideways can be reached by keyboard
+_CODE, _WIDE = '<pre tabindex="0">', '<div class="wide" tabindex="0">'
 _GREEK = ("pi", "sigma", "lambda", "alpha", "theta", "mu")
 
 
@@ -54,9 +56,13 @@ def _markdown(text: str) -> tuple[str, list[Entry]]:
             if child.type == "link_open" and "://" not in target:
                 child.attrSet("href", re.sub(r"\.md(?=#|$)", ".html", target))
     html: str = reader.renderer.render(tokens, reader.options, {})
-    return html.replace("<table>", '<div class="wide"><table>').replace(
-        "</table>", "</table></div>"
-    ), headings
+    for text, focusable in (
+        ("<table>", f"{_WIDE}<table>"),
+        ("</table>", "</table></div>"),
+        ("<pre>", _CODE),
+    ):
+        html = html.replace(text, focusable)
+    return html, headings
 
 
 def plain(text: str) -> str:
@@ -85,7 +91,7 @@ def docstring_html(doc: str) -> tuple[str, str]:
 
 def _section(title: str, content: str) -> str:
     if title == "Examples":
-        return f"<pre><code>{escape(textwrap.dedent(content).strip())}</code></pre>"
+        return code_html(textwrap.dedent(content).strip())
     if title == "References":
         _, *notes = _FOOTNOTE.split(content)
         items = (f"<li>{inline_html(text)}</li>" for text in notes[1::2])
@@ -110,11 +116,16 @@ def blocks_html(text: str) -> str:
 def _block(block: str) -> str:
     lines = block.splitlines()
     if any(_RULED.match(line) for line in lines) or all(line.startswith("  ") for line in lines):
-        return f"<pre><code>{escape(textwrap.dedent(block))}</code></pre>"
+        return code_html(textwrap.dedent(block))
     if _ITEM.match(block):
         items = (inline_html(item) for item in _ITEM.split(block) if item.strip())
         return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
     return f"<p>{inline_html(block)}</p>"
+
+
+def code_html(code: str) -> str:
+    """Return lines of code."""
+    return f"{_CODE}<code>{escape(code)}</code></pre>"
 
 
 def inline_html(text: str) -> str:
@@ -159,6 +170,4 @@ def table(head: tuple[str, ...], rows: list[tuple[Any, ...]]) -> str:
         return ""
     top = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
     body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
-    return (
-        f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
-    )
+    return f"{_WIDE}<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>"

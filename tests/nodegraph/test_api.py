@@ -155,10 +155,13 @@ def test_commands_work_on_a_saved_run(saved: Path, capsys: pytest.CaptureFixture
 
 
 def test_a_run_is_saved_over_another_run_only(file: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "runs"
     run = ng.run(file)
-    run.save(tmp_path / "runs" / "toy")
-    run.save(str(tmp_path / "runs" / "toy"))
-    assert len(list((tmp_path / "runs").iterdir())) == 2
+    run.save(folder / "toy")
+    run.save(str(folder / "toy"))
+    assert [path.name for path in folder.iterdir()] == ["toy"]
+    ng.run(file, cache=False).save(folder / "toy")
+    assert len(list(folder.iterdir())) == 2
     with pytest.raises(ng.NodegraphError, match=r"graph\.yaml"):
         run.save(file)
 

@@ -211,8 +211,8 @@ def test_a_file_that_would_lie_elsewhere_fails_its_step_alone(command: Command, 
 )
 def test_a_graph_file_may_have_any_name(command: Command, name: str) -> None:
     Path(f"{name}.yaml").write_text(Path("toy.yaml").read_text())
-    for _ in range(3):
-        assert command("run", f"{name}.yaml")[0] == 0
+    for start in ("start=1", "start=2", "start=5"):
+        assert command("run", f"{name}.yaml", "--set", start)[0] == 0
     folders = [path.name for path in Path("runs").iterdir()]
     assert len(folders) == 3
     check_portable(folders)
@@ -220,7 +220,7 @@ def test_a_graph_file_may_have_any_name(command: Command, name: str) -> None:
     assert command("lock", f"{name}.yaml")[0] == 0
     assert command("verify", f"{name}.lock")[0] == 0
     assert command("run", "toy.yaml", "--out", name)[0] == 0
-    assert command("run", "toy.yaml", "--out", name)[0] == 0
+    assert command("run", "toy.yaml", "--out", name, "--set", "start=2")[0] == 0
     assert command("archive", name, nodes=False)[0] == 0
     assert [zipfile.is_zipfile(path) for path in Path().glob("*.zip")] == [True]
 
