@@ -3,7 +3,8 @@
 nodegraph.define("compare/charts", [
   "compare/overview", "compare/view", "compare/control_bar", "compare/line_chart", "compare/heat_table",
   "compare/cost_chart", "compare/map_chart", "compare/dots_chart", "compare/block_dialog", "server",
-], (overviews, { View }, controlBar, lineChart, heatTable, costChart, mapChart, dotsChart, { BlockDialog, suggest }, server) => {
+  "selection",
+], (overviews, { View }, controlBar, lineChart, heatTable, costChart, mapChart, dotsChart, { BlockDialog, suggest }, server, selection) => {
   const parts = (host, ...classes) => classes.map((name) => {
     const part = document.createElement("div");
     part.className = name;
@@ -32,6 +33,7 @@ nodegraph.define("compare/charts", [
   [...document.querySelectorAll("[data-overview]")].filter((host) => host.querySelector("[data-chart]")).forEach((host, at) => {
     const overview = overviews.load(host.dataset.overview);
     const view = new View(overview, at === 0);
+    controlBar.joinTabs(view, host.dataset.overview);
     for (const place of host.querySelectorAll("[data-chart]")) DRAW[place.dataset.chart](place, view);
     const detail = { module: null, server, run: host.closest("[data-run]")?.dataset.run };
     const name = overview.json.detail?.module;
@@ -39,5 +41,21 @@ nodegraph.define("compare/charts", [
     if (name) nodegraph.define(`compare/detail ${at}`, [name], (module) => { detail.module = module; });
     nodegraph.define(`compare/blocks ${at}`, name ? [`compare/detail ${at}`] : [], () => new BlockDialog(view, detail));
   });
+
+  // methods in the verdicts follow the selection
+  const named = [...document.querySelectorAll(".overview-lead [data-method]")];
+  const mark = (name, value) => {
+    for (const each of named) each.classList.toggle(name, each.dataset.method === value);
+  };
+  for (const each of named) {
+    each.addEventListener("click", () => selection.toggle("method", each.dataset.method));
+    each.addEventListener("pointerenter", () => selection.hover("method", each.dataset.method));
+    each.addEventListener("pointerleave", () => selection.hover("method", null));
+  }
+  selection.on((state) => mark("selected", state.method));
+  selection.on_hover((kind, value) => {
+    if (kind === "method") mark("hover", value);
+  });
+  mark("selected", selection.state.method);
   return {};
 });

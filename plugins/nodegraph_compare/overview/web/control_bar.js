@@ -36,6 +36,20 @@ nodegraph.define("compare/control_bar", ["page", "compare/view"], (page, { STATI
     return matches.sort((a, b) => agree(b) - agree(a))[0]?.index ?? view.group.index;
   };
 
+  // The tabs of the verdicts, which work without scripts too, choose the same group.
+  const joinTabs = (view, id) => {
+    view.overview.within.forEach(({ name, labels }, axis) => {
+      const tabs = [...document.getElementsByName(`${id}-${name}`)];
+      if (tabs.length !== labels.length) return;
+      const show = () => { tabs[labels.indexOf(view.group.labels[axis])].checked = true; };
+      tabs.forEach((tab, at) => tab.addEventListener("change", () => {
+        view.set({ group: groupWith(view, axis, labels[at]), block: null });
+      }));
+      view.on(show);
+      show();
+    });
+  };
+
   const methodMenu = (view) => {
     const { methods } = view.overview;
     const chosen = new Set(view.state.methods ?? methods);
@@ -130,5 +144,5 @@ nodegraph.define("compare/control_bar", ["page", "compare/view"], (page, { STATI
     redraw();
   };
 
-  return { draw };
+  return { draw, joinTabs };
 });

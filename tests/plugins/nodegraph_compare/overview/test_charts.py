@@ -211,9 +211,11 @@ def test_a_method_is_selected_everywhere_and_cleared_by_a_second_click(
         tab.click(f"{LINE % 'rye'} + g text")
         marks = tab.value(
             "[...document.querySelectorAll('.selected')].map((mark) => mark.closest('[data-chart]')"
-            "?.dataset.chart)"
+            "?.dataset.chart ?? 'lead')"
         )
-        assert set(marks) == ({"ranking", "cost", "blocks", "layout"} if clicks == 1 else set())
+        assert set(marks) == (
+            {"lead", "ranking", "cost", "blocks", "layout"} if clicks == 1 else set()
+        )
         assert ("rye" in tab.value("location.hash")) is (clicks == 1)
     tab.value("location.hash = '#select:method=nut&group=0'")
     assert tab.value(f"document.querySelector({LINE % 'nut'!r}).matches('.selected')")
@@ -497,9 +499,8 @@ OVERLAPS = """(() => {
 })()"""
 
 
-def charts_of(folder: Path, *data: Mapping[str, Any]) -> Path:
+def charts_of(folder: Path, *data: Mapping[str, Any], html: str = "") -> Path:
     """A page of comparisons from their data alone."""
-    html = ""
     for at, each in enumerate(data):
         places = (
             f'<div data-chart="{name}"></div>' for name in ("controls", "ranking", "cost", "blocks")
@@ -547,3 +548,14 @@ def test_comparisons_on_one_page_share_methods_and_no_more(tab: Tab, tmp_path: P
     assert tab.value("location.hash") == ""
     tab.click("[data-overview=odd-1] .heat tbody th button")
     assert tab.value(COUNT % ".heat tr.selected") == 2
+
+
+def test_the_tabs_of_the_verdicts_choose_the_group(tab: Tab, tmp_path: Path) -> None:
+    tabs = "".join(f'<input type="radio" name="odd-0-heat" id="tab-{at}">' for at in (0, 1))
+    tab.show(charts_of(tmp_path, ODD["all equal"], html=tabs), width=1280)
+    chosen = "[...document.querySelectorAll('[name=odd-0-heat]')].map((each) => each.checked)"
+    assert tab.value(chosen) == [False, True]
+    tab.click("#tab-0")
+    assert text(tab, ".segments [aria-checked=true]") == "0"
+    tab.click(".segments button:last-child")
+    assert tab.value(chosen) == [False, True]
