@@ -45,6 +45,7 @@ def build_overview(
     summaries: Sequence[Summary],
     suspects: Sequence[Suspects],
     declared: Mapping[Label, Declared],
+    baseline: Label | None,
 ) -> Overview:
     """Return the overview of a comparison.
 
@@ -56,6 +57,8 @@ def build_overview(
         Of each of its groups.
     declared
         What the methods declare.
+    baseline
+        What methods are compared to in place of the best; by default, the fallback stands for it.
     """
     scores, question = comparison.scores, comparison.question
     methods = comparison.methods
@@ -72,6 +75,7 @@ def build_overview(
         blocks=comparison.blocks,
         units=cluster_text(question) if question.clusters else "",
         ratio=all(summary.ratio for summary in summaries),
+        baseline=comparison.fallback if baseline is None else baseline,
         methods=methods,
         adapted=tuple(
             at for at, method in enumerate(methods) if "adapted" in declared.get(method, {})

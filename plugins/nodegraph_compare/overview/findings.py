@@ -31,10 +31,10 @@ _FEWEST_ROWS = 3
 
 
 def shown_group(overview: Overview) -> int:
-    """Return the group that charts of one group begin with: the last with numbers."""
-    places = range(len(overview.groups))
-    known = [at for at in places if np.isfinite(overview.groups[at].mean).any()]
-    return (known or list(places))[-1]
+    """Return the group that charts of one group begin with: the last in sight with numbers."""
+    _, row = _along(overview)
+    known = [group for group in row if np.isfinite(group.mean).any()]
+    return overview.groups.index((known or row)[-1])
 
 
 def ranking_finding(overview: Overview) -> str:

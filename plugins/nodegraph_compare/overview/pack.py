@@ -97,6 +97,7 @@ def packed(overview: Overview, excerpt: Excerpt, title: str, origin: Origin) -> 
         "unit": overview.metric.unit,
         "better": overview.metric.better,
         "compare": overview.compare,
+        "baseline": None if overview.baseline is None else str(overview.baseline),
         "blocks_name": overview.blocks,
         "units_name": overview.units,
         "within": [

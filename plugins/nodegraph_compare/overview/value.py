@@ -126,6 +126,8 @@ class Overview(Value):
         What several blocks, and several independent units, are called: ``gaps``, ``actors``.
     ratio : bool
         Whether methods are compared by ratios, not by differences.
+    baseline : label or None
+        The method that the others are seen against at first.
     methods : tuple of label
     adapted : tuple of int
         Methods that differ from what was published.
@@ -142,6 +144,7 @@ class Overview(Value):
     blocks: str
     units: str
     ratio: bool
+    baseline: Label | None
     methods: tuple[Label, ...]
     adapted: tuple[int, ...]
     ahead: tuple[int, ...]

@@ -20,6 +20,7 @@ from nodegraph_compare.left_out import (
 )
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.scope import few_blocks, rules, scope
+from nodegraph_compare.table.overall import ALL
 from nodegraph_compare.table.sensitivity import (
     PLAIN,
     change_to,
@@ -56,14 +57,23 @@ _MOST_BLOCKS = 0.55
 _EXTREME = {"lower": "lowest", "higher": "highest"}
 
 
-def answers(comparison: Comparison, summaries: Sequence[Summary]) -> list[str]:
+def answers(
+    comparison: Comparison, summaries: Sequence[Summary], overall: Summary | None
+) -> list[str]:
     """Return the sentences on all groups: a line on each, or on all of them where there are many.
 
     Parameters
     ----------
     comparison, summaries
         What is compared, and the summary of each group.
+    overall
+        Over all groups, where these can be taken together.
     """
+    also = [] if overall is None else [_over_groups(comparison, summaries, overall)]
+    return [*_of_groups(comparison, summaries), *also]
+
+
+def _of_groups(comparison: Comparison, summaries: Sequence[Summary]) -> list[str]:
     question = comparison.question
     if len(summaries) > MOST_GROUPS and question.compare and question.better != "none":
         return [
@@ -81,7 +91,19 @@ def answers(comparison: Comparison, summaries: Sequence[Summary]) -> list[str]:
     return sentences + ([f"{rest} more groups are in the table."] if rest > 0 else [])
 
 
-def notes(comparison: Comparison, summaries: Sequence[Summary], against: Label | None) -> list[str]:
+def _over_groups(comparison: Comparison, summaries: Sequence[Summary], overall: Summary) -> str:
+    verb = "share" if np.count_nonzero(overall.bests) > 1 else "has"
+    best = f"{_best_names(overall)} {verb} the {_EXTREME[overall.end]} mean"
+    metric = comparison.question.metric
+    return f"all {len(summaries)} groups: {best} {metric}{_verdict(overall, comparison)}."
+
+
+def notes(
+    comparison: Comparison,
+    summaries: Sequence[Summary],
+    against: Label | None,
+    overall: Summary | None,
+) -> list[str]:
     """Return what the numbers of the table mean, and what they rest on.
 
     Parameters
@@ -90,6 +112,8 @@ def notes(comparison: Comparison, summaries: Sequence[Summary], against: Label |
         What is compared, and the summary of each group.
     against
         The baseline's label, if there is one.
+    overall
+        Over all groups, where these can be taken together.
     """
     question, fallback = comparison.question, comparison.fallback
     of = "the best" if against is None else str(against)
@@ -102,7 +126,7 @@ def notes(comparison: Comparison, summaries: Sequence[Summary], against: Label |
         "intervals; median: over blocks.",
     ]
     if any(summary.paired is not None for summary in summaries):
-        also = f" difference: of means to {of}." if ratio else ""
+        also = f" difference: of means to {of}, by a pair's own standard error." if ratio else ""
         sentences.append(
             f"{'ratio' if ratio else 'difference'}: {what} to {of}, paired by units, with "
             f"{CONFIDENCE:.0%} intervals and p (at most {LEVEL:g}: clearly apart) by Tukey's range "
@@ -115,6 +139,11 @@ def notes(comparison: Comparison, summaries: Sequence[Summary], against: Label |
         sentences.append(
             f"p is adjusted within a group: a claim that rests on any of the {len(summaries)} "
             f"groups must multiply it by {len(summaries)}."
+        )
+    if overall is not None:
+        sentences.append(
+            f"{ALL}: of each unit, the geometric mean of its means over the groups; p is of one "
+            "comparison, without a factor for several groups."
         )
     for remark in (_few, _typical, _taken, _by_fallback, _doubts, _suspects):
         sentences += _together(summaries, comparison, remark)

@@ -36,6 +36,7 @@ from nodegraph_compare.table.layout import (
     wide_table,
 )
 from nodegraph_compare.table.lead import lead_of
+from nodegraph_compare.table.overall import over_groups
 from nodegraph_compare.table.sensitivity import summary_of
 from nodegraph_compare.table.summary import Summary, by_ratio, summarise
 from nodegraph_mocap import Figure, Table
@@ -168,23 +169,28 @@ def table(
         order of the labels where neither end is better): ``blocks`` used; ``mean`` over units
         with ``low`` and ``high``, the 95 % interval of the arithmetic mean (of positive errors
         the modified method of Cox, of a recording's parts Student's on a log scale, else
-        Student's); ``median`` over blocks; ``ratio`` or ``difference`` to the best, or the
-        baseline, with the ends of its interval; ``p``, and from six units on ``p of flips`` of
+        Student's); ``median`` over blocks; ``ratio`` to the best, or the baseline, with the ends
+        of its interval, and ``difference`` with those by the pair's own standard error (without
+        ratios by the same rule as ``p``); ``p``, and from six units on ``p of flips`` of
         the units' signs, not adjusted; ``g``, Hedges' standardised difference, above 0 where
         worse; ``margin``, the smallest within which the method is shown to be equal by two
         one-sided tests; ``wins``, in how many of the units it is better. Where there are any,
         ``refused`` (share of the combinations that were refused or failed) and ``left missing``
-        (share of the rows without a number); with `fallback`, the means by the two other rules;
-        and what methods declare, where they differ: ``adapted`` (not as published), ``looks
-        ahead`` (frames, or the whole take) and ``meets ends`` (of gaps).
+        (share of the rows without a number); with `fallback`, the means by the two other rules,
+        if any differs; and what methods declare, where they differ: ``adapted`` (not as
+        published), ``looks ahead`` (frames, or the whole take) and ``meets ends`` (of gaps).
+        Several groups of the same clusters have rows labelled ``all`` besides: with Y the
+        logarithm of a cluster's mean, averaged over groups, methods are compared as within a
+        group, and ``mean`` is over clusters of ``exp(Y)``. A claim that rests on any one of G
+        groups multiplies its p by G.
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
-        Its answer has a sentence per group: which mean is best, over what, which methods are not
-        clearly behind it, where ranks have another first, and what it is without blocks whose
-        truth is suspect: those with a reason in a column ``suspect`` of the scores, and those in
-        which even the smallest error is an outlier (on a log scale, more than 5 robust standard
-        deviations above the median). Its notes list what was left out, and the best mean of each
-        group is marked.
+        Its answer has a line per group: which mean is best, over what, and which methods are not
+        clearly behind it. Its notes list what that rests on: what was left out or filled in,
+        where few large errors decide, and what it is without blocks whose truth is suspect: those
+        with a reason in a column ``suspect`` of the scores, and those in which even the smallest
+        error is an outlier (on a log scale, more than 5 robust standard deviations above the
+        median). The best mean of each group is marked.
     figure
         Means and intervals; an asterisk marks methods that are not as published, a ring those
         that look at the whole take, where methods differ.
@@ -233,6 +239,7 @@ def table(
         for group, each in zip(gathered, doubted, strict=True)
     ]
     layout = completed(layout, question)
+    overall = None if layout.columns else over_groups(summaries)
     order = comparison.methods
     declared = {
         label: each
@@ -240,14 +247,14 @@ def table(
         if label in order
     }
     references = [label for label in (baseline, instead) if label is not None]
-    means = _laid_out(comparison, summaries, layout, declared, references)
+    means = _laid_out(comparison, summaries, overall, layout, declared, references)
     info = info_of(means)
     info = replace(
         info,
-        answer=tuple(answers(comparison, summaries)),
+        answer=tuple(answers(comparison, summaries, overall)),
         lead=lead_of(summaries, question, unit, comparison.blocks),
         notes=(
-            *notes(comparison, summaries, against),
+            *notes(comparison, summaries, against, overall),
             *info.notes,
             *(
                 f"{label}: adapted {each['adapted']}"
@@ -260,13 +267,14 @@ def table(
     return Compared(
         with_info(means, info),
         draw(question, summaries, order, unit, declared),
-        build_overview(comparison, summaries, doubted, declared),
+        build_overview(comparison, summaries, doubted, declared, against),
     )
 
 
 def _laid_out(
     comparison: Comparison,
     summaries: Sequence[Summary],
+    overall: Summary | None,
     layout: Layout,
     declared: Mapping[Label, Declared],
     references: Collection[Label],
@@ -275,7 +283,8 @@ def _laid_out(
     in_unit = f" ({unit_text(unit)})" if unit and layout.columns else ""
     title = f"Mean {question.metric}{in_unit}{question.by}"
     if not layout.columns:
-        means = long_table(summaries, question, unit, declared, references)
+        every = [*summaries, *([] if overall is None else [overall])]
+        means = long_table(every, question, unit, declared, references)
         note: tuple[str, ...] = ()
         if not {"refused", "left missing"}.isdisjoint(means):
             note = (_SHARES,)

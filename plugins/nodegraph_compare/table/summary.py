@@ -43,7 +43,7 @@ class Paired:
     value, low, high : (K,) arrays of float64
         Ratio, or difference, of mean errors, and the ends of its interval.
     difference, difference_low, difference_high : (K,) arrays of float64
-        Difference of the means over units, and the ends of its interval.
+        Difference of the means over units, and the ends of its interval by its own error.
     p, flips : (K,) arrays of float64
         Of the floored Tukey rule, and of sign flips; NaN for too few units.
     effect : (K,) array of float64
@@ -212,7 +212,8 @@ class Summary:
         doubtful = np.zeros(self.level.shape, dtype=bool)
         doubtful[usable] = (found.p_alone <= LEVEL) & (flips > _DOUBTFUL)
         ends, plain_ends = (
-            [sign * end for end in each.interval][:: int(sign)] for each in (found, plain)
+            [sign * end for end in interval][:: int(sign)]
+            for interval in (found.interval, plain.own_interval if self.ratio else found.interval)
         )
         low, high = (spread(shown(end)) for end in ends)
         return Paired(

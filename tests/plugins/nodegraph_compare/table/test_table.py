@@ -56,13 +56,13 @@ def test_rows_are_the_statistics_of_the_clusters() -> None:
     scores = trials(8)
     frame = table(scores, within=("length",), blocks=("trial", "gap"), baseline="near").table
     assert list(zip(frame["length"], frame["fill"], strict=True)) == [
-        (length, fill) for length in (5, 45) for fill in ("near", "twin", "far")
+        (length, fill) for length in (5, 45, "all") for fill in ("near", "twin", "far")
     ]
     assert list(frame.columns[2:]) == [
         "blocks", "mean", "low", "high", "median", "ratio", "ratio low", "ratio high",
         "difference", "difference low", "difference high", "p", "p of flips", "g", "margin", "wins",
     ]  # fmt: skip
-    for row in frame.to_dict("records"):
+    for row in frame[:6].to_dict("records"):
         values = plainly(scores, row["length"], row["fill"])
         assert row["blocks"] == 40
         assert row["mean"] == pytest.approx(values.mean())
@@ -79,6 +79,28 @@ def test_rows_are_the_statistics_of_the_clusters() -> None:
     assert far["wins"] == "0/8"
     assert all(np.isnan(near[name]) for name in ("ratio", "ratio low", "p"))
     assert [twin[name] for name in ("ratio", "p", "wins")] == [1, 1, "0/8"]
+
+
+def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> None:
+    scores = trials(8)
+    frame = table(scores, within=("length",), blocks=("trial", "gap"), fallback="near").table
+    logs = {
+        fill: np.log(
+            [plainly(scores, length, fill).reshape(8, 5).mean(axis=1) for length in (5, 45)]
+        )
+        for fill in ("far", "near")
+    }
+    d = (logs["far"] - logs["near"]).mean(axis=0)
+    far = frame[(frame["length"] == "all") & (frame["fill"] == "far")].iloc[0]
+    assert far["ratio"] == pytest.approx(np.exp(d.mean()))
+    assert far["mean"] == pytest.approx(np.exp(logs["far"].mean(axis=0)).mean())
+    assert far["p"] <= 0.05
+    assert (
+        info_of(frame).answer[-1].startswith("all 2 groups: near, twin share the lowest mean rmse")
+    )
+    # too few units for any group have none over all of them, nor has a single group
+    assert "all" not in set(table(trials(2), within=("length",)).table["length"])
+    assert "all" not in set(table(trials(8, lengths=(5,)), within=("length",)).table["length"])
 
 
 def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
@@ -112,7 +134,7 @@ def test_what_is_said_depends_on_the_number_of_clusters(actors: int, said: str) 
 def test_blocks_of_several_clusters_are_never_averaged() -> None:
     scores = replace(trials(8), sources=("trial",))
     frame = table_of(scores, within=("length",), blocks=("gap",)).table
-    assert frame["blocks"].tolist() == [40] * 6
+    assert frame["blocks"].tolist() == [40] * 6 + [80] * 3
     assert frame.equals(table_of(scores, within=("length",), blocks=("trial", "gap")).table)
 
 
@@ -192,8 +214,8 @@ def test_what_nothing_is_missing_for_has_no_columns_and_remarks_on_all_groups_st
 
 def test_groups_with_one_answer_share_a_sentence() -> None:
     frame = table(trials(8), within=("length",)).table
-    (sentence,) = info_of(frame).answer
-    bests = sorted(frame[frame["fill"] == "near"]["mean"])
+    sentence, _ = info_of(frame).answer
+    bests = sorted(frame[frame["fill"] == "near"]["mean"][:2])
     start = "length 5, 45: near, twin share the lowest mean rmse "
     assert sentence.startswith(f"{start}({bests[0]:.3g} to {bests[1]:.3g} mm) over ")
 
