@@ -35,7 +35,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="Folder of a run, such as runs/fill, or a folder of runs.",
     )
     parser.add_argument(
-        "--port", type=int, default=0, metavar="N", help="Port to use (default: any that is free)."
+        "--port",
+        type=int,
+        default=0,
+        metavar="N",
+        help="Port to use, such as one that ssh -L forwards (default: any that is free).",
     )
     parser.add_argument(
         "--no-browser",

@@ -6,7 +6,6 @@ import asyncio
 import html
 import json
 import re
-import threading
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from functools import wraps
 from http import HTTPStatus
@@ -27,6 +26,7 @@ from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, policy, source, templates_of
 from nodegraph.runs.reopen import NotStored, ReopenedRun
 from nodegraph.runs.saved_run import SavedRun
+from nodegraph.serve.computing import Computing
 from nodegraph.serve.runs import OpenRun, OpenRuns, RunState, entry_of
 from nodegraph.serve.values import Query, labels_in, packed, shown
 
@@ -122,23 +122,23 @@ class NotComputed(NodegraphError):
 class _Pages:
     def __init__(self, runs: OpenRuns) -> None:
         self._runs = runs
-        self._computing = threading.Lock()
+        self._computing = Computing(_text)
 
     def home(self, request: Request) -> Response:
         """Show the report of runs, or how far they are."""
-        opened = self._opened(request.query_params.getlist("run"))
-        if not opened:
+        runs = self._named(request.query_params.getlist("run"))
+        if not runs:
             return self.runs(request)
-        conditions = {run: run.condition() for run in opened}
+        conditions = {run: run.condition() for run in runs}
         states = {condition.state for condition in conditions.values()}
         if states == {RunState.FINISHED}:
-            return self._report(opened)
-        if states <= {RunState.FINISHED, RunState.UNREADABLE} and len(opened) == 1:
+            return self._report(runs)
+        if states <= {RunState.FINISHED, RunState.UNREADABLE} and len(runs) == 1:
             (condition,) = conditions.values()
             return _page(
                 "message.html",
                 HTTPStatus.CONFLICT,
-                title=opened[0].name,
+                title=runs[0].name,
                 message=condition.message,
                 command=condition.command,
             )
@@ -226,14 +226,14 @@ class _Pages:
     async def progress(self, request: Request) -> Response:
         """Send how far runs are, until none of them goes on."""
         try:
-            opened = await run_in_threadpool(self._opened, request.query_params.getlist("run"))
+            runs = await run_in_threadpool(self._named, request.query_params.getlist("run"))
         except NodegraphError as error:
             return JSONResponse({"message": str(error)}, _status(error))
 
         async def stream() -> AsyncIterator[str]:
             last = None
             while True:
-                data = await run_in_threadpool(lambda: {run.name: run.snapshot() for run in opened})
+                data = await run_in_threadpool(lambda: {run.name: run.snapshot() for run in runs})
                 if data != last:
                     yield f"data: {json.dumps(data)}\n\n"
                 if all(each["state"].is_final for each in data.values()):
@@ -252,59 +252,15 @@ class _Pages:
             steps = await run_in_threadpool(_missing, wanted, values, query)
         except Exception as error:
             return JSONResponse({"message": _text(error)}, _status(error))
-        return StreamingResponse(self._lines(values, steps), media_type="application/x-ndjson")
+        lines = (f"{json.dumps(line)}\n" async for line in self._computing.lines(values, steps))
+        return StreamingResponse(lines, media_type="application/x-ndjson")
 
-    async def _lines(self, run: ReopenedRun, steps: Sequence[int]) -> AsyncIterator[str]:
-        queue: asyncio.Queue[Mapping[str, Any] | None] = asyncio.Queue()
-        loop = asyncio.get_running_loop()
-        left = threading.Event()
-
-        def send(line: Mapping[str, Any] | None) -> None:
-            if not loop.is_closed():
-                loop.call_soon_threadsafe(queue.put_nowait, line)
-
-        arguments = (run, steps, send, left)
-        # a daemon: a node that never returns must not keep the program alive
-        threading.Thread(target=self._compute, args=arguments, daemon=True).start()
-        try:
-            while (line := await queue.get()) is not None:
-                yield f"{json.dumps(line)}\n"
-        finally:
-            left.set()
-
-    def _compute(
-        self,
-        run: ReopenedRun,
-        steps: Sequence[int],
-        send: Callable[[Mapping[str, Any] | None], None],
-        left: threading.Event,
-    ) -> None:
-        """Compute steps, one request after the other, as long as the reader waits for them."""
-        try:
-            while not self._computing.acquire(timeout=_EVERY):
-                send({"waiting": True})
-                if left.is_set():
-                    return
-            try:
-                for advance in run.compute(steps):
-                    send(advance._asdict())
-                    if left.is_set():
-                        return
-            finally:
-                self._computing.release()
-            send({"finished": True})
-        except Exception as error:
-            send({"message": _text(error)})
-        finally:
-            send(None)
-
-    def _report(self, opened: Sequence[OpenRun]) -> Response:
-        studies = {run.name: linked(run.study(), f"files/{run.number}") for run in opened}
+    def _report(self, runs: Sequence[OpenRun]) -> Response:
+        studies = {run.name: linked(run.study(), f"files/{run.number}") for run in runs}
         study = merged(studies) if len(studies) > 1 else next(iter(studies.values()))
-        content = page(study, server=_server(opened))
-        return _html(content)
+        return _html(page(study, server=_server(runs)))
 
-    def _opened(self, names: Sequence[str]) -> list[OpenRun]:
+    def _named(self, names: Sequence[str]) -> list[OpenRun]:
         """Return the runs that are named, by default those that the command named."""
         runs = self._runs.all()
         for name in names:
@@ -316,10 +272,10 @@ class _Pages:
         return self._run_of(_query(request))
 
     def _run_of(self, query: Query) -> OpenRun:
-        opened = self._opened([query["run"]] if "run" in query else [])
-        if not opened:
+        runs = self._named([query["run"]] if "run" in query else [])
+        if not runs:
             raise NotThere("name a run")
-        return opened[0]
+        return runs[0]
 
     def _values(self, run: OpenRun, query: Query) -> ReopenedRun:
         values = run.values()
@@ -411,9 +367,9 @@ def _attachment(content: bytes, name: str) -> Response:
     return Response(content, media_type="application/octet-stream", headers=headers)
 
 
-def _server(opened: Sequence[OpenRun]) -> str:
+def _server(runs: Sequence[OpenRun]) -> str:
     """Return the script that defines the module ``server``."""
-    return _source("server.js").replace("__RUNS__", _json([run.name for run in opened]))
+    return _source("server.js").replace("__RUNS__", _json([run.name for run in runs]))
 
 
 def _source(name: str) -> str:

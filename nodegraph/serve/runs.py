@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -152,7 +153,7 @@ class OpenRun:
                 saved = SavedRun(self.folder)
                 self._refuse_missing_plugins(saved)
                 folder = self._store or self._recorded_store(saved)
-                store = open_store(self._registry, folder, lambda text: None)
+                store = open_store(self._registry, folder, _warn)
                 self._values = version, reopen(saved, self._registry, store)
             return self._values[1]
 
@@ -228,13 +229,16 @@ class OpenRun:
 
     def _refuse_missing_plugins(self, saved: SavedRun) -> None:
         """Raise an error if the run used plugin files; only the user may name what is imported."""
-        digests = {plugin.digest for plugin in self._registry.loaded}
-        missing = [plugin for plugin in saved.record.plugins if plugin.sha256 not in digests]
-        names = {Path(str(plugin.module.__file__)).name for plugin in self._registry.loaded}
-        missing = [plugin for plugin in missing if Path(plugin.path).name not in names]
+        files = [plugin.module.__file__ for plugin in self._registry.loaded if plugin.digest]
+        names = {Path(str(file)).name for file in files}
+        missing = [each for each in saved.record.plugins if Path(each.path).name not in names]
         if missing:
             options = shlex.join(part for each in missing for part in ("--plugin", each.path))
             raise NodegraphError(f"the run used nodes of other files; open it with {options}")
+
+
+def _warn(text: str) -> None:
+    warnings.warn(text, stacklevel=2)
 
 
 def _command(settings: RunSettings, origin: Path, folder: Path) -> str:

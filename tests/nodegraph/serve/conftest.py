@@ -94,8 +94,8 @@ def folder(whole_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 class Pages:
     """The pages of runs, as the browser gets them that has opened the printed address."""
 
-    def __init__(self, *runs: str) -> None:
-        registry = Registry.installed([Path("toys.py")])
+    def __init__(self, *runs: str, plugins: tuple[str, ...] = ("toys.py",)) -> None:
+        registry = Registry.installed([Path(name) for name in plugins])
         paths = map(Path, runs or ("runs/toy",))
         self._guard = Guard(application(OpenRuns(paths, registry, Path("store"))), HOST)
         answer = send(self._guard, f"/?token={self._guard.token}")

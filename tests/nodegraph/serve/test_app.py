@@ -162,6 +162,22 @@ def test_changed_code_is_named_and_used_only_when_asked_for(opened: Opened) -> N
     assert 'id="compute"' in shown(pages.get(f"/value?{VALUE}"))
 
 
+def test_no_file_is_imported_because_a_run_names_it(opened: Opened) -> None:
+    pages = opened(plugins=())
+    assert "<h1" in shown(pages.get("/"))
+    assert re.search(r"--plugin \S*toys.py", shown(pages.get(f"/value?{VALUE}")))
+
+
+def test_what_a_store_does_not_take_is_shown_all_the_same(opened: Opened) -> None:
+    shutil.rmtree("store")
+    Path("store").write_text("no folder")
+    query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold"}
+    pages = opened()
+    with pytest.warns(UserWarning, match="store"):
+        pages.post(json.dumps({"for": "value", "query": query}).encode())
+    assert "2.0" in shown(pages.get(f"/value?{VALUE}"))
+
+
 def test_nothing_is_computed_for_a_reader_who_has_left(opened: Opened) -> None:
     waiting = """import time, pathlib
     while not pathlib.Path("go").exists():
