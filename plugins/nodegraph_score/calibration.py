@@ -46,7 +46,9 @@ def calibration(estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask
     that the estimate states for it, the error lies within the interval of level p if
     ``|e| <= z sigma``, with ``z = Phi^-1((1 + p) / 2)`` of the standard normal distribution. Of an
     estimate that is calibrated, a share p of the errors does. All three coordinates of a sample
-    count, and all samples alike; a gap's are not independent of one another.
+    count, and all samples alike; a gap's are not independent of one another. Errors with heavier
+    tails than a normal distribution cannot be calibrated at all levels at once: a sigma that is
+    right at 95 %, as that of `fill.subspace_kalman`, is too wide at 50 %.
 
     ======= ===============================================================================
     frames  length of the gaps: 1 to 5, 6 to 15, 16 to 45, over 45, as far as there are such;
