@@ -113,7 +113,8 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       const opacity = scales.between(40 / Math.sqrt(crowd), 0.12, 0.62);
       const shapes = [
         [this.others, stamp(radius, 0), opacity],
-        [this.suspects, stamp(Math.min(3.2, this.rowHeight * 0.3) * this.ratio, 1.1 * this.ratio), Math.max(0.5, opacity), this.inks.suspect],
+        [this.suspects, stamp(Math.min(crowd > 3000 ? 2.4 : 3.2, this.rowHeight * 0.3) * this.ratio, 1.1 * this.ratio),
+          scales.between(12 / Math.sqrt(this.suspects.length), 0.15, 0.62), this.inks.suspect],
       ];
       this.rows.forEach((method, row) => {
         const role = this.role(method);

@@ -54,7 +54,6 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
     const render = (plot, width) => {
       const groups = columnsOf(view, width);
       const shown = view.shown(groups);
-      const narrow = width < 130 + groups.length * 96 + 120;
       const ratios = view.better !== "none" && view.statistic !== "rank"
         && groups.every((group) => [...view.numbers(group).values].every((value) => !(value <= 0)));
       const timed = shown.some((method) => view.overview.seconds[method] !== null);
@@ -62,6 +61,9 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         ratios && groups.length > 1 && { key: "worst", title: "Worst", text: (method) => worstText(worstOf(view, method, groups)) },
         timed && { key: "time", title: "Time", text: (method) => (view.overview.seconds[method] === null ? "\u2013" : seconds(view.overview.seconds[method])) },
       ].filter(Boolean);
+      const longest = Math.max(...shown.map((method) => view.overview.methods[method].length), 6);
+      const nameWidth = Math.round(Math.min(longest * 7.6 + 6, width * 0.34));
+      const narrow = width - nameWidth - 74 * asides.length < 92 * groups.length;
       const sign = view.better === "higher" ? -1 : 1;
       const keyOf = {
         name: (method) => view.overview.methods[method],
@@ -89,8 +91,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         ...above.map(({ title, groups: members }) => element("th", { scope: "colgroup", colspan: members.length, class: "panel" },
           [title, narrow ? axis : ""].filter(Boolean).join(", "))),
         ...asides.map(() => element("td", { class: "aside" }))) : null;
-      const longest = Math.max(...shown.map((method) => view.overview.methods[method].length), 6);
-      const table = element("table", { class: "heat", style: `--name-width: ${Math.round(Math.min(longest * 7.6 + 6, width * 0.34))}px` },
+      const table = element("table", { class: "heat", style: `--name-width: ${nameWidth}px` },
         element("thead", {}, spanned, element("tr", {},
           head("name", "Method", "name"),
           ...groups.map((group, at) => head(group.index, at || narrow || !axis ? String(group.labels.at(-1) ?? view.what) : view.groupText(group), group === view.group ? "here" : "")),

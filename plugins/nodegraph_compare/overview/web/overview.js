@@ -132,15 +132,17 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     ranksIn(metric) {
       const values = this.values(metric);
       const count = this.overview.methods.length;
-      const sign = this.overview.metric(metric).better === "higher" ? -1 : 1;
+      const higher = this.overview.metric(metric).better === "higher";
       const ranks = new Float32Array(values.length).fill(NaN);
       for (const block of this.complete(metric)) {
-        const row = Array.from(values.subarray(block * count, (block + 1) * count), (value, at) => [sign * value, at])
-          .filter(([value]) => !Number.isNaN(value)).sort((a, b) => a[0] - b[0]);
-        for (let from = 0, to = 0; from < row.length; from = to) {
-          while (to < row.length && row[to][0] === row[from][0]) to += 1;
-          for (let at = from; at < to; at += 1) ranks[block * count + row[at][1]] = (from + 1 + to) / 2;
-        }
+        const row = values.subarray(block * count, (block + 1) * count);
+        const sorted = row.filter((value) => !Number.isNaN(value)).sort();
+        row.forEach((value, method) => {
+          const first = sorted.indexOf(value);
+          if (first < 0) return;
+          const rank = (first + sorted.lastIndexOf(value)) / 2 + 1;
+          ranks[block * count + method] = higher ? sorted.length + 1 - rank : rank;
+        });
       }
       return ranks;
     }
