@@ -57,8 +57,8 @@ nodegraph.define("mocap/gap/curves", ["page"], (page) => {
     return frames;
   };
 
-  // Returns { element, move(frame), frameAt(x), methodAt(x, y) }. `lines` are { name, role,
-  // positions }, the thin ones first.
+  // Returns { element, move(frame), frameAt(x), methodAt(x, y), name(method, x, y) }. `lines` are
+  // { name, role, positions }, the thin ones first.
   const draw = (block, lines, width) => {
     const height = width < 420 ? 92 : 112;
     const full = lines.filter(({ role }) => role !== "rest");
@@ -137,12 +137,20 @@ nodegraph.define("mocap/gap/curves", ["page"], (page) => {
     }
     ground.append(svg("text", { x: width, y: bottom - 6, "text-anchor": "end" }, "frame"));
     const cursor = svg("path", { class: "cursor" });
-    picture.append(ground, curves, cursor, marks, words);
+    const tip = svg("text", { class: "tip" });
+    picture.append(ground, curves, cursor, marks, words, tip);
     const frameAt = (px) => Math.round(Math.min(1, Math.max(0, (px - LEFT) / (right - LEFT))) * (block.frames - 1));
     return {
       element: picture,
       frameAt,
       move: (at) => cursor.setAttribute("d", scales.map(({ top }) => `M${x(at).toFixed(1)},${top}v${height}`).join("")),
+      // Writes a name beside the pointer.
+      name: (name, px, py) => {
+        tip.textContent = name ?? "";
+        tip.setAttribute("x", px + (px > width / 2 ? -10 : 10));
+        tip.setAttribute("y", py - 8);
+        tip.setAttribute("text-anchor", px > width / 2 ? "end" : "start");
+      },
       // The method whose line is nearest to a pixel, if any is near.
       methodAt: (px, py) => {
         const k = scales.findIndex(({ top }) => py >= top && py <= top + height);

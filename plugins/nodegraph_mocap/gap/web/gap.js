@@ -97,10 +97,15 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       };
       this.chart.element.addEventListener("pointermove", (event) => {
         const [x, y] = pointed(event);
-        selection.hover("method", this.chart.methodAt(x, y));
+        const method = this.chart.methodAt(x, y);
+        selection.hover("method", method);
+        this.chart.name(method, x, y);
         if (event.buttons && event.isPrimary) this.move(this.chart.frameAt(x));
       });
-      this.chart.element.addEventListener("pointerleave", () => selection.hover("method", null));
+      this.chart.element.addEventListener("pointerleave", () => {
+        selection.hover("method", null);
+        this.chart.name(null, 0, 0);
+      });
       this.chart.element.addEventListener("click", (event) => {
         const [x, y] = pointed(event);
         const method = this.chart.methodAt(x, y);
@@ -115,7 +120,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       const reason = this.block.reason ? `These frames, because ${this.block.reason}. ` : "";
       const every = this.block.every > 1 ? `One frame of ${this.block.every} is shown. ` : "";
       this.caption.textContent = `${reason}${every}${roles.map((role) => WORDS[role]).join(" ")} ` +
-        "Click a line to select its method. Space plays, \u2190 and \u2192 step through frames.";
+        "Point at a line for its name, click to select its method. Space plays, \u2190 and \u2192 step through frames.";
       this.move(this.at);
     }
 
@@ -139,7 +144,6 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       this.root.classList.toggle("pointed", name !== null);
       for (const line of this.root.querySelectorAll("[data-line]")) line.classList.toggle("hovered", line.dataset.line === name);
       this.root.style.cursor = name === null ? "" : "pointer";
-      this.chart.element.dataset.hovered = name ?? "";
     }
 
     toggle() {

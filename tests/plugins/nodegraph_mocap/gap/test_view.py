@@ -185,6 +185,7 @@ def test_pointing_at_a_line_names_it_to_the_page_and_a_click_selects(
     )
     tab.mouse("mouseMoved", x, y)
     assert tab.value("document.querySelector('.curves .hovered').dataset.line") == OTHER
+    assert tab.value("document.querySelector('.curves .tip').textContent") == OTHER
     tab.mouse("mousePressed", x, y)
     tab.mouse("mouseReleased", x, y)
     assert tab.value("selection.state.method") == OTHER
