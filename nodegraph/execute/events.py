@@ -135,13 +135,13 @@ class EventLog:
         steps
             Those that are to be computed.
         seconds
-            What a step of a method took in earlier runs.
+            What `means` returned in earlier runs.
         """
         self._left = left
         self._remaining = Remaining(steps if self._listeners else (), seconds)
 
     def means(self) -> dict[str, float]:
-        """Return the mean seconds of the steps that were computed, by method."""
+        """Return the mean seconds of the steps that were computed, by node and method."""
         return self._remaining.means()
 
     def started(self, step: Step) -> None:

@@ -12,14 +12,14 @@ _OVERHEAD = 0.002
 
 
 class Remaining:
-    """Weighs the steps that are left by what steps of their methods took.
+    """Weighs the steps that are left by what steps of their node and method took.
 
     Parameters
     ----------
     steps
         Those that are to be computed.
     seconds
-        What a step took in earlier runs by method, for methods of which nothing has ended yet.
+        What a step took in earlier runs, as `means` returns it.
     """
 
     def __init__(self, steps: Iterable[Step], seconds: Mapping[str, float]) -> None:
@@ -27,7 +27,7 @@ class Remaining:
         self._left: Counter[str] = Counter()
         self._gathers: dict[str, bool] = {}
         for step in steps:
-            name = step.method.node.name
+            name = _kind(step)
             self._left[name] += 1
             if name not in self._gathers:
                 inputs = step.inputs.values()
@@ -37,14 +37,14 @@ class Remaining:
 
     def add(self, step: Step, seconds: float) -> None:
         """Note that a step was computed."""
-        name = step.method.node.name
+        name = _kind(step)
         self._ended[name] += 1
         self._seconds[name] += seconds
         self._left[name] -= 1
 
     def drop(self, step: Step) -> None:
         """Note that a step need not be computed any more."""
-        self._left[step.method.node.name] -= 1
+        self._left[_kind(step)] -= 1
 
     def estimate(self, elapsed: float) -> float | None:
         """Return the seconds to go; None before the first step has ended.
@@ -58,7 +58,9 @@ class Remaining:
         means = self.means()
         if not means:
             return None
-        known = {**self._earlier, **means}
+        # the first call of a method also imports and compiles what it needs
+        repeated = {name: mean for name, mean in means.items() if self._ended[name] > 1}
+        known = {**means, **self._earlier, **repeated}
         ended = self._ended.total()
         spent = sum(self._seconds.values())
         # what gathers reads what many steps gave, and is as slow as the slowest rather than typical
@@ -71,5 +73,10 @@ class Remaining:
         return elapsed * left / (spent + ended * _OVERHEAD)
 
     def means(self) -> dict[str, float]:
-        """Return the mean seconds of a step by method."""
+        """Return the mean seconds of a step by node and method."""
         return {name: self._seconds[name] / count for name, count in self._ended.items()}
+
+
+def _kind(step: Step) -> str:
+    """Return what steps that take about as long share: one method, in one place of a graph."""
+    return f"{step.node} {step.method.node.name}"

@@ -21,7 +21,7 @@ from nodegraph.state import State
 from nodegraph.store import Packer, Store
 
 _SECONDS = "seconds"
-"""Under this name a store remembers how long a step of each method takes."""
+"""Under this name a store remembers how long a step of each node takes."""
 
 
 def execute(

@@ -48,8 +48,11 @@ class RunReport:
 
     @property
     def figure(self) -> str:
-        """The path of its first figure; empty without one."""
-        return next((path for path in self.files if path.endswith(".svg")), "")
+        """The path of the first figure of what answers at a glance, or of any; empty without."""
+        leads = {each.node for each in self.study.sections if each.rendered.lead}
+        sections = sorted(self.study.sections, key=lambda section: section.node not in leads)
+        paths = (link.path for section in sections for link in section.files)
+        return next((path for path in paths if path.endswith(".svg")), "")
 
 
 def read_runs(folders: Iterable[Path]) -> list[RunReport]:

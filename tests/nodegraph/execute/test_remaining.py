@@ -42,7 +42,7 @@ def test_after_a_tenth_it_is_right_within_a_tenth(steps: tuple[Step, ...], at_on
 
 def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, ...]) -> None:
     cheap = [step for step in steps if step.node != "c"]
-    for earlier, seconds in [({"strict.positive": 0.4}, 40.0), ({}, 0.5)]:
+    for earlier, seconds in [({"c strict.positive": 0.4}, 40.0), ({}, 0.5)]:
         remaining = Remaining(steps, earlier)
         for step in cheap:
             remaining.add(step, took(step))
@@ -51,7 +51,7 @@ def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, 
 
 
 def test_nothing_is_known_before_a_step_has_ended(steps: tuple[Step, ...]) -> None:
-    remaining = Remaining(steps, {"strict.positive": 1.0})
+    remaining = Remaining(steps, {"c strict.positive": 1.0})
     assert remaining.estimate(3.0) is None
 
 
