@@ -125,7 +125,7 @@ def _with_titles(sections: Iterable[Section]) -> Iterator[Section]:
 
 def _heading(section: Section) -> str:
     """Return the names in the graph as a heading: ``Errors on the face``."""
-    text = section.node.replace("_", " ").replace(".", " ")
+    text = f"{section.node} {section.output}".replace("_", " ").replace(".", " ").strip()
     return text[:1].upper() + text[1:]
 
 

@@ -14,6 +14,7 @@ from nodegraph.report.study import Study
 
 _MOST_AXES = 4
 _LONGEST = 110
+_SHORTEST = 3
 _SENTENCE = re.compile(r".*?[.?!](?=\s|$)", re.DOTALL)
 _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 
@@ -40,7 +41,9 @@ def fold_facts(study: Study) -> dict[str, str]:
     settings += [counted(len(study.versions), "package")]
     return {
         "measured": _first_sentence(study.notes_markdown),
-        "methods": f"{counted(uses, 'method')}, with what they do, their settings and sources",
+        "methods": f"what each of {uses} does, its settings and sources"
+        if uses
+        else "none gave a result",
         "notes": _notes(study),
         "graph": f"{nodes}, {counted(steps, 'step')}",
         "settings": "; ".join(_shortened(text) for text in settings if text),
@@ -58,10 +61,14 @@ def _sizes(study: Study) -> Iterator[str]:
             continue
         name = "method" if axis.name in of_methods and len(of_methods) == 1 else axis.name
         name = name.rpartition(".")[2].replace("_", " ")
-        yield f"{count:,} {name if name.endswith('s') else _plural(name)}"
+        yield f"{count:,} {_plural(name)}"
 
 
 def _plural(name: str) -> str:
+    if len(name) < _SHORTEST:  # a symbol
+        return f"values of {name}"
+    if name.endswith("s"):
+        return name
     if name.endswith(("x", "ch", "sh")):
         return f"{name}es"
     return f"{name[:-1]}ies" if re.search(r"[^aeiou]y$", name) else f"{name}s"

@@ -33,10 +33,11 @@ _TITLES: tuple[tuple[Kind, str, str], ...] = (
     ),
     (Kind.WARNING, "Warnings", "These steps ran, with warnings about their results."),
 )
-_NUMBER = re.compile(r"(?<![A-Za-z_\d])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])", re.IGNORECASE)
-_QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|`[^`]*`")
-_NAME = re.compile(r"(?<![\w.])\w*[A-Za-z]_?\d\w*|(?<![\w.])\w+_\w+")
-_LIST = re.compile(r"…(?:(?:,| and|, and) …)+")
+_QUOTED = re.compile(r"(?<!\w)(?:'[^']*'|\"[^\"]*\"|`[^`]*`)(?!\w)")
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)", re.IGNORECASE)
+_NAME = re.compile(r"(?<![\w.])(?:\w*[A-Za-z]_?\d\w*|\w+_\w+)")
+_LISTED = re.compile(r"(?<=: )[^\s,;:]+(?:, (?:and )?[^\s,;:]+)*(?: more)?(?=[,;.]? |[;.]?$)")
+_SEVERAL = re.compile(r"…(?:(?:,? and|,|;)? …)+")
 _LONG = 5
 """Of so many words, one may differ in a template."""
 _MOST_METHODS = 8
@@ -101,7 +102,7 @@ def _warned(run: Run) -> Iterator[StepNote]:
 def with_relevance(
     notes: Iterable[StepNote], graph: Graph, numbers: Iterable[str]
 ) -> Iterator[StepNote]:
-    """Yield notes that say whether the numbers of the report depend on their nodes.
+    """Yield notes; warnings say whether the numbers of the report depend on their nodes.
 
     Parameters
     ----------
@@ -115,17 +116,18 @@ def with_relevance(
     ends = set(numbers) & set(graph.nodes)
     touching = ends.union(*(nx.ancestors(graph.network, end) for end in ends))
     for note in notes:
-        known = note.node in graph.nodes
+        known = note.kind is Kind.WARNING and note.node in graph.nodes
         yield replace(note, matters=note.node in touching) if known else note
 
 
 @dataclass(frozen=True, slots=True)
 class NoteGroup:
-    """Notes of one node with one reason, apart from the numbers and names in it.
+    """Notes of one node with one reason, apart from the numbers and names in warnings.
 
     Attributes
     ----------
     node : str
+        Several, if they were left out for the same reason.
     methods : tuple of str
         The methods of the node that gave such a note, by their full names.
     reason : str
@@ -199,8 +201,10 @@ def note_kinds(study: Study) -> tuple[NoteKind, ...]:
 def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
     templates: dict[str, list[_Template]] = {}
     for note in notes:
-        words = _words(note.reason)
-        known = templates.setdefault(note.node, [])
+        words = _words(note)
+        # what was left out together is one thing, whatever nodes it has
+        of = "" if note.kind is Kind.LEFT_OUT else note.node
+        known = templates.setdefault(of, [])
         template = next((each for each in known if each.fits(words)), None)
         if template is None:
             template = _Template(words)
@@ -210,11 +214,15 @@ def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
     return tuple(sorted(groups, key=lambda group: (not group.matters, -group.count)))
 
 
-def _words(reason: str) -> list[str]:
-    """Return the words of a reason, with ``…`` for numbers, quoted names and lists of them."""
-    text = _QUOTED.sub("…", reason)
-    text = _NAME.sub("…", _NUMBER.sub("…", text))
-    return _LIST.sub("…", text).split()
+def _words(note: StepNote) -> list[str]:
+    """Return the words of a reason; of a warning with ``…`` for numbers, names and lists of them.
+
+    The names are those in quotes, with digits or underscores, or in a list after a colon.
+    """
+    if note.kind is not Kind.WARNING:
+        return [note.reason]
+    text = _NAME.sub("…", _NUMBER.sub("…", _QUOTED.sub("…", note.reason)))
+    return _SEVERAL.sub("…", _LISTED.sub("…", text)).split()
 
 
 class _Template:
@@ -243,9 +251,9 @@ class _Template:
         notes = self._notes
         same = len({note.reason for note in notes}) == 1
         return NoteGroup(
-            node=notes[0].node,
+            node=", ".join(dict.fromkeys(note.node for note in notes)),
             methods=tuple(dict.fromkeys(note.method for note in notes if note.method)),
-            reason=notes[0].reason if same else _LIST.sub("…", " ".join(self._words)),
+            reason=notes[0].reason if same else _SEVERAL.sub("…", " ".join(self._words)),
             count=sum(note.count for note in notes),
             labels=tuple(_labels(note, with_reason=not same) for note in notes if note.labels),
             repeat=next((note.repeat for note in notes if note.repeat), ""),

@@ -29,7 +29,7 @@ SCRIPTS = ("modules", "helpers", "selection", "theme", "frames", "tables")
 """The page's own scripts, by the names of their files."""
 
 _SHOWN = 3
-_OPEN = 3
+_OPEN = 2
 _MANY = 24
 _CODE = re.compile(r":[a-z:]+:`~?([^`]+)`|``([^`]+)``|`([^`]+)`")
 

@@ -24,7 +24,7 @@ _MOST_ROWS = 5_000
 """Rows that a page holds."""
 _SHORT_TABLE = 14
 """Rows up to which a table is never folded."""
-_SHOWN_ROWS = 24
+_SHOWN_ROWS = 18
 _FEW_ROWS = 3
 _FEW_NOTES = 2
 

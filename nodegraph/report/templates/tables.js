@@ -178,6 +178,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
   };
 
   for (const table of document.querySelectorAll("figure.table table")) {
+    if (table.closest(".answer")) continue;
     if (table.tHead?.rows.length !== 1 || !table.tBodies.length || table.querySelector("[colspan], [rowspan]")) continue;
     const [body] = table.tBodies;
     const places = new Map([...body.rows].map((row, place) => [row, place]));

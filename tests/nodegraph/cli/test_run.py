@@ -92,7 +92,7 @@ def test_a_report_shows_an_entry_where_it_fixes_axes(command: Command) -> None:
     entry = "report: [{from: gaps, at: {length: 5}}]"
     Path("toy.yaml").write_text(f"{Path('toy.yaml').read_text()}{entry}\n")
     _, out, _ = command("run", "toy.yaml")
-    assert "gaps gappy length=5" in out
+    assert "Gaps gappy length=5" in out
     assert "length=1" not in out
 
 
@@ -138,8 +138,8 @@ def test_a_result_that_cannot_be_shown_ends_with_1(command: Command) -> None:
         line for line in out.splitlines() if line.startswith("failed: a: cannot be shown")
     )
     assert "RuntimeError: no ink" in failure
-    assert "What to know" in (report := Path("runs/toy/report.html").read_text())
-    assert "RuntimeError: no ink" in report.partition("What to know")[2]
+    assert "Warnings and limitations" in (report := Path("runs/toy/report.html").read_text())
+    assert "RuntimeError: no ink" in report.partition("Warnings and limitations")[2]
 
 
 def test_a_failed_step_is_repeated_where_it_ran(command: Command) -> None:

@@ -53,10 +53,10 @@ def test_sections_are_what_the_report_lists_at_every_combination(
     assert shown == [
         ("Text", "length=5", "5"),
         ("Text", "length=15", "15"),
-        ("Gaps", "length=5, trial=0", "5"),
-        ("Gaps", "length=5, trial=1", "5"),
-        ("Gaps", "length=15, trial=0", "15"),
-        ("Gaps", "length=15, trial=1", "15"),
+        ("Gaps hidden", "length=5, trial=0", "5"),
+        ("Gaps hidden", "length=5, trial=1", "5"),
+        ("Gaps hidden", "length=15, trial=0", "15"),
+        ("Gaps hidden", "length=15, trial=1", "15"),
     ]
 
 
