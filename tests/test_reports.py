@@ -38,8 +38,8 @@ WIDER = """
 """
 
 TABLES = """
-[...document.querySelectorAll(".result figure.table table")].map((table) => {
-  const beside = table.closest(".rendered")?.nextElementSibling;
+[...document.querySelectorAll(".result .rendered > figure.table table")].map((table) => {
+  const beside = table.closest(".rendered")?.previousElementSibling;
   const link = beside?.querySelector('a[href$=".csv"]');
   return {
     file: link ? decodeURIComponent(link.getAttribute("href").slice(2)) : null,
@@ -72,26 +72,40 @@ UNNAMED = """
 """
 CONTRAST = """
 (() => {
-  const parts = (text) => text.match(/[\\d.]+/g).map(Number);
+  const pen = Object.assign(document.createElement("canvas"), { width: 1, height: 1 })
+    .getContext("2d", { willReadFrequently: true });
+  const mixed = new Map();
+  const over = (below, above) => {
+    const key = `${below} ${above}`;
+    if (!mixed.has(key)) {
+      for (const colour of [below, above]) {
+        pen.fillStyle = colour;
+        pen.fillRect(0, 0, 1, 1);
+      }
+      mixed.set(key, `rgb(${[...pen.getImageData(0, 0, 1, 1).data].slice(0, 3)})`);
+    }
+    return mixed.get(key);
+  };
   const light = (text) => {
-    const [r, g, b] = parts(text).map((one) => one / 255)
-      .map((one) => (one <= 0.04045 ? one / 12.92 : ((one + 0.055) / 1.055) ** 2.4));
+    const [r, g, b] = text.match(/\\d+/g).map((part) => part / 255)
+      .map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
-  const ground = (one) => {
-    for (let at = one; at; at = at.parentElement) {
-      const found = getComputedStyle(at).backgroundColor;
-      if (parts(found)[3] !== 0) return found;
+  const grounds = new Map([[null, "rgb(255,255,255)"]]);
+  const ground = (element) => {
+    if (!grounds.has(element)) {
+      const below = ground(element.parentElement);
+      grounds.set(element, over(below, getComputedStyle(element).backgroundColor));
     }
-    return "rgb(255, 255, 255)";
+    return grounds.get(element);
   };
   const texts = document.querySelectorAll(
-    "p, li, td, th, h1, h2, h3, a, button, dt, dd, code, caption, summary");
-  const found = [...texts].filter((one) => one.offsetParent && !one.closest("svg")).map((one) => {
-    const [a, b] = [light(getComputedStyle(one).color), light(ground(one))];
-    return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-  });
-  return Math.min(...found);
+    "p, li, td, th, h1, h2, h3, a, button, dt, dd, code, caption, summary, label, small");
+  return [...texts].filter((one) => one.checkVisibility() && !one.closest("svg")).map((one) => {
+    const at = ground(one);
+    const [a, b] = [light(over(at, getComputedStyle(one).color)), light(at)];
+    return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), one.outerHTML.slice(0, 200)];
+  }).filter(([contrast]) => contrast < 4.5).slice(0, 5);
 })()
 """
 
@@ -128,7 +142,10 @@ def alike(shown: str, stored: str) -> bool:
     if shown == stored or (shown == "" and stored in ("", "nan")):
         return True
     try:
-        return math.isclose(float(shown.split(" ")[0]), float(stored), rel_tol=1e-3, abs_tol=5e-4)
+        number = shown.split(" ")[0]
+        half = 0.501 * 10.0 ** -len(number.partition(".")[2].partition("e")[0])
+        rounded = math.isclose(float(number), float(stored), rel_tol=1e-3)
+        return rounded or ("e" not in number and abs(float(number) - float(stored)) <= half)
     except ValueError:
         return False
 
@@ -207,9 +224,13 @@ def test_figures_are_those_of_the_files_beside_the_page_and_can_be_heard(
         assert [plain_text(text) for text in figure["texts"]] == [
             plain_text(text) for text in texts
         ]
-    assert sorted(figure["file"] for figure in drawn) == sorted(
-        path.name for path in run.glob("*.svg")
+    # what a chart of the page shows too is linked, and not drawn again
+    links = page.value(
+        "[...document.querySelectorAll('.caption a[href$=\".svg\"]')]"
+        ".map((one) => decodeURIComponent(one.getAttribute('href').slice(2)))"
     )
+    assert sorted(links) == sorted(path.name for path in run.glob("*.svg"))
+    assert {figure["file"] for figure in drawn} <= set(links)
     for path in run.glob("*.svg"):
         assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
 
@@ -219,6 +240,7 @@ def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page
     assert bool(played) == ("use: plot.playback" in (run / "graph.yaml").read_text())
     if not played:
         return
+    page.value("for (const fold of document.querySelectorAll('.more')) fold.open = true")
     packed = page.value("document.querySelector('figure.playback template').innerHTML")
     data = Read(base64.b64decode(packed))
     last = state(page)["tick"]
@@ -244,10 +266,17 @@ def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page
 
 def assert_drawn(playback: Any, data: Read, yaw: float) -> None:
     """Compare the markers' dots with the positions, seen from the front and turned by an angle."""
-    panels = data.head["panels"]
-    assert [panel["label"] for panel in playback["panels"]] == [panel["label"] for panel in panels]
+    # of many methods, some are in sight
+    shown_labels = [panel["label"] for panel in playback["panels"]]
+    places = [
+        place for place, panel in enumerate(data.head["panels"]) if panel["label"] in shown_labels
+    ]
+    panels = [data.head["panels"][place] for place in places]
+    assert sorted(panel["label"] for panel in panels) == sorted(shown_labels)
     radius = max((panel["radius"] for panel in panels if panel["kind"] == "markers"), default=1.0)
-    for place, (shown, panel) in enumerate(zip(playback["panels"], panels, strict=True)):
+    by_label = {panel["label"]: (place, panel) for place, panel in zip(places, panels, strict=True)}
+    for shown in playback["panels"]:
+        place, panel = by_label[shown["label"]]
         if panel["kind"] != "markers":
             assert len(shown["dots"]) > 0
             continue
@@ -271,9 +300,9 @@ def test_the_page_can_be_used_by_keys_and_without_eyes(page: Tab) -> None:
 
 def test_dark_print_and_a_phone_keep_everything_in_sight(page: Tab) -> None:
     page.prefer(prefers_color_scheme="dark")
-    assert page.value(CONTRAST) >= 4.5
+    assert page.value(CONTRAST) == []
     page.prefer()
-    assert page.value(CONTRAST) >= 4.5
+    assert page.value(CONTRAST) == []
     page.size(PHONE, 844)
     assert page.value("document.documentElement.scrollWidth") <= PHONE
     page.send("Emulation.setEmulatedMedia", media="print")
