@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 COMMANDS = (
     "run", "check", "draw", "nodes", "show", "examples", "new", "why", "diff", "lock", "verify",
     "audit", "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema",
+    "completion",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 
