@@ -83,15 +83,6 @@ class Contrasts:
         return self.mean - reach, self.mean + reach
 
     @property
-    def own_interval(self) -> tuple[Numbers, Numbers]:
-        """Ends of intervals by the pairs' own standard errors, 95 % for all of them together.
-
-        A method whose errors vary by far more than those of others does not widen theirs.
-        """
-        reach = range_quantile(self.d.shape[-1], self.freedom) * self.own
-        return self.mean - reach, self.mean + reach
-
-    @property
     def apart(self) -> NDArray[np.bool_]:
         """(..., K), whether p is at most 5 %."""
         limit = range_quantile(self.d.shape[-1], self._pooled_freedom)

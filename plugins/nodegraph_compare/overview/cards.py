@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_compare.overview.sentence import sentences
 from nodegraph_compare.overview.strip import axis_of, strip
 from nodegraph_compare.overview.words import (
+    MOST_CARDS,
     both,
     count_text,
     few,
+    has_panels,
     in_unit,
     method_names,
     percent,
@@ -20,6 +23,7 @@ from nodegraph_compare.overview.words import (
     title_html,
     title_parts,
     varying,
+    why_none,
 )
 
 if TYPE_CHECKING:
@@ -28,17 +32,15 @@ if TYPE_CHECKING:
     from nodegraph_compare.overview.strip import Axis
     from nodegraph_compare.overview.value import GroupOverview, Overview
 
-_MOST_CARDS = 8
-_MOST_IN_SIGHT = 4
 _MOST_COLUMNS = 6
 _MOST_ROWS = 60
 
 
 def verdicts(overview: Overview, name: str) -> str:
-    """Return the verdicts of all groups.
+    """Return the answer and the verdicts of all groups.
 
     Up to eight groups have a card each, of which a reader sees those of one label of the first
-    axis where there are more than four; more groups stand in a grid.
+    axis where there are more than four, with an answer of their own; more groups stand in a grid.
 
     Parameters
     ----------
@@ -49,23 +51,22 @@ def verdicts(overview: Overview, name: str) -> str:
     """
     axis = axis_of(overview)
     groups = overview.groups
+    answers = [
+        f'<p class="overview-sentence">{answer}</p>' for answer in sentences(overview).values()
+    ]
     if axis is None:
-        return '<p class="overview-scope">No block has a number.</p>'
-    if len(groups) > _MOST_CARDS:
-        return _grid(overview)
+        return answers[0]
+    if len(groups) > MOST_CARDS:
+        return answers[0] + _grid(overview)
     cards = [_card(overview, group, at, axis) for at, group in enumerate(groups)]
-    if _has_tabs(overview):
-        return _tabs(overview, cards, name, varying(overview)[0])
-    return f'<div class="overview-cards">{"".join(cards)}</div>'
+    if has_panels(overview):
+        return _tabs(overview, cards, answers, name)
+    return f'{answers[0]}<div class="overview-cards">{"".join(cards)}</div>'
 
 
-def _has_tabs(overview: Overview) -> bool:
-    """Whether only the cards of one label of the first axis are in sight."""
-    return len(overview.groups) > _MOST_IN_SIGHT and len(varying(overview)) > 1
-
-
-def _tabs(overview: Overview, cards: Sequence[str], name: str, axis: int) -> str:
+def _tabs(overview: Overview, cards: Sequence[str], answers: Sequence[str], name: str) -> str:
     """Return cards behind a radio button per label, which needs no script."""
+    axis = varying(overview)[0]
     labels = list(dict.fromkeys(group.labels[axis] for group in overview.groups))
     axis_name = escape(overview.within[axis])
     buttons, panels = [], []
@@ -84,7 +85,7 @@ def _tabs(overview: Overview, cards: Sequence[str], name: str, axis: int) -> str
         )
         panels.append(
             f'<div class="overview-panel"><p class="overview-label">{axis_name} {text}</p>'
-            f'<div class="overview-cards">{inside}</div></div>'
+            f'{answers[at]}<div class="overview-cards">{inside}</div></div>'
         )
     return (
         f'<div class="overview-tabs" role="group" aria-label="{axis_name}">'
@@ -93,7 +94,7 @@ def _tabs(overview: Overview, cards: Sequence[str], name: str, axis: int) -> str
 
 
 def _card(overview: Overview, group: GroupOverview, at: int, axis: Axis) -> str:
-    title = escape(", ".join(title_parts(overview, group, skip=int(_has_tabs(overview)))))
+    title = escape(", ".join(title_parts(overview, group, skip=int(has_panels(overview)))))
     head = f"<h3>{title}</h3>" if title else ""
     rows = [*_rows(overview, group), *_suspect_row(overview, group)]
     facts = "".join(f"<dt>{term}</dt><dd>{text}</dd>" for term, text in rows)
@@ -125,13 +126,6 @@ def _winner(overview: Overview, group: GroupOverview) -> str:
         return _headline("no verdict", escape(why_none(group)))
     best = both(method_names(overview, group.best))
     return _headline(best, _value(overview, group, group.best[0]), best=True)
-
-
-def why_none(group: GroupOverview) -> str:
-    """Return why a group has no verdict."""
-    if group.objection:
-        return f"the rules for missing blocks disagree: {group.objection}"
-    return group.caution
 
 
 def _headline(text: str, below: str, *, best: bool = False) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nodegraph import json_script
+from nodegraph_compare.question import sign_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -51,12 +53,14 @@ class Details:
 
 
 @dataclass(frozen=True)
-class _Candidate:
-    """A block by its group and its place in the page, and why it is worth a look, if it is."""
+class _Kind:
+    """Blocks of a group that are worth a look, by their places in the page: one of them is shown.
 
-    group: int
-    block: int
-    why: str = ""
+    The first is the best example of what `why` says; it is empty for blocks that nothing marks.
+    """
+
+    why: str
+    blocks: tuple[int, ...]
 
 
 def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
@@ -80,36 +84,32 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
         "layout": None, "detail": None, "suggested": [], "command": takes.command(),
     }  # fmt: skip
     wanted = [list(_worth_a_look(overview, excerpt, at)) for at in range(len(overview.groups))]
-    detail = takes.detail(next((each[0] for each in wanted if each), None))
+    first = next((at for at, kinds in enumerate(wanted) if kinds), None)
+    detail = None if first is None else takes.detail(first, wanted[first][0].blocks[0])
     if detail is None:
         return Details(data)
     elements: list[str] = []
     ids: dict[str, str] = {}
     size = 0
     layout = None
-    # by rank, then by group: every group has its first before any has its second
-    for _, candidate in sorted(
-        ((place, each) for several in wanted for place, each in enumerate(several)),
-        key=lambda item: item[0],
-    ):
-        if size > _MOST_BYTES:
-            break
-        key = f"{candidate.group}/{candidate.block}"
-        inputs = None if key in ids else takes.read(candidate)
-        if inputs is None:
-            continue
-        if layout is None:
-            layout = _layout(detail, overview, next(iter(inputs.values())))
-        view = detail.pack(takes.block(candidate), inputs)
-        if view is None:
-            continue
-        ids[key] = f"overview-{origin.node}-{len(elements)}"
-        elements.append(json_script(view, ids[key]))
-        size += len(elements[-1])
-        if candidate.why:
-            data["suggested"].append(
-                {"group": candidate.group, "block": candidate.block, "why": candidate.why}
-            )
+    # every group has its first before any has its second
+    for several in zip_longest(*wanted, fillvalue=_Kind("", ())):
+        for at, kind in enumerate(several):
+            fresh = (block for block in kind.blocks if f"{at}/{block}" not in ids)
+            read = ((block, takes.read(at, block)) for block in fresh)
+            block, inputs = next(((b, i) for b, i in read if i is not None), (0, None))
+            if inputs is None or size > _MOST_BYTES:
+                continue
+            view = detail.pack(takes.block(at, block), inputs)
+            if view is None:
+                continue
+            if layout is None:
+                layout = _layout(detail, overview, next(iter(inputs.values())))
+            name = ids[f"{at}/{block}"] = f"overview-{origin.node}-{len(elements)}"
+            elements.append(json_script(view, name))
+            size += len(elements[-1])
+            if kind.why:
+                data["suggested"].append({"group": at, "block": block, "why": kind.why})
     data |= {"layout": layout, "detail": {"module": detail.module, "packed": ids}}
     return Details(data, "".join(elements), detail.scripts, detail.styles)
 
@@ -122,44 +122,46 @@ def _layout(detail: Detail, overview: Overview, inputs: Mapping[str, Any]) -> di
     return None
 
 
-def _worth_a_look(overview: Overview, excerpt: Excerpt, at: int) -> Iterator[_Candidate]:
+def _worth_a_look(overview: Overview, excerpt: Excerpt, at: int) -> Iterator[_Kind]:
     """Yield blocks of a group, those that a reader asks for first at the front."""
     group = overview.groups[at]
     blocks = excerpt.blocks[at]
     errors = group.errors[overview.metric.name][blocks].astype(np.float64)
-    known = np.asarray(np.isfinite(errors).any(axis=1))
-    if not known.any():
+    known = np.flatnonzero(np.isfinite(errors).any(axis=1))
+    if not len(known):
         return
-    order: dict[int, str] = {}
     best = group.best[0] if group.best else int(np.argmax(np.isfinite(errors).any(axis=0)))
     name = overview.methods[best]
-    own = np.where(np.isfinite(errors[:, best]), errors[:, best], np.nan)
-    least = np.where(known, np.nanmin(np.where(known[:, None], errors, 0.0), axis=1), -np.inf)
-    suspect = np.isin(blocks, [*group.suspect])
-    if suspect.any():
-        order[int(np.argmax(np.where(suspect, least, -np.inf)))] = "suspect"
-    if np.isfinite(own).any():
-        worst = np.nanargmin(own) if overview.metric.better == "higher" else np.nanargmax(own)
-        order.setdefault(int(worst), f"worst for {name}")
-    spread = _spread(errors)
-    if np.isfinite(spread).any():
-        order.setdefault(int(np.nanargmax(spread)), "methods differ most")
-    if np.isfinite(own).any():
-        typical = int(np.nanargmin(np.abs(own - np.nanmedian(own))))
-        order.setdefault(typical, f"typical for {name}")
-    random = np.random.default_rng(at).permutation(np.flatnonzero(known))
-    for place, block in enumerate(random[:_AT_RANDOM].tolist()):
-        order.setdefault(int(block), "" if place else "at random")
-    for block, why in order.items():
-        yield _Candidate(at, block, why)
+    least = np.fmin.reduce(errors, axis=1)
+    suspect = known[np.isin(blocks[known], [*group.suspect])]
+    own = errors[:, best]
+    solved = known[np.isfinite(own[known])]
+    sign = sign_of(overview.metric.better)
+    if len(suspect):
+        yield _Kind("suspect", _first(suspect, -least, len(suspect)))
+    if len(solved):
+        yield _Kind(f"worst for {name}", _first(solved, -sign * own, 1))
+    yield _Kind("methods differ most", _first(known, -_spread(errors), 1))
+    if len(solved):
+        middle = np.abs(own - np.median(own[solved]))
+        yield _Kind(f"typical for {name}", _first(solved, middle, len(solved) // 3 + 1))
+    random = np.random.default_rng(at).permutation(known)[:_AT_RANDOM].tolist()
+    yield _Kind("at random", tuple(random))
+    for block in random:
+        yield _Kind("", (block,))
+
+
+def _first(places: NDArray[np.intp], values: NDArray[np.float64], count: int) -> tuple[int, ...]:
+    """Return the places of the smallest values, the smallest first."""
+    order = np.argsort(values[places], kind="stable")[:count]
+    return tuple(places[order].tolist())
 
 
 def _spread(errors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (B,) how far the largest error of a block is above the median of its methods."""
-    several = np.isfinite(errors).sum(axis=1) > 1
-    spread = np.full(len(errors), np.nan)
-    rows = np.where(np.isfinite(errors), errors, np.nan)[several]
-    spread[several] = np.nanmax(rows, axis=1) - np.nanmedian(rows, axis=1)
+    several = np.isfinite(errors).any(axis=1)
+    spread = np.zeros(len(errors))
+    spread[several] = np.nanmax(errors[several], axis=1) - np.nanmedian(errors[several], axis=1)
     return spread
 
 
@@ -171,35 +173,35 @@ class _Takes:
         self._inputs: dict[str, dict[str, Mapping[str, Any]] | None] = {}
         self._read = 0
 
-    def labels(self, candidate: _Candidate) -> dict[str, Label]:
+    def labels(self, at: int, block: int) -> dict[str, Label]:
         """Return what is known of a block: labels of its group and of the block itself."""
-        overview, group = self._overview, self._overview.groups[candidate.group]
-        block = int(self._excerpt.blocks[candidate.group][candidate.block])
+        overview, group = self._overview, self._overview.groups[at]
+        place = int(self._excerpt.blocks[at][block])
         return dict(zip(overview.within, group.labels, strict=True)) | {
-            name: overview.columns[name][codes[block]] for name, codes in group.rows.items()
+            name: overview.columns[name][codes[place]] for name, codes in group.rows.items()
         }
 
-    def block(self, candidate: _Candidate) -> dict[str, Any]:
+    def block(self, at: int, block: int) -> dict[str, Any]:
         """Return the labels of a block for its view, and its frames where they are known."""
-        group = self._overview.groups[candidate.group]
-        place = self._excerpt.blocks[candidate.group][candidate.block]
+        group = self._overview.groups[at]
+        place = self._excerpt.blocks[at][block]
         when = {"start": group.start[place], "frames": group.frames[place]}
         known = {name: int(frame) for name, frame in when.items() if np.isfinite(frame)}
-        return self.labels(candidate) | known
+        return self.labels(at, block) | known
 
-    def detail(self, candidate: _Candidate | None) -> Detail | None:
+    def detail(self, at: int, block: int) -> Detail | None:
         """Return what shows blocks of the inputs that scores read; None if nothing does."""
-        if candidate is None or not self._overview.compare:
+        if not self._overview.compare:
             return None
-        inputs = self.read(candidate)
+        inputs = self.read(at, block)
         first = next(iter(next(iter(inputs.values())).values()), None) if inputs else None
         return next(
             (detail for detail in self._origin.details if isinstance(first, detail.type)), None
         )
 
-    def read(self, candidate: _Candidate) -> dict[str, Mapping[str, Any]] | None:
+    def read(self, at: int, block: int) -> dict[str, Mapping[str, Any]] | None:
         """Return what the score of each method had read; None where that is not at hand."""
-        labels = self.labels(candidate)
+        labels = self.labels(at, block)
         methods = self._overview.methods
         key = self._command(labels, methods[0])
         if key not in self._inputs:
@@ -220,7 +222,7 @@ class _Takes:
         first = next((at for at, group in enumerate(groups) if len(group.unit)), None)
         if first is None:
             return None
-        labels = self.labels(_Candidate(first, 0))
+        labels = self.labels(first, 0)
         text = self._command(labels, self._overview.methods[0])
         labels |= {self._overview.compare: self._overview.methods[0]}
         axes = []

@@ -9,6 +9,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from nodegraph import Rendered, json_script
+from nodegraph_compare.left_out import start_text
 from nodegraph_compare.overview.cards import scope_line, verdicts
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.findings import (
@@ -18,7 +19,7 @@ from nodegraph_compare.overview.findings import (
     ranking_finding,
 )
 from nodegraph_compare.overview.pack import excerpt_of, packed
-from nodegraph_compare.overview.sentence import sentence
+from nodegraph_compare.overview.sentence import sentences
 from nodegraph_compare.overview.words import varying
 from nodegraph_tables.lead import MOST_CARDS
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 def render_overview(overview: Overview, title: str) -> Rendered:
     """Return the verdicts alone, as a notebook shows them."""
-    answer = (_plain(sentence(overview)),)
+    answer = _answer(overview)
     return Rendered(lead_of(overview, title), styles=(_text("cards.css"),), answer=answer)
 
 
@@ -52,7 +53,7 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     described = overview.metric.better == "none" and len(overview.groups) == 1
     lead = "" if described and 1 < len(overview.methods) <= MOST_CARDS else lead_of(overview, name)
     styles = (_text("cards.css"), *_web(".css"))
-    answer = (_plain(sentence(overview)),) if lead else ()
+    answer = _answer(overview) if lead else ()
     if not overview.groups:
         return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)
     excerpt = excerpt_of(overview)
@@ -86,16 +87,16 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
 
 
 def lead_of(overview: Overview, name: str) -> str:
-    """Return the answer at a glance: the sentence, the verdicts of the groups, the scope."""
-    return (
-        f'<div class="overview-lead"><p class="overview-sentence">{sentence(overview)}</p>'
-        f"{verdicts(overview, name)}{scope_line(overview)}</div>"
+    """Return the answer at a glance: its sentences, the verdicts of the groups, the scope."""
+    return f'<div class="overview-lead">{verdicts(overview, name)}{scope_line(overview)}</div>'
+
+
+def _answer(overview: Overview) -> tuple[str, ...]:
+    """Return the sentences as text, as a terminal shows them."""
+    return tuple(
+        f"{start_text(label)}{unescape(re.sub(r'<[^>]*>', '', html))}"
+        for label, html in sentences(overview).items()
     )
-
-
-def _plain(html: str) -> str:
-    """Return the text of a sentence, as a terminal shows it."""
-    return unescape(re.sub(r"<[^>]*>", "", html))
 
 
 def _ranking_heading(overview: Overview) -> str:

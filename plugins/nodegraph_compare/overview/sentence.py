@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.overview.cards import why_none
-from nodegraph_compare.overview.words import both, either, few, in_unit, method_names, varying
+from nodegraph_compare.overview.words import (
+    both,
+    either,
+    few,
+    has_panels,
+    in_unit,
+    method_names,
+    varying,
+    why_none,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,8 +29,24 @@ _MOST_CLAUSES = 6
 _MOST_TIED = 2
 
 
-def sentence(overview: Overview) -> str:
-    """Return the answer in a sentence or two, as HTML."""
+def sentences(overview: Overview) -> dict[str, str]:
+    """Return the answer in a sentence or two, as HTML, for each part of a reader's first view.
+
+    Where cards stand in panels, each panel has an answer of its own, by the label of the panel;
+    otherwise there is one, without a label.
+    """
+    if not has_panels(overview):
+        return {"": _sentence(overview)}
+    axis = varying(overview)[0]
+    parts: dict[str, list[GroupOverview]] = {}
+    for group in overview.groups:
+        parts.setdefault(f"{overview.within[axis]} {group.labels[axis]}", []).append(group)
+    return {
+        label: _sentence(replace(overview, groups=tuple(groups))) for label, groups in parts.items()
+    }
+
+
+def _sentence(overview: Overview) -> str:
     known = [group for group in overview.groups if np.isfinite(group.mean).any()]
     metric = overview.metric
     if not known:
@@ -108,6 +133,8 @@ def _alternatives(overview: Overview, leader: int, groups: Sequence[GroupOvervie
 def _where(overview: Overview, groups: Sequence[GroupOverview]) -> str:
     """Return the labels of groups, by as few of them as tell them from all others."""
     axes = varying(overview)
+    if len(axes) == 1:
+        return escape(both([str(group.labels[axes[0]]) for group in groups]))
     left = {group.labels for group in groups}
     texts: dict[str, list[str]] = {}
     for axis in reversed(axes):

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
 
     from nodegraph_compare.overview.value import GroupOverview, Overview
 
+MOST_CARDS = 8
+"""Groups with a card each."""
+
+_MOST_IN_SIGHT = 4
 _NAMED = 3
 _SMALLEST = 1e-3
 _LARGEST = 1e6
@@ -114,3 +118,16 @@ def varying(overview: Overview) -> list[int]:
         if len({group.labels[axis] for group in overview.groups}) > 1
     ]
     return axes or list(range(len(overview.within)))
+
+
+def has_panels(overview: Overview) -> bool:
+    """Whether only the cards of one label of the first axis are in sight."""
+    count = len(overview.groups)
+    return _MOST_IN_SIGHT < count <= MOST_CARDS and len(varying(overview)) > 1
+
+
+def why_none(group: GroupOverview) -> str:
+    """Return why a group has no verdict."""
+    if group.objection:
+        return f"the rules for missing blocks disagree: {group.objection}"
+    return group.caution

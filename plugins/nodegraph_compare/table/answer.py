@@ -126,7 +126,11 @@ def notes(
         "intervals; median: over blocks.",
     ]
     if any(summary.paired is not None for summary in summaries):
-        also = f" difference: of means to {of}, by a pair's own standard error." if ratio else ""
+        also = (
+            f" difference: of means to {of}, its ends those of the ratio, less 1, times that mean."
+            if ratio
+            else ""
+        )
         sentences.append(
             f"{'ratio' if ratio else 'difference'}: {what} to {of}, paired by units, with "
             f"{CONFIDENCE:.0%} intervals and p (at most {LEVEL:g}: clearly apart) by Tukey's range "

@@ -170,9 +170,9 @@ def table(
         with ``low`` and ``high``, the 95 % interval of the arithmetic mean (of positive errors
         the modified method of Cox, of a recording's parts Student's on a log scale, else
         Student's); ``median`` over blocks; ``ratio`` to the best, or the baseline, with the ends
-        of its interval, and ``difference`` with those by the pair's own standard error (without
-        ratios by the same rule as ``p``); ``p``, and from six units on ``p of flips`` of
-        the units' signs, not adjusted; ``g``, Hedges' standardised difference, above 0 where
+        of its interval, and ``difference`` of the means, its ends those of the ratio, less 1,
+        times the mean that it is to; ``p``, and from six units on ``p of flips`` of the units'
+        signs, not adjusted; ``g``, Hedges' standardised difference, above 0 where
         worse; ``margin``, the smallest within which the method is shown to be equal by two
         one-sided tests; ``wins``, in how many of the units it is better. Where there are any,
         ``refused`` (share of the combinations that were refused or failed) and ``left missing``

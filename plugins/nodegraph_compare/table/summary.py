@@ -43,7 +43,8 @@ class Paired:
     value, low, high : (K,) arrays of float64
         Ratio, or difference, of mean errors, and the ends of its interval.
     difference, difference_low, difference_high : (K,) arrays of float64
-        Difference of the means over units, and the ends of its interval by its own error.
+        Of the means over units; of ratios, the ends are those of their interval, less 1, times
+        the reference's mean.
     p, flips : (K,) arrays of float64
         Of the floored Tukey rule, and of sign flips; NaN for too few units.
     effect : (K,) array of float64
@@ -196,10 +197,11 @@ class Summary:
         sign, strata = sign_of(self.end), self.units.strata
         y = sign * self.units.numbers(self.ratio)
         found = contrasts(y, at, strata)
-        plain = contrasts(sign * self.units.means, at, strata) if self.ratio else found
+        ends = [sign * end for end in found.interval][:: int(sign)]
         shown = np.exp if self.ratio else np.asarray
-        in_unit = self.margin is not None and not self.margin.ratio
-        margin = plain.margin if in_unit else shown(found.margin)
+        margin = shown(found.margin)
+        if self.ratio and self.margin is not None and not self.margin.ratio:
+            margin = contrasts(sign * self.units.means, at, strata).margin
         flipped = self.judged and len(y) >= FEWEST_FLIPPED
         flips = found.p_of_flips if flipped else np.full(len(usable), np.nan)
 
@@ -211,19 +213,20 @@ class Summary:
 
         doubtful = np.zeros(self.level.shape, dtype=bool)
         doubtful[usable] = (found.p_alone <= LEVEL) & (flips > _DOUBTFUL)
-        ends, plain_ends = (
-            [sign * end for end in interval][:: int(sign)]
-            for interval in (found.interval, plain.own_interval if self.ratio else found.interval)
-        )
         low, high = (spread(shown(end)) for end in ends)
+        mean = self.mean[reference]
+        # the same verdict in the metric's unit
+        differences = [mean * (end - 1) for end in (low, high)] if self.ratio else [low, high]
+        apart = self.mean - mean
+        apart[reference] = np.nan
         return Paired(
             reference,
             value=spread(shown(sign * found.mean)),
             low=low,
             high=high,
-            difference=spread(sign * plain.mean),
-            difference_low=spread(plain_ends[0]),
-            difference_high=spread(plain_ends[1]),
+            difference=apart,
+            difference_low=differences[0],
+            difference_high=differences[1],
             p=spread(found.p if self.judged else np.full(len(usable), np.nan)),
             flips=spread(flips),
             effect=spread(found.effect),

@@ -135,12 +135,30 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     text = text_of(lead)
     assert "<script" not in lead
     assert text.startswith(
-        "It depends on heat: plain for heat 180; rich or airy for heat 220. One method for all: "
+        "It depends on heat: plain for 180; rich or airy for 220. One method for all: "
     )
     assert lead.count("<article") == 2
     assert lead.count('class="best"') == 2
     assert lead.count('class="tied"') == 1
     assert "Scope: 8 kitchens" in text
+
+
+def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
+    entries = tuple(
+        ({**labels, "oven": oven}, frame)
+        for oven in ("gas", "coal", "wood")
+        for labels, frame in kitchens({"plain": 1.0, "rich": 1.4}, 5)
+    )
+    scores = Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+    section = rendered(compared(scores, within=("oven", "heat")).overview)
+    assert [line.partition(":")[0] for line in section.answer] == [
+        "oven gas",
+        "oven coal",
+        "oven wood",
+    ]
+    assert section.lead.count('type="radio"') == section.lead.count("It depends on heat: ") == 3
+    assert section.lead.count(" checked") == 1
+    assert section.lead.count("<article") == 6
 
 
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
