@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nodegraph.errors import NodegraphError, Problems, nearest
+from nodegraph.errors import NodegraphError, Problems, listed, nearest
 from nodegraph.graph.methods import ResolvedMethod
 from nodegraph.graph.model import (
     Gather,
@@ -272,6 +272,8 @@ class _NameCheck:
         if isinstance(mark, ColumnOf):
             self._check_columns(self._labels if mark.or_axis else {})
             self._check_apart(mark.apart_from)
+            if mark.independent:
+                self._check_independent()
         else:
             self._check_labels(mark.axis)
 
@@ -294,6 +296,24 @@ class _NameCheck:
                         message = f"{where}: {self.setting} and {other} share a name: {name!r}"
                         self.problems.add(place, message)
 
+    def _check_independent(self) -> None:
+        feed = self.method.inputs[self.port]
+        nodes = {source.node for source in sources_of(feed)}
+        axes = {self.node.local_name(axis): axis for axis in self.node.gathered}
+        differing = {axis for node in nodes for axis in self.graph.source_axes(node)}
+        for name in dict.fromkeys(
+            name for values in self._values() for name in _names(values, self.setting)
+        ):
+            if name not in axes:
+                continue
+            labels = self.graph.axes[axes[name]].labels
+            known = [local for local, axis in axes.items() if axis in differing]
+            if len(labels) < 2:
+                self._add(f"axis {name!r} has one label, {labels[0]}")
+            elif axes[name] not in differing:
+                message = f"the same data are treated along {name!r}"
+                self._add(message, f"axes along which they differ: {listed(known)}")
+
     def _check_labels(self, axis_setting: str) -> None:
         all_labels = tuple(label for labels in self._labels.values() for label in labels)
         for values in self._values():
@@ -304,10 +324,12 @@ class _NameCheck:
                     self._add_problem("label", name, nearest(name, labels, what="labels"))
 
     def _add_problem(self, kind: str, name: str, hint: str) -> None:
+        self._add(f"port {self.port!r} has no {kind} {name!r}", hint)
+
+    def _add(self, message: str, hint: str = "") -> None:
         where = method_name(self.node.name, self.method.label)
         place = self.method.places.get(self.setting, self.method.place)
-        message = f"{where}: {self.setting}: port {self.port!r} has no {kind} {name!r}"
-        self.problems.add(place, message, hint)
+        self.problems.add(place, f"{where}: {self.setting}: {message}", hint)
 
     def _values(self) -> Iterable[Mapping[str, Any]]:
         return self.method.settings.values.values()

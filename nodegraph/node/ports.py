@@ -48,12 +48,14 @@ class ColumnOf(NamedTuple):
 
     ``Annotated[str | None, ColumnOf("scores")]``. With `or_axis`, it may also name an axis that
     the port gathers. A graph that names a column that cannot exist is refused, and so is one whose
-    settings `apart_from` name the same.
+    settings `apart_from` name the same. If `independent`, an axis must have two labels at least,
+    and the data must differ along it.
     """
 
     port: str
     or_axis: bool = False
     apart_from: tuple[str, ...] = ()
+    independent: bool = False
 
 
 class LabelOf(NamedTuple):

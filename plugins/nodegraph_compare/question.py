@@ -25,7 +25,8 @@ OneName = Annotated[str | None, ColumnOf("scores", or_axis=True)]
 OneLabel = Annotated[str | None, LabelOf("scores", axis="compare")]
 Names = Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True)]
 Clusters = Annotated[
-    tuple[str, ...], ColumnOf("scores", or_axis=True, apart_from=("compare", "within", "x"))
+    tuple[str, ...],
+    ColumnOf("scores", or_axis=True, apart_from=("compare", "within", "x"), independent=True),
 ]
 
 

@@ -44,6 +44,7 @@ def rank(
     within: Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True)] = (),
     against: Annotated[str | None, ColumnOf("floor")] = None,
     first: Annotated[str | None, LabelOf("scores", axis="compare")] = None,
+    units: Annotated[tuple[str, ...], ColumnOf("scores", or_axis=True, independent=True)] = (),
 ) -> Rows:
     return Rows()
 
@@ -238,3 +239,34 @@ def test_unknown_names_in_a_used_graph_and_of_its_outputs(messages_of: MessagesO
         "inner.ranked: compare: port 'scores' has no axis or column 'fil'",
         "last: metric: port 'scores' has no column 'rsme'",
     }
+
+
+UNITS = """
+axes: {take: [0, 1], alone: [7], trial: [0, 1]}
+nodes:
+  n: {use: read.number, with: {start: $take}}
+  cut: {use: gaps.cut, in: n, with: {seed: $trial, length: $alone}}
+  rated: {use: rate.gaps, in: cut}
+  ranked: {use: rank.all, in: rated, with: {units: [UNIT]}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("alone", ("'alone'", "one label", "7")), ("trial", ("'trial'", "same data", "take"))],
+)
+def test_independent_units_need_labels_with_different_data(
+    graph_of: Callable[..., Graph], name: str, expected: tuple[str, ...]
+) -> None:
+    with pytest.raises(GraphError) as caught:
+        graph_of(UNITS.replace("UNIT", name), more=MORE)
+    (problem,) = caught.value.problems
+    assert all(text in f"{problem.message} {problem.instead}" for text in expected)
+    assert problem.place.line == 8
+
+
+@pytest.mark.parametrize("name", ["take", "gap"])
+def test_independent_units_may_be_an_axis_of_the_data_or_a_column(
+    graph_of: Callable[..., Graph], name: str
+) -> None:
+    assert graph_of(UNITS.replace("UNIT", name), more=MORE)

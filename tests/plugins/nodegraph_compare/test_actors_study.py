@@ -155,7 +155,7 @@ def test_a_block_in_which_every_method_fails_is_named(
 @pytest.mark.parametrize(
     ("more", "status", "parts"),
     [
-        ("clusters: [trial]", 1, ("same data stand behind trial 0 and 1", "differ: actor")),
+        ("clusters: [trial]", 2, ("same data", "'trial'", "differ: actor")),
         ("clusters: [error], compare: error", 2, ("clusters and compare share a name: 'error'",)),
         ("clusters: [actr]", 2, ("no axis or column 'actr'", "'actor'")),
         ("fallback: sy", 2, ("fallback", "no label 'sy'", "'shy'")),
@@ -172,5 +172,5 @@ def test_bad_settings_are_refused_with_what_there_is(
 
 
 def test_clusters_of_one_label_are_refused(run: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("clusters: [actor]", "--axis", "actor=[3]") == 1
-    assert "'actor' has one label, 3" in capsys.readouterr().out
+    assert run("clusters: [actor]", "--axis", "actor=[3]") == 2
+    assert "'actor' has one label, 3" in capsys.readouterr().err
