@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.execute.events import EventKind
+from nodegraph.formatting import name_at
 from nodegraph.state import State
 
 WAITING, RUNNING = "waiting", "running"
@@ -64,18 +65,19 @@ class Progress:
     def read(self, line: bytes) -> None:
         """Take a line of the file of events."""
         try:
-            event = json.loads(line)
-            kind, seconds = str(event["event"]), float(event["seconds"])
-        except (ValueError, TypeError, LookupError, RecursionError):
+            self._take(json.loads(line, parse_constant=_no_number))
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError):
             self.unreadable += 1
-            return
-        self.last, self.seconds = kind, seconds
+
+    def _take(self, event: Mapping[str, Any]) -> None:
+        kind, seconds = str(event["event"]), float(event["seconds"])
         if kind == EventKind.PLANNED:
-            self.planned = event
+            self.planned = dict(event)
         elif kind in (EventKind.PROGRESS, EventKind.INTERRUPTED):
             self.left, self.to_go = _number(event.get("left")), _number(event.get("to_go"))
-        elif isinstance(event.get("step"), int):
+        elif "step" in event:
             self._settle(event, RUNNING if kind == EventKind.STARTED else kind)
+        self.last, self.seconds = kind, seconds
 
     def counts(self, *, is_over: bool = False) -> dict[str, dict[str, int]]:
         """Return how many steps of each node are in which state; states without any are absent.
@@ -97,11 +99,14 @@ class Progress:
         }
 
     def _settle(self, event: Mapping[str, Any], state: str) -> None:
-        self._states[event["step"]] = str(event.get("node", "")), state
+        node = str(event["node"])
         if state == State.FAILED and len(self.failures) < _MOST_FAILURES:
-            labels = event.get("labels")
-            at = ", ".join(f"{axis}={label}" for axis, label in labels.items()) if labels else ""
-            self.failures.append(f"{event.get('node')} {at}: {event.get('reason')}")
+            self.failures.append(f"{name_at(node, event['labels'])}: {event['reason']}")
+        self._states[int(event["step"])] = node, state
+
+
+def _no_number(text: str) -> None:
+    raise ValueError(f"{text} is no number of JSON")
 
 
 def _number(value: Any) -> Any:

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -184,15 +183,14 @@ class OpenRun:
             self._read_events()
             return str(self._events.progress.planned.get("title", ""))
 
-    @cached_property
+    @property
     def _settings(self) -> RunSettings | None:
         """What the run was started with, from its first event."""
         from pydantic import TypeAdapter, ValidationError
 
+        settings = self._events.progress.planned.get("settings")
         try:
-            return TypeAdapter(RunSettings).validate_python(
-                self._events.progress.planned.get("settings")
-            )
+            return TypeAdapter(RunSettings).validate_python(settings)
         except ValidationError:
             return None
 

@@ -1,0 +1,82 @@
+"""What is read of a run that goes on is whole, whatever its file of events has at the moment."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nodegraph.serve.progress import EventFile
+
+
+def line(kind: str, **more: Any) -> bytes:
+    return json.dumps({"event": kind, "seconds": 1.5, **more}).encode() + b"\n"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "events.jsonl"
+    path.write_bytes(line("planned", nodes={"a": 1, "fill": 3}, title="toy"))
+    return path
+
+
+def append(path: Path, *lines: bytes) -> None:
+    with path.open("ab") as file:
+        file.writelines(lines)
+
+
+def test_steps_are_counted_by_node_and_state(path: Path) -> None:
+    events = EventFile(path)
+    assert events.update()
+    assert not events.update()
+    append(path, line("stored", step=0, node="a"))
+    append(path, *(line("started", step=step, node="fill") for step in (1, 2)))
+    reason = {"labels": {"fill": "hold"}, "reason": "too far"}
+    append(path, line("failed", step=1, node="fill", **reason), line("progress", left=2, to_go=4))
+    assert events.update()
+    progress = events.progress
+    assert progress.counts() == {
+        "a": {"stored": 1},
+        "fill": {"waiting": 1, "running": 1, "failed": 1},
+    }
+    assert progress.counts(is_over=True)["fill"] == {"waiting": 2, "failed": 1}
+    assert progress.failures == ["fill(fill=hold): too far"]
+    assert (progress.left, progress.to_go, progress.last) == (2, 4, "progress")
+
+
+def test_a_line_is_read_once_it_is_whole(path: Path) -> None:
+    events = EventFile(path)
+    whole = line("done", step=0, node="a")
+    append(path, whole[:20])
+    events.update()
+    assert events.progress.counts()["a"] == {"waiting": 1}
+    append(path, whole[20:])
+    events.update()
+    assert events.progress.counts()["a"] == {"done": 1}
+
+
+def test_another_run_in_the_folder_is_read_from_its_begin(path: Path) -> None:
+    events = EventFile(path)
+    append(path, line("done", step=0, node="a"))
+    events.update()
+    path.write_bytes(line("planned", nodes={"b": 1}))
+    events.update()
+    assert events.progress.counts() == {"b": {"waiting": 1}}
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        b"\n", b"{\n", b"[]\n", b"7\n", b"\xff\xfe\n", b'{"event": "done"}\n', b"[" * 9999 + b"\n",
+        line("done", step="odd", node=7), line("done", step=0), line("planned", nodes=7),
+        line("failed", step=0, node="a", labels=7), line("planned", nodes={"a": "odd", "fill": 3}),
+        b'{"event": "progress", "seconds": NaN}\n', line("progress", left="odd"),
+    ],
+)  # fmt: skip
+def test_damaged_lines_are_passed_over(path: Path, damage: bytes) -> None:
+    events = EventFile(path)
+    append(path, damage, line("done", step=2, node="fill"))
+    events.update()
+    assert events.progress.counts()["fill"]["done"] == 1
