@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from nodegraph_score.alignment_text import named
+from nodegraph import listed
+from nodegraph_score.alignment_text import FACE, HEAD, named
 from nodegraph_tables.lead import Card, Lead, svg
 
 if TYPE_CHECKING:
@@ -26,36 +27,38 @@ def lead_of(parts: Sequence[Table], axes: tuple[str, ...]) -> Lead:
         Their columns with labels.
     """
     scope = (
-        "Scope: these recordings. Large: the share of all variance that head motion makes. Bars: "
-        "share of the variance of each principal component; "
+        "Scope: these recordings. Large: what the first principal component is. Bars: the share of "
+        "all variance that each component has; "
         "filled, what head motion makes of it."
     )
     return Lead(_sentence(parts, axes), tuple(_card(part, axes) for part in parts), scope)
 
 
 def _sentence(parts: Sequence[Table], axes: tuple[str, ...]) -> tuple[str, ...]:
+    sentence = ["PCA finds "]
+    for finds, what in ((HEAD, HEAD), (FACE, "the face")):
+        names = [named(part, axes) for part in parts if _finds(part) == finds]
+        where = listed(names) if len(names) < len(parts) else f"all {len(names)} recordings"
+        if names:
+            joint = ", " if len(sentence) > 1 else ""
+            sentence[-1] += joint
+            sentence += [what, f" first in {where}" if len(parts) > 1 else " first"]
     most = max(parts, key=_in_all)
-    rest = [part for part in parts if part is not most]
-    of = named(most, axes) or "the recording"
-    start = ("Head motion makes ", _percent(_in_all(most)), f" of all variance in {of}")
+    rest = [_in_all(part) for part in parts if part is not most]
+    sentence[-1] += "; head motion makes "
+    sentence.append(f"{_percent(_in_all(most))} of all variance")
     if not rest:
-        return (*start[:2], f"{start[2]}; PCA finds {most['finds'].iloc[0]} first.")
+        return (*sentence, ".")
     others = "the other" if len(rest) == 1 else f"the {len(rest)} others"
-    return (
-        *start[:2],
-        f"{start[2]}; in {others}, ",
-        f"at most {_percent(max(map(_in_all, rest)))}",
-        ".",
-    )
+    return (*sentence, f" in {named(most, axes)}, and at most {_percent(max(rest))} in {others}.")
 
 
 def _card(part: Table, axes: tuple[str, ...]) -> Card:
-    first = part.iloc[0]
     return Card(
         title=named(part, axes) or "recording",
-        headline=_percent(_in_all(part)),
-        value="head motion",
-        aside=f"PCA finds {first['finds']} first",
+        headline=_finds(part),
+        value=_percent(_in_all(part)),
+        aside="of all variance is head motion",
         picture=_picture(part),
     )
 
@@ -77,6 +80,10 @@ def _picture(part: Table) -> str:
             f'<text class="middle" x="{x + wide / 2 - 3:g}" y="{_TALL + 14:g}">{share:.0%}</text>'
         )
     return svg("shares of the variance of the principal components", _TALL + 18.0, bars)
+
+
+def _finds(part: Table) -> str:
+    return str(part["finds"].iloc[0])
 
 
 def _in_all(part: Table) -> float:

@@ -14,6 +14,8 @@ from nodegraph import Value
 MOST_CARDS = 8
 """Cards that a reader sees at once."""
 
+_ONE_ROW = 4
+
 _WIDE = 240.0
 """Of the picture on a card, in pixels."""
 
@@ -77,11 +79,13 @@ def lead_html(lead: Lead) -> str:
         for place, part in enumerate(lead.sentence)
     )
     cards = "".join(map(_card, lead.cards[:MOST_CARDS]))
+    count = min(len(lead.cards), MOST_CARDS)
+    columns = count if count <= _ONE_ROW else math.ceil(count / 2)
     more = len(lead.cards) - MOST_CARDS
     scope = f"{lead.scope} {more} more are in the table." if more > 0 else lead.scope
     return (
         f'<div class="lead"><p class="lead-sentence">{sentence}</p>'
-        + (f'<div class="lead-cards">{cards}</div>' if cards else "")
+        + (f'<div class="lead-cards" style="--columns: {columns}">{cards}</div>' if cards else "")
         + (f'<p class="lead-scope">{escape(scope)}</p>' if scope else "")
         + "</div>"
     )

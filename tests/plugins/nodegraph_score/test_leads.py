@@ -67,8 +67,11 @@ def part(name: str, head: float, in_all: float) -> DataFrame:
 def test_head_motion_is_told_of_the_recording_with_most_of_it() -> None:
     found = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
     assert "".join(found.sentence) == (
-        "Head motion makes 56 % of all variance in captured; in the other, at most 0 %."
+        "PCA finds head motion first in captured, the face first in stable; head motion makes "
+        "56 % of all variance in captured, and at most 0 % in the other."
     )
-    assert [card.headline for card in found.cards] == ["0 %", "56 %"]
-    assert "head motion first" in found.cards[1].aside
+    assert [card.headline for card in found.cards] == ["face", "head motion"]
+    assert [card.value for card in found.cards] == ["0 %", "56 %"]
     assert lead_html(found).count("<rect") == 8
+    alike = lead_of([part("a", 0.1, 0.2), part("b", 0.0, 0.0)], ("align",))
+    assert "".join(alike.sentence).startswith("PCA finds the face first in all 2 recordings")
