@@ -134,11 +134,21 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     return redraw;
   };
 
+  // Width of a name in a chart, in pixels, as bold as it may become.
+  const pen = document.createElement("canvas").getContext("2d");
+  const widths = new Map();
+  const textWidth = (name) => {
+    pen.font = `700 12px ${getComputedStyle(note).fontFamily}`;
+    if (!widths.has(name)) widths.set(name, pen.measureText(name).width);
+    return widths.get(name);
+  };
+  const widest = (names) => Math.max(0, ...names.map(textWidth));
+
   const strong = (text) => element("b", {}, String(text));
   const picture = (width, height, label, ...children) =>
     svg("svg", { viewBox: `0 0 ${width} ${height}`, width, height, role: "group", "aria-label": label }, ...children);
   const text = (x, y, content, attributes) => svg("text", { x, y, ...attributes }, content);
   const line = (x1, y1, x2, y2, className) => svg("line", { x1, y1, x2, y2, class: className });
 
-  return { mount, methodMark, walk, showNote, hideNote, strong, picture, text, line };
+  return { mount, methodMark, walk, showNote, hideNote, strong, picture, text, line, textWidth, widest };
 });

@@ -5,7 +5,6 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
   const { svg } = page;
   const { strong, text, line } = chart;
   const HEIGHT = 400;
-  const LETTER = 6.9;
   const LEFT = 46;
   const BOTTOM = 44;
 
@@ -19,7 +18,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
   const placer = (points, width, height) => {
     const boxes = points.map(({ x, y }) => [x - 5, y - 5, x + 5, y + 5]);
     return ({ x, y }, name) => {
-      const wide = name.length * LETTER;
+      const wide = chart.textWidth(name);
       const offers = [
         [x + 9, y + 4], [x - 9 - wide, y + 4], [x - wide / 2, y - 10], [x - wide / 2, y + 18],
         [x + 8, y - 8], [x + 8, y + 16], [x - 8 - wide, y - 8], [x - 8 - wide, y + 16],

@@ -8,7 +8,6 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
   const REACH = 9;
   const CELL = 4;
   const ROW_LABEL = 13;
-  const LETTER = 7.4;
 
   // A fixed share of the row's height for each block, without pattern: 0 to 1.
   const jitter = (block) => {
@@ -54,8 +53,8 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       this.rowOf = new Map(this.rows.map((method, row) => [method, row]));
       this.rowHeight = scales.between(Math.floor(760 / this.rows.length), 5, 24);
       this.height = TOP + this.rows.length * this.rowHeight + 6;
-      const longest = Math.max(...this.rows.map((method) => view.overview.methods[method].length));
-      this.left = scales.between(longest * LETTER + 12, 60, width < 500 ? 118 : 160);
+      const names = chart.widest(this.rows.map((method) => view.overview.methods[method]));
+      this.left = scales.between(names + 14, 60, width < 500 ? 118 : 180);
       this.right = width - (width < 500 ? 46 : 60);
       this.values = view.group.values(view.metric.name);
       this.codes = view.group.codes(view.metric.name);

@@ -61,8 +61,9 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         ratios && groups.length > 1 && { key: "worst", title: "Worst", text: (method) => worstText(worstOf(view, method, groups)) },
         timed && { key: "time", title: "Time", text: (method) => (view.overview.seconds[method] === null ? "\u2013" : seconds(view.overview.seconds[method])) },
       ].filter(Boolean);
-      const longest = Math.max(...shown.map((method) => view.overview.methods[method].length), 6);
-      const nameWidth = Math.round(Math.min(longest * 7.6 + 6, width * 0.34));
+      // its names are larger by a pixel than those of charts
+      const names = chart.widest(shown.map((method) => view.overview.methods[method]));
+      const nameWidth = Math.round(Math.min(Math.max(names, 44) * (13 / 12) + 8, width * 0.34));
       const narrow = width - nameWidth - 74 * asides.length < 92 * groups.length;
       const sign = view.better === "higher" ? -1 : 1;
       const keyOf = {

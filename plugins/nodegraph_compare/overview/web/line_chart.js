@@ -6,7 +6,6 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const { strong, text, line } = chart;
   const HEIGHT = 500;
   const ROW = 15.5;
-  const LETTER = 7.2;
   const TOP = 46;
 
   const describe = (view, method, groups) => groups
@@ -17,7 +16,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     });
 
   const labelWidth = (view, shown) =>
-    scales.between(Math.max(...shown.map((method) => view.overview.methods[method].length)) * LETTER, 40, 150);
+    Math.min(chart.widest(shown.map((method) => view.overview.methods[method])), 150);
 
   // One panel between two edges of the picture; `many` panels name only methods that matter.
   const panelOf = (view, panel, shown, axis, { left, right, bottom, before, after, wide }) => {
@@ -177,7 +176,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const names = scales.thin([...ranked].sort((a, b) => view.weight(b) - view.weight(a)), 40, (method) => view.weight(method) > 0);
     // each name stands on the lowest level where it has room
     const placed = [...ranked].filter((method) => names.has(method)).map((method) => {
-      const half = (view.overview.methods[method].length * LETTER) / 2 + 5;
+      const half = chart.textWidth(view.overview.methods[method]) / 2 + 5;
       const middle = scales.between(axis.place(values[method]), half, width - half);
       let level = levels.findIndex((right) => right < middle - half);
       if (level < 0) level = levels.length;
