@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.overview.value import Overview
 
 _MOST_BYTES = 500_000
+_FEWEST_PLACES = 3
 _MOST_READ = 150
 """Inputs of scores that are read while a page is written."""
 
@@ -115,8 +116,8 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
 
 
 def _layout(detail: Detail, overview: Overview, inputs: Mapping[str, Any]) -> dict[str, Any] | None:
-    for column in overview.columns:
-        layout = detail.layout(inputs, column)
+    for column, labels in overview.columns.items():
+        layout = detail.layout(inputs, column) if len(labels) >= _FEWEST_PLACES else None
         if layout is not None:
             return {**layout, "column": column}
     return None

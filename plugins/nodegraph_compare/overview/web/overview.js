@@ -199,13 +199,12 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       return frames > 1 ? `frames ${start} to ${start + frames - 1}` : `frame ${start}`;
     }
 
-    // A short name: the marker or the last label, and the frames.
+    // A short name: the place in the layout, or else the labels that tell blocks apart; the frames.
     nameOf(block) {
-      const labels = this.labelsOf(block);
-      const { layout } = this.overview;
-      const [name, label] = labels.find(([column]) => column === layout?.column) ?? labels.at(-1) ?? ["block", block];
-      const frames = this.framesOf(block);
-      return [typeof label === "number" ? `${name} ${label}` : label, frames].filter(Boolean).join(", ");
+      const labels = this.labelsOf(block).filter(([name]) => this.overview.columns[name].length > 1);
+      const place = labels.find(([name]) => name === this.overview.layout?.column);
+      const words = place ? [place[1]] : labels.map(([name, label]) => `${name} ${label}`);
+      return [...words, this.framesOf(block)].filter(Boolean).join(", ") || "the only one";
     }
   }
 
