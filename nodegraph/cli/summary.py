@@ -201,6 +201,10 @@ def _mark(grid: Grid, row: int, column: int) -> str:
 
 
 def _warning(group: NoteGroup) -> str:
+    """Return a kind of warning: its text, or the first of several that differ in details."""
+    if "\N{HORIZONTAL ELLIPSIS}" in group.reason and group.labels:
+        first = group.labels[0].partition(": ")[2]
+        return f"warning: {group.where}: {first} (and {group.count - 1} like it)"
     times = f" ({group.count} times)" if group.count > 1 else ""
     return f"warning: {group.where}: {group.reason}{times}"
 

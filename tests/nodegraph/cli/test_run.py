@@ -109,7 +109,7 @@ def test_warnings_of_steps_are_printed_once_for_all_combinations(command: Comman
     Path("toys.py").write_text(text.replace(cut, warning + cut))
     _, out, _ = command("run", "toy.yaml")
     assert out.count("warning: gaps (toy.cut): gap of") == 1
-    assert "(2 times)" in out
+    assert "(and 1 like it)" in out
 
 
 def test_a_failed_step_ends_with_1(command: Command) -> None:
