@@ -30,6 +30,8 @@ SCRIPTS = ("modules", "helpers", "selection", "theme", "frames", "tables")
 
 _SHOWN = 3
 _OPEN = 2
+"""Results that are not folded; beside one that answers at a glance, that one alone."""
+
 _MANY = 24
 _CODE = re.compile(r":[a-z:]+:`~?([^`]+)`|``([^`]+)``|`([^`]+)`")
 
@@ -59,8 +61,8 @@ class _Question:
 
     @property
     def open(self) -> int:
-        """How many of the results are not folded: few beside one that answers at a glance."""
-        return _OPEN if any(result.has_lead for result in self.results) else len(self.results)
+        """How many of the results are not folded."""
+        return 1 if any(result.has_lead for result in self.results[:1]) else _OPEN
 
 
 _NO_SERVER = 'nodegraph.define("server", [], () => null);\n'
