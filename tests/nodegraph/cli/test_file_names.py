@@ -68,7 +68,9 @@ def graph(nodes: str, **axes: Iterable[Any]) -> None:
 
 def links(folder: Path) -> list[str]:
     """Return the paths to which the results of a report link, in their order."""
-    targets = re.findall(r'href="\./([^"]+)">', (folder / "report.html").read_text())
+    # all files are listed once more below
+    results = (folder / "report.html").read_text().partition('id="download"')[0]
+    targets = re.findall(r'href="\./([^"]+)">', results)
     paths = [unquote(html.unescape(target)) for target in targets]
     return [path for path in paths if path not in ("run.json", "events.jsonl")]
 

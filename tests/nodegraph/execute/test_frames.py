@@ -96,7 +96,7 @@ def test_combinations_without_a_value_are_told(run_of: Callable[..., Run]) -> No
     ended = states(frame)
     assert ended[-1, "positive"] == ("refused", "-1.0 is negative")
     assert ended[-1, "fails"] == ("failed", "-1.0 is negative")
-    assert ended[3, "hold"] == ("skipped", "skip: k = 3, fill = hold")
+    assert ended[3, "hold"] == ("skipped", "skip: k = 3, fill = fails or hold")
     assert ended[2, "hold"] == ("done", "")
     assert frame["output"].isna().tolist() == (frame["state"] != "done").tolist()
     assert len(frame) == 9
