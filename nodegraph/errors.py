@@ -25,8 +25,23 @@ class Problem(NamedTuple):
     instead: str = ""
 
     def __str__(self) -> str:
-        hint = f"\n    {self.instead}" if self.instead else ""
-        return f"{self.place}: {self.message}{hint}"
+        hint = f"\n    {one_line(self.instead)}" if self.instead else ""
+        return f"{self.place}: {one_line(self.message)}{hint}"
+
+
+_LONGEST = 2000
+
+
+def one_line(text: str) -> str:
+    """Return a message as one line, without the middle of a very long one.
+
+    Names and values that it quotes may have any length, and line breaks.
+    """
+    line = " ".join(text.splitlines())
+    if len(line) <= _LONGEST:
+        return line
+    half = _LONGEST // 2
+    return f"{line[:half]} … {line[-half:]}"
 
 
 class NodegraphError(Exception):

@@ -14,6 +14,15 @@ def test_a_place_without_a_line_is_the_file() -> None:
     assert str(Problem(Place("--set k"), "wrong")) == "--set k: wrong"
 
 
+def test_a_message_is_a_line_of_bounded_length_whatever_it_quotes() -> None:
+    problem = Problem(Place("a.yaml", 1, 1), "no node 'x\ny'", f"there is: {'z' * 10_000} end")
+    first, second = str(problem).split("\n")
+    assert first == "a.yaml:1:1: no node 'x y'"
+    assert second.startswith("    there is: zzz")
+    assert second.endswith("zzz end")
+    assert len(second) < 2100
+
+
 def test_problems_are_reported_once_each_in_reading_order() -> None:
     problems = Problems()
     for line, column in ((2, 9), (1, 5), (2, 1), (1, 5)):
