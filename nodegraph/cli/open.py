@@ -7,7 +7,7 @@ import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
-from nodegraph.cli.arguments import add_plugin, add_store
+from nodegraph.cli.arguments import add_plugin
 from nodegraph.cli.output import say
 from nodegraph.errors import NodegraphError
 
@@ -48,7 +48,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="Print the address and open no browser.",
     )
     add_plugin(parser)
-    add_store(parser)
+    parser.add_argument(
+        "--store",
+        type=Path,
+        metavar="DIR",
+        help="Folder of stored results (default: that of the run).",
+    )
 
 
 def open(arguments: Namespace) -> int:

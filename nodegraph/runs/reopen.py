@@ -116,8 +116,10 @@ class ReopenedRun(Run):
     def changes(self, indices: Iterable[int]) -> tuple[str, ...]:
         """Return what has changed since the run of all that steps depend on.
 
-        If anything has, they cannot be computed as they were then.
+        If anything has, or may have, they cannot be computed as they were then.
         """
+        if not self.record.settings.cache:
+            return ("the run stored nothing (--no-cache), so what has changed is not known",)
         needed = set(indices)
         needed |= {above for index in needed for above in nx.ancestors(self.plan.network, index)}
         changed = sorted(needed & self._changed)

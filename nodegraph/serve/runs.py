@@ -23,7 +23,6 @@ from nodegraph.runs.reopen import ReopenedRun, reopen, saved_graph
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.runs.settings import RunSettings
 from nodegraph.serve.progress import EventFile, Progress
-from nodegraph.store import store_folder
 
 _LONGEST = 1 << 20
 _QUIET = 4
@@ -222,7 +221,9 @@ class OpenRun:
             return ""
 
     def _recorded_store(self, saved: SavedRun) -> Path | None:
-        folder = Path(saved.record.folder, saved.record.settings.store or store_folder())
+        if not saved.record.settings.store:
+            return None
+        folder = Path(saved.record.folder, saved.record.settings.store)
         return folder if folder.is_dir() else None
 
     def _refuse_missing_plugins(self, saved: SavedRun) -> None:

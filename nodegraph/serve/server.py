@@ -17,6 +17,7 @@ from nodegraph.serve.runs import OpenRuns
 
 HOST = "127.0.0.1"
 _BACKLOG = 64
+_MOST_CONNECTIONS = 64
 _PATIENCE = 1
 """Seconds that answers have to end in when the server ends."""
 
@@ -62,6 +63,7 @@ def serve(
             access_log=False,
             proxy_headers=False,
             server_header=False,
+            limit_concurrency=_MOST_CONNECTIONS,
             timeout_graceful_shutdown=_PATIENCE,
         )
         ready(f"http://{authority}/?token={guard.token}")

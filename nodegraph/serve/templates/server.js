@@ -36,7 +36,7 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
     const answer = (text, value) => element("button", { type: "button", onclick: () => { decide(value); question.close(); } }, text);
     const more = changed.length > SHOWN ? element("li", null, `and ${changed.length - SHOWN} more changes`) : null;
     question.replaceChildren(
-      element("p", null, "This is not stored, and cannot be computed as it was, because of what has changed since the run:"),
+      element("p", null, "This is not stored, and may come out otherwise than in the run, because of what has changed since:"),
       element("ul", null, changed.slice(0, SHOWN).map((text) => element("li", null, text)), more),
       answer("Compute with code and files as they are now", true), answer("Leave it", false));
     question.onclose = () => decide(false);

@@ -196,6 +196,14 @@ def test_nothing_is_computed_for_a_reader_who_has_left(opened: Opened) -> None:
     assert 'id="compute"' in shown(pages.get(f"/value?{urlencode(query)}"))
 
 
+def test_a_run_that_stored_nothing_says_so(opened: Opened) -> None:
+    graph = ng.load("toy.yaml", plugins=["toys.py"])
+    ng.run(graph, cache=False).save("runs/bare")
+    page = shown(opened("runs/bare").get(f"/value?{VALUE.replace('run=toy', 'run=bare')}"))
+    assert "--no-cache" in page
+    assert 'data-now="1"' in page
+
+
 @pytest.mark.parametrize(
     "body",
     [
