@@ -66,7 +66,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       this.others = this.suspects.length ? this.blocks.filter((block) => !view.group.isSuspect(block)) : this.blocks;
       this.inks = Object.fromEntries(["ink", "quiet", "line", "paper", "best", "selected", "suspect"].map((name) => [name, colour(plot, name)]));
       this.font = `12px ${getComputedStyle(plot).fontFamily}`;
-      this.painted = new Map();
+      this.rowRoles = new Map();
       this.canvas = document.createElement("canvas");
       this.canvas.width = Math.round(width * this.ratio);
       this.canvas.height = Math.round(this.height * this.ratio);
@@ -117,8 +117,8 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       ];
       this.rows.forEach((method, row) => {
         const role = this.role(method);
-        if (this.painted.get(method) === role) return;
-        this.painted.set(method, role);
+        if (this.rowRoles.get(method) === role) return;
+        this.rowRoles.set(method, role);
         this.paintRow(method, row, shapes, this.inks[ROLES[role]]);
       });
     }

@@ -80,20 +80,20 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         return (sort.falling ? -1 : 1) * (typeof one === "string" ? one.localeCompare(other, undefined, { numeric: true }) : one - other);
       };
       const order = [...shown].sort(compare);
-      const folded = !whole && order.length > MOST;
-      const rows = folded ? order.filter((method, at) => at < MOST - 4 || view.weight(method, groups) > 0) : order;
+      const isShort = !whole && order.length > MOST;
+      const rows = isShort ? order.filter((method, at) => at < MOST - 4 || view.weight(method, groups) > 0) : order;
       const head = (key, label, className) => element("th", {
         scope: "col", class: className,
         "aria-sort": String(sort.key) === String(key) ? (sort.falling ? "descending" : "ascending") : null,
       }, element("button", { type: "button", title: "Sort by this column", "data-key": `head ${key}`, onclick: () => choose(key) }, label));
       const axis = view.overview.within.at(-1)?.name ?? "";
       const above = view.overview.panels.filter((panel) => panel.groups.some((group) => groups.includes(group)));
-      const spanned = above.length > 1 || narrow ? element("tr", {}, element("td", { class: "name" }),
+      const panelRow = above.length > 1 || narrow ? element("tr", {}, element("td", { class: "name" }),
         ...above.map(({ title, groups: members }) => element("th", { scope: "colgroup", colspan: members.length, class: "panel" },
           [title, narrow ? axis : ""].filter(Boolean).join(", "))),
         ...asides.map(() => element("td", { class: "aside" }))) : null;
       const table = element("table", { class: "heat", style: `--name-width: ${nameWidth}px` },
-        element("thead", {}, spanned, element("tr", {},
+        element("thead", {}, panelRow, element("tr", {},
           head("name", "Method", "name"),
           ...groups.map((group, at) => head(group.index, at || narrow || !axis ? String(group.labels.at(-1) ?? view.what) : view.groupText(group), group === view.group ? "here" : "")),
           ...asides.map(({ key, title }) => head(key, title, "aside")))),

@@ -175,7 +175,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const levels = [];
     const names = scales.thin([...ranked].sort((a, b) => view.weight(b) - view.weight(a)), 40, (method) => view.weight(method) > 0);
     // each name stands on the lowest level where it has room
-    const placed = [...ranked].filter((method) => names.has(method)).map((method) => {
+    const labels = [...ranked].filter((method) => names.has(method)).map((method) => {
       const half = chart.textWidth(view.overview.methods[method]) / 2 + 5;
       const middle = scales.between(axis.place(values[method]), half, width - half);
       let level = levels.findIndex((right) => right < middle - half);
@@ -198,7 +198,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
         class: `method ${view.roles(method)}`,
         onpointermove: (event) => chart.showNote(event, name, ...describe(view, method, [view.group])),
       }, svg("circle", { cx: px, cy: base, r: best.includes(method) ? 6 : 4.5, class: "mark" }), svg("circle", { cx: px, cy: base, r: 12, class: "reach" }));
-      const label = placed.find((one) => one.method === method);
+      const label = labels.find((one) => one.method === method);
       if (label) {
         const y = base - 14 - label.level * 17;
         mark.append(svg("path", { class: "lead", d: `M${px},${base - 7}L${label.middle},${y + 3}` }), text(label.middle, y, name, { "text-anchor": "middle" }));

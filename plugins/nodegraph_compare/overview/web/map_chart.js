@@ -8,7 +8,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
   const MARGIN = 14;
 
   // Which methods have a picture, and why.
-  const chosen = (view) => {
+  const methodsOf = (view) => {
     const ranked = view.ranked();
     const first = view.better === "none" ? view.reference ?? ranked[0] : ranked[0];
     const other = view.method !== null && ranked.includes(view.method) ? view.method : null;
@@ -53,7 +53,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
     const { layout } = view.overview;
     const { suspects } = view.filter;
     const blocks = view.group.blocks(view.metric.name, { suspects, marker: null, region: null });
-    const pictures = chosen(view).map(([method, why]) => ({ method, why, at: valuesAt(view, method, blocks, layout.column, layout.names) }));
+    const pictures = methodsOf(view).map(([method, why]) => ({ method, why, at: valuesAt(view, method, blocks, layout.column, layout.names) }));
     const known = pictures.flatMap(({ at }) => at.map(({ value }) => value)).filter(Number.isFinite).sort((a, b) => a - b);
     if (!known.length) {
       plot.replaceChildren(element("p", {}, `No ${view.overview.json.blocks_name} are left by the filter.`));

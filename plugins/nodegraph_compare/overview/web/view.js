@@ -12,14 +12,14 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       this.overview = overview;
       this.own = shared ? null : { ...UNSET };
       this.readers = [];
-      this.known = new Map(); // numbers of groups until something changes
+      this.cache = new Map(); // numbers of groups until something changes
       selection.on((_, changed) => {
         if (shared || [...changed].some((name) => !OWN.includes(name))) this.notify(changed);
       });
     }
 
     notify(changed) {
-      this.known.clear();
+      this.cache.clear();
       for (const reader of this.readers) reader(changed);
     }
 
@@ -119,8 +119,8 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
     }
 
     numbers(group = this.group) {
-      if (!this.known.has(group)) this.known.set(group, group.summary(this.metric.name, this.statistic, this.filter));
-      return this.known.get(group);
+      if (!this.cache.has(group)) this.cache.set(group, group.summary(this.metric.name, this.statistic, this.filter));
+      return this.cache.get(group);
     }
 
     get filtered() {

@@ -1,4 +1,7 @@
-"""The charts of a comparison in a browser: what they draw, what keys and clicks do, odd data."""
+"""The charts of a comparison in a browser: what they draw, what keys and clicks do, odd data.
+
+Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
+"""
 
 from __future__ import annotations
 
@@ -122,16 +125,16 @@ VIEW = """nodegraph.define("bakery/cake", [], () => ({
 PROBE = """nodegraph.define("probe", ["compare/scale"], (scales) => { window.scales = scales; });"""
 
 
-def saved(folder: Path, rendered: Rendered) -> Path:
+def saved(folder: Path, rendered: Rendered, **more: Any) -> Path:
     file = folder / "report.html"
     study = Study("Which recipe wastes least?", sections=(Section("recipes", rendered),))
-    file.write_text(page(study), encoding="utf-8")
+    file.write_text(page(study, **more), encoding="utf-8")
     return file
 
 
 @pytest.fixture(scope="module")
-def bakery(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The report of the comparison of recipes."""
+def recipes() -> Rendered:
+    """The comparison of recipes in a run."""
     renderer = nodegraph_renderers()
     (in_run,) = (
         each.render_in_run
@@ -140,8 +143,13 @@ def bakery(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     assert in_run is not None
     detail = Detail(float, pack, shelves, "bakery/cake", scripts=(VIEW, PROBE))
-    rendered = in_run(overview(), "Recipes", Bakery(details=(detail,)))
-    return saved(tmp_path_factory.mktemp("bakery"), rendered)
+    return in_run(overview(), "Recipes", Bakery(details=(detail,)))
+
+
+@pytest.fixture(scope="module")
+def bakery(tmp_path_factory: pytest.TempPathFactory, recipes: Rendered) -> Path:
+    """The report of the comparison of recipes."""
+    return saved(tmp_path_factory.mktemp("bakery"), recipes)
 
 
 @pytest.fixture(scope="module")
@@ -343,6 +351,32 @@ def test_a_suggested_block_is_shown_by_the_plugin(tab: Tab, bakery: Path) -> Non
     tab.click(".suggestion.suspect")
     assert "the scale slipped" in text(tab, "dialog .suspect")
     assert re.fullmatch(r"cake \d+", text(tab, "dialog .stage"))
+
+
+SERVER = """nodegraph.define("server", [], () => ({
+  get: async (path, { node, block, methods }) => ({
+    cake: [path, node, block.cake, methods.length],
+  }),
+}));"""
+
+
+def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
+    tab: Tab, bakery: Path, recipes: Rendered, tmp_path: Path
+) -> None:
+    stage = "document.querySelector('dialog .stage')"
+    for file, shown in ((bakery, "nodegraph open"), (saved(tmp_path, recipes, server=SERVER), "")):
+        tab.show(file)
+        packed = tab.value("JSON.parse(document.getElementById('overview-recipes').textContent)")
+        blocks = set(map(str, range(96))) - {
+            key.split("/")[1] for key in packed["detail"]["packed"]
+        }
+        block = min(blocks, key=int)
+        tab.value(f"location.hash = '#select:block={block}'")
+        tab.value("new Promise((resolve) => setTimeout(resolve, 20))")
+        assert shown in tab.value(f"{stage}.textContent")
+    cake = re.search(r"cake (\d+)", text(tab, "dialog .head"))
+    assert cake is not None
+    assert tab.value(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5"
 
 
 def test_a_phone_shows_all_without_scrolling_sideways(tab: Tab, bakery: Path) -> None:
