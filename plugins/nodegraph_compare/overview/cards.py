@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -158,8 +159,6 @@ def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
     rows = [("Tied", few(tied) if tied else "none")]
     if group.behind:
         rows.append(("Behind", _behind(overview, group)))
-    if group.speech == "provisional":
-        rows.append(("Note", escape(group.caution)))
     return rows
 
 
@@ -268,8 +267,15 @@ def scope_line(overview: Overview) -> str:
         holds = f"{strong('Scope')}: holds {escape(first)}, not for others."
     else:
         holds = ""
+    cautions = Counter(g.caution for g in overview.groups if g.stands and g.caution)
+    every = len(overview.groups)
+    few = "".join(
+        f" {escape(text[:1].upper() + text[1:])}"
+        f"{'' if count == every else f' (in {count} of {every} groups)'}."
+        for text, count in cautions.items()
+    )
     end = "neither end is better" if metric.better == "none" else f"{metric.better} is better"
     unit = f" in {in_unit([], metric.unit).strip()}" if metric.unit else ""
     over = overview.units if first.startswith("over ") else overview.blocks
     numbers = f"Mean {escape(metric.name)}{unit} over {escape(over)}, {end}."
-    return f'<p class="overview-scope">{holds} {numbers}</p>'
+    return f'<p class="overview-scope">{holds}{few} {numbers}</p>'

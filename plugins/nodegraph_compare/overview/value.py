@@ -155,8 +155,3 @@ class Overview(Value):
     def metric(self) -> Metric:
         """What is compared."""
         return self.metrics[0]
-
-    def title_of(self, group: GroupOverview) -> str:
-        """Return the labels of a group as text: ``ends met, length 5``."""
-        pairs = zip(self.within, group.labels, strict=True)
-        return ", ".join(f"{name} {label}" for name, label in pairs)

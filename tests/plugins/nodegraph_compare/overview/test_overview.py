@@ -127,7 +127,7 @@ def test_every_block_of_every_method_is_there(study: Compared) -> None:
         np.testing.assert_allclose(np.mean(means, axis=0), group.mean, rtol=1e-6)
         where = {name: overview.columns[name][codes[7]] for name, codes in group.rows.items()}
         assert where == {"kitchen": 1, "cake": 1}
-        assert overview.title_of(group) == f"heat {(180, 220)[at]}"
+        assert group.labels == ((180, 220)[at],)
 
 
 def test_the_lead_answers_without_script(study: Compared) -> None:
@@ -158,6 +158,7 @@ def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
     ]
     assert section.lead.count('type="radio"') == section.lead.count("It depends on heat: ") == 3
     assert section.lead.count(" checked") == 1
+    assert text_of(section.lead).count("Provisional, as of 5 kitchens.") == 1
     assert section.lead.count("<article") == 6
 
 
