@@ -75,6 +75,11 @@ def _plural(name: str) -> str:
 
 
 def _date(created: str) -> str:
+    """Return the day, or the days, on which runs ended."""
+    return ", ".join(dict.fromkeys(map(_day, created.split(" | "))))
+
+
+def _day(created: str) -> str:
     try:
         when = datetime.fromisoformat(created)
     except ValueError:

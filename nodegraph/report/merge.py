@@ -29,7 +29,7 @@ def merged(studies: Mapping[str, Study]) -> Study:
     runs = studies.items()
     first = next(iter(studies.values()))
     return Study(
-        title=_joined(" | ", studies, "title"),
+        title=_title(studies),
         answer=tuple(f"{name}: {line}" for name, study in runs for line in study.answer),
         notes_markdown=_joined("\n\n", studies, "notes_markdown"),
         sections=numbered(_sections(studies)),
@@ -71,6 +71,12 @@ def merged(studies: Mapping[str, Study]) -> Study:
         machine=_joined(" | ", studies, "machine"),
         runs=len(studies),
     )
+
+
+def _title(studies: Mapping[str, Study]) -> str:
+    """Return the question of the studies, or how many questions there are."""
+    titles = list(dict.fromkeys(study.title for study in studies.values()))
+    return titles[0] if len(titles) == 1 else f"{len(titles)} studies"
 
 
 def linked(study: Study, folder: str) -> Study:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html as html_module
+import json
 import re
 import shutil
 import subprocess
@@ -131,6 +132,41 @@ def test_a_table_is_copied_as_it_is_shown(tmp_path: Path, form: str, text: str) 
     title = html_module.unescape(html[html.index("<title>") + 7 : html.index("</title>")])
     assert title.startswith(text)
     assert f"{form} copied" in html
+
+
+LINKED = """
+nodegraph.define("linked", ["selection"], (selection) => {
+  addEventListener("load", () => {
+    const pick = document.querySelectorAll(".pick");
+    pick[1].click();
+    selection.hover("method", "muscle");
+    const rows = [...document.querySelectorAll("tbody tr")].map((row) => row.className);
+    const theme = document.getElementById("theme");
+    theme.click();
+    document.title = JSON.stringify({
+      chosen: selection.state.method, rows, pressed: pick[1].ariaPressed,
+      stops: [...pick].filter((one) => one.tabIndex === 0).length,
+      theme: document.documentElement.dataset.theme, shown: theme.textContent,
+    });
+  });
+});
+"""
+
+
+def test_rows_follow_the_selection_and_the_theme_is_chosen(tmp_path: Path) -> None:
+    linked = re.sub(r"<tr><td>(\w+)</td>", r'<tr data-method="\1"><th class="name">\1</th>', TABLE)
+    rendered = Rendered(linked, scripts=(LINKED,))
+    html, console = opened(page(Study("A title", sections=(Section("table", rendered),))), tmp_path)
+    assert console == []
+    title = html[html.index("<title>") + 7 : html.index("</title>")]
+    assert json.loads(html_module.unescape(title)) == {
+        "chosen": "refused",
+        "rows": ["hovered", "selected", "", ""],
+        "pressed": "true",
+        "stops": 1,
+        "theme": "dark",
+        "shown": "Light",
+    }
 
 
 def test_a_script_that_results_bring_runs_once(tmp_path: Path) -> None:

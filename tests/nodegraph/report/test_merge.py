@@ -69,3 +69,26 @@ def test_ids_of_one_run_are_not_those_of_another() -> None:
     names = re.findall(r'<p id="(chart[^"]*)"', content)
     assert len(set(names)) == 4
     assert set(re.findall(r'href="#(chart[^"]*)"', content)) < set(names)
+
+
+def test_unlike_studies_stand_in_tabs_without_a_script_and_keep_their_ids_apart(
+    tab: Tab, tmp_path: Path
+) -> None:
+    lead = '<p id="a-lead"><a href="#a-lead">x</a></p>'
+    studies = {
+        name: Study(title, sections=(Section("Result", Rendered(FIGURE, lead=lead)),))
+        for name, title in (("one", "Which?"), ("two", "Which?"), ("other", "How many?"))
+    }
+    html = page(merged(studies))
+    assert [
+        html.count(text) for text in ('id="a-lead"', 'id="a-lead-run-2"', '"#a-lead-run-3"')
+    ] == [1] * 3
+    file = tmp_path / "tabs.html"
+    file.write_text(html.partition("<script>")[0] + "</body></html>", encoding="utf-8")
+    tab.show(file, width=1280)
+    seen = "[...document.querySelectorAll('.question')].map((one) => one.checkVisibility())"
+    assert tab.value("document.querySelector('h1').textContent") == "2 studies"
+    assert tab.value(f"{seen}") == [True, False]
+    tab.value("document.querySelectorAll('.tabs input')[1].click()")
+    assert tab.value(f"{seen}") == [False, True]
+    assert tab.value("document.querySelectorAll('.question .answer').length") == 3

@@ -22,7 +22,8 @@ from nodegraph.report import (
     TimingRow,
     page,
 )
-from nodegraph.report.study import Kind
+from nodegraph.report.notes import note_kinds
+from nodegraph.report.study import Kind, numbered
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "rect", "line", "path"}
 
@@ -212,6 +213,46 @@ def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
     assert "3 gaps of m1 open" in Page(page(study(notes=(gaps[3],)))).text
 
 
+def warned(method: str, reason: str, matters: bool | None = None) -> StepNote:
+    labels = f"fill={method}"
+    return StepNote("fill", labels, reason, Kind.WARNING, method=f"fill.{method}", matters=matters)
+
+
+def test_warnings_of_methods_with_one_template_are_one_kind() -> None:
+    notes = (
+        warned("akima", "3 samples of 2 markers left open: brow, chin", matters=True),
+        warned("linear", "4 samples of 1 markers left open: nose", matters=True),
+        warned("cubic", "12 samples of 9 markers left open: lip, jaw, and 7 more", matters=True),
+        warned("cubic", "'beta_1' did not settle"),
+    )
+    kinds = note_kinds(study(notes=notes))
+    first, second = kinds[0].groups
+    assert first.reason == "… samples of … markers left open: …"
+    assert (first.where, first.count) == ("fill (akima, linear, cubic)", 3)
+    assert first.labels[1] == "fill=linear: 4 samples of 1 markers left open: nose"
+    assert (second.where, second.reason) == ("fill (fill.cubic)", notes[-1].reason)
+    text = Page(page(study(notes=notes))).text
+    assert "2 kinds of warnings in 3 steps; 1 touches the numbers" in text
+    assert text.count("touches the numbers") == 2
+
+
+def test_a_method_is_described_once_and_equal_settings_too() -> None:
+    ends = SettingRow("ends", "met", default=False, meaning="Whether ``ends`` are met.")
+    reach = SettingRow("reach", "3", "frames", default=True, meaning="How far it looks.")
+    rows = [
+        MethodRow("fill", "fill.linear", "Draw `lines`.", "linear", (ends, reach)),
+        MethodRow("fill", "fill.cubic", "Draw curves.", "cubic", (ends,)),
+        MethodRow("again", "fill.linear", "Draw `lines`.", "", (ends, reach)),
+    ]
+    html = page(study(methods=tuple(rows)))
+    text = Page(html).text
+    assert html.count("Draw <code>lines</code>.") == 1
+    assert html.count("Whether <code>ends</code> are met.") == 1
+    assert "fill=linear" in text
+    assert "again" in text
+    assert text.index("ends met") < text.index("1 setting at its default") < text.index("reach 3")
+
+
 def test_a_failure_says_how_to_repeat_it_and_where_it_happened() -> None:
     note = StepNote(
         "fill", "k=3", "ValueError: no", Kind.FAILED, repeat="run --only k=3", trace="L 1"
@@ -257,6 +298,30 @@ def test_one_title_is_one_result_and_many_labels_fold() -> None:
     assert html.count('<section class="result"') == 1
     assert html.count('<details class="fold">') == 3
     assert all(f"k {k}" in html for k in range(6))
+
+
+def test_tables_and_figures_have_numbers_and_captions() -> None:
+    def section(title: str, kind: Any, **fields: Any) -> Section:
+        replaces = fields.pop("replaces", ())
+        lead = "<p>lead</p>" if replaces else ""
+        rendered = Rendered("<p>x</p>", kind=kind, replaces=replaces, lead=lead, title="Own")
+        return Section(title, rendered, **fields)
+
+    sections = numbered(
+        [
+            section("A", "table", node="a", output="table", caption="In words."),
+            section("A", "figure", node="a", output="figure", files=(Link("SVG", "a.svg"),)),
+            section("A", "", node="a", output="overview", replaces=("figure",)),
+            section("B", "figure", node="b"),
+            section("C", "table", node="c"),
+        ]
+    )
+    assert [each.number for each in sections] == ["", "Table 1", "", "Figure 1", "Table 2"]
+    text = " ".join(Page(page(Study("Many", sections=sections))).text.split())
+    assert "Table 1. In words." in text
+    assert "Figure 1. Own" in text
+    assert "drawn for print: SVG" in text
+    assert "More results B" in text
 
 
 def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:
