@@ -7,6 +7,7 @@ from collections.abc import Callable
 import networkx as nx
 import pytest
 
+from nodegraph import node
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.plan import Gathered, Output, Plan
@@ -213,6 +214,50 @@ def test_a_gathering_port_knows_which_axes_an_entry_does_not_have(
     assert len(scores.unused) == len(scores)
     for (labels, _), names in zip(scores, scores.unused, strict=True):
         assert names == unused.get(labels["fill"], ())
+
+
+@node("fill.near", lookahead=lambda settings: settings["reach"], ends=False)
+def near(recording: float, *, reach: int = 0) -> float:
+    return recording
+
+
+@node(
+    "fill.far",
+    cite="hold2001",
+    adapted="from One 2001: all of it",
+    lookahead=None,
+    ends=lambda settings: settings["bend"],
+)
+def far(recording: float, *, bend: bool = True) -> float:
+    return recording
+
+
+def test_a_gathering_port_knows_what_the_methods_declare(graph_of: Callable[..., Graph]) -> None:
+    text = """
+        axes: {reach: [2, 7], bend: [true, false]}
+        nodes:
+          n: {use: read.number}
+          fill:
+            in: n
+            alternatives:
+              near: {use: fill.near, with: {reach: $reach}}
+              far: {use: fill.far}
+              bent: {use: fill.far, with: {bend: $bend}}
+              scale: {use: fill.scale}
+          table: {use: compare.table, in: fill}
+        """
+    plan = make_plan(graph_of(text, more=(near, far)))
+    gathered = plan.steps[plan.cells["table"][()]].inputs["scores"]
+    assert isinstance(gathered, Gathered)
+    adapted = "from One 2001: all of it"
+    assert gathered.methods == {
+        "fill": {
+            "near": {"lookahead": 7, "ends": False},
+            "far": {"adapted": adapted, "lookahead": None, "ends": True},
+            "bent": {"adapted": adapted, "lookahead": None, "ends": False},
+            "scale": {},
+        }
+    }
 
 
 def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> None:

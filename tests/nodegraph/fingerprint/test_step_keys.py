@@ -67,6 +67,31 @@ def test_what_is_remembered_of_a_file_in_another_form_is_found_anew(
     assert again.counts()["stored"] == 2
 
 
+@node("add.signed")
+def signed(plus: float | None = None, minus: float | None = None) -> float:
+    return (plus or 0.0) - (minus or 0.0)
+
+
+def test_a_result_is_not_that_of_another_port(run_of: RunOf, tmp_path: Path) -> None:
+    text = "nodes: {{n: {{use: read.number}}, s: {{use: add.signed, in: {{{port}: n}}}}}}"
+    runs = {
+        port: run_of(text.format(port=port), store=tmp_path / "store", more=[signed])
+        for port in ("plus", "minus")
+    }
+    assert runs["minus"]["n"].value != 0.0
+    assert runs["minus"]["s"].value == -runs["plus"]["s"].value
+
+
+def test_a_result_is_found_again_for_the_same_content_under_another_name(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    for name in ("one.txt", "two.txt"):
+        (tmp_path / name).write_text("1")
+    run_of(TEXT, store=tmp_path / "store")
+    again = run_of(TEXT.replace("one.txt", "two.txt"), store=tmp_path / "store")
+    assert again.counts()["stored"] == 2
+
+
 @node("read.last")
 def read_last(*, path: InputFile) -> float:
     number = float(path.read_text())
