@@ -19,8 +19,20 @@ from tests.nodegraph.serve.requests import HOST, ORIGIN, Answer, send
 NODES = """\
 from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
 
-from nodegraph import Across, Detail, Refusal, Value, hookimpl, node
+from nodegraph import Across, Detail, Refusal, Rendered, Renderer, Value, hookimpl, node
+
+SCRIPT = '''
+nodegraph.define("toy/table", ["server"], async (server) => {
+  const block = { node: "table", compare: "fill", methods: ["hold"], block: { start: 5 } };
+  window.packed = server && await server.get("detail", block);
+});
+'''
+
+@dataclass(frozen=True)
+class Text(Value):
+    text: str
 
 @dataclass(frozen=True)
 class Score(Value):
@@ -45,8 +57,13 @@ def score(estimate: float, truth: float) -> Score:
     return Score(estimate - truth)
 
 @node("toy.table")
-def table(scores: Across[Score]) -> str:
-    return "<script>bad()</script>" + "; ".join(f"{at}: {each.error}" for at, each in scores)
+def table(scores: Across[Score]) -> Text:
+    rows = "; ".join(f"{at}: {each.error}" for at, each in scores)
+    return Text(f"<script>bad()</script> {rows}")
+
+@hookimpl
+def nodegraph_renderers() -> Iterable[Renderer]:
+    return [Renderer(Text, lambda value, title: Rendered(escape(value.text), scripts=(SCRIPT,)))]
 
 @hookimpl
 def nodegraph_details() -> Iterable[Detail]:

@@ -45,6 +45,8 @@ def test_a_browser_opens_the_address_once(folder: Path, tmp_path: Path) -> None:
         wait(tab, "location.search === '' && document.querySelector('.served-bar')")
         assert tab.value("document.querySelector('h1').textContent") == "<script>bad()</script>"
         assert tab.value("document.cookie") == ""
+        wait(tab, "window.packed")  # computed, as the store is gone
+        assert tab.value("window.packed.inputs") == {"hold": {"estimate": 6, "truth": 5}}
         tab.send("Page.navigate", url=f"{host}/value?node=fill&at.start=1&at.fill=hold")
         wait(tab, "document.querySelector('#compute')")
         tab.click("#compute")
