@@ -19,7 +19,7 @@ _MOST = 24
 _FEW = 3
 _FONT = "<style>body { font: 0.925rem/1.5 system-ui, sans-serif; margin: 0; }</style>"
 _LONGEST_LABELS = 72
-_PALETTE = re.compile(r"\.nodegraph-picture \{([^}]*)\}")
+_PALETTE = re.compile(r"^\.nodegraph-picture \{([^}]*)\}", re.MULTILINE)
 _LIGHT = '[data-jp-theme-light="true"], .vscode-light, html[theme="light"]'
 _DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
 """How JupyterLab, Visual Studio Code and Colab mark a page that does not follow the system."""
@@ -81,13 +81,13 @@ def _style() -> str:
 
     These follow the reader's light or dark scheme, unless the notebook has a theme of its own.
     """
-    light, dark = _PALETTE.findall(_text("nodegraph.draw", "picture.css"))
-    ours = ":is(.nodegraph-notebook, .nodegraph-picture)"
+    (colours,) = _PALETTE.findall(_text("nodegraph.draw", "picture.css"))
     return "\n".join(
         (
-            f".nodegraph-notebook {{{light}}}",
-            f"@media screen and (prefers-color-scheme: dark) {{ .nodegraph-notebook {{{dark}}} }}",
-            f"@media screen {{ :is({_LIGHT}) {ours} {{{light}}} :is({_DARK}) {ours} {{{dark}}} }}",
+            f".nodegraph-notebook {{ color-scheme: light dark; {colours} }}",
+            f":is({_LIGHT}) .nodegraph-notebook {{ color-scheme: light; }}",
+            f":is({_DARK}) .nodegraph-notebook {{ color-scheme: dark; }}",
+            "@media print { .nodegraph-notebook { color-scheme: light; } }",
             _text("nodegraph.notebook", "templates", "notebook.css"),
         )
     )

@@ -124,10 +124,12 @@ def test_failures_with_one_reason_are_listed_once(run_of: Callable[..., Run]) ->
 
 def test_colours_follow_the_reader_and_the_notebook(run: Run) -> None:
     html = run_html(run)
-    assert "@media screen and (prefers-color-scheme: dark) { .nodegraph-notebook {" in html
+    assert ".nodegraph-notebook { color-scheme: light dark;" in html
     for mark in ('[data-jp-theme-light="false"]', ".vscode-dark", 'html[theme="dark"]'):
         assert mark in html
-    light, dark = re.findall(r"\.nodegraph-notebook \{\s*--paper[^}]*--ink: (#\w+)", html)
+    ((light, dark),) = re.findall(
+        r"\.nodegraph-notebook \{[^}]*--ink: light-dark\((#\w+), (#\w+)\)", html
+    )
     assert light != dark
 
 
