@@ -151,9 +151,10 @@ def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
         best = both(method_names(overview, group.best))
         end = "Highest" if overview.metric.better == "higher" else "Lowest"
         return [(end, f"{best} {_value(overview, group, group.best[0])}")]
+    mean = float(group.mean[group.best[0]])
     order = sorted(group.tied, key=lambda place: abs(group.difference[place]))
     tied = [
-        f"{name} {signed(group.difference[place], overview.metric.unit)}"
+        f"{name} {signed(group.difference[place], overview.metric.unit, mean)}"
         for name, place in zip(method_names(overview, order), order, strict=True)
     ]
     rows = [("Tied", few(tied) if tied else "none")]
@@ -169,7 +170,7 @@ def _behind(overview: Overview, group: GroupOverview) -> str:
     share = f" ({percent(abs(difference / mean))})" if mean > 0 and overview.ratio else ""
     more = len(group.behind) - 1
     rest = f" and {more} more" if more else ""
-    return f"{name} {signed(difference, overview.metric.unit)}{share}{rest}"
+    return f"{name} {signed(difference, overview.metric.unit, mean)}{share}{rest}"
 
 
 def _suspect_row(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:

@@ -46,9 +46,12 @@ def in_unit(values: Sequence[float], unit: str) -> str:
     return escape(text.rstrip(SPACE))
 
 
-def signed(value: float, unit: str) -> str:
-    """Return a difference with its sign."""
-    return f"{'+' if value >= 0 else ''}{in_unit([value], unit)}"
+def signed(value: float, unit: str, mean: float) -> str:
+    """Return a difference with its sign, to the digits of the mean that it is to."""
+    shown = round(value, 3) if abs(mean) >= _SMALLEST else value
+    if value and not shown:
+        return f"under {in_unit([_SMALLEST], unit)}"
+    return f"{'+' if shown >= 0 else ''}{in_unit([shown], unit)}"
 
 
 def percent(share: float) -> str:
