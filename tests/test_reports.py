@@ -144,8 +144,9 @@ def alike(shown: str, stored: str) -> bool:
     try:
         number = shown.split(" ")[0]
         half = 0.501 * 10.0 ** -len(number.partition(".")[2].partition("e")[0])
-        rounded = math.isclose(float(number), float(stored), rel_tol=1e-3)
-        return rounded or ("e" not in number and abs(float(number) - float(stored)) <= half)
+        within = 1e-3 if "e" not in number else 5.1e-3  # three digits and a power of ten
+        close = math.isclose(float(number), float(stored), rel_tol=within)
+        return close or ("e" not in number and abs(float(number) - float(stored)) <= half)
     except ValueError:
         return False
 

@@ -42,7 +42,8 @@ def in_unit(values: Sequence[float], unit: str) -> str:
     """Return numbers from first to last with their unit, escaped; shares in percent."""
     if unit == "share":
         values, unit = [100 * value for value in values], "%"
-    text = f"{' to '.join(map(number, values))}{SPACE}{unit_text(unit)}"
+    texts = dict.fromkeys(map(number, values))
+    text = f"{' to '.join(texts)}{SPACE}{unit_text(unit)}"
     return escape(text.rstrip(SPACE))
 
 

@@ -298,7 +298,9 @@ def _numbers(summary: Summary, place: int, comparison: Comparison) -> str:
     text = _valued([float(summary.mean[place])], unit)
     if np.isfinite(summary.low[place]):
         ends = [float(summary.low[place]), float(summary.high[place])]
-        text += f", interval {_valued(ends, unit if unit == 'share' else '')}"
+        interval = _valued(ends, unit if unit == "share" else "")
+        # one without width in the digits shown says nothing
+        text += f", interval {interval}" if " to " in interval else ""
     used, total = int(summary.blocks[place]), len(summary.group.values)
     return text if used == total else f"{text}, {used} of {total} {comparison.blocks}"
 
@@ -383,7 +385,8 @@ def _valued(values: Sequence[float], unit: str) -> str:
     """Return numbers from first to last with their unit; shares in percent."""
     if unit == "share":
         values, unit = [100 * value for value in values], "%"
-    return f"{' to '.join(f'{value:.3g}' for value in values)} {unit_text(unit)}".rstrip()
+    texts = dict.fromkeys(f"{value:.3g}" for value in values)
+    return f"{' to '.join(texts)} {unit_text(unit)}".rstrip()
 
 
 def _best_names(summary: Summary) -> str:
