@@ -14,11 +14,15 @@ nodegraph.define("compare/scale", [], () => {
     return low > high ? null : [low, high];
   };
 
+  // A tick's number with as many decimals as its step needs; without a step, all that it has.
   const tickText = (value, step) => {
     const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-3 || size >= 1e5)) return String(+value.toPrecision(2)).replace("-", "\u2212");
-    const decimals = between(Math.ceil(-Math.log10(step) - 1e-9), 0, 6);
-    return value.toFixed(decimals).replace("-", "\u2212");
+    const digits = step ? between(Math.ceil(Math.log10(Math.max(size, step) / step)) + 1, 1, 15) : 2;
+    const short = +value.toPrecision(digits);
+    let text = String(short);
+    if (size !== 0 && (size < 1e-3 || size >= 1e5)) text = short.toExponential().replace("e+", "e");
+    else if (step) text = value.toFixed(between(Math.ceil(-Math.log10(step) - 1e-9), 0, 6));
+    return text.replaceAll("-", "\u2212");
   };
 
   const linearTicks = (low, high, most) => {
@@ -51,7 +55,7 @@ nodegraph.define("compare/scale", [], () => {
       if (fits(thin) || every > 300) values = thin;
     }
     if (values.length < 2) return linearTicks(low, high, most);
-    return values.map((value) => ({ value, text: tickText(value, value * 0.1 ** (String(+value.toPrecision(2)).replace(/[.0]|e.*$/g, "").length - 1)) }));
+    return values.map((value) => ({ value, text: tickText(value) }));
   };
 
   // A scale of an extent to pixels. Where it is logarithmic, equal distances are equal ratios.
