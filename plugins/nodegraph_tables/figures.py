@@ -84,7 +84,7 @@ def draw(figure: Figure, format: Literal["svg", "pdf"]) -> bytes:
 
 
 def _rounded(svg: bytes) -> bytes:
-    """Return a drawing with places to a hundredth of a point, which halves its size."""
+    """Return a drawing with places to a hundredth of a point, finer than any screen or print."""
 
     def rounded(tag: re.Match[str]) -> str:
         return _PLACE.sub(lambda place: _LONG.sub(r"\1", place[0]), tag[0])
