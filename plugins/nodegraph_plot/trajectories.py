@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -82,8 +83,7 @@ def trajectories(
     ------
     ValueError
         If a recording has no frames or no markers, lacks one that is asked for, the first frame is
-        after the last, the truth has another number of frames than a recording, or there is no
-        recording of the reference's name.
+        after the last, or the truth has another number of frames than a recording.
     """
     from nodegraph_plot.trajectory_figure import draw
 
@@ -98,7 +98,9 @@ def trajectories(
         raise ValueError(f"frames are first and last, the first not after the last; got {window}")
     look = named_looks(recordings)
     if reference and reference not in look:
-        raise ValueError(f"no recording is labelled {reference!r}; {nearest(reference, look)}")
+        # a graph names it for all methods of a family, and a command may run a few of these
+        there = nearest(reference, look)
+        warnings.warn(f"the reference {reference!r} is not drawn; {there}", stacklevel=2)
     full = _in_full(by_name, truth, chosen, window, reference)
     if len(full) < len(by_name):
         look = looks(full)  # of so many, some share a colour in the figures of a graph

@@ -101,7 +101,7 @@ def _draw_panel(
 ) -> None:
     plain(panel)
     for other in curves if len(curves) <= _MOST_BEHIND else ():
-        if other is not points:
+        if other is not points and len(other.curve):
             panel.plot(
                 other.x[other.curve], scale.shown(other.value)[other.curve], color=REST,
                 linewidth=0.6, alpha=0.5, clip_on=False, zorder=1.5,
@@ -109,9 +109,10 @@ def _draw_panel(
     floor = (level or {}).get(points.label, math.nan)
     if math.isfinite(floor):
         panel.axhspan(min(panel.get_ylim()[0], floor), floor, color=LINE, alpha=0.7, zorder=0.5)
+        # a floor above all that is drawn would push the layout apart
         panel.text(
             0.01, floor, "noise floor", transform=panel.get_yaxis_transform(), fontsize=SMALL - 1,
-            color=QUIET, va="bottom",
+            color=QUIET, va="bottom", clip_on=True, in_layout=False,
         )  # fmt: skip
     _draw_curve(panel, points, scale)
     name = str(points.label) + ("" if len(points.curve) else " (no value)")
@@ -130,6 +131,8 @@ def _draw_curve(panel: Panel, points: Points, scale: Scale) -> None:
         linewidths=0.8, clip_on=False,
     )  # fmt: skip
     curve = points.curve
+    if not len(curve):  # a line without points would count as one at the corner of the figure
+        return
     panel.errorbar(
         points.x[curve],
         value[curve],
