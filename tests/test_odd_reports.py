@@ -151,7 +151,7 @@ def test_the_page_beside_the_report_runs_no_markup_either(odd: Path, tab: Tab) -
 def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> None:
     tab.show(odd / "report.html")
     answer = tab.value("document.querySelector('.answer').textContent")
-    assert "The data cannot tell which kind is best: too little is scored" in answer
+    assert "The data cannot tell which is best: too few" in answer
     assert "Lowestzero 0\N{NO-BREAK SPACE}mm" in answer
     rows = tab.value(
         "[...document.querySelector('figure.table table').tBodies[0].rows]"

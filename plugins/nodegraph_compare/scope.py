@@ -25,6 +25,8 @@ def scope(units: Units, question: Question, blocks: str) -> str:
     """
     if units.kind == "clusters":
         return f"over {units.clusters} {cluster_text(question)}"
+    if question.clusters and set(question.blocks) <= set(question.clusters):
+        return f"for further {cluster_text(question)}"
     where = "this recording" if units.clusters == 1 else f"these {units.clusters} recordings"
     if units.kind == "draws":
         blocks = f"{question.drawn[0]}s" if len(question.drawn) == 1 else "repetitions"

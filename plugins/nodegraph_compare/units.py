@@ -184,7 +184,7 @@ def _segments(
     if relative:
         first, last = spans[shortest]
         least = _SEGMENTS[-1][1] * lengths[shortest]
-        why = f"too little is scored ({last - first:.0f} {unit}, and it takes {least:.0f})"
+        why = f"too few {unit} ({last - first:.0f} where it takes {least:.0f})"
     return Units("nothing", count, overall, cluster, why=why)
 
 

@@ -264,6 +264,8 @@ def scope_line(overview: Overview) -> str:
     if first.startswith("over "):
         units = strong(f"Scope: {first.removeprefix('over ')}")
         holds = f"{units}. Holds for further {escape(overview.units)}."
+    elif first and not any(group.stands for group in overview.groups):
+        holds = f"{strong('Scope')}: nothing is said {escape(first)}."
     elif first:
         holds = f"{strong('Scope')}: holds {escape(first)}, not for others."
     else:
@@ -276,7 +278,7 @@ def scope_line(overview: Overview) -> str:
         for text, count in cautions.items()
     )
     end = "neither end is better" if metric.better == "none" else f"{metric.better} is better"
-    unit = f" in {in_unit([], metric.unit).strip()}" if metric.unit else ""
+    unit = f" ({in_unit([], metric.unit).strip()})" if metric.unit else ""
     over = overview.units if first.startswith("over ") else overview.blocks
     numbers = f"Mean {escape(metric.name)}{unit} over {escape(over)}, {end}."
     return f'<p class="overview-scope">{holds}{few} {numbers}</p>'

@@ -59,8 +59,8 @@ def _sentence(overview: Overview) -> str:
     if not stands:
         reasons = list(dict.fromkeys(why_none(group) for group in known))
         more = f" (and {len(reasons) - 1} more reasons)" if len(reasons) > 1 else ""
-        what = escape(overview.compare or "method")
-        return f"The data cannot tell which {what} is best: {escape(reasons[0])}{more}."
+        first = f"The data cannot tell which is best: {escape(reasons[0])}{more}."
+        return f"{first}{_extreme_everywhere(overview, known)}"
     rest = len(known) - len(stands)
     several = "groups have" if rest > 1 else "group has"
     without = f" {rest} of {len(known)} {several} no verdict." if rest else ""
@@ -68,6 +68,17 @@ def _sentence(overview: Overview) -> str:
     if leaders:
         return _throughout(overview, stands, sorted(leaders)) + without
     return f"{_depends(overview, stands)}{_compromise(overview, stands)}{without}"
+
+
+def _extreme_everywhere(overview: Overview, known: Sequence[GroupOverview]) -> str:
+    """Return which methods have the lowest mean, or the highest, in all of several groups."""
+    leaders = set.intersection(*(set(group.best) for group in known))
+    if not leaders or len(known) < 2:
+        return ""
+    names = both(method_names(overview, sorted(leaders)))
+    verb = "share" if len(leaders) > 1 else "has"
+    end = "highest" if overview.metric.better == "higher" else "lowest"
+    return f" {names} {verb} the {end} mean in all {len(known)} groups."
 
 
 def _values(overview: Overview, known: Sequence[GroupOverview]) -> str:

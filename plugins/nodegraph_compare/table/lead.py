@@ -58,7 +58,7 @@ def lead_of(
             f" ({labels[0]}){to}{_listed(rest)}.",
         ),
         cards,
-        f"{held}Neither end of {question.metric} is the better one.",
+        held.strip(),
     )  # fmt: skip
 
 

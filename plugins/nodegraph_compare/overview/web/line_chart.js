@@ -143,7 +143,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const parts = [];
     const [first, last] = [groups[0], groups.at(-1)];
     const panel = view.overview.panels.length > 1 ? [strong(view.panel.title), ": "] : [];
-    if (new Set(best).size === 1 && groups.length > 1) parts.push(strong(best[0]), " is best throughout. ");
+    if (new Set(best).size === 1 && groups.length > 1) parts.push(strong(best[0]), ` has the ${view.better === "higher" ? "highest" : "lowest"} number throughout. `);
     else if (groups.length > 1) {
       const moves = view.shown([first]).filter((method) => place(last, method)).map((method) => ({ method, from: place(first, method), to: place(last, method) }))
         .sort((a, b) => a.to - a.from - (b.to - b.from));

@@ -116,7 +116,7 @@ def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
 @pytest.mark.parametrize(
     ("actors", "said"),
     [
-        (2, "nothing can be said for further gaps in these 2 recordings: too little is scored"),
+        (2, "nothing can be said for further gaps in these 2 recordings: too few"),
         (4, "over 4 trials; 4 trials describe the methods and decide nothing."),
         (5, "every other method is clearly behind; provisional, as of 5 trials."),
         (8, "over 8 trials; every other method is clearly behind."),
