@@ -1,4 +1,7 @@
-"""The report of each shipped graph in a browser: what it shows is what the files beside it hold."""
+"""The report of each shipped graph in a browser: what it shows is what the files beside it hold.
+
+Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import csv
 import html
 import io
 import math
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +25,7 @@ from tests.studies import GRAPHS, Studies
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
+AXE = os.environ.get("NODEGRAPH_AXE", "")
 LABELS = {"component", "length", "ghosts", "dropout"}
 CLIPBOARD = """
 Object.defineProperty(navigator, 'clipboard', {
@@ -311,3 +316,13 @@ def test_dark_print_and_a_phone_keep_everything_in_sight(page: Tab) -> None:
 
 def state(page: Tab) -> Any:
     return page.value(f"{PLAYER}.state")
+
+
+@pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
+def test_axe_finds_nothing_and_nothing_is_fetched(page: Tab) -> None:
+    page.value(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
+    for scheme in ("light", "dark"):
+        page.prefer(prefers_color_scheme=scheme)
+        found = page.value("axe.run(document).then((result) => result.violations)")
+        assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
+    assert page.value("performance.getEntriesByType('resource').length") == 0

@@ -102,7 +102,7 @@ def _card(card: Card) -> str:
     aside = f" <small>{escape(card.aside)}</small>" if card.aside else ""
     facts = "".join(f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in card.facts)
     return (
-        f'<article class="lead-card"><h3>{escape(card.title)}</h3>'
+        f'<article class="lead-card"><h3 aria-level="2">{escape(card.title)}</h3>'
         f'<p class="{kind}">{escape(card.headline)}</p>'
         + (f'<p class="lead-value"><b>{escape(card.value)}</b>{aside}</p>' if card.value else "")
         + card.picture

@@ -96,7 +96,7 @@ def _tabs(overview: Overview, cards: Sequence[str], answers: Sequence[str], name
 
 def _card(overview: Overview, group: GroupOverview, at: int, axis: Axis) -> str:
     title = escape(", ".join(title_parts(overview, group, skip=int(has_panels(overview)))))
-    head = f"<h3>{title}</h3>" if title else ""
+    head = f'<h3 aria-level="2">{title}</h3>' if title else ""
     rows = [*_rows(overview, group), *_suspect_row(overview, group)]
     facts = "".join(f"<dt>{term}</dt><dd>{text}</dd>" for term, text in rows)
     several = np.count_nonzero(np.isfinite(group.mean)) > 1
