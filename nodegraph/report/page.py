@@ -94,6 +94,7 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
         templates_of("nodegraph.report")
         .get_template("page.html")
         .render(
+            title=study.title,
             study=study,
             questions=_questions(study),
             facts=head_facts(study),
@@ -163,11 +164,15 @@ def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
 
 
 def templates_of(package: str) -> Environment:
-    """Return what fills in a package's templates; all that is not marked as trusted is escaped."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    """Return what fills in a package's templates; all that is not marked as trusted is escaped.
 
+    They may extend those of a report, such as ``document.html``.
+    """
+    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+    packages = dict.fromkeys([package, "nodegraph.report"])
     environment = Environment(
-        loader=PackageLoader(package, "templates"),
+        loader=ChoiceLoader([PackageLoader(each, "templates") for each in packages]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

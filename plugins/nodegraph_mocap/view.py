@@ -11,7 +11,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_mocap import MarkerSet, Trajectories
+    from nodegraph_mocap.marker_set import MarkerSet
+    from nodegraph_mocap.recording import Trajectories
 
 AUTO = "auto"
 _AXES = {"x": 0, "y": 1, "z": 2}
