@@ -62,8 +62,8 @@ def _sentence(overview: Overview) -> str:
         first = f"The data cannot tell which is best: {escape(reasons[0])}{more}."
         return f"{first}{_extreme_everywhere(overview, known)}"
     rest = len(known) - len(stands)
-    several = "groups have" if rest > 1 else "group has"
-    without = f" {rest} of {len(known)} {several} no verdict." if rest else ""
+    verb = "have" if rest > 1 else "has"
+    without = f" {rest} of {len(known)} groups {verb} no verdict." if rest else ""
     leaders = set.intersection(*(set(group.best) for group in stands))
     if leaders:
         return _throughout(overview, stands, sorted(leaders)) + without
@@ -95,7 +95,11 @@ def _values(overview: Overview, known: Sequence[GroupOverview]) -> str:
 def _throughout(overview: Overview, stands: Sequence[GroupOverview], leaders: Sequence[int]) -> str:
     names = both(method_names(overview, leaders))
     verb = "are" if len(leaders) > 1 else "is"
-    everywhere = " throughout" if len(overview.groups) > 1 else ""
+    where, count = "", len(overview.groups)
+    if len(stands) < count:
+        where = f" in {len(stands)} of {count} groups"
+    elif count > 1:
+        where = " throughout"
     tied = set.intersection(*(set(group.tied) for group in stands))
     if tied:
         first = stands[0]
@@ -107,7 +111,7 @@ def _throughout(overview: Overview, stands: Sequence[GroupOverview], leaders: Se
         apart = ", in places not clearly apart from others."
     else:
         apart = "; every other is clearly behind."
-    return f"{names} {verb} best{everywhere}{apart}"
+    return f"{names} {verb} best{where}{apart}"
 
 
 def _depends(overview: Overview, stands: Sequence[GroupOverview]) -> str:

@@ -4,7 +4,7 @@ import base64
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -213,6 +213,16 @@ def test_few_units_and_disagreeing_rules_have_no_verdict() -> None:
     assert "The data cannot tell which is best: 4 kitchens describe" in text
     assert text.count("no verdict") == 2
     assert "One method for all" not in text
+
+
+def test_what_leads_some_groups_only_is_not_called_best_throughout() -> None:
+    overview = compared(kitchens({"plain": 1.0, "rich": 9.0}), within=("heat",)).overview
+    assert "plain is best throughout" in text_of(rendered(overview).lead)
+    first, *rest = overview.groups
+    partly = replace(overview, groups=(replace(first, speech="nothing"), *rest))
+    text = text_of(rendered(partly).lead)
+    assert f"plain is best in {len(rest)} of {len(rest) + 1} groups" in text
+    assert "throughout" not in text
 
 
 def test_markup_in_labels_is_text() -> None:
