@@ -14,6 +14,7 @@ from nodegraph.errors import (
 )
 from nodegraph.node.declaration import Declared
 from nodegraph.node.decorator import node
+from nodegraph.node.live_form import FrameForm, LiveState, StateForm, Window, WindowForm
 from nodegraph.node.ports import (
     Absent,
     Across,
@@ -31,6 +32,7 @@ from nodegraph.node.values import Files, Value, read_only
 if TYPE_CHECKING:
     from nodegraph.api import load, run
     from nodegraph.kernels import kernel
+    from nodegraph.live.forms import fold
     from nodegraph.plugin.formats import formats
     from nodegraph.plugin.hook_types import (
         Command,
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     )
     from nodegraph.plugin.hooks import hookimpl
     from nodegraph.plugin.registry import get_node
+    from nodegraph.plugin.streaming import Frame, Sink, Source, Streamable
     from nodegraph.report.page import standalone_page
 
 __all__ = [
@@ -65,23 +68,33 @@ __all__ = [
     "Detail",
     "Files",
     "Format",
+    "Frame",
+    "FrameForm",
     "GraphError",
     "Grid",
     "InputFile",
     "Label",
     "LabelOf",
+    "LiveState",
     "NodeError",
     "NodegraphError",
     "Origin",
     "Refusal",
     "Rendered",
     "Renderer",
+    "Sink",
+    "Source",
+    "StateForm",
     "Storage",
+    "Streamable",
     "Tried",
     "Truth",
     "Unit",
     "Value",
+    "Window",
+    "WindowForm",
     "closest",
+    "fold",
     "formats",
     "get_node",
     "hookimpl",
@@ -99,6 +112,11 @@ __all__ = [
 _LATE = {
     "load": "nodegraph.api",
     "run": "nodegraph.api",
+    "Frame": "nodegraph.plugin.streaming",
+    "Sink": "nodegraph.plugin.streaming",
+    "Source": "nodegraph.plugin.streaming",
+    "Streamable": "nodegraph.plugin.streaming",
+    "fold": "nodegraph.live.forms",
     "formats": "nodegraph.plugin.formats",
     "get_node": "nodegraph.plugin.registry",
     "hookimpl": "nodegraph.plugin.hooks",

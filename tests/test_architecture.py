@@ -27,6 +27,7 @@ FLOORS = (  # from the top
     {"archive", "audit", "notebook", "serve", "site"},
     {"lock", "report"},
     {"built_in", "executors", "runs", "testing"},
+    {"live"},
     {"execute"},
     {"fingerprint"},
     {"draw", "plan"},

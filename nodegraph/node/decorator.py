@@ -13,6 +13,7 @@ from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
+    Literal,
     TypeVar,
     Union,
     get_args,
@@ -22,6 +23,7 @@ from typing import (
 
 from nodegraph.errors import NodeError
 from nodegraph.node.declaration import UNDECLARED, Declaration, Ends, LookAhead, Undeclared
+from nodegraph.node.live_form import FrameForm, LiveForm, StateForm, WindowForm
 from nodegraph.node.ports import (
     Across,
     ColumnOf,
@@ -53,6 +55,7 @@ def node(
     adapted: str = "",
     lookahead: LookAhead = UNDECLARED,
     ends: Ends = None,
+    live: Literal["frame"] | LiveForm | None = None,
     deprecated: str = "",
 ) -> Callable[[F], F]:
     """Make a function a node; it stays callable as it is.
@@ -77,6 +80,10 @@ def node(
     ends
         For a family that bridges gaps: whether the result is continuous with the samples at both
         ends of a gap; or a function of the settings that returns it.
+    live
+        How the node computes frame by frame, so that a stream gives what the whole take gives:
+        ``"frame"`` if its function, called with one frame, does; a `WindowForm` or a `StateForm`.
+        Omitted by nodes that need the whole take.
     deprecated
         What to use instead, for a node that another replaces: ``"use fill.new"``. The node works
         as before; graphs that use it get a notice, and ``family.*`` leaves it out.
@@ -102,7 +109,14 @@ def node(
     def decorate(function: F) -> F:
         cited = tuple(key for key in keys if key != "none")
         declaration = Declaration(adapted, lookahead, ends)
-        described = Node(name, function, cited, declaration=declaration, deprecated=deprecated)
+        described = Node(
+            name,
+            function,
+            cited,
+            declaration=declaration,
+            live=FrameForm() if live == "frame" else live,
+            deprecated=deprecated,
+        )
         setattr(function, _ATTRIBUTE, described)
         return function
 
@@ -163,6 +177,8 @@ class Node:
         Keys of BibTeX entries that its plugin ships.
     declaration : Declaration
         What a fair comparison needs to know of a method.
+    live : LiveForm or None
+        How it computes frame by frame; None if it needs the whole take.
     deprecated : str
         What to use instead, for a node that another replaces.
     """
@@ -171,6 +187,7 @@ class Node:
     function: Callable[..., Any]
     cite: tuple[str, ...]
     declaration: Declaration = field(default=Declaration(), kw_only=True)
+    live: LiveForm | None = field(default=None, kw_only=True)
     deprecated: str = field(default="", kw_only=True)
 
     @property
@@ -260,9 +277,17 @@ class Node:
         for name in (*(port.name for port in self.inputs), *self.settings):
             if name.startswith("_"):
                 raise NodeError(f"{self.name}: {name!r} begins with an underscore; users write it")
+        unknown = [name for name in self.streams if self.port(name) is None]
+        if unknown or (self.live is not None and not self.inputs):
+            ports = ", ".join(port.name for port in self.inputs) or "none"
+            raise NodeError(
+                f"{self.name}: its live form streams {', '.join(unknown) or 'its first port'}; "
+                f"its ports are {ports}"
+            )
         defaults = self.defaults
         if len(defaults) == len(self.settings):
             self.lookahead(defaults)
+            self.live_lookahead(defaults)
             self.meets_ends(defaults)
         return self
 
@@ -288,13 +313,47 @@ class Node:
         NodeError
             If the declared function fails, or what is declared is not a number of frames.
         """
-        declared = self._declared("lookahead", self.declaration.lookahead, settings)
+        return self._frames("lookahead", self.declaration.lookahead, settings)
+
+    def live_lookahead(self, settings: Mapping[str, Any]) -> int | None:
+        """Return how many frames later its live form gives a frame; None if nothing bounds them.
+
+        Parameters
+        ----------
+        settings
+            All of them, defaults included.
+
+        Raises
+        ------
+        NodeError
+            If the declared function fails, or what is declared is not a number of frames.
+        """
+        declared: Any = UNDECLARED
+        if isinstance(self.live, WindowForm):
+            declared = self._frames("after", self.live.after, settings)
+        elif isinstance(self.live, StateForm):
+            declared = self._frames("lookahead", self.live.lookahead, settings)
+        if declared is UNDECLARED:
+            declared = self.lookahead(settings)
+        return 0 if declared is UNDECLARED else declared
+
+    @cached_property
+    def streams(self) -> tuple[str, ...]:
+        """The ports at which its live form takes frames; none if it has no live form."""
+        if self.live is None:
+            return ()
+        return self.live.streams or tuple(port.name for port in self.inputs[:1])
+
+    def _frames(
+        self, what: str, value: Any, settings: Mapping[str, Any]
+    ) -> int | Undeclared | None:
+        declared = self._declared(what, value, settings)
         if declared is None or declared is UNDECLARED:
             return declared
         if isinstance(declared, int) and not isinstance(declared, bool) and declared >= 0:
             return declared
         raise NodeError(
-            f"{self.name}: lookahead is {declared!r}; it must be a number of frames, or None for "
+            f"{self.name}: {what} is {declared!r}; it must be a number of frames, or None for "
             "the whole take"
         )
 

@@ -27,13 +27,17 @@ def formats(kind: type) -> tuple[Format, ...]:
     tuple of Format
         Of the plugins of the run, or of all installed ones if the node is called by hand.
     """
-    registry = _registry.get() or default_registry()
-    return tuple(each for each in registry.hooks.formats if issubclass(each.type, kind))
+    return tuple(each for each in current_registry().hooks.formats if issubclass(each.type, kind))
+
+
+def current_registry() -> Registry:
+    """Return the registry of the run, or that of all installed plugins."""
+    return _registry.get() or default_registry()
 
 
 @contextmanager
 def formats_of(registry: Registry | None) -> Iterator[None]:
-    """Let `formats` return those of a registry."""
+    """Let a registry be the current one, if there is one."""
     token = _registry.set(registry)
     try:
         yield

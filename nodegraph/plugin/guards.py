@@ -28,6 +28,7 @@ from nodegraph.plugin.hook_types import (
 )
 from nodegraph.plugin.hooks import GROUP
 from nodegraph.plugin.loading import error_text
+from nodegraph.plugin.streaming import Streamable
 
 Function = Callable[..., Any]
 _END = object()
@@ -155,6 +156,38 @@ def guard_storage(storage: Storage, source: Source) -> Storage:
         put_together=source.raising(f"put_together of {name}", put_together),
         lend=storage.lend and source.warning(f"lend of {name}", lend, deepcopy, "a copy is lent"),
     )
+
+
+def guard_streamable(streamable: Streamable, source: Source) -> Streamable:
+    """Return a streamable that raises `PluginError` where another fails.
+
+    What the type itself raises for frames that are no value of it passes.
+    """
+    kind = streamable.type
+
+    def join(header: Any, payloads: Any) -> Any:
+        try:
+            return expect(streamable.join(header, payloads), kind)
+        except (NodegraphError, ValueError):
+            raise
+        except (Exception, SystemExit) as error:
+            raise PluginError(source.failure(f"join of {kind.__name__}", error)) from error
+
+    def guarded(name: str) -> Function:
+        return source.raising(f"{name} of {kind.__name__}", getattr(streamable, name))
+
+    return replace(
+        streamable,
+        header=guarded("header"),
+        split=guarded("split"),
+        join=join,
+        missing=guarded("missing"),
+    )
+
+
+def guard_stream_end(scheme: str, make: Function, source: Source) -> Function:
+    """Return what makes a source or a sink, which raises `PluginError` where it fails."""
+    return source.raising(f"{scheme}:...", make)
 
 
 def guard_comparison(comparison: Comparison, source: Source) -> Comparison:

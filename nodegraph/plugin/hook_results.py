@@ -30,6 +30,8 @@ from nodegraph.plugin.guards import (
     guard_renderer,
     guard_specimens,
     guard_storage,
+    guard_stream_end,
+    guard_streamable,
 )
 from nodegraph.plugin.hook_types import (
     Command,
@@ -43,6 +45,7 @@ from nodegraph.plugin.hook_types import (
     expect,
 )
 from nodegraph.plugin.loading import Plugin, error_text, package_of
+from nodegraph.plugin.streaming import Streamable
 
 
 @dataclass
@@ -85,6 +88,21 @@ class HookResults:
     def unguarded_formats(self) -> tuple[Format, ...]:
         """The formats with the plugins' own functions, whose code counts in the keys of steps."""
         return tuple(form for form, _ in self._formats)
+
+    @cached_property
+    def streamables(self) -> tuple[Streamable, ...]:
+        """How values are split into frames; the last plugin comes first."""
+        return tuple(guard_streamable(*pair) for pair in self._listed("nodegraph_streamables"))
+
+    @cached_property
+    def sources(self) -> Mapping[str, Callable[[str], Any]]:
+        """What makes a source of frames from an address, by scheme."""
+        return self._named("nodegraph_sources", guard_stream_end)
+
+    @cached_property
+    def sinks(self) -> Mapping[str, Callable[[str], Any]]:
+        """What makes a sink of frames from an address, by scheme."""
+        return self._named("nodegraph_sinks", guard_stream_end)
 
     @cached_property
     def executors(self) -> Mapping[str, Callable[..., Any]]:

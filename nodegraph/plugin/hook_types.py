@@ -39,7 +39,7 @@ def expect(value: Any, hint: Any) -> Any:
     return value
 
 
-def _check_fields(record: Any) -> None:
+def check_fields(record: Any) -> None:
     """Raise TypeError, naming the field, if one is not of its annotated type."""
     kind: type = type(record)
     for name, hint in _hints(kind).items():
@@ -132,7 +132,7 @@ class Rendered:
     kind: Kind = ""
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
         for suffix, content in self.files.items():
             if not isinstance(suffix, str) or not isinstance(content, bytes):
                 raise TypeError(f"Rendered.files[{suffix!r}]: expected a suffix and its bytes")
@@ -239,7 +239,7 @@ class Renderer:
     render_in_run: Callable[[Any, str, Origin], Rendered] | None = None
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -277,7 +277,7 @@ class Detail:
     styles: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -314,7 +314,7 @@ class Storage:
     lend: Callable[[Any], Any] | None = None
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -350,7 +350,7 @@ class Format:
     recognizes: Callable[[bytes], bool] = lambda start: False
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
         for suffix in self.suffixes or ("",):
             if not isinstance(suffix, str) or suffix[:1] != "." or suffix != suffix.lower():
                 raise ValueError(f"Format.suffixes: {suffix!r} is not of the form '.c3d'")
@@ -387,7 +387,7 @@ class Comparison:
     parts: Callable[[Any], Parts] | None = None
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -414,7 +414,7 @@ class Conclusion:
     numbers: Callable[[Any], str]
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
 
 
 @dataclass(frozen=True)
@@ -444,7 +444,7 @@ class Command:
     call: Callable[[Namespace], int]
 
     def __post_init__(self) -> None:
-        _check_fields(self)
+        check_fields(self)
 
 
 @dataclass(frozen=True)

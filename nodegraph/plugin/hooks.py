@@ -22,6 +22,7 @@ from nodegraph.plugin.hook_types import (
     Renderer,
     Storage,
 )
+from nodegraph.plugin.streaming import Sink, Source, Streamable
 
 GROUP = "nodegraph"
 hookspec = pluggy.HookspecMarker(GROUP)
@@ -143,6 +144,48 @@ def nodegraph_formats() -> Iterable[Format]:  # type: ignore[empty-body]
     >>> @hookimpl
     ... def nodegraph_formats():
     ...     return [Format("Lips", Lips, (".lips",), read_lips)]
+    """
+
+
+@hookspec
+def nodegraph_streamables() -> Iterable[Streamable]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types are split into frames, to be streamed.
+
+    Examples
+    --------
+    >>> @hookimpl
+    ... def nodegraph_streamables():
+    ...     return [Streamable(Lips, without_frames, split_lips, join_lips, missing_lips)]
+    """
+
+
+@hookspec
+def nodegraph_sources() -> Mapping[str, Callable[[str], Source]]:  # type: ignore[empty-body]
+    """Return, for ``scheme`` in ``--source node=scheme:address``, what makes a `Source`.
+
+    The function takes the address and connects to nothing yet; it raises
+    `nodegraph.NodegraphError` for an address that is not valid.
+
+    Examples
+    --------
+    >>> @hookimpl
+    ... def nodegraph_sources():
+    ...     return {"lips": LipsSource}
+    """
+
+
+@hookspec
+def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:  # type: ignore[empty-body]
+    """Return, for ``scheme`` in ``--sink node=scheme:address``, what makes a `Sink`.
+
+    The function takes the address and connects to nothing yet; it raises
+    `nodegraph.NodegraphError` for an address that is not valid.
+
+    Examples
+    --------
+    >>> @hookimpl
+    ... def nodegraph_sinks():
+    ...     return {"lips": LipsSink}
     """
 
 

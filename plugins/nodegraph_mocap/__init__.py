@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import Comparison, Detail, Files, Renderer, hookimpl
+from nodegraph import Comparison, Detail, Files, Renderer, Streamable, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -13,16 +13,20 @@ from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Mask, Origin, Trajectories, check_markers
 from nodegraph_mocap.selection import Selection
+from nodegraph_mocap.streaming import AnimationFrame, HeadPose, MarkerFrame
 from nodegraph_tables import Figure, StoredFigure, Table, figure_text
 
 __all__ = [
     "Animation",
+    "AnimationFrame",
     "BlendshapeModel",
     "Detections",
     "Figure",
     "Files",
     "Head",
     "HeadMotion",
+    "HeadPose",
+    "MarkerFrame",
     "MarkerSet",
     "Mask",
     "Origin",
@@ -60,6 +64,14 @@ def nodegraph_comparisons() -> Iterable[Comparison]:
     from nodegraph_mocap.comparisons import comparisons
 
     return comparisons()
+
+
+@hookimpl
+def nodegraph_streamables() -> Iterable[Streamable]:
+    """Return how values of this package's types become frames."""
+    from nodegraph_mocap.streaming import streamables
+
+    return streamables()
 
 
 @hookimpl

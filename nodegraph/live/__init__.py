@@ -1,0 +1,1 @@
+"""Run a graph on a stream, frame by frame: the same nodes, the same results."""

@@ -1,0 +1,138 @@
+"""How a node computes frame by frame: by its own function, from a window, or with a state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
+
+from nodegraph.node.declaration import UNDECLARED, LookAhead
+
+H = TypeVar("H")
+P = TypeVar("P")
+
+FrameCount = int | Callable[[Mapping[str, Any]], int | None]
+"""A number of frames, or what returns it for settings; None if nothing bounds it."""
+
+
+@dataclass(slots=True)
+class Window(Generic[P, H]):
+    """Consecutive frames around the one that a window function computes.
+
+    It and its arrays are used again for the next frame: what is returned must not share memory
+    with them.
+
+    Attributes
+    ----------
+    frames : payload
+        As the payload of a frame, each array with one more axis in front, of ``before + 1 +
+        after`` frames. Outside the stream, frames are missing.
+    now : int
+        Which of them is computed: ``before``.
+    header : value
+        The stream's value, without frames: what does not change from frame to frame.
+    """
+
+    frames: P
+    now: int
+    header: H
+
+
+class LiveState(Protocol):
+    """What computes a node frame by frame, made for one stream.
+
+    It is made with the arguments of the node's function, in which each port of `streams` is given
+    the header of its stream (the value, without frames), other ports their whole value.
+
+    Attributes
+    ----------
+    header : value, or tuple of values
+        Of the output; of a node with several outputs, of each.
+    """
+
+    header: Any
+
+    def push(self, *args: Any, **kwargs: Any) -> Any:
+        """Take the next frame and return the one `lookahead` frames before it.
+
+        Parameters
+        ----------
+        *args
+            The payload at each port of `streams`, None for an open one. They are read-only.
+
+        Returns
+        -------
+        payload, tuple of payloads, or None
+            One for each output; None for each of the first `lookahead` frames.
+        """
+
+    def drain(self) -> Iterable[Any]:
+        """Return what the last `lookahead` frames give, now that no other follows."""
+
+
+@dataclass(frozen=True)
+class FrameForm:
+    """The node's function itself, called with values of one frame.
+
+    Attributes
+    ----------
+    streams : tuple of str
+        Ports that take frames; by default the first. All others take whole values.
+    """
+
+    streams: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class WindowForm:
+    """A pure function of the frames around one, at the first port; its output has its header.
+
+    Attributes
+    ----------
+    function : callable
+        ``function(window, **ports_and_settings)`` returns the payload of the frame
+        ``window.now``; the other ports are whole values.
+    before, after : int or callable
+        How many frames before and after it the window has; ``after`` is the look-ahead.
+
+    Examples
+    --------
+    >>> def mean_at(window, *, order):
+    ...     return Sample(window.frames.positions.mean(axis=0), ...)
+    >>> half = lambda settings: settings["order"] // 2
+    >>> MEAN = WindowForm(mean_at, before=half, after=half)
+    >>> @node("smooth.mean", lookahead=half, live=MEAN)
+    ... def mean(recording: Trajectories, *, order: int = 3) -> Trajectories:
+    ...     return fold(MEAN, recording, order=order)
+    """
+
+    function: Callable[..., Any]
+    before: FrameCount
+    after: FrameCount
+
+    @property
+    def streams(self) -> tuple[str, ...]:
+        """The first port, as for the other forms."""
+        return ()
+
+
+@dataclass(frozen=True)
+class StateForm:
+    """A class whose instances take frame after frame: see `LiveState`.
+
+    Attributes
+    ----------
+    state : callable
+        The class.
+    streams : tuple of str
+        Ports that take frames; by default the first. All others take whole values.
+    lookahead : LookAhead
+        How many frames later the class gives a frame; by default what the node declares, or 0.
+    """
+
+    state: Callable[..., LiveState]
+    streams: tuple[str, ...] = ()
+    lookahead: LookAhead = UNDECLARED
+
+
+LiveForm = FrameForm | WindowForm | StateForm

@@ -1,0 +1,117 @@
+"""What carries a stream: frames, how values become frames, and where frames come from and go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+from nodegraph.plugin.hook_types import check_fields
+
+
+class Frame(NamedTuple):
+    """One frame of a stream.
+
+    Attributes
+    ----------
+    index : int
+        Its number in the stream, as the source counts.
+    captured : int
+        Nanoseconds on the source's clock; 0 where the source has none.
+    arrived : int
+        Nanoseconds on this machine's `time.perf_counter_ns`.
+    payload : Any
+        What the frame holds: an array, or a NamedTuple of arrays, as the value's `Streamable`
+        splits it.
+    """
+
+    index: int  # type: ignore[assignment]  # the field, not the method of tuples
+    captured: int
+    arrived: int
+    payload: Any
+
+
+@dataclass(frozen=True)
+class Streamable:
+    """How values of one type are split into frames and joined again.
+
+    A payload is an array, or a NamedTuple of arrays and None. A payload of which windows are
+    taken has the same shapes in every frame.
+
+    Attributes
+    ----------
+    type : type
+    header : callable
+        ``header(value)`` returns the value without frames: what does not change from frame to
+        frame. If frames come at a rate, its attribute ``rate`` is in Hz.
+    split : callable
+        ``split(value)`` returns a payload per frame.
+    join : callable
+        ``join(header, payloads)`` returns the value; the payloads may be none.
+    missing : callable
+        ``missing(header)`` returns the payload of a frame that never arrived.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    """
+
+    type: type
+    header: Callable[[Any], Any]
+    split: Callable[[Any], Sequence[Any]]
+    join: Callable[[Any, Sequence[Any]], Any]
+    missing: Callable[[Any], Any]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@runtime_checkable
+class Source(Protocol):
+    """Where frames come from.
+
+    An error that a user can correct is a `nodegraph.NodegraphError`, a lost connection an
+    OSError: the stream is then opened again until it is back.
+    """
+
+    def open(self) -> Any:
+        """Connect, and return the header: a value without frames.
+
+        It may be called again after `close`.
+        """
+
+    def packets(self) -> Iterator[bytes]:
+        """Yield what arrives, as it arrives, until the stream ends or `close` is called."""
+
+    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+        """Return the frames in a packet.
+
+        It needs no connection: recorded packets are decoded by a source that was never opened. A
+        packet that cannot be decoded raises ValueError; it is dropped and counted.
+
+        Parameters
+        ----------
+        packet
+        arrived
+            Nanoseconds, for `Frame.arrived`.
+        header
+            What `open` returned.
+        """
+
+    def close(self) -> None:
+        """Disconnect; called from another thread than `packets`, which then ends within 1 s."""
+
+
+@runtime_checkable
+class Sink(Protocol):
+    """Where frames go."""
+
+    def open(self, header: Any) -> None:
+        """Connect, before the first frame; the header is a value without frames."""
+
+    def write(self, frame: Frame) -> None:
+        """Send a frame, without waiting for whoever receives it."""
+
+    def close(self) -> None:
+        """Disconnect; also after an interruption."""
