@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from nodegraph.archive.contents import CITATION, METADATA, README, RUN, Contents
+from nodegraph.archive.contents import CITATION, METADATA, README, RUN, Contents, readme
 from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read, free_name
-from nodegraph.archive.readme import readme
 from nodegraph.archive.relocate import Relocation, local_folders, relocate_graph, relocate_settings
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.filenames import fold

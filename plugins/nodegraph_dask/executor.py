@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import threading
 import uuid
+import weakref
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import Any, Generic, TypeVar
 
+import numpy as np
 from distributed import CancelledError, KilledWorker
 
 from nodegraph.executors import (
     Call,
     CallCodec,
+    Frame,
     HowToRun,
     Outcome,
     Response,
@@ -23,8 +26,11 @@ from nodegraph.executors import (
     one_thread_here,
 )
 from nodegraph_dask.cluster import SECONDS_BETWEEN_COUNTS, Cluster, cluster_for
-from nodegraph_dask.scatter import Scattered
-from nodegraph_dask.worker import Sent, as_frame, work
+from nodegraph_dask.worker import Sent, as_array, as_frame, work
+
+_LARGE_REQUEST = 500_000
+"""Bytes from which the buffers of a request are scattered."""
+_LARGE_BUFFER = 64_000
 
 _CALLS_PER_THREAD = 3
 """Submitted per thread of the cluster: while one is made, others are on their way."""
@@ -266,3 +272,38 @@ class _Threads(Generic[T]):
             except BaseException as error:  # else the run would wait for a report for ever
                 self._report(error)
             del item
+
+
+class Scattered:
+    """Buffers that the cluster has, by their place in the memory of this process."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._futures: dict[tuple[int, int], tuple[Any, weakref.ref[Any]]] = {}
+
+    def arguments(self, buffers: Sequence[Frame]) -> list[Any]:
+        """Return each buffer as an argument of a call: as an array, or as a future of it."""
+        arrays = [as_array(buffer) for buffer in buffers]
+        if sum(array.nbytes for array in arrays) < _LARGE_REQUEST:
+            return list(arrays)
+        return [self._future(array) if array.nbytes >= _LARGE_BUFFER else array for array in arrays]
+
+    def _future(self, array: Any) -> Any:
+        place = (array.ctypes.data, array.nbytes)
+        known = self._futures.get(place)
+        if known is not None and known[1]() is not None and known[0].status == "finished":
+            return known[0]
+        try:
+            future = self._client.scatter([array], hash=False, timeout=5)[0]
+        except TimeoutError:  # no worker can take it now
+            return array
+        owner = weakref.ref(_owner(array), lambda _: self._futures.pop(place, None))
+        self._futures[place] = (future, owner)
+        return future
+
+
+def _owner(array: Any) -> Any:
+    """Return the array that lives as long as the memory is in use."""
+    while isinstance(getattr(array.base, "obj", array.base), np.ndarray):
+        array = getattr(array.base, "obj", array.base)
+    return array

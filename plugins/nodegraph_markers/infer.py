@@ -10,9 +10,16 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Refusal, Unit, listed, node
-from nodegraph_markers.mirror import ALONE, Mirror, find_mirror, partners
+from nodegraph_markers.mirror import (
+    ALONE,
+    Axes,
+    Mirror,
+    face_axes,
+    find_mirror,
+    partners,
+    side_by_name,
+)
 from nodegraph_markers.rigid import spacing
-from nodegraph_markers.sides import Axes, face_axes, side_by_name
 from nodegraph_markers.stillness import head_frame
 from nodegraph_mocap import MarkerSet, Trajectories
 

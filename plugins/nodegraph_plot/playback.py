@@ -3,16 +3,35 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
-from typing import Annotated, Any
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from pydantic import Field
 
-from nodegraph import Across, Truth, node
-from nodegraph_mocap import Animation, Playback, Trajectories
+from nodegraph import Across, Refusal, Truth, node
+from nodegraph_mocap import Animation, Head, HeadMotion, Playback, Trajectories
 from nodegraph_mocap.playback import Panel
-from nodegraph_plot.playback_limits import check_meshes, frames_apart, out_of_reach, thinned
-from nodegraph_plot.playback_views import panel_of
+from nodegraph_mocap.player.data import MOST_STEPS, beyond, step_of
+from nodegraph_mocap.view import frontal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap.view import View
+
+_OUTER = 0.1
+"""Percent of the samples on each side that may lie outside: impulses must not shrink a face."""
+
+_ROOM = 1.12
+_FRAMES = 60
+
+MOST_SAMPLES = 2_000_000
+"""Frames times markers or morph targets, over all panels; about 10 MB of a report at worst."""
+
+MOST_VERTICES = 1_000_000
+"""Vertices of all heads that differ, each morph target's counted."""
 
 
 @node("plot.playback")
@@ -115,3 +134,132 @@ def _absent(kind: str, gathered: Across[Any] | None) -> Iterator[str]:
     for absence in gathered.absent if gathered else ():
         name = ", ".join(str(label) for label in absence.labels.values() if label != "")
         yield f"{kind} {name} is absent: {absence.kind}, {absence.reason}"
+
+
+def frames_apart(shown: Iterable[Trajectories | Animation]) -> int:
+    """Return of how many frames one is played: 1 where all fit."""
+    samples = sum(motion.frames * _across(motion) for motion in shown)
+    return max(1, -(-samples // MOST_SAMPLES))
+
+
+def thinned(shown: Trajectories | Animation, every: int) -> Trajectories | Animation:
+    """Return every n-th frame of a recording or an animation, the first included."""
+    if every == 1:
+        return shown
+    if isinstance(shown, Animation):
+        return _thinned_animation(shown, every)
+    return replace(
+        shown,
+        positions=shown.positions[::every],
+        origin=shown.origin[::every],
+        sigma=None if shown.sigma is None else shown.sigma[::every],
+        rate=shown.rate / every,
+    )
+
+
+def check_meshes(shown: Iterable[tuple[str, Trajectories | Animation]]) -> None:
+    """Refuse heads without triangles, and more of them than a page can hold.
+
+    Raises
+    ------
+    Refusal
+    """
+    heads: dict[int, Head] = {}
+    for label, motion in shown:
+        if not isinstance(motion, Animation):
+            continue
+        heads[id(motion.head)] = motion.head
+        if not len(motion.head.faces):
+            raise Refusal(f"the head of {label or 'the animation'} has no triangles to draw")
+    vertices = sum(len(head.vertices) * (1 + len(head.names)) for head in heads.values())
+    if vertices > MOST_VERTICES:
+        raise Refusal(
+            f"the heads have {vertices:,} vertices with those of their morph targets; "
+            f"a playback holds {MOST_VERTICES:,}: play a coarser mesh"
+        )
+
+
+def out_of_reach(panels: Iterable[Panel]) -> Iterator[str]:
+    """Yield which recordings have samples too far away to be played, and how many."""
+    panels = list(panels)
+    step = step_of(panels)
+    for panel in panels:
+        if isinstance(panel.shown, Trajectories):
+            count = np.count_nonzero(beyond(panel.shown, step))
+            if count:
+                yield (
+                    f"{panel.label or 'the recording'}: {count} samples lie more than "
+                    f"{MOST_STEPS * step / 1000:,.0f} m away and are not shown"
+                )
+
+
+def _across(shown: Trajectories | Animation) -> int:
+    """Return how many numbers a frame needs, a marker counted as one."""
+    if isinstance(shown, Animation):
+        return len(shown.head.names) + 4 * (shown.head_motion is not None)
+    return len(shown.markers)
+
+
+def _thinned_animation(shown: Animation, every: int) -> Animation:
+    motion = shown.head_motion
+    return replace(
+        shown,
+        weights=replace(
+            shown.weights, values=shown.weights.values[::every], rate=shown.rate / every
+        ),
+        head_motion=motion
+        and HeadMotion(
+            rotations=motion.rotations[::every],
+            translations=motion.translations[::every],
+            scales=motion.scales[::every],
+        ),
+    )
+
+
+def panel_of(label: str, shown: Trajectories | Animation, view: str) -> Panel:
+    """Return the panel of a recording or an animation, seen from the front or as requested."""
+    if isinstance(shown, Animation):
+        seen = frontal(_markers_of(shown), view)
+        points = posed(shown, shown.head.vertices).reshape(-1, 3)
+    else:
+        seen = frontal(shown, view)
+        chosen = shown.measured if shown.measured.any() else shown.present
+        points = shown.positions[chosen]
+    centre, radius = _fit(points, seen)
+    return Panel(
+        label=label, shown=shown, centre=centre, right=seen.right, up=seen.up, radius=radius
+    )
+
+
+def posed(animation: Animation, vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (P, V, 3) where (V, 3) vertices at rest are in some frames of an animation.
+
+    Of at most sixty frames, evenly spaced.
+    """
+    motion = animation.head_motion
+    if motion is None:
+        return vertices[np.newaxis]
+    count = min(_FRAMES, animation.frames)
+    frames = np.linspace(0, animation.frames - 1, count).round().astype(np.intp)
+    turned = vertices @ motion.rotations[frames].transpose(0, 2, 1)
+    moved = motion.translations[frames, np.newaxis]
+    return np.asarray(motion.scales[frames, np.newaxis, np.newaxis] * turned + moved)
+
+
+def _markers_of(animation: Animation) -> Trajectories:
+    head = animation.head
+    return Trajectories(
+        positions=posed(animation, head.vertices[head.marker_vertices]),
+        markers=head.markers,
+        rate=animation.rate,
+    )
+
+
+def _fit(points: NDArray[np.float64], seen: View) -> tuple[NDArray[np.float64], float]:
+    """Return the middle of what there is to see, and how far from it the picture's edge is."""
+    if not len(points):
+        return seen.centre, 1.0
+    axes = np.stack([seen.right, seen.up, np.cross(seen.right, seen.up)])
+    low, high = np.percentile(points @ axes.T, [_OUTER, 100 - _OUTER], axis=0)
+    radius = _ROOM * float((high - low)[:2].max()) / 2
+    return (low + high) / 2 @ axes, radius if radius > 0 else 1.0

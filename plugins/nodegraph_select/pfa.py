@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, NamedTuple, get_args
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
 from pydantic import Field
@@ -11,13 +12,21 @@ from pydantic import Field
 from nodegraph import Refusal, node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.checks import check_share, check_whole
-from nodegraph_select.features import features_of
+from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import Pairs, in_order, membership, pairs_of, sizes
-from nodegraph_select.principal import leading_vectors
-from nodegraph_select.stability import Stabilities, Stability, stabilities
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+Stability = Literal["sum", "mean", "medoid"]
+
+_AT_ONCE = 256
+"""Selections that are compared with all others at once, so that many runs fit into memory."""
+_DIGITS = 12
+"""To which sums of likenesses are rounded: equal ones may come in another order."""
+
+_ROUNDING = 1e-12
+"""Of the sum of variances: what lies so close to a share has reached it."""
 
 COLUMNS = (
     "k", "run", "selection", "markers", "pairs", "clusters", "inertia", "rounds", "sum", "mean",
@@ -226,3 +235,121 @@ def _warn(stable: Stabilities, best: int, clusters: _Clusters) -> None:
         unsettled = np.count_nonzero(clusters.unsettled)
         notes.append(f"{unsettled} runs had not settled when they were stopped")
     warnings.warn("; ".join(notes), stacklevel=3)
+
+
+def leading_vectors(
+    features: Features, *, variance: float, standardize: bool
+) -> NDArray[np.float64]:
+    """Return the (p, q) matrix of the first q eigenvectors of the features' covariance.
+
+    q is the smallest number whose eigenvalues, largest first, have that share of the sum of all.
+
+    Parameters
+    ----------
+    features
+        p of them.
+    variance
+        The share, above 0 and up to 1.
+    standardize
+        Whether each feature is divided by its standard deviation first, which makes the
+        covariance a correlation. One that does not move stays 0, with a warning.
+    """
+    values = _standardized(features) if standardize else features.values
+    eigenvalues, vectors = np.linalg.eigh(values.T @ values / len(values))
+    shares = np.maximum(eigenvalues[::-1], 0.0)
+    reached = np.cumsum(shares) / shares.sum()
+    kept = 1 + int(np.searchsorted(reached, min(variance, reached[-1]) - _ROUNDING))
+    return np.ascontiguousarray(vectors[:, ::-1][:, :kept])
+
+
+def _standardized(features: Features) -> NDArray[np.float64]:
+    spread, still = features.spread, features.still
+    if still.any():
+        markers = sorted({features.markers[feature // 3] for feature in np.flatnonzero(still)})
+        warnings.warn(
+            f"{np.count_nonzero(still)} of {still.size} features do not move and cannot be "
+            f"standardized, they stay 0: coordinates of {', '.join(markers)}",
+            stacklevel=4,
+        )
+    return np.asarray(np.where(still, 0.0, features.values / np.where(still, 1.0, spread)))
+
+
+@dataclass(frozen=True, eq=False)
+class Stabilities:
+    """How often pairs were chosen, and how stable that makes each of R selections.
+
+    Attributes
+    ----------
+    frequencies : (P,) array of float64
+        Share of the selections that have each pair.
+    sum, mean : (R,) array of float64
+        Of the frequencies of a selection's pairs.
+    medoid : (R,) array of float64
+        Mean Jaccard index, shared pairs by pairs of either, of a selection and each of all R.
+    same : (R,) array of int
+        The number of the selection, equal ones having the same, counted as they first come.
+    """
+
+    frequencies: NDArray[np.float64]
+    sum: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    medoid: NDArray[np.float64]
+    same: NDArray[np.intp]
+
+    @property
+    def distinct(self) -> int:
+        """How many of the selections differ."""
+        return int(self.same.max()) + 1
+
+    def best(self, stability: Stability, markers: NDArray[np.intp]) -> int:
+        """Return the most stable selection; of equals one of fewer markers, then the first."""
+        score: NDArray[np.float64] = getattr(self, stability)
+        return int(np.lexsort((np.arange(len(score)), markers, -score))[0])
+
+
+def stabilities(chosen: NDArray[np.bool_]) -> Stabilities:
+    """Return how stable selections are.
+
+    Parameters
+    ----------
+    chosen : (R, P) array of bool
+        Which pairs each selection has, at least one.
+    """
+    runs = len(chosen)
+    counts = np.count_nonzero(chosen, axis=0)
+    # sums of whole numbers: the same in any order, so that equals are equal
+    total = chosen @ counts
+    same, kinds, how_often = _kinds(chosen)
+    return Stabilities(
+        frequencies=counts / runs,
+        sum=total / runs,
+        mean=total / np.count_nonzero(chosen, axis=1) / runs,
+        medoid=np.round(_mean_likeness(kinds, how_often), _DIGITS)[same],
+        same=same,
+    )
+
+
+def _kinds(
+    chosen: NDArray[np.bool_],
+) -> tuple[NDArray[np.intp], NDArray[np.bool_], NDArray[np.intp]]:
+    """Return the number of each selection's kind, the kinds, and how often each came."""
+    packed = np.packbits(chosen, axis=1)
+    _, first, inverse, counts = np.unique(
+        packed, axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    order = np.argsort(first)
+    number = np.empty_like(order)
+    number[order] = np.arange(len(order))
+    return number[inverse.reshape(-1)], chosen[first[order]], counts[order]
+
+
+def _mean_likeness(kinds: NDArray[np.bool_], how_often: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return each kind's mean Jaccard index with all selections."""
+    pairs = kinds.astype(np.float64)
+    size = pairs.sum(axis=1)
+    likeness = np.empty(len(pairs))
+    for start in range(0, len(pairs), _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        shared = pairs[some] @ pairs.T
+        likeness[some] = shared / (size[some, None] + size - shared) @ how_often
+    return np.asarray(likeness / how_often.sum())

@@ -16,8 +16,7 @@ import numpy as np
 from nodegraph_synthesize.expressions import held_expressions
 from nodegraph_synthesize.eyelids import EYELIDS
 from nodegraph_synthesize.muscles import CHANNELS, JAW, KINDS, kind_of
-from nodegraph_synthesize.rest import awake, rest_of
-from nodegraph_synthesize.smooth_noise import rising, smooth_noise
+from nodegraph_synthesize.smooth_noise import awake, rest_of, rising, smooth_noise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

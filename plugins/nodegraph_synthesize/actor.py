@@ -11,8 +11,7 @@ from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
 from nodegraph_mocap.streams import random_for
 from nodegraph_synthesize.activation import Habits, draw_habits
 from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
-from nodegraph_synthesize.edges import edges_between
-from nodegraph_synthesize.layout import make_layout
+from nodegraph_synthesize.layout import edges_between, make_layout
 from nodegraph_synthesize.muscles import CHANNELS
 from nodegraph_synthesize.proportions import Proportions, draw_proportions
 from nodegraph_synthesize.surface import make_surface

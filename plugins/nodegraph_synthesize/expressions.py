@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_synthesize.muscles import CHANNELS, JAW, KINDS, PUFF, SPHINCTER, kind_of
-from nodegraph_synthesize.rest import rest_of
-from nodegraph_synthesize.smooth_noise import rising, smooth_noise
+from nodegraph_synthesize.smooth_noise import rest_of, rising, smooth_noise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -1,22 +1,83 @@
-"""Places of markers: a facial layout of 60, thinned or made denser to any number."""
+"""Places of markers, a facial layout of 60 thinned or made denser, and the edges between them."""
 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph_mocap import MarkerSet
-from nodegraph_synthesize.spots import MIDLINE, PAIRS, Spot
 from nodegraph_synthesize.surface import HALF_COLUMNS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_LONGEST_EDGE = 2.5
+"""Times the median length: longer lines only span the hollows of the outline."""
+
 FEWEST, MOST = 10, 150
 
+
+@dataclass(frozen=True)
+class Spot:
+    """A place for one marker on the midline, or for a pair of markers.
+
+    Attributes
+    ----------
+    region : str
+    place : (u, v)
+        On the average face, mm; for a pair that of the left one, u > 0.
+    stable : bool
+        Whether the muscles hardly move it.
+    """
+
+    region: str
+    place: tuple[float, float]
+    stable: bool = False
+
+
+MIDLINE = (
+    # The first are kept the longest when markers are few.
+    Spot("nose", (0.0, 30.0), stable=True),
+    Spot("jaw", (0.0, -74.0)),
+    Spot("forehead", (0.0, 88.0), stable=True),
+    Spot("mouth", (0.0, -44.0)),
+    Spot("mouth", (0.0, -29.0)),
+    Spot("nose", (0.0, -2.0), stable=True),
+    Spot("forehead", (0.0, 64.0)),
+    Spot("nose", (0.0, 13.0), stable=True),
+)
+PAIRS = (
+    # The first two are always kept, the others by how well they spread.
+    Spot("mouth", (27.0, -36.0)),
+    Spot("temple", (66.0, 40.0), stable=True),
+    Spot("brow", (10.0, 45.0)),
+    Spot("brow", (22.0, 48.0)),
+    Spot("brow", (35.0, 50.0)),
+    Spot("brow", (48.0, 47.0)),
+    Spot("eyelid", (26.0, 34.0)),
+    Spot("eyelid", (37.0, 34.0)),
+    Spot("eyelid", (31.0, 17.0)),
+    Spot("eyelid", (49.0, 26.0)),
+    Spot("nose", (10.0, 13.0)),
+    Spot("nose", (14.0, -5.0)),
+    Spot("cheek", (24.0, 3.0)),
+    Spot("cheek", (45.0, 5.0)),
+    Spot("cheek", (27.0, -16.0)),
+    Spot("cheek", (42.0, -15.0)),
+    Spot("cheek", (60.0, -18.0)),
+    Spot("mouth", (10.0, -28.5)),
+    Spot("mouth", (19.0, -31.5)),
+    Spot("mouth", (13.0, -43.5)),
+    Spot("jaw", (14.0, -59.0)),
+    Spot("jaw", (32.0, -58.0)),
+    Spot("jaw", (50.0, -47.0)),
+    Spot("jaw", (21.0, -80.0)),
+    Spot("forehead", (28.0, 84.0), stable=True),
+    Spot("forehead", (52.0, 68.0), stable=True),
+)
 
 _USUAL = len(MIDLINE) + 2 * len(PAIRS)
 
@@ -149,3 +210,40 @@ def _vertices(
 def _nearest(spots: list[Spot], places: NDArray[np.float64]) -> NDArray[np.intp]:
     wanted = np.array([spot.place for spot in spots])
     return np.asarray(np.linalg.norm(wanted[:, None] - places[None], axis=2).argmin(axis=1))
+
+
+def edges_between(marker_set: MarkerSet, points: NDArray[np.float64]) -> MarkerSet:
+    """Return the marker set with lines to draw: its frontal projection, triangulated.
+
+    Parameters
+    ----------
+    marker_set
+    points
+        (M, 3) mm; z is left out.
+    """
+    from scipy.spatial import Delaunay
+
+    triangles = Delaunay(points[:, :2]).simplices
+    lines = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, ::2]]))
+    lines = np.unique(lines, axis=0)
+    lengths = np.linalg.norm(points[lines[:, 0], :2] - points[lines[:, 1], :2], axis=1)
+    lines = lines[lengths <= _LONGEST_EDGE * np.median(lengths)]
+    # A line without its mirror is one of two equally good diagonals, taken by rounding.
+    mirror = _mirror(marker_set)
+    known = {(int(first), int(second)) for first, second in lines}
+    symmetric = [line for line in sorted(known) if _mirrored(line, mirror) in known]
+    names = marker_set.markers
+    return replace(
+        marker_set, edges=tuple((names[first], names[second]) for first, second in symmetric)
+    )
+
+
+def _mirror(marker_set: MarkerSet) -> list[int]:
+    other = {left: right for left, right in marker_set.pairs}
+    other |= {right: left for left, right in marker_set.pairs}
+    return [marker_set.markers.index(other.get(name, name)) for name in marker_set.markers]
+
+
+def _mirrored(line: tuple[int, int], mirror: list[int]) -> tuple[int, int]:
+    first, second = sorted(mirror[end] for end in line)
+    return first, second

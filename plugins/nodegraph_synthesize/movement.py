@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_mocap import HeadMotion
-from nodegraph_synthesize.rest import awake
-from nodegraph_synthesize.smooth_noise import smooth_noise
+from nodegraph_synthesize.smooth_noise import awake, smooth_noise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,6 +9,11 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+LONGEST_REST = 0.3
+"""Seconds."""
+_SHARE = 0.1
+"""Of a take too short for that, which still has to show something."""
+
 
 def smooth_noise(
     random: np.random.Generator, frames: int, cutoffs: ArrayLike, rate: float
@@ -47,3 +52,14 @@ def rising(curve: NDArray[np.float64], start: float, end: float) -> NDArray[np.f
 
 def _power_of_two(length: float) -> int:
     return 1 << int(np.ceil(np.log2(length)))
+
+
+def rest_of(frames: int, rate: float) -> float:
+    """Return for how many seconds from its first frame a take is at rest."""
+    return min(LONGEST_REST, _SHARE * frames / rate)
+
+
+def awake(frames: int, rate: float) -> NDArray[np.float64]:
+    """Return (T,) 0 at rest and 1 from three times as long on, with a smooth step between."""
+    rest = rest_of(frames, rate)
+    return rising(np.arange(frames) / rate, rest, 3.0 * rest)

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from nodegraph_mocap import Trajectories
 from nodegraph_select import kmeans_kernel
 from nodegraph_select.features import features_of
-from nodegraph_select.pfa import pfa
-from nodegraph_select.principal import leading_vectors
+from nodegraph_select.pfa import leading_vectors, pfa
 from tests.benchmarks.conftest import Clock
 
 FRAMES, MARKERS, MOVEMENTS, RUNS, FEW = 600, 60, 12, 1000, 50

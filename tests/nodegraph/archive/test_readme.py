@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from nodegraph.archive.contents import Contents
+from nodegraph.archive.contents import Contents, readme
 from nodegraph.archive.inputs import ReadFile
-from nodegraph.archive.readme import readme
 from nodegraph.report import Study
 
 from .records import record_with

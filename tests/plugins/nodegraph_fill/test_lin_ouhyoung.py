@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
-from nodegraph_fill.one_ring import one_ring
+from nodegraph_fill.lin_ouhyoung import lin_ouhyoung, one_ring
 from nodegraph_mocap import Trajectories
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from nodegraph_fill.one_ring import one_ring
+from nodegraph_fill.lin_ouhyoung import one_ring
 from nodegraph_mocap import Trajectories
 
 

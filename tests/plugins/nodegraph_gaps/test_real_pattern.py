@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from nodegraph_gaps.real_pattern import read_pattern
+from nodegraph_gaps.transplant import read_pattern
 from nodegraph_mocap import Origin, Trajectories
 
 FRAMES, MARKERS = 60, 5

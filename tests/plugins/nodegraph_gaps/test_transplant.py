@@ -20,7 +20,7 @@ from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_gaps.cut import cut
-from nodegraph_gaps.real_pattern import read_pattern
+from nodegraph_gaps.transplant import read_pattern
 from nodegraph_mocap import Trajectories
 
 GAPS = ((3, 10, 4), (1, 12, 20), (3, 40, 1), (0, 41, 5), (2, 44, 3))

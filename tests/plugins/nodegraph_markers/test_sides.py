@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nodegraph_markers.sides import face_axes, side_by_name
+from nodegraph_markers.mirror import face_axes, side_by_name
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_markers.switches import cut, nearest_samples
+from nodegraph_markers.label import cut, nearest_samples
 from nodegraph_markers.tracks import UNNAMED, Tracks
 
 FRAMES = 40

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap import Trajectories
 from nodegraph_select.features import Features, features_of
-from nodegraph_select.principal import leading_vectors
+from nodegraph_select.pfa import leading_vectors
 
 
 def plain(values: NDArray[np.float64], variance: float) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from nodegraph_select.stability import Stability, stabilities
+from nodegraph_select.pfa import Stability, stabilities
 
 SELECTIONS = st.integers(1, 6).flatmap(
     lambda pairs: st.lists(

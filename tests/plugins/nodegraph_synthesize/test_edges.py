@@ -2,8 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph_synthesize.edges import edges_between
-from nodegraph_synthesize.layout import make_layout
+from nodegraph_synthesize.layout import edges_between, make_layout
 from nodegraph_synthesize.proportions import Proportions
 from nodegraph_synthesize.surface import make_surface
 

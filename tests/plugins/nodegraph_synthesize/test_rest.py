@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_synthesize.rest import awake, rest_of
+from nodegraph_synthesize.smooth_noise import awake, rest_of
 
 
 @pytest.mark.parametrize(

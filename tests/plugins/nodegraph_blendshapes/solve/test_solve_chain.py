@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from nodegraph_blendshapes.solve.chain import Chain
-from nodegraph_blendshapes.solve.interior import interior
+from nodegraph_blendshapes.solve.smooth import interior
 
 INF = float("inf")
 BOUNDS = [(0.0, 1.0), (-0.5, 1.0), (0.0, INF)]

@@ -5,7 +5,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph.draw.lanes import lanes
+from nodegraph.draw.layered import lanes
 from nodegraph.draw.layering import Segment
 
 
