@@ -13,11 +13,13 @@ from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
+from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.guards import PluginError, Source
 from nodegraph.plugin.hook_types import Contract, Tried, expect
 from nodegraph.plugin.loading import error_text, package_of
 from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.testing.faults import Faults
+from nodegraph.testing.live import check_live_form
 from nodegraph.testing.specimens import cases, examples, ports_without_specimens
 from nodegraph.testing.trial import Trial
 
@@ -48,6 +50,9 @@ def check_node(
       of warnings, or setting of numpy and matplotlib.
     - Its tables have no columns but those that it declares, if it declares any.
     - The contracts of its family hold.
+    - Its live form, if it has one, gives on a stream what the function gives of the whole take,
+      bit for bit: of all frames, of only the first ones, with frames missing anywhere; each frame
+      `lookahead` frames later, at the end exactly the rest; two streams do not disturb each other.
 
     A node that accepts a specimen need not do anything to it: a fill of a recording without gaps
     does nothing either.
@@ -102,7 +107,8 @@ def _check(
     for obstacle in obstacles:
         faults.add(obstacle)
     if not obstacles:
-        _call_on_specimens(node, inputs, settings, registry, faults)
+        with formats_of(registry):
+            _call_on_specimens(node, inputs, settings, registry, faults)
 
 
 def _declaration_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str]:
@@ -221,6 +227,8 @@ def _call_on_specimens(
         elif outputs is not None:
             is_accepted = True
             _check_columns(trial, outputs)
+            if node.live is not None:
+                check_live_form(trial, outputs)
             for contract, source in contracts:
                 _check_contract(contract, source, trial, outputs)
     if not is_accepted and not faults:

@@ -1,0 +1,172 @@
+"""Check that a node's live form gives on a stream what its function gives of the whole take."""
+
+from __future__ import annotations
+
+import copy
+import traceback
+import warnings
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+from nodegraph.equality import difference
+from nodegraph.live.forms import header_of, live_state, rows_of, streamable_of
+from nodegraph.node.live_form import FrameForm, LiveState
+from nodegraph.testing.trial import Trial
+
+Row = tuple[Any, ...]
+
+_DIFFERS = (
+    "gives on a stream another result than of the whole take: let the function be "
+    "nodegraph.fold(form, ...), or compute each frame in the same order of operations"
+)
+_FAILS = (
+    "its live form fails: it must accept every stream whose whole take the function accepts, "
+    "with missing frames anywhere, and must not write to the arrays that it is given"
+)
+_LATE = (
+    "its live form does not give a frame at every push from the look-ahead on, and at the end "
+    "exactly the rest: declare the look-ahead that it has, return None only before it, and give "
+    "the rest in drain()"
+)
+_CHANGES = (
+    "its live form changes what it has already returned: return arrays of its own, neither its "
+    "buffers nor views of a window"
+)
+_SHARES = (
+    "two streams at a time disturb each other: keep the state in the instance, not in the class "
+    "or the module"
+)
+_NOT_BY_FRAME = (
+    "is declared to compute frame by frame, but looks ahead: omit live='frame' or declare a window"
+)
+
+
+def check_live_form(trial: Trial, outputs: Mapping[str, Any]) -> None:
+    """Note the faults of a node's live form that a specimen shows.
+
+    Parameters
+    ----------
+    trial
+    outputs
+        What the function gives of the whole take.
+    """
+    node = trial.node
+    settings = {**node.defaults, **trial.settings}
+    lookahead = node.live_lookahead(settings)
+    if lookahead is None:
+        return
+    if isinstance(node.live, FrameForm) and lookahead:
+        trial.add_fault(_NOT_BY_FRAME, f"look-ahead {lookahead}")
+        return
+    _Stream(trial, settings, lookahead).check(outputs)
+
+
+class _Stream:
+    """The specimens at the ports that take frames, as a stream."""
+
+    def __init__(self, trial: Trial, settings: Mapping[str, Any], lookahead: int) -> None:
+        inputs = trial.inputs
+        self._trial = trial
+        self._lookahead = lookahead
+        self._settings = settings
+        self._streams = {name: inputs[name] for name in trial.node.streams if name in inputs}
+        self._rest = {name: value for name, value in inputs.items() if name not in self._streams}
+        self._headers = {name: header_of(value) for name, value in self._streams.items()}
+
+    def check(self, outputs: Mapping[str, Any]) -> None:
+        """Compare stream and whole take: of all frames, of the first, and with frames missing."""
+        rows = list(rows_of(self._streams.values()))
+        if not self._agrees(rows, outputs, "all frames"):
+            return
+        count = len(rows)
+        for frames in sorted({1, self._lookahead, self._lookahead + 1, count // 2} - {0, count}):
+            if frames < count and not self._agrees(rows[:frames], None, f"the first {frames}"):
+                return
+        missing = tuple(
+            streamable_of(type(header)).missing(header) for header in self._headers.values()
+        )
+        for gone in ({0}, {count - 1}, {count // 2, count // 2 + 1}, set(range(count // 3))):
+            damaged = [missing if frame in gone else row for frame, row in enumerate(rows)]
+            if not self._agrees(damaged, None, f"frames {sorted(gone)} missing"):
+                return
+
+    def _agrees(self, rows: Sequence[Row], outputs: Mapping[str, Any] | None, what: str) -> bool:
+        """Return whether the live form gives what the function gives, without other faults."""
+        node = self._trial.node
+        if outputs is None:
+            columns = zip(self._headers.items(), zip(*rows, strict=True), strict=True)
+            whole = {
+                name: streamable_of(type(header)).join(header, column)
+                for (name, header), column in columns
+            }
+            outputs = self._trial.again(self._settings, **whole)
+            if outputs is None:  # the function declines the whole take
+                return True
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                streamed = self._outputs(rows, what)
+        except Exception as error:
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            where = f"{Path(last.filename).name}:{last.lineno}"
+            self._trial.add_fault(_FAILS, f"{what}: {type(error).__name__}: {error} ({where})")
+            return False
+        if streamed is None:
+            return False
+        for port, value in zip(node.outputs, streamed, strict=True):
+            if changed := difference(value, outputs[port.name], name=port.name):
+                self._trial.add_fault(_DIFFERS, f"{what}: {changed}")
+                return False
+        return True
+
+    def _outputs(self, rows: Sequence[Row], what: str) -> Sequence[Any] | None:
+        """Return what the live form gives for some frames, or None after a fault.
+
+        Another instance takes the same frames from the last to the first at the same time.
+        """
+        state, other = self._state(), self._state()
+        results: list[Any] = []
+        copies: list[Any] = []
+        for number, (row, backward) in enumerate(zip(rows, rows[::-1], strict=True)):
+            result = state.push(*row)
+            other.push(*backward)
+            if (result is None) != (number < self._lookahead):
+                gives = "nothing" if result is None else "a frame"
+                self._trial.add_fault(
+                    _LATE, f"{what}: push {number} gives {gives}, look-ahead {self._lookahead}"
+                )
+                return None
+            if result is not None:
+                results.append(result)
+                copies.append(copy.deepcopy(result))
+        rest = list(state.drain())
+        if len(rest) != min(self._lookahead, len(rows)):
+            self._trial.add_fault(
+                _LATE, f"{what}: drain gives {len(rest)} frames, look-ahead {self._lookahead}"
+            )
+            return None
+        if changed := difference(copies, results, name="frame"):
+            self._trial.add_fault(_CHANGES, f"{what}: {changed}")
+            return None
+        results += rest
+        if not self._is_alone(rows, results, what):
+            return None
+        if not self._trial.node.splits:
+            return [streamable_of(type(state.header)).join(state.header, results)]
+        columns = zip_longest(state.header, zip(*results, strict=True), fillvalue=())
+        return [streamable_of(type(header)).join(header, column) for header, column in columns]
+
+    def _is_alone(self, rows: Sequence[Row], results: Sequence[Any], what: str) -> bool:
+        """Return whether a new instance gives the same, now that no other one is in use."""
+        state = self._state()
+        again = [state.push(*row) for row in rows][self._lookahead :]
+        again += list(state.drain())
+        changed = difference(list(results), again, name="frame")
+        if changed:
+            self._trial.add_fault(_SHARES, f"{what}: {changed}")
+        return not changed
+
+    def _state(self) -> LiveState:
+        return live_state(self._trial.node, self._headers, self._rest, self._settings)

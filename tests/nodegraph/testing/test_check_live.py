@@ -1,0 +1,185 @@
+"""Live forms of good nodes pass; one that cheats is told how, and a whole take is its fold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nodegraph import FrameForm, StateForm, Truth, Window, WindowForm, fold, node
+from nodegraph.testing import check_node
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
+
+Function = Callable[..., Any]
+Frame = MarkerFrame
+
+
+def half(settings: Mapping[str, Any]) -> int:
+    width: int = settings["width"]
+    return width // 2
+
+
+def frame_of(positions: np.ndarray[Any, Any], frame: Frame) -> Frame:
+    missing = np.isnan(positions[:, 0])
+    origin = np.where(frame.origin == Origin.MISSING, np.uint8(Origin.FILLED), frame.origin)
+    return Frame(positions, np.where(missing, np.uint8(Origin.MISSING), origin), frame.sigma)
+
+
+def mean_at(window: Window[Frame, Trajectories], *, width: int) -> Frame:
+    frames, now = window.frames, window.now
+    total = np.zeros_like(frames.positions[now])
+    for positions in frames.positions:
+        total = total + positions
+    sigma = None if frames.sigma is None else frames.sigma[now].copy()
+    return frame_of(total / width, Frame(total, frames.origin[now], sigma))
+
+
+MEAN = WindowForm(mean_at, before=half, after=half)
+
+
+@node("live.mean", lookahead=half, live=MEAN)
+def mean(recording: Trajectories, *, width: int = 3) -> Trajectories:
+    """Average the frames around each.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    width
+        Of the window, odd.
+    """
+    return fold(MEAN, recording, width=width)  # type: ignore[no-any-return]
+
+
+class Delayed:
+    """Gives frames again, some later, with the last known position of a missing sample."""
+
+    def __init__(self, recording: Trajectories, *, frames: int) -> None:
+        self.header = recording
+        self.last = np.full((len(recording.markers), 3), np.nan)
+        self.waiting: list[Frame] = []
+        self.frames = frames
+
+    def push(self, frame: Frame) -> Frame | None:
+        self.last = np.where(np.isnan(frame.positions), self.last, frame.positions)
+        self.waiting.append(frame_of(self.last, frame))
+        return self.waiting.pop(0) if len(self.waiting) > self.frames else None
+
+    def drain(self) -> Iterable[Frame]:
+        return self.waiting
+
+
+def hold_with(state: Function, lookahead: int | None = None) -> Function:
+    form = StateForm(state, lookahead=lambda settings: settings["frames"] + (lookahead or 0))
+
+    @node("live.hold", lookahead=0, live=form)
+    def hold(recording: Trajectories, *, frames: int = 2) -> Trajectories:
+        """Hold the last known position.
+
+        Parameters
+        ----------
+        recording
+            Any.
+        frames
+            How many frames later its live form gives each.
+        """
+        return fold(StateForm(Delayed), recording, frames=frames)  # type: ignore[no-any-return]
+
+    return hold
+
+
+@node("live.shift", live=FrameForm(streams=("recording", "truth")))
+def shift(recording: Trajectories, truth: Truth[Trajectories]) -> Trajectories:
+    """Put each marker that is missing where it is in truth."""
+    missing = ~recording.present & truth.present
+    positions = np.where(missing[..., None], truth.positions, recording.positions)
+    return recording.with_samples(positions, changed=missing, origin=Origin.FILLED)
+
+
+@pytest.mark.parametrize("function", [mean, hold_with(Delayed), shift])
+def test_good_live_forms_pass(function: Function) -> None:
+    check_node(function)
+
+
+class TooEarly(Delayed):
+    def drain(self) -> Iterable[Frame]:
+        return self.waiting[1:]
+
+
+class Reuses(Delayed):
+    def push(self, frame: Frame) -> Frame | None:
+        result = super().push(frame)
+        if result is None:
+            return None
+        self.result = getattr(self, "result", result)
+        self.result.positions[:] = result.positions
+        return self.result
+
+
+class Shares(Delayed):
+    shared: np.ndarray[Any, Any] | None = None
+
+    def push(self, frame: Frame) -> Frame | None:
+        if Shares.shared is None or Shares.shared.shape != frame.positions.shape:
+            Shares.shared = self.last
+        self.last = Shares.shared
+        result = super().push(frame)
+        Shares.shared = self.last
+        return result
+
+
+class Writes(Delayed):
+    def push(self, frame: Frame) -> Frame | None:
+        frame.positions[:] = 0.0
+        return super().push(frame)
+
+
+class Forgets(Delayed):
+    def push(self, frame: Frame) -> Frame | None:
+        if np.isnan(frame.positions).all():
+            self.last = np.full_like(self.last, np.nan)
+        return super().push(frame)
+
+
+@pytest.mark.parametrize(
+    ("cheat", "lookahead", "complaint"),
+    [
+        (Delayed, 1, "push 2 gives a frame, look-ahead 3"),
+        (TooEarly, 0, "drain gives 1 frames, look-ahead 2"),
+        (Reuses, 0, "changes what it has already returned"),
+        (Shares, 0, "two streams at a time disturb each other"),
+        (Writes, 0, "must not write to the arrays"),
+        (Forgets, 0, "another result than of the whole take"),
+    ],
+)
+def test_a_live_form_that_cheats_is_told_how(
+    cheat: Function, lookahead: int, complaint: str
+) -> None:
+    with pytest.raises(AssertionError, match=complaint):
+        check_node(hold_with(cheat, lookahead))
+
+
+def test_a_whole_take_rule_is_no_frame_form() -> None:
+    @node("live.centre", live="frame")
+    def centre(recording: Trajectories) -> Trajectories:
+        """Fill with the mean over the take."""
+        positions = recording.positions.copy()
+        mean = np.nanmean(positions, axis=0) if recording.present.any() else positions[0]
+        missing = ~recording.present
+        positions[missing] = np.broadcast_to(mean, positions.shape)[missing]
+        return recording.with_samples(positions, changed=missing, origin=Origin.FILLED)
+
+    with pytest.raises(AssertionError, match="another result than of the whole take"):
+        check_node(centre)
+
+
+def test_a_live_form_streams_its_own_ports() -> None:
+    @node("live.other", live=FrameForm(streams=("markers",)))
+    def other(recording: Trajectories) -> Trajectories:
+        """Do nothing."""
+        return recording
+
+    with pytest.raises(AssertionError, match="streams markers; its ports are recording"):
+        check_node(other)
