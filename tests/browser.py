@@ -1,199 +1,113 @@
-"""A page in headless Chromium, driven over the DevTools protocol on a pipe."""
+"""Pages in Debian's Chromium, through Playwright: a browser for all tests, a new profile for each.
+
+Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
+"""
 
 from __future__ import annotations
 
-import base64
-import json
 import os
 import shutil
-import subprocess
-import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
-from select import select
-from typing import Any
+from urllib.parse import urlsplit
 
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
-_QUIET = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
-    *("--disable-background-networking", "--disable-component-update", "--hide-scrollbars"),
-)
-_PATIENCE = 120
-_KEY_CODES = {"Tab": 9, "Enter": 13, "Escape": 27}  # with which keys do what a browser does
-# Chromium reads commands from file 3 and answers into file 4
-_WITH_PIPES = (
-    "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); "
-    "os.execv(sys.argv[3], sys.argv[3:])"
-)
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
 
+AXE = os.environ.get("NODEGRAPH_AXE", "")
+needs_axe = pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
 
-class Tab:
-    """A page: evaluates in it, presses keys, moves the mouse, and keeps what its console prints."""
-
-    def __init__(self, commands: int, answers: int) -> None:
-        self.console: list[str] = []
-        self._commands, self._answers = commands, answers
-        self._rest = b""
-        self._number = 0
-        self._session = ""
-        target = self.send("Target.createTarget", url="about:blank")["targetId"]
-        attached = self.send("Target.attachToTarget", targetId=target, flatten=True)
-        self._session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
-            self.send(f"{domain}.enable")
-
-    def send(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Send a command and return its answer."""
-        self._number += 1
-        command = {"id": self._number, "method": method, "params": parameters}
-        if self._session:
-            command["sessionId"] = self._session
-        os.write(self._commands, json.dumps(command).encode() + b"\0")
-        while True:
-            message = self._next()
-            if message.get("id") == self._number:
-                assert "error" not in message, message["error"]
-                result: dict[str, Any] = message["result"]
-                return result
-            self._listen(message)
-
-    def show(
-        self, file: Path, *, width: int = 1200, height: int = 900, touch: bool = False
-    ) -> None:
-        """Load a file in a window of that size, and wait until its playbacks are there."""
-        self.size(width, height)
-        if touch:
-            self.send("Emulation.setTouchEmulationEnabled", enabled=True)
-        self.send("Page.navigate", url=file.as_uri())
-        self.value(_LOADED)
-
-    def size(self, width: int, height: int) -> None:
-        """Give the window another size, in pixels of the page."""
-        self.send(
-            "Emulation.setDeviceMetricsOverride",
-            **{"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
-        )
-
-    def prefer(self, **features: str) -> None:
-        """Set what a reader prefers: ``prefers_color_scheme="dark"``."""
-        media = [{"name": k.replace("_", "-"), "value": v} for k, v in features.items()]
-        self.send("Emulation.setEmulatedMedia", features=media)
-
-    def value(self, expression: str) -> Any:
-        """Evaluate in the page; a promise is awaited."""
-        answer = self.send(
-            "Runtime.evaluate",
-            **{"expression": expression, "awaitPromise": True, "returnByValue": True},
-        )
-        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
-        return answer["result"].get("value")
-
-    def press(self, key: str, *, shift: bool = False) -> None:
-        """Press a key and let it go."""
-        text = {"text": "\r"} if key == "Enter" else {"text": key} if len(key) == 1 else {}
-        code = {"windowsVirtualKeyCode": _KEY_CODES[key]} if key in _KEY_CODES else {}
-        event = {"key": key, "modifiers": 8 * shift, **code}
-        self.send("Input.dispatchKeyEvent", type="keyDown", **event, **text)
-        self.send("Input.dispatchKeyEvent", type="keyUp", **event)
-
-    def click(self, selector: str) -> None:
-        """Click on the middle of an element."""
-        x, y = self.middle(selector)
-        for kind in ("mousePressed", "mouseReleased"):
-            self.mouse(kind, x, y)
-
-    def drag(self, selector: str, right: float, down: float) -> None:
-        """Press in the middle of an element, move by so many pixels, let go."""
-        x, y = self.middle(selector)
-        self.mouse("mousePressed", x, y)
-        self.mouse("mouseMoved", x + right, y + down)
-        self.mouse("mouseReleased", x + right, y + down)
-
-    def swipe(self, selector: str, steps: Iterator[list[tuple[float, float]]]) -> None:
-        """Touch an element with fingers at offsets from its middle, step by step."""
-        x, y = self.middle(selector)
-        for number, fingers in enumerate(steps):
-            kind = "touchMove" if number else "touchStart"
-            points = [{"x": x + right, "y": y + down} for right, down in fingers]
-            self.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
-        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
-
-    def mouse(self, kind: str, x: float, y: float) -> None:
-        """Send the page an event of the mouse, such as ``mouseMoved``."""
-        self.send(
-            "Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1
-        )
-
-    def middle(self, selector: str) -> tuple[float, float]:
-        """Scroll to an element; return the pixel in its middle."""
-        box: Mapping[str, float] = self.value(_BOX % json.dumps(selector))
-        return box["x"], box["y"]
-
-    def picture(self, file: Path, *, whole: bool = False) -> None:
-        """Save what is seen, or the whole page, as PNG."""
-        answer = self.send("Page.captureScreenshot", captureBeyondViewport=whole)
-        file.write_bytes(base64.b64decode(answer["data"]))
-
-    def _next(self) -> dict[str, Any]:
-        while b"\0" not in self._rest:
-            ready, _, _ = select([self._answers], [], [], _PATIENCE)
-            read = os.read(self._answers, 1 << 16) if ready else b""
-            assert read, "the browser has ended, or hangs"
-            self._rest += read
-        message, _, self._rest = self._rest.partition(b"\0")
-        decoded: dict[str, Any] = json.loads(message)
-        return decoded
-
-    def _listen(self, message: Mapping[str, Any]) -> None:
-        if message.get("method") == "Runtime.exceptionThrown":
-            self.console.append(str(message["params"]["exceptionDetails"]))
-        elif message.get("method") == "Runtime.consoleAPICalled":
-            self.console.append(str(message["params"]["args"]))
-        elif message.get("method") == "Log.entryAdded":
-            self.console.append(message["params"]["entry"]["text"])
-
-
-_LOADED = """
-new Promise((resolve) => {
-  const look = () => {
-    const figures = [...document.querySelectorAll("figure.playback")];
-    const ready = (figure) => figure.playback || /cannot/.test(figure.textContent);
-    if (document.readyState === "complete" && figures.every(ready)) resolve(true);
-    else setTimeout(look, 20);
-  };
-  look();
-})
-"""
-_BOX = """
-(() => {
-  const element = document.querySelector(%s);
-  element.scrollIntoView({ block: "center" });
-  const box = element.getBoundingClientRect();
-  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
-})()
+# the machines that test have no graphics card; WebGL is drawn by the processor
+_ARGUMENTS = ("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+_PLAYBACKS_ARE_READY = """
+[...document.querySelectorAll("figure.playback")]
+  .every((figure) => figure.playback || /cannot/.test(figure.textContent))
 """
 
 
-@contextmanager
-def open_tab(folder: Path) -> Iterator[Tab]:
-    """Start a browser whose profile lies in a folder, and end it afterwards."""
-    commands, answers = os.pipe(), os.pipe()
-    chromium = [str(BROWSER), *_QUIET, f"--user-data-dir={folder}", "--remote-debugging-pipe"]
-    command = [sys.executable, "-c", _WITH_PIPES, str(commands[0]), str(answers[1]), *chromium]
-    with subprocess.Popen(
-        command, pass_fds=(commands[0], answers[1]), stderr=subprocess.DEVNULL
-    ) as process:
-        os.close(commands[0])
-        os.close(answers[1])
-        try:
-            tab = Tab(commands[1], answers[0])
-            yield tab
-            tab._session = ""
-            tab.send("Browser.close")
-        finally:
-            for pipe in (commands[1], answers[0]):
-                os.close(pipe)
-            process.terminate()
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """The browser, which is started when a test first needs it."""
+    # the first is the same without windows: it opens pages in a third of the time
+    names = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+    path = next(filter(None, map(shutil.which, names)), None)
+    if path is None:
+        pytest.skip("no Chromium is installed")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=_ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def complaints() -> list[str]:
+    """What the console of the tab says, and where the page wants to go; a test may clear it."""
+    return []
+
+
+@pytest.fixture
+def tab(chromium: Browser, complaints: list[str]) -> Iterator[Page]:
+    """A page with a profile of its own, which must not complain nor leave this machine."""
+
+    def watch(request: Request) -> None:
+        address = urlsplit(request.url)
+        if address.scheme not in ("file", "data", "blob") and address.hostname != "127.0.0.1":
+            complaints.append(f"{request.method} {request.url}")
+
+    def listen(message: ConsoleMessage) -> None:
+        if "GL Driver Message" not in message.text:  # of how fast the processor draws
+            complaints.append(message.text)
+
+    with chromium.new_context() as context:
+        page = context.new_page()
+        context.on("request", watch)
+        page.on("console", listen)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        yield page
+    assert complaints == []
+
+
+def load(tab: Page, file: Path, *, width: int = 1200, height: int = 900) -> None:
+    """Load a file in a window of that size, and wait until its playbacks are there."""
+    resize(tab, width, height)
+    tab.goto(file.as_uri())
+    until(tab, _PLAYBACKS_ARE_READY)
+
+
+def resize(tab: Page, width: int, height: int = 900) -> None:
+    """Give the window another size, in pixels of the page."""
+    tab.set_viewport_size({"width": width, "height": height})
+
+
+def until(tab: Page, condition: str) -> None:
+    """Wait, frame by frame of the browser, until something holds."""
+    # Playwright's own waiting evaluates text within the page, which forbids that
+    tab.evaluate(
+        f"new Promise((done) => {{ const look = () => ({condition}) ? done(true) "
+        ": requestAnimationFrame(look); look(); })"
+    )
+
+
+def middle(tab: Page, selector: str) -> tuple[float, float]:
+    """Scroll to an element; return the pixel in its middle."""
+    element = tab.locator(selector).first
+    element.evaluate("(element) => element.scrollIntoView({ block: 'center' })")
+    box = element.bounding_box()
+    assert box is not None, selector
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(tab: Page, selector: str, right: float, down: float) -> None:
+    """Press in the middle of an element, move by so many pixels, let go."""
+    x, y = middle(tab, selector)
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    tab.mouse.move(x + right, y + down)
+    tab.mouse.up()
+
+
+def violations(tab: Page, place: str = "html") -> list[str]:
+    """Return what axe-core finds in a part of the page, with the elements."""
+    tab.evaluate(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
+    found = tab.evaluate("(place) => axe.run(place).then(({ violations }) => violations)", place)
+    return [f"{each['id']}: {node['html']}" for each in found for node in each["nodes"]]

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Page
 
-from tests.browser import BROWSER, Tab, open_tab
+from tests.browser import load
 from tests.studies import command
-
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
 MARKUP = "<script>window.ran = 1</script>"
 HANDLER = "<img src=x onerror='window.ran = 1'>"
 NO_FORMULA = r"$\frac$"
 NODES = '''
+from playwright.sync_api import Page
 from nodegraph import Refusal, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_tables import TableInfo, with_info
@@ -90,12 +89,6 @@ report: [table]
 """
 
 
-@pytest.fixture(scope="module")
-def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
-        yield browser_tab
-
-
 def run_of(text: str, folder: Path) -> Path:
     """Run a graph with the odd nodes; some of its steps may fail."""
     (folder / "graph.yaml").write_text(text)
@@ -111,12 +104,11 @@ def odd(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run_of(ODD, tmp_path_factory.mktemp("odd"))
 
 
-def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Tab) -> None:
-    tab.console.clear()
-    tab.show(odd / "report.html")
-    assert tab.value("window.ran") is None
-    assert tab.value("document.querySelector('h1').textContent") == f"{MARKUP} & a question"
-    assert tab.value("document.querySelectorAll('img, a[href^=javascript]').length") == 0
+def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Page) -> None:
+    load(tab, odd / "report.html")
+    assert tab.evaluate("window.ran") is None
+    assert tab.evaluate("document.querySelector('h1').textContent") == f"{MARKUP} & a question"
+    assert tab.evaluate("document.querySelectorAll('img, a[href^=javascript]').length") == 0
     for place in (
         "td, th",
         ".playback .name span",
@@ -125,35 +117,32 @@ def test_markup_in_names_is_shown_and_never_run(odd: Path, tab: Tab) -> None:
         ".prose",
         ".combinations, .notes",
     ):
-        texts = tab.value(
+        texts = tab.evaluate(
             f"[...document.querySelectorAll({place!r})].map((one) => one.textContent)"
         )
         assert any("<script>window.ran" in text for text in texts), place
-    figures = tab.value(
+    figures = tab.evaluate(
         "[...document.querySelectorAll('figure.figure > svg')].map((one) => one.textContent)"
     )
     assert len(figures) == 3
     assert all(NO_FORMULA in text for text in figures if "<script>" in text)
     assert sum(NO_FORMULA in text for text in figures) >= 3
-    tab.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    tab.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
     tab.click(".playback [aria-label=Play]")
-    assert tab.value("window.ran") is None
-    assert tab.console == []
+    assert tab.evaluate("window.ran") is None
 
 
-def test_the_page_beside_the_report_runs_no_markup_either(odd: Path, tab: Tab) -> None:
-    tab.console.clear()
-    tab.show(next(odd.glob("playback*.html")))
-    assert tab.value("window.ran") is None
-    assert tab.console == []
+def test_the_page_beside_the_report_runs_no_markup_either(odd: Path, tab: Page) -> None:
+    load(tab, next(odd.glob("playback*.html")))
+    assert tab.evaluate("window.ran") is None
 
 
-def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> None:
-    tab.show(odd / "report.html")
-    answer = tab.value("document.querySelector('.answer').textContent")
+def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Page) -> None:
+    load(tab, odd / "report.html")
+    answer = tab.evaluate("document.querySelector('.answer').textContent")
     assert "The data cannot tell which is best: too few" in answer
     assert "Lowestzero 0\N{NO-BREAK SPACE}mm" in answer
-    rows = tab.value(
+    rows = tab.evaluate(
         "[...document.querySelector('figure.table table').tBodies[0].rows]"
         ".map((row) => [...row.cells].map((cell) => cell.textContent))"
     )
@@ -163,44 +152,42 @@ def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Tab) -> 
         assert by_kind[kind][:2] == ["0", ""]
     assert by_kind["refused"][-2] == by_kind["fails"][-2] == "1"
     replaced = ("table_figure", "one_figure")
-    drawn = tab.value("document.querySelectorAll('.result figure.figure > svg').length")
+    drawn = tab.evaluate("document.querySelectorAll('.result figure.figure > svg').length")
     assert drawn == len([path for path in odd.glob("*.svg") if path.stem not in replaced])
-    text = tab.value("document.querySelector('#notes').parentElement.textContent")
+    text = tab.evaluate("document.querySelector('#notes').parentElement.textContent")
     assert "cannot</b>" in text
     assert "Repeat it alone" in text
 
 
-def test_markers_without_edges_are_drawn_and_played(odd: Path, tab: Tab) -> None:
-    tab.show(odd / "report.html")
-    state = tab.value("document.querySelector('figure.playback').playback.state")
+def test_markers_without_edges_are_drawn_and_played(odd: Path, tab: Page) -> None:
+    load(tab, odd / "report.html")
+    state = tab.evaluate("document.querySelector('figure.playback').playback.state")
     assert [panel["label"] for panel in state["panels"]] == ["truth", MARKUP, "y"]
     assert all(len(panel["dots"]) == 9 for panel in state["panels"])
 
 
-def test_thousands_of_rows_are_folded_filter_and_sort(tmp_path: Path, tab: Tab) -> None:
+def test_thousands_of_rows_are_folded_filter_and_sort(tmp_path: Path, tab: Page) -> None:
     folder = run_of(MANY, tmp_path)
-    tab.console.clear()
-    tab.show(folder / "report.html")
-    tab.value("window.figure = [...document.querySelectorAll('figure.table')].at(-2)")
+    load(tab, folder / "report.html")
+    tab.evaluate("window.figure = [...document.querySelectorAll('figure.table')].at(-2)")
     rows = "[...figure.querySelector('table').tBodies[0].rows]"
     seen = f"{rows}.filter((row) => row.checkVisibility())"
-    assert tab.value(f"{rows}.length") == 2 * 40 * 30
-    assert 0 < tab.value(f"{seen}.length") <= 40
-    assert tab.value("document.documentElement.scrollHeight") < 20_000
+    assert tab.evaluate(f"{rows}.length") == 2 * 40 * 30
+    assert 0 < tab.evaluate(f"{seen}.length") <= 40
+    assert tab.evaluate("document.documentElement.scrollHeight") < 20_000
     filter_by = "figure.querySelector('input')"
-    tab.value(f"{filter_by}.value = '39 0'; {filter_by}.dispatchEvent(new Event('input'))")
-    assert tab.value(f"{seen}.every((row) => row.cells[0].textContent === '39')")
-    tab.value(f"{filter_by}.value = ''; {filter_by}.dispatchEvent(new Event('input'))")
+    tab.evaluate(f"{filter_by}.value = '39 0'; {filter_by}.dispatchEvent(new Event('input'))")
+    assert tab.evaluate(f"{seen}.every((row) => row.cells[0].textContent === '39')")
+    tab.evaluate(f"{filter_by}.value = ''; {filter_by}.dispatchEvent(new Event('input'))")
     unfold = "figure.querySelector('.tools > button')"
-    assert tab.value(f"{unfold}.textContent") == "Show all 2400 rows"
-    tab.value(f"{unfold}.click()")
-    assert tab.value(f"{seen}.length") == 2 * 40 * 30
+    assert tab.evaluate(f"{unfold}.textContent") == "Show all 2400 rows"
+    tab.evaluate(f"{unfold}.click()")
+    assert tab.evaluate(f"{seen}.length") == 2 * 40 * 30
     head = "figure.querySelectorAll('thead button')[0]"
-    tab.value(f"{head}.click(); {head}.click()")
-    assert tab.value(f"{rows}[0].cells[0].textContent") == "39"
+    tab.evaluate(f"{head}.click(); {head}.click()")
+    assert tab.evaluate(f"{rows}[0].cells[0].textContent") == "39"
     scroll = "figure.querySelector('.scroll')"
-    tab.value(f"{scroll}.scrollTop = 5000")
+    tab.evaluate(f"{scroll}.scrollTop = 5000")
     top = f"{head}.getBoundingClientRect().top - {scroll}.getBoundingClientRect().top"
-    assert 0 <= tab.value(top) < 40
+    assert 0 <= tab.evaluate(top) < 40
     assert (folder / "report.html").stat().st_size < 10e6
-    assert tab.console == []

@@ -1,7 +1,4 @@
-"""The report of each shipped graph in a browser: what it shows is what the files beside it hold.
-
-Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
-"""
+"""The report of each shipped graph in a browser: what it shows is what the files beside it hold."""
 
 from __future__ import annotations
 
@@ -10,22 +7,18 @@ import csv
 import html
 import io
 import math
-import os
 import re
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
+from playwright.sync_api import Page
 
-from tests.browser import BROWSER, Tab, open_tab
+from tests.browser import drag, load, needs_axe, resize, until, violations
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 from tests.studies import GRAPHS, Studies
 
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
-
-AXE = os.environ.get("NODEGRAPH_AXE", "")
 LABELS = {"component", "length", "ghosts", "dropout"}
 CLIPBOARD = """
 Object.defineProperty(navigator, 'clipboard', {
@@ -33,6 +26,7 @@ Object.defineProperty(navigator, 'clipboard', {
 """
 PLAYER = "document.querySelector('figure.playback').playback"
 PHONE, SMALLEST = 390, 320
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 # what WCAG 2.2 (1.4.12) asks of a page: readers may set letters wider, and fonts differ
 WIDER = """
 {
@@ -115,12 +109,6 @@ CONTRAST = """
 """
 
 
-@pytest.fixture(scope="module")
-def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
-        yield browser_tab
-
-
 @pytest.fixture(scope="module", params=[path.stem for path in GRAPHS])
 def run(request: pytest.FixtureRequest, studies: Studies) -> Path:
     """The folder of a run of one shipped graph, on few trials."""
@@ -128,13 +116,10 @@ def run(request: pytest.FixtureRequest, studies: Studies) -> Path:
 
 
 @pytest.fixture
-def page(run: Path, tab: Tab) -> Iterator[Tab]:
-    """The report of the run, opened on a desktop; its console must stay empty."""
-    tab.console.clear()
-    tab.prefer()
-    tab.show(run / "report.html")
-    yield tab
-    assert tab.console == []
+def page(run: Path, tab: Page) -> Page:
+    """The report of the run, opened on a desktop."""
+    load(tab, run / "report.html")
+    return tab
 
 
 def cells(text: str) -> tuple[list[str], list[list[str]]]:
@@ -156,19 +141,19 @@ def alike(shown: str, stored: str) -> bool:
         return False
 
 
-def test_the_page_fits_and_says_its_question_and_answer(run: Path, page: Tab) -> None:
-    title = page.value("document.querySelector('h1').textContent")
+def test_the_page_fits_and_says_its_question_and_answer(run: Path, page: Page) -> None:
+    title = page.evaluate("document.querySelector('h1').textContent")
     assert title in (run / "graph.yaml").read_text()
-    assert page.value("document.querySelectorAll('main .result').length") > 0
+    assert page.evaluate("document.querySelectorAll('main .result').length") > 0
     for style in ("", WIDER):
-        page.value(style)
+        page.evaluate(style)
         for width in (1200, PHONE, SMALLEST):
-            page.size(width, 900)
-            assert page.value("document.documentElement.scrollWidth") <= width
+            resize(page, width, 900)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
-def test_tables_hold_what_their_files_hold(run: Path, page: Tab) -> None:
-    tables = [table for table in page.value(TABLES) if table["file"]]
+def test_tables_hold_what_their_files_hold(run: Path, page: Page) -> None:
+    tables = [table for table in page.evaluate(TABLES) if table["file"]]
     stored = sorted(path.name for path in run.glob("*.csv"))
     assert sorted(table["file"] for table in tables) == stored
     for table in tables:
@@ -179,25 +164,25 @@ def test_tables_hold_what_their_files_hold(run: Path, page: Tab) -> None:
                 assert alike(shown[column], row[place]), (table["file"], heads[place])
 
 
-def test_a_table_sorts_by_a_click_and_is_copied_with_all_its_numbers(run: Path, page: Tab) -> None:
-    table = page.value(TABLES)[0]
+def test_a_table_sorts_by_a_click_and_is_copied_with_all_its_numbers(run: Path, page: Page) -> None:
+    table = page.evaluate(TABLES)[0]
     heads, rows = cells((run / table["file"]).read_text())
     place = next(
         place for place in table["columns"] if heads[place] not in LABELS and is_number(rows, place)
     )
     head = f"document.querySelector('figure.table thead th[data-column=\"{place}\"]')"
-    page.value(f"{head}.querySelector('button').click()")
-    assert page.value(f"{head}.ariaSort") == "ascending"
-    page.value(CLIPBOARD)
-    page.value("document.querySelector('.copy [aria-label$=CSV]').click()")
-    names, copied = cells(page.value("window.copied"))
+    page.evaluate(f"{head}.querySelector('button').click()")
+    assert page.evaluate(f"{head}.ariaSort") == "ascending"
+    page.evaluate(CLIPBOARD)
+    page.evaluate("document.querySelector('.copy [aria-label$=CSV]').click()")
+    names, copied = cells(page.evaluate("window.copied"))
     assert names == heads
     assert sorted(copied) == sorted(rows)
     numbers = [float(row[place]) for row in copied if row[place]]
     assert numbers == sorted(numbers)
     for name, start in (("LaTeX", "% needs"), ("Markdown", "| ")):
-        page.value(f"document.querySelector('.copy [aria-label$={name}]').click()")
-        assert page.value("window.copied").startswith(start)
+        page.evaluate(f"document.querySelector('.copy [aria-label$={name}]').click()")
+        assert page.evaluate("window.copied").startswith(start)
 
 
 def is_text_of_number(text: str) -> bool:
@@ -219,9 +204,9 @@ def plain_text(text: str) -> str:
 
 
 def test_figures_are_those_of_the_files_beside_the_page_and_can_be_heard(
-    run: Path, page: Tab
+    run: Path, page: Page
 ) -> None:
-    drawn = page.value(FIGURES)
+    drawn = page.evaluate(FIGURES)
     for figure in drawn:
         assert figure["label"]
         assert figure["marks"] > 10
@@ -231,7 +216,7 @@ def test_figures_are_those_of_the_files_beside_the_page_and_can_be_heard(
             plain_text(text) for text in texts
         ]
     # what a chart of the page shows too is linked, and not drawn again
-    links = page.value(
+    links = page.evaluate(
         "[...document.querySelectorAll('.caption a[href$=\".svg\"]')]"
         ".map((one) => decodeURIComponent(one.getAttribute('href').slice(2)))"
     )
@@ -241,32 +226,29 @@ def test_figures_are_those_of_the_files_beside_the_page_and_can_be_heard(
         assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page: Tab) -> None:
-    played = page.value("document.querySelectorAll('figure.playback').length")
+def test_playback_shows_what_the_data_say_plays_scrubs_and_turns(run: Path, page: Page) -> None:
+    played = page.evaluate("document.querySelectorAll('figure.playback').length")
     assert bool(played) == ("use: plot.playback" in (run / "graph.yaml").read_text())
     if not played:
         return
-    page.value("for (const fold of document.querySelectorAll('.more')) fold.open = true")
-    packed = page.value("document.querySelector('figure.playback template').innerHTML")
+    page.evaluate("for (const fold of document.querySelectorAll('.more')) fold.open = true")
+    packed = page.evaluate("document.querySelector('figure.playback template').innerHTML")
     data = Read(base64.b64decode(packed))
     last = state(page)["tick"]
     for tick in dict.fromkeys((last, 0, 7)):
-        page.value(f"{SLIDER}.value = {tick}; {SLIDER}.dispatchEvent(new Event('input'))")
+        page.evaluate(f"{SLIDER}.value = {tick}; {SLIDER}.dispatchEvent(new Event('input'))")
         playback = state(page)
         assert playback["tick"] == tick
         assert_drawn(playback, data, yaw=0.0)
     page.click(".playback [aria-label=Play]")
-    page.value(
-        "new Promise((done) => { const look = () => "
-        f"{PLAYER}.state.tick > 9 ? done(true) : requestAnimationFrame(look); look(); }})"
-    )
+    until(page, f"{PLAYER}.state.tick > 9")
     page.click(".playback [aria-label=Pause]")
     still = state(page)
     assert_drawn(still, data, yaw=0.0)
-    page.drag("figure.playback canvas", 60, 0)
+    drag(page, "figure.playback canvas", 60, 0)
     turned = state(page)
     assert turned["tick"] == still["tick"]
-    width = page.value("document.querySelector('figure.playback canvas').clientWidth")
+    width = page.evaluate("document.querySelector('figure.playback canvas').clientWidth")
     assert_drawn(turned, data, yaw=math.pi * 60 / width)
 
 
@@ -292,37 +274,32 @@ def assert_drawn(playback: Any, data: Read, yaw: float) -> None:
         assert dots == pytest.approx(expected, abs=0.05, nan_ok=True)
 
 
-def test_the_page_can_be_used_by_keys_and_without_eyes(page: Tab) -> None:
-    assert page.value(UNNAMED) == []
-    page.press("Tab")
-    assert page.value("document.activeElement.className") == "skip"
-    order = page.value(FOCUS)
+def test_the_page_can_be_used_by_keys_and_without_eyes(page: Page) -> None:
+    assert page.evaluate(UNNAMED) == []
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    order = page.evaluate(FOCUS)
     assert order == sorted(order)
 
 
-def test_dark_print_and_a_phone_keep_everything_in_sight(page: Tab) -> None:
-    page.prefer(prefers_color_scheme="dark")
-    assert page.value(CONTRAST) == []
-    page.prefer()
-    assert page.value(CONTRAST) == []
-    page.size(PHONE, 844)
-    assert page.value("document.documentElement.scrollWidth") <= PHONE
-    page.send("Emulation.setEmulatedMedia", media="print")
-    page.size(673, 900)  # what is left of A4 between the margins
-    wide = page.value("document.documentElement.scrollWidth")
-    page.send("Emulation.setEmulatedMedia", media="")
-    assert wide <= 673
+def test_dark_print_and_a_phone_keep_everything_in_sight(page: Page) -> None:
+    for scheme in SCHEMES:
+        page.emulate_media(color_scheme=scheme)
+        assert page.evaluate(CONTRAST) == []
+    resize(page, PHONE, 844)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
+    page.emulate_media(media="print")
+    resize(page, 673, 900)  # what is left of A4 between the margins
+    assert page.evaluate("document.documentElement.scrollWidth") <= 673
 
 
-def state(page: Tab) -> Any:
-    return page.value(f"{PLAYER}.state")
+def state(page: Page) -> Any:
+    return page.evaluate(f"{PLAYER}.state")
 
 
-@pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
-def test_axe_finds_nothing_and_nothing_is_fetched(page: Tab) -> None:
-    page.value(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
-    for scheme in ("light", "dark"):
-        page.prefer(prefers_color_scheme=scheme)
-        found = page.value("axe.run(document).then((result) => result.violations)")
-        assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
-    assert page.value("performance.getEntriesByType('resource').length") == 0
+@needs_axe
+def test_axe_finds_nothing_and_nothing_is_fetched(page: Page) -> None:
+    for scheme in SCHEMES:
+        page.emulate_media(color_scheme=scheme)
+        assert violations(page) == []
+    assert page.evaluate("performance.getEntriesByType('resource').length") == 0

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-import html as html_module
-import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
+from playwright.sync_api import Page
 
 from nodegraph.draw import Box, Picture, svg
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, StepNote, Study, TimingRow, page
 from nodegraph.report.study import Kind
+from tests.browser import load, until
 
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
-QUIET = [
-    *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
-    *("--disable-background-networking", "--disable-component-update"),
-    *("--enable-logging=stderr", "--virtual-time-budget=2000"),
-]
 TABLE = (
     '<figure class="table"><table class="sortable"><caption>Errors</caption><thead><tr>'
     '<th scope="col">method</th><th scope="col" class="number" data-column="1">rmse [mm]</th>'
@@ -39,42 +29,28 @@ CSV = (
     '<template class="csv">method,rmse [mm]\nmuscle,10.123456\nrefused,\n'
     "lin,9.5 \u00b1 0.2\nguenter,\u22121e-3\n</template></figure>"
 )
-ON_LOAD = '<script>addEventListener("load", () => {{ {0} }});</script>'
-CLICK = 'document.querySelectorAll("table.sortable thead button")[{0}].click();'
+HEAD = "table.sortable thead button >> nth={}"
 
 
-def with_html(html: str) -> str:
-    return page(Study("A title", sections=(Section("table", Rendered(html)),)))
-
-
-def opened(html: str, folder: Path) -> tuple[str, list[str]]:
-    """Return the page as the browser holds it once loaded, and what its console said."""
+def show(tab: Page, folder: Path, *results: Rendered, **more: Any) -> None:
+    """Load the page of a study with these results."""
+    sections = tuple(Section(f"table {at}", rendered) for at, rendered in enumerate(results))
     file = folder / "report.html"
-    file.write_text(html, encoding="utf-8")
-    command = [str(BROWSER), *QUIET, f"--user-data-dir={folder / 'profile'}", "--dump-dom"]
-    ended = subprocess.run(
-        [*command, file.as_uri()], capture_output=True, text=True, timeout=120, check=True
-    )
-    return ended.stdout, [line for line in ended.stderr.splitlines() if "CONSOLE" in line]
+    file.write_text(page(Study("A title", sections=sections, **more)), encoding="utf-8")
+    load(tab, file)
 
 
-def first_column(html: str) -> list[str]:
-    body = html[html.index("<tbody>") : html.index("</tbody>")]
-    return [row.split("</td>")[0].split("<td>")[1] for row in body.split("<tr>")[1:]]
-
-
-def test_the_console_stays_empty(tmp_path: Path) -> None:
-    whole = Study(
-        "A title",
+def test_the_console_stays_empty(tab: Page, tmp_path: Path) -> None:
+    show(
+        tab,
+        tmp_path,
+        Rendered(TABLE),
         notes_markdown="*why*",
-        sections=(Section("table", Rendered(TABLE)),),
         graph_svg=svg(Picture("drawn", (Box("capture"),))),
         notes=(StepNote("fill", "trial=0", "needs a neutral pose", Kind.REFUSED),),
         timings=(TimingRow("fill", 1, 1.0),),
     )
-    html, console = opened(page(whole), tmp_path)
-    assert console == []
-    assert "needs a neutral pose" in html
+    assert "needs a neutral pose" in tab.content()
 
 
 @pytest.mark.parametrize(
@@ -87,15 +63,15 @@ def test_the_console_stays_empty(tmp_path: Path) -> None:
     ],
 )
 def test_tables_sort_by_their_heads(
-    tmp_path: Path, clicks: list[int], order: list[str], state: str
+    tab: Page, tmp_path: Path, clicks: list[int], order: list[str], state: str
 ) -> None:
-    click = "".join(CLICK.format(column) for column in clicks)
-    html, console = opened(with_html(TABLE + ON_LOAD.format(click)), tmp_path)
-    assert console == []
-    assert first_column(html) == order
-    heads = re.findall(r"<th [^>]*>", html)
-    assert f'aria-sort="{state}"' in heads[clicks[-1]]
-    assert "aria-sort" not in heads[1 - clicks[-1]]
+    show(tab, tmp_path, Rendered(TABLE))
+    for column in clicks:
+        tab.click(HEAD.format(column))
+    assert tab.locator("tbody td:first-child").all_text_contents() == order
+    heads = tab.locator("table.sortable th")
+    assert heads.nth(clicks[-1]).get_attribute("aria-sort") == state
+    assert heads.nth(1 - clicks[-1]).get_attribute("aria-sort") is None
 
 
 @pytest.mark.parametrize(
@@ -103,91 +79,66 @@ def test_tables_sort_by_their_heads(
     [
         (
             "CSV",
-            "method,rmse [mm]\\nguenter,\u22121e-3\\nlin,9.5 \u00b1 0.2\\n"
-            "muscle,10.123456\\nrefused,\\n",
+            "method,rmse [mm]\nguenter,\u22121e-3\nlin,9.5 \u00b1 0.2\nmuscle,10.123456\n"
+            "refused,\n",
         ),
         (
             "Markdown",
-            "| method | rmse [mm] |\\n|---|---:|\\n| guenter | \u22121e-3 |\\n"
-            "| lin | 9.5 \u00b1 0.2 |\\n| muscle | 10 |\\n| refused |  |\\n",
+            "| method | rmse [mm] |\n|---|---:|\n| guenter | \u22121e-3 |\n"
+            "| lin | 9.5 \u00b1 0.2 |\n| muscle | 10 |\n| refused |  |\n",
         ),
         (
             "LaTeX",
-            r"% needs \usepackage{booktabs}\n\begin{table}\n\caption{Errors}\n"
-            r"\begin{tabular}{lr}\n\toprule\nmethod & rmse {[}mm] \\\n\midrule\n"
-            "guenter & \u22121e-3 \\\\\\n",
+            "% needs \\usepackage{booktabs}\n\\begin{table}\n\\caption{Errors}\n"
+            "\\begin{tabular}{lr}\n\\toprule\nmethod & rmse {[}mm] \\\\\n\\midrule\n"
+            "guenter & \u22121e-3 \\\\\n",
         ),
     ],
 )
-def test_a_table_is_copied_as_it_is_shown(tmp_path: Path, form: str, text: str) -> None:
-    keep = 'document.title = t.replaceAll("\\n", "\\\\n"); return Promise.resolve();'
-    board = f"{{value: {{writeText: (t) => {{{keep}}}}}}}"
-    take = f'Object.defineProperty(navigator, "clipboard", {board});'
-    press = f"document.querySelector('.copy [aria-label$=\"{form}\"]').click();"
-    exact = TABLE.replace("</figure>", CSV)
-    html, console = opened(
-        with_html(exact + ON_LOAD.format(CLICK.format(1) + take + press)), tmp_path
-    )
-    assert console == []
-    title = html_module.unescape(html[html.index("<title>") + 7 : html.index("</title>")])
-    assert title.startswith(text)
-    assert f"{form} copied" in html
+def test_a_table_is_copied_as_it_is_shown(tab: Page, tmp_path: Path, form: str, text: str) -> None:
+    show(tab, tmp_path, Rendered(TABLE.replace("</figure>", CSV)))
+    tab.click(HEAD.format(1))
+    tab.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    tab.click(f".copy [aria-label$={form}]")
+    assert tab.evaluate("navigator.clipboard.readText()").startswith(text)
+    assert f"{form} copied" in tab.content()
 
 
-LINKED = """
-nodegraph.define("linked", ["selection"], (selection) => {
-  addEventListener("load", () => {
-    const pick = document.querySelectorAll(".pick");
-    pick[1].click();
-    selection.hover("method", "muscle");
-    const rows = [...document.querySelectorAll("tbody tr")].map((row) => row.className);
-    const theme = document.getElementById("theme");
-    theme.click();
-    document.title = JSON.stringify({
-      chosen: selection.state.method, rows, pressed: pick[1].ariaPressed,
-      stops: [...pick].filter((one) => one.tabIndex === 0).length,
-      theme: document.documentElement.dataset.theme, shown: theme.textContent,
-    });
-  });
-});
-"""
-
-
-def test_rows_follow_the_selection_and_the_theme_is_chosen(tmp_path: Path) -> None:
+def test_rows_follow_the_selection_and_the_theme_is_chosen(tab: Page, tmp_path: Path) -> None:
     linked = re.sub(r"<tr><td>(\w+)</td>", r'<tr data-method="\1"><th class="name">\1</th>', TABLE)
-    rendered = Rendered(linked, scripts=(LINKED,))
-    html, console = opened(page(Study("A title", sections=(Section("table", rendered),))), tmp_path)
-    assert console == []
-    title = html[html.index("<title>") + 7 : html.index("</title>")]
-    assert json.loads(html_module.unescape(title)) == {
-        "chosen": "refused",
-        "rows": ["hovered", "selected", "", ""],
-        "pressed": "true",
-        "stops": 1,
-        "theme": "dark",
-        "shown": "Light",
-    }
+    show(tab, tmp_path, Rendered(linked))
+    tab.click(".pick >> nth=1")
+    tab.hover("tr[data-method=muscle] .pick")
+    rows = tab.locator("tbody tr")
+    assert [rows.nth(at).get_attribute("class") or "" for at in range(4)] == [
+        "hovered", "selected", "", "",
+    ]  # fmt: skip
+    assert tab.get_attribute(".pick >> nth=1", "aria-pressed") == "true"
+    assert tab.locator(".pick[tabindex='0']").count() == 1
+    tab.click("#theme")
+    assert tab.get_attribute("html", "data-theme") == "dark"
+    assert tab.text_content("#theme") == "Light"
 
 
-def test_a_script_that_results_bring_runs_once(tmp_path: Path) -> None:
+def test_a_script_that_results_bring_runs_once(tab: Page, tmp_path: Path) -> None:
     count = "document.title = `${document.querySelectorAll('.bait').length} ${document.title}`;"
     rendered = Rendered("<p class=bait>x</p>", scripts=(count,), styles=(".bait { color: red; }",))
-    sections = tuple(Section(name, rendered) for name in ("one", "two"))
-    html, console = opened(page(Study("A title", sections=sections)), tmp_path)
-    assert console == []
-    assert "<title>2 A title</title>" in html
+    show(tab, tmp_path, rendered, rendered)
+    assert tab.title() == "2 A title"
 
 
-def test_a_handler_in_markup_does_not_run(tmp_path: Path) -> None:
-    fragment = "<p id=bait onclick=\"document.title = 'ran'\">x</p>"
-    click = ON_LOAD.format('document.getElementById("bait").click();')
-    html, console = opened(with_html(fragment + click), tmp_path)
-    assert "<title>A title</title>" in html
-    assert any("Content Security Policy" in line for line in console)
+def test_a_handler_in_markup_does_not_run(tab: Page, tmp_path: Path, complaints: list[str]) -> None:
+    show(tab, tmp_path, Rendered("<p id=bait onclick=\"document.title = 'ran'\">x</p>"))
+    tab.click("#bait")
+    assert tab.title() == "A title"
+    assert "Content Security Policy" in complaints[0]
+    complaints.clear()
 
 
-def test_the_network_is_out_of_reach(tmp_path: Path) -> None:
+def test_the_network_is_out_of_reach(tab: Page, tmp_path: Path, complaints: list[str]) -> None:
     call = 'fetch("https://example.invalid/").catch(() => { document.title = "refused"; });'
-    html, console = opened(with_html(f"<script>{call}</script>"), tmp_path)
-    assert "<title>refused</title>" in html
-    assert any("Content Security Policy" in line for line in console)
+    show(tab, tmp_path, Rendered("", scripts=(call,)))
+    until(tab, "document.title === 'refused'")
+    assert any("Content Security Policy" in text for text in complaints)
+    assert not any(text.startswith("GET") for text in complaints)
+    complaints.clear()

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Page
 
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, Study, page
 from nodegraph.report.merge import merged
-from tests.browser import BROWSER, Tab, open_tab
-
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+from tests.browser import load, resize
 
 FIGURE = (
     '<figure class="figure"><svg width="700" height="300" viewBox="0 0 700 300"></svg></figure>'
@@ -27,37 +25,31 @@ CORNERS = """
 """
 
 
-@pytest.fixture(scope="module")
-def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
-        yield browser_tab
-
-
 @pytest.mark.parametrize("html", [FIGURE, TABLE], ids=["figure", "table"])
 def test_two_runs_stand_beside_each_other_on_a_desktop_and_below_on_a_phone(
-    tab: Tab, tmp_path: Path, html: str
+    tab: Page, tmp_path: Path, html: str
 ) -> None:
     study = Study("A title", sections=(Section("result", Rendered(html)),))
     file = tmp_path / "both.html"
     file.write_text(page(merged({"one": study, "other": study})), encoding="utf-8")
-    tab.show(file, width=1900)
-    (value, left, top), (other, right, beside) = tab.value(CORNERS)
+    load(tab, file, width=1900)
+    (value, left, top), (other, right, beside) = tab.evaluate(CORNERS)
     assert (value, other) == ("one", "other")
     assert top == beside
     assert left + 300 < right
-    tab.size(390, 844)
-    (_, left, top), (_, below, lower) = tab.value(CORNERS)
+    resize(tab, 390, 844)
+    (_, left, top), (_, below, lower) = tab.evaluate(CORNERS)
     assert left == below
     assert top < lower
-    assert tab.value("document.documentElement.scrollWidth") <= 390
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
 
 
-def test_the_results_of_one_run_take_the_whole_width(tab: Tab, tmp_path: Path) -> None:
+def test_the_results_of_one_run_take_the_whole_width(tab: Page, tmp_path: Path) -> None:
     labelled = tuple(Section("result", Rendered(FIGURE), f"length {n}") for n in (5, 15))
     file = tmp_path / "one.html"
     file.write_text(page(Study("A title", sections=labelled)), encoding="utf-8")
-    tab.show(file, width=1900)
-    (_, left, top), (_, right, lower) = tab.value(CORNERS)
+    load(tab, file, width=1900)
+    (_, left, top), (_, right, lower) = tab.evaluate(CORNERS)
     assert left == right
     assert top < lower
 
@@ -72,7 +64,7 @@ def test_ids_of_one_run_are_not_those_of_another() -> None:
 
 
 def test_unlike_studies_stand_in_tabs_without_a_script_and_keep_their_ids_apart(
-    tab: Tab, tmp_path: Path
+    tab: Page, tmp_path: Path
 ) -> None:
     lead = '<p id="a-lead"><a href="#a-lead">x</a></p>'
     studies = {
@@ -85,10 +77,10 @@ def test_unlike_studies_stand_in_tabs_without_a_script_and_keep_their_ids_apart(
     ] == [1] * 3
     file = tmp_path / "tabs.html"
     file.write_text(html.partition("<script>")[0] + "</body></html>", encoding="utf-8")
-    tab.show(file, width=1280)
+    load(tab, file, width=1280)
     seen = "[...document.querySelectorAll('.question')].map((one) => one.checkVisibility())"
-    assert tab.value("document.querySelector('h1').textContent") == "2 studies"
-    assert tab.value(f"{seen}") == [True, False]
-    tab.value("document.querySelectorAll('.tabs input')[1].click()")
-    assert tab.value(f"{seen}") == [False, True]
-    assert tab.value("document.querySelectorAll('.question .answer').length") == 3
+    assert tab.evaluate("document.querySelector('h1').textContent") == "2 studies"
+    assert tab.evaluate(f"{seen}") == [True, False]
+    tab.evaluate("document.querySelectorAll('.tabs input')[1].click()")
+    assert tab.evaluate(f"{seen}") == [False, True]
+    assert tab.evaluate("document.querySelectorAll('.question .answer').length") == 3

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
+from playwright.sync_api import Page
 
 from nodegraph import Rendered, json_script
 from nodegraph.report import Section, Study, page
-from tests.browser import BROWSER, open_tab
-
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+from tests.browser import load
 
 READER = """
 nodegraph.define("reader", ["page", "double", "selection", "server"],
@@ -24,32 +22,35 @@ DOUBLE = 'nodegraph.define("double", [], () => (value) => 2 * value);'
 LOST = 'nodegraph.define("lost", ["nowhere"], () => { window.read = null; });'
 
 
-def report(tmp_path: Path) -> Path:
-    rendered = Rendered(json_script({"value": 21}, "numbers"), scripts=(READER, DOUBLE, LOST))
+def report(tmp_path: Path, *more: str) -> Path:
+    rendered = Rendered(json_script({"value": 21}, "numbers"), scripts=(READER, DOUBLE, *more))
     path = tmp_path / "report.html"
     path.write_text(page(Study("A study", sections=(Section("table", rendered),))), "utf-8")
     return path
 
 
-def test_a_module_gets_what_it_needs_and_another_fails_alone(tmp_path: Path) -> None:
-    with open_tab(tmp_path / "profile") as tab:
-        tab.show(report(tmp_path))
-        assert tab.value("[window.read.value, window.read.server]") == [42, None]
-        assert [text for text in tab.console if "lost" in text and "nowhere" in text]
+def test_a_module_gets_what_it_needs_and_another_fails_alone(
+    tab: Page, tmp_path: Path, complaints: list[str]
+) -> None:
+    load(tab, report(tmp_path, LOST))
+    assert tab.evaluate("[window.read.value, window.read.server]") == [42, None]
+    (text,) = complaints
+    assert "lost" in text
+    assert "nowhere" in text
+    complaints.clear()
 
 
-def test_the_selection_reaches_its_readers_and_the_address(tmp_path: Path) -> None:
-    with open_tab(tmp_path / "profile") as tab:
-        tab.show(report(tmp_path))
-        tab.value("window.selection.set({method: 'ridge', block: 3})")
-        tab.value("window.selection.toggle('method', 'ridge')")
-        assert tab.value("window.read.chosen") == [
-            ["ridge", ["method", "block"]],
-            [None, ["method"]],
-        ]
-        assert tab.value("location.hash") == "#select:block=3"
-        tab.value("window.selection.clear()")
-        assert tab.value("[window.selection.state.block, window.selection.state.suspects]") == [
-            None,
-            True,
-        ]
+def test_the_selection_reaches_its_readers_and_the_address(tab: Page, tmp_path: Path) -> None:
+    load(tab, report(tmp_path))
+    tab.evaluate("window.selection.set({method: 'ridge', block: 3})")
+    tab.evaluate("window.selection.toggle('method', 'ridge')")
+    assert tab.evaluate("window.read.chosen") == [
+        ["ridge", ["method", "block"]],
+        [None, ["method"]],
+    ]
+    assert tab.evaluate("location.hash") == "#select:block=3"
+    tab.evaluate("window.selection.clear()")
+    assert tab.evaluate("[window.selection.state.block, window.selection.state.suspects]") == [
+        None,
+        True,
+    ]

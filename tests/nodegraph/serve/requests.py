@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 from urllib.parse import unquote
@@ -62,7 +63,8 @@ def send(
         "server": ("127.0.0.1", 8321),
         "client": ("127.0.0.1", 50000),
     }
-    return asyncio.run(_answer(app, scope, body, leave=leave))
+    with ThreadPoolExecutor(1) as thread:  # the loop of a browser may be that of this one
+        return thread.submit(asyncio.run, _answer(app, scope, body, leave=leave)).result()
 
 
 async def _answer(app: ASGIApp, scope: dict[str, Any], body: bytes, *, leave: bool) -> Answer:

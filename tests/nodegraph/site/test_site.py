@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import doctest
-import os
 import re
 import subprocess
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ from typing import NamedTuple, get_type_hints
 from urllib.parse import unquote
 
 import pytest
+from playwright.sync_api import Page
 
 import nodegraph as ng
 from nodegraph.cli.main import COMMANDS, main
@@ -25,11 +25,10 @@ from nodegraph.report import Study
 from nodegraph.report.study import study_bytes
 from nodegraph.runs.folder import REPORT, STUDY
 from tests import readmes
-from tests.browser import BROWSER, open_tab
+from tests.browser import AXE, load, violations
 
 PAGES = Path(readmes.ROOT) / "nodegraph" / "site" / "pages"
 HOSTILE = '</title><script>alert(1)</script><img src="https://example.org/x.png">'
-AXE = os.environ.get("NODEGRAPH_AXE", "")
 
 
 class Lips(NamedTuple):
@@ -183,26 +182,16 @@ def test_the_tutorial_works_as_it_stands(tmp_path: Path, monkeypatch: pytest.Mon
     assert (tmp_path / "runs" / "clean" / "file" / "filled.c3d").stat().st_size > 10_000
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
-def test_pages_fit_a_phone_and_the_search_finds(site: Path, tmp_path: Path) -> None:
-    with open_tab(tmp_path) as tab:
-        for name in (
-            "index",
-            "gallery",
-            "tutorial",
-            "nodes/fill",
-            "commands",
-            "plugins",
-            "language",
-        ):
-            tab.show(site / f"{name}.html", width=390)
-            assert tab.value("document.documentElement.scrollWidth") <= 390, name
-            if AXE:
-                tab.value(Path(AXE, "axe.min.js").read_text() + ";0")
-                report = "axe.run().then((r) => r.violations.map((v) => v.id + v.nodes[0].html))"
-                assert tab.value(report) == [], name
-                tab.console.clear()  # it asks for the style sheet, which the page forbids
-        tab.show(site / "search.html", width=390)
-        tab.value("query.value = 'muscle'; query.dispatchEvent(new Event('input')); 0")
-        assert tab.value("document.querySelector('#matches a').textContent") == "fill.muscle"
-        assert tab.console == []
+def test_pages_fit_a_phone_and_the_search_finds(
+    site: Path, tab: Page, complaints: list[str]
+) -> None:
+    names = ["index", "gallery", "tutorial", "nodes/fill", "commands", "plugins", "language"]
+    for name in names:
+        load(tab, site / f"{name}.html", width=390)
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 390, name
+        if AXE:
+            assert violations(tab) == [], name
+            complaints.clear()  # it asks for the style sheet, which the page forbids
+    load(tab, site / "search.html", width=390)
+    tab.fill("#query", "muscle")
+    assert tab.text_content("#matches a") == "fill.muscle"

@@ -1,24 +1,21 @@
-"""The charts of a comparison in a browser: what they draw, what keys and clicks do, odd data.
-
-Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
-"""
+"""The charts of a comparison in a browser: what they draw, what keys and clicks do, odd data."""
 
 from __future__ import annotations
 
 import base64
 import json
-import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 import pytest
 from numpy.typing import NDArray
+from playwright.sync_api import Page
 from scipy.stats import rankdata
 
 from nodegraph import Across, Detail, Rendered, Renderer, json_script
@@ -27,11 +24,8 @@ from nodegraph_compare import nodegraph_renderers
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_tables import TableInfo, with_info
-from tests.browser import BROWSER, Tab, open_tab
+from tests.browser import load, middle, needs_axe, resize, violations
 
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
-
-AXE = os.environ.get("NODEGRAPH_AXE", "")
 RECIPES = ("plain", "rich", "vegan", "nut", "rye")
 FACTORS = {180: (1.0, 1.02, 1.6, 2.0, 3.0), 220: (2.0, 1.0, 1.7, 2.4, 2.6)}
 SHELVES = tuple(f"{side}{row}" for side in "LR" for row in range(3))
@@ -152,22 +146,6 @@ def bakery(tmp_path_factory: pytest.TempPathFactory, recipes: Rendered) -> Path:
     return saved(tmp_path_factory.mktemp("bakery"), recipes)
 
 
-@pytest.fixture(scope="module")
-def browser_tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with open_tab(tmp_path_factory.mktemp("profile")) as tab:
-        yield tab
-
-
-@pytest.fixture
-def tab(browser_tab: Tab) -> Iterator[Tab]:
-    """A tab whose console stays empty."""
-    browser_tab.prefer()
-    browser_tab.send("Page.navigate", url="about:blank")
-    browser_tab.console.clear()
-    yield browser_tab
-    assert browser_tab.console == []
-
-
 def mean_over_kitchens(recipe: str, heat: int, cakes: list[int]) -> float:
     return float(np.mean([WASTES[kitchen, heat, recipe][cakes].mean() for kitchen in range(8)]))
 
@@ -177,12 +155,12 @@ def mean_rank(kitchen: int, heat: int, recipe: str) -> float:
     return float((rankdata(wasted, axis=0)[RECIPES.index(recipe)]).mean())
 
 
-def text(tab: Tab, selector: str) -> str:
-    return str(tab.value(f"document.querySelector({selector!r}).textContent"))
+def text(tab: Page, selector: str) -> str:
+    return str(tab.evaluate(f"document.querySelector({selector!r}).textContent"))
 
 
-def choose(tab: Tab, label: str, value: str) -> None:
-    tab.value(
+def choose(tab: Page, label: str, value: str) -> None:
+    tab.evaluate(
         "{ const select = [...document.querySelectorAll('.control-bar label')]"
         f".find((each) => each.textContent.startsWith({label!r})).querySelector('select');"
         f"select.value = {value!r}; select.dispatchEvent(new Event('change')); }}"
@@ -193,60 +171,60 @@ def numbers(cells: list[str]) -> list[float]:
     return [float(cell) for cell in cells]
 
 
-def test_the_charts_show_the_numbers_of_the_table(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
+def test_the_charts_show_the_numbers_of_the_table(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
     for recipe in RECIPES:
         means = [mean_over_kitchens(recipe, heat, list(range(12))) for heat in FACTORS]
-        assert numbers(tab.value(CELLS % recipe)) == pytest.approx(means, rel=6e-3)
-        assert tab.value(COUNT % (LINE % recipe)) == 1
-    best = tab.value(
+        assert numbers(tab.evaluate(CELLS % recipe)) == pytest.approx(means, rel=6e-3)
+        assert tab.evaluate(COUNT % (LINE % recipe)) == 1
+    best = tab.evaluate(
         "[...document.querySelectorAll('.heat td.first')]"
         ".map((cell) => cell.closest('tr').dataset.method)"
     )
     assert sorted(best) == ["plain", "rich"]
-    assert tab.value(COUNT % ".cost-chart g.method") == len(RECIPES)
-    assert tab.value(COUNT % ".map-chart circle.disc[data-marker]") == 6 * len(
-        tab.value("[...document.querySelectorAll('.map')].map(() => 1)")
+    assert tab.evaluate(COUNT % ".cost-chart g.method") == len(RECIPES)
+    assert tab.evaluate(COUNT % ".map-chart circle.disc[data-marker]") == 6 * len(
+        tab.evaluate("[...document.querySelectorAll('.map')].map(() => 1)")
     )
     assert "rich" in text(tab, "[data-chart=cost]") + text(tab, "[data-chart=blocks]")
 
 
 def test_a_method_is_selected_everywhere_and_cleared_by_a_second_click(
-    tab: Tab, bakery: Path
+    tab: Page, bakery: Path
 ) -> None:
-    tab.show(bakery, width=1280)
+    load(tab, bakery, width=1280)
     for clicks in (1, 2):
         tab.click(f"{LINE % 'rye'} + g text")
-        marks = tab.value(
+        marks = tab.evaluate(
             "[...document.querySelectorAll('.selected')].map((mark) => mark.closest('[data-chart]')"
             "?.dataset.chart ?? 'lead')"
         )
         assert set(marks) == (
             {"lead", "ranking", "cost", "blocks", "layout"} if clicks == 1 else set()
         )
-        assert ("rye" in tab.value("location.hash")) is (clicks == 1)
-    tab.value("location.hash = '#select:method=nut&group=0'")
-    assert tab.value(f"document.querySelector({LINE % 'nut'!r}).matches('.selected')")
+        assert ("rye" in tab.evaluate("location.hash")) is (clicks == 1)
+    tab.evaluate("location.hash = '#select:method=nut&group=0'")
+    assert tab.evaluate(f"document.querySelector({LINE % 'nut'!r}).matches('.selected')")
     assert text(tab, ".segments [aria-checked=true]") == "180"
 
 
-def test_pointing_changes_no_number(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
+def test_pointing_changes_no_number(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
     before = text(tab, "[data-overview]")
-    x, y = tab.middle(f"{LINE % 'vegan'} + g text")
-    tab.mouse("mouseMoved", x, y)
-    assert tab.value("document.querySelector('.line-chart .plot').matches('.dim')")
+    x, y = middle(tab, f"{LINE % 'vegan'} + g text")
+    tab.mouse.move(x, y)
+    assert tab.evaluate("document.querySelector('.line-chart .plot').matches('.dim')")
     assert "vegan" in text(tab, ".chart-note.visible")
     assert text(tab, "[data-overview]") == before
-    assert tab.value("location.hash") == ""
+    assert tab.evaluate("location.hash") == ""
 
 
 @pytest.mark.parametrize("statistic", ["mean", "median"])
 def test_a_filter_recomputes_what_is_described_and_says_so(
-    tab: Tab, bakery: Path, statistic: str
+    tab: Page, bakery: Path, statistic: str
 ) -> None:
-    tab.show(bakery, width=1280)
-    lead = tab.value("document.querySelector('.overview-lead').innerHTML")
+    load(tab, bakery, width=1280)
+    lead = tab.evaluate("document.querySelector('.overview-lead').innerHTML")
     choose(tab, "Statistic", statistic)
     tab.click(".map-chart circle[data-marker=L1]")
     kept = [1, 7]
@@ -257,32 +235,32 @@ def test_a_filter_recomputes_what_is_described_and_says_so(
             else float(np.median([WASTES[k, heat, recipe][kept] for k in range(8)]))
             for heat in FACTORS
         ]
-        assert numbers(tab.value(CELLS % recipe)) == pytest.approx(wanted, rel=6e-3)
+        assert numbers(tab.evaluate(CELLS % recipe)) == pytest.approx(wanted, rel=6e-3)
     assert "16 blocks; this explores" in text(tab, ".filter-note")
-    assert tab.value(COUNT % ".heat td.tied") == 0
+    assert tab.evaluate(COUNT % ".heat td.tied") == 0
     tab.click(".chip")
     assert text(tab, ".filter-note") == ""
-    assert tab.value("document.querySelector('.overview-lead').innerHTML") == lead
+    assert tab.evaluate("document.querySelector('.overview-lead').innerHTML") == lead
 
 
-def test_suspects_are_left_out(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
+def test_suspects_are_left_out(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
     tab.click(".control-bar .toggle")
     kept = [at for at in range(12) if at not in SUSPECTS]
     means = [mean_over_kitchens("nut", heat, kept) for heat in FACTORS]
-    assert numbers(tab.value(CELLS % "nut")) == pytest.approx(means, rel=6e-3)
+    assert numbers(tab.evaluate(CELLS % "nut")) == pytest.approx(means, rel=6e-3)
     assert "80 blocks" in text(tab, ".filter-note")
     tab.click(".chip.clear")
     assert text(tab, ".filter-note") == ""
 
 
-def test_ranks_and_other_metrics(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
+def test_ranks_and_other_metrics(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
     choose(tab, "Statistic", "rank")
     ranks = [np.mean([mean_rank(kitchen, heat, "rye") for kitchen in range(8)]) for heat in FACTORS]
-    assert numbers(tab.value(CELLS % "rye")) == pytest.approx(ranks, rel=6e-3)
+    assert numbers(tab.evaluate(CELLS % "rye")) == pytest.approx(ranks, rel=6e-3)
     tab.click(".control-bar .toggle")
-    assert numbers(tab.value(CELLS % "rye")) == pytest.approx(ranks, rel=0.05)
+    assert numbers(tab.evaluate(CELLS % "rye")) == pytest.approx(ranks, rel=0.05)
     tab.click(".control-bar .toggle")
     choose(tab, "Statistic", "mean")
     choose(tab, "Metric", "mess")
@@ -290,46 +268,48 @@ def test_ranks_and_other_metrics(tab: Tab, bakery: Path) -> None:
         np.mean([(WASTES[kitchen, heat, "rye"] ** 2).mean() for kitchen in range(8)])
         for heat in FACTORS
     ]
-    assert numbers(tab.value(CELLS % "rye")) == pytest.approx(squares, rel=6e-3)
+    assert numbers(tab.evaluate(CELLS % "rye")) == pytest.approx(squares, rel=6e-3)
 
 
-def test_marks_and_heads_are_used_by_keys(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
-    tab.value("document.querySelector('.line-chart g[tabindex=\"0\"]').focus()")
-    first = tab.value("document.activeElement.dataset.method")
-    tab.press("ArrowDown")
-    second = tab.value("document.activeElement.dataset.method")
+def test_marks_and_heads_are_used_by_keys(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
+    tab.evaluate("document.querySelector('.line-chart g[tabindex=\"0\"]').focus()")
+    first = tab.evaluate("document.activeElement.dataset.method")
+    tab.keyboard.press("ArrowDown")
+    second = tab.evaluate("document.activeElement.dataset.method")
     assert first != second
-    tab.press("Enter")
-    assert tab.value("document.activeElement.dataset.method") == second
-    assert tab.value("document.activeElement.ariaPressed") == "true"
-    assert tab.value(COUNT % ".line-chart g[tabindex='0']") == 1
-    tab.value("document.querySelector('.heat thead button').focus()")
-    tab.press("Enter")
+    tab.keyboard.press("Enter")
+    assert tab.evaluate("document.activeElement.dataset.method") == second
+    assert tab.evaluate("document.activeElement.ariaPressed") == "true"
+    assert tab.evaluate(COUNT % ".line-chart g[tabindex='0']") == 1
+    tab.evaluate("document.querySelector('.heat thead button').focus()")
+    tab.keyboard.press("Enter")
     names = "[...document.querySelectorAll('.heat tbody tr')].map((row) => row.dataset.method)"
-    assert tab.value(names) == sorted(RECIPES)
-    tab.press("Enter")
-    assert tab.value(names) == sorted(RECIPES, reverse=True)
-    assert tab.value("document.querySelector('.heat thead th[aria-sort]').ariaSort") == "descending"
+    assert tab.evaluate(names) == sorted(RECIPES)
+    tab.keyboard.press("Enter")
+    assert tab.evaluate(names) == sorted(RECIPES, reverse=True)
+    assert (
+        tab.evaluate("document.querySelector('.heat thead th[aria-sort]').ariaSort") == "descending"
+    )
 
 
-def test_a_dot_opens_its_block(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
-    tab.value("document.querySelector('.dots canvas').focus()")
-    tab.press("ArrowLeft")
+def test_a_dot_opens_its_block(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
+    tab.evaluate("document.querySelector('.dots canvas').focus()")
+    tab.keyboard.press("ArrowLeft")
     live = "document.querySelector('[aria-live=polite]').textContent"
-    assert "96 of 96: " in tab.value(live)
-    tab.press("ArrowLeft")
-    assert "95 of 96: " in tab.value(live)
-    tab.press("Enter")
-    assert tab.value("document.querySelector('dialog').open")
+    assert "96 of 96: " in tab.evaluate(live)
+    tab.keyboard.press("ArrowLeft")
+    assert "95 of 96: " in tab.evaluate(live)
+    tab.keyboard.press("Enter")
+    assert tab.evaluate("document.querySelector('dialog').open")
     worst = sorted(((*key, at) for key in WASTES for at in range(12) if key[1:] == (220, "rich")),
                    key=lambda item: WASTES[item[:3]][item[3]])  # fmt: skip
     kitchen, _, _, cake = worst[-2]
     head = text(tab, "dialog .head")
     assert f"kitchen {kitchen}" in head
     assert f"cake {cake}" in head
-    bars = tab.value(
+    bars = tab.evaluate(
         "[...document.querySelectorAll('.bars button')]"
         ".map((bar) => [bar.dataset.method, Number(bar.lastChild.textContent)])"
     )
@@ -337,17 +317,17 @@ def test_a_dot_opens_its_block(tab: Tab, bakery: Path) -> None:
         {recipe: WASTES[kitchen, 220, recipe][cake] for recipe in RECIPES}, rel=6e-3
     )
     assert f"--only kitchen={kitchen}" in text(tab, "dialog code")
-    tab.press("PageUp")
+    tab.keyboard.press("PageUp")
     assert f"cake {worst[-1][3]}" in text(tab, "dialog .head")
-    tab.press("Escape")
-    tab.value("new Promise((resolve) => setTimeout(resolve))")  # the dialog closes in a task
-    assert not tab.value("document.querySelector('dialog').open")
-    assert tab.value("document.activeElement.tagName") == "CANVAS"
-    assert tab.value("location.hash") in ("", "#")
+    tab.keyboard.press("Escape")
+    tab.evaluate("new Promise((resolve) => setTimeout(resolve))")  # the dialog closes in a task
+    assert not tab.evaluate("document.querySelector('dialog').open")
+    assert tab.evaluate("document.activeElement.tagName") == "CANVAS"
+    assert tab.evaluate("location.hash") in ("", "#")
 
 
-def test_a_suggested_block_is_shown_by_the_plugin(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
+def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
     tab.click(".suggestion.suspect")
     assert "the scale slipped" in text(tab, "dialog .suspect")
     assert re.fullmatch(r"cake \d+", text(tab, "dialog .stage"))
@@ -361,59 +341,51 @@ SERVER = """nodegraph.define("server", [], () => ({
 
 
 def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
-    tab: Tab, bakery: Path, recipes: Rendered, tmp_path: Path
+    tab: Page, bakery: Path, recipes: Rendered, tmp_path: Path
 ) -> None:
     stage = "document.querySelector('dialog .stage')"
     for file, shown in ((bakery, "nodegraph open"), (saved(tmp_path, recipes, server=SERVER), "")):
-        tab.show(file)
-        packed = tab.value("JSON.parse(document.getElementById('overview-recipes').textContent)")
+        load(tab, file)
+        packed = tab.evaluate("JSON.parse(document.getElementById('overview-recipes').textContent)")
         blocks = set(map(str, range(96))) - {
             key.split("/")[1] for key in packed["detail"]["packed"]
         }
         block = min(blocks, key=int)
-        tab.value(f"location.hash = '#select:block={block}'")
-        tab.value("new Promise((resolve) => setTimeout(resolve, 20))")
-        assert shown in tab.value(f"{stage}.textContent")
+        tab.evaluate(f"location.hash = '#select:block={block}'")
+        tab.evaluate("new Promise((resolve) => setTimeout(resolve, 20))")
+        assert shown in tab.evaluate(f"{stage}.textContent")
     cake = re.search(r"cake (\d+)", text(tab, "dialog .head"))
     assert cake is not None
-    assert tab.value(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5"
+    assert tab.evaluate(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5"
 
 
-def test_a_phone_shows_all_without_scrolling_sideways(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=390)
-    assert tab.value("document.documentElement.scrollWidth") <= 390
-    assert not tab.value("document.querySelector('.control-bar .filters').checkVisibility()")
+def test_a_phone_shows_all_without_scrolling_sideways(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=390)
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+    assert not tab.evaluate("document.querySelector('.control-bar .filters').checkVisibility()")
     tab.click(".more-controls")
-    assert tab.value("document.querySelector('.control-bar .filters').checkVisibility()")
-    assert tab.value("document.documentElement.scrollWidth") <= 390
+    assert tab.evaluate("document.querySelector('.control-bar .filters').checkVisibility()")
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
 
 
-def test_a_print_has_no_controls(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery, width=1280)
-    tab.send("Emulation.setEmulatedMedia", media="print")
-    try:
-        shown = "document.querySelector(%r).checkVisibility()"
-        assert not tab.value(shown % ".control-bar")
-        assert not tab.value(shown % ".suggestion")
-        assert tab.value(shown % ".heat")
-    finally:
-        tab.send("Emulation.setEmulatedMedia", media="")
+def test_a_print_has_no_controls(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
+    tab.emulate_media(media="print")
+    shown = "document.querySelector(%r).checkVisibility()"
+    assert not tab.evaluate(shown % ".control-bar")
+    assert not tab.evaluate(shown % ".suggestion")
+    assert tab.evaluate(shown % ".heat")
 
 
-@pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
+@needs_axe
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing(tab: Tab, bakery: Path, scheme: str) -> None:
-    tab.prefer(prefers_color_scheme=scheme, prefers_reduced_motion="reduce")
-    tab.show(bakery, width=1280)
-    tab.value(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
+def test_axe_finds_nothing(tab: Page, bakery: Path, scheme: Literal["light", "dark"]) -> None:
+    tab.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+    load(tab, bakery, width=1280)
     for state in ("[data-overview]", "dialog"):
         if state == "dialog":
             tab.click(".suggestion")
-        violations = tab.value(f"axe.run({state!r}).then((result) => result.violations)")
-        problems = [
-            each["id"] + ": " + node["html"] for each in violations for node in each["nodes"]
-        ]
-        assert problems == []
+        assert violations(tab, state) == []
 
 
 SCALE = "scales.fitting(%s, 0, 300).ticks(60).map(({ value, text }) => [value, text])"
@@ -428,21 +400,21 @@ TICKS: tuple[tuple[list[float], list[float]], ...] = (
 )
 
 
-def test_ticks_are_round_numbers(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery)
+def test_ticks_are_round_numbers(tab: Page, bakery: Path) -> None:
+    load(tab, bakery)
     for values, ticks in TICKS:
-        drawn = tab.value(SCALE % json.dumps(values))
+        drawn = tab.evaluate(SCALE % json.dumps(values))
         assert [value for value, _ in drawn] == pytest.approx(ticks)
         texts = [float(label.replace("\u2212", "-")) for _, label in drawn]
         assert texts == pytest.approx(ticks, rel=1e-9)
 
 
-def test_labels_move_apart_as_little_as_can_be(tab: Tab, bakery: Path) -> None:
-    tab.show(bakery)
+def test_labels_move_apart_as_little_as_can_be(tab: Page, bakery: Path) -> None:
+    load(tab, bakery)
     wanted = [50.0, 10.0, 11.0, 12.0, 95.0, 99.0]
-    places = tab.value(f"scales.spread({wanted}, 10, 0, 100)")
+    places = tab.evaluate(f"scales.spread({wanted}, 10, 0, 100)")
     assert places == pytest.approx([50, 1, 11, 21, 90, 100])
-    assert tab.value("scales.spread([5, 5], 10, 0, 100)") == [0, 10]
+    assert tab.evaluate("scales.spread([5, 5], 10, 0, 100)") == [0, 10]
 
 
 def packed(values: NDArray[Any]) -> str:
@@ -551,46 +523,46 @@ def charts_of(folder: Path, *data: Mapping[str, Any], html: str = "") -> Path:
 
 
 @pytest.mark.parametrize("kind", ODD)
-def test_odd_data_are_drawn_without_complaint(tab: Tab, tmp_path: Path, kind: str) -> None:
-    tab.show(charts_of(tmp_path, ODD[kind]), width=1280)
+def test_odd_data_are_drawn_without_complaint(tab: Page, tmp_path: Path, kind: str) -> None:
+    load(tab, charts_of(tmp_path, ODD[kind]), width=1280)
     for width in (1280, 390):
-        tab.size(width, 900)
-        tab.value("new Promise((resolve) => setTimeout(resolve, 60))")
-        drawn = tab.value("document.querySelector('[data-overview]').innerHTML")
+        resize(tab, width, 900)
+        tab.evaluate("new Promise((resolve) => setTimeout(resolve, 60))")
+        drawn = tab.evaluate("document.querySelector('[data-overview]').innerHTML")
         assert not re.search(r"NaN|Infinity|undefined|null", drawn)
-        assert tab.value("document.documentElement.scrollWidth") <= width
-        assert tab.value(OVERLAPS) == 0
-    bests = tab.value(COUNT % ".heat td.first")
+        assert tab.evaluate("document.documentElement.scrollWidth") <= width
+        assert tab.evaluate(OVERLAPS) == 0
+    bests = tab.evaluate(COUNT % ".heat td.first")
     assert (bests == 0) is (kind in ("no numbers", "neither end is better"))
     if kind == "many methods":
-        assert tab.value(COUNT % ".heat tbody tr") < 40
+        assert tab.evaluate(COUNT % ".heat tbody tr") < 40
         tab.click(".heat-table .more")
-        assert tab.value(COUNT % ".heat tbody tr") == 200
+        assert tab.evaluate(COUNT % ".heat tbody tr") == 200
     if kind == "one group":
-        assert tab.value(COUNT % ".line-chart path.line") == 0
-        assert tab.value(COUNT % ".line-chart g[role=button]") == 4
+        assert tab.evaluate(COUNT % ".line-chart path.line") == 0
+        assert tab.evaluate(COUNT % ".line-chart g[role=button]") == 4
 
 
-def test_comparisons_on_one_page_share_methods_and_no_more(tab: Tab, tmp_path: Path) -> None:
-    tab.show(charts_of(tmp_path, ODD["higher is better"], ODD["all equal"]), width=1280)
+def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: Path) -> None:
+    load(tab, charts_of(tmp_path, ODD["higher is better"], ODD["all equal"]), width=1280)
     checked = (
         "[...document.querySelectorAll('.segments [aria-checked=true]')]"
         ".map((button) => button.textContent)"
     )
-    assert tab.value(checked) == ["1", "1"]
+    assert tab.evaluate(checked) == ["1", "1"]
     tab.click("[data-overview=odd-1] .segments button")
-    assert tab.value(checked) == ["1", "0"]
-    assert tab.value("location.hash") == ""
+    assert tab.evaluate(checked) == ["1", "0"]
+    assert tab.evaluate("location.hash") == ""
     tab.click("[data-overview=odd-1] .heat tbody th button")
-    assert tab.value(COUNT % ".heat tr.selected") == 2
+    assert tab.evaluate(COUNT % ".heat tr.selected") == 2
 
 
-def test_the_tabs_of_the_verdicts_choose_the_group(tab: Tab, tmp_path: Path) -> None:
+def test_the_tabs_of_the_verdicts_choose_the_group(tab: Page, tmp_path: Path) -> None:
     tabs = "".join(f'<input type="radio" name="odd-0-heat" id="tab-{at}">' for at in (0, 1))
-    tab.show(charts_of(tmp_path, ODD["all equal"], html=tabs), width=1280)
+    load(tab, charts_of(tmp_path, ODD["all equal"], html=tabs), width=1280)
     chosen = "[...document.querySelectorAll('[name=odd-0-heat]')].map((each) => each.checked)"
-    assert tab.value(chosen) == [False, True]
+    assert tab.evaluate(chosen) == [False, True]
     tab.click("#tab-0")
     assert text(tab, ".segments [aria-checked=true]") == "0"
     tab.click(".segments button:last-child")
-    assert tab.value(chosen) == [False, True]
+    assert tab.evaluate(chosen) == [False, True]

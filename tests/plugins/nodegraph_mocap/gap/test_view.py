@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from playwright.sync_api import Page
 
 from nodegraph import Rendered, json_script
 from nodegraph.report import Section, Study, page
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.gap.view import details
-from tests.browser import BROWSER, Tab, open_tab
+from tests.browser import load, until
 from tests.plugins.nodegraph_mocap.gap.test_pack import GAP, inputs
 from tests.plugins.nodegraph_plot import made_face
-
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 
 HOSTILE = "</script><img src=x onerror=\"document.title='ran'\">"
 BEST, REFERENCE, OTHER = "off by 0.25", "off by -0.5", "off by 1.0"
@@ -34,23 +33,8 @@ nodegraph.define("test", ["page", "selection", "mocap/gap"], (page, selection, g
 """
 
 
-@pytest.fixture(scope="module")
-def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with open_tab(tmp_path_factory.mktemp("profile")) as opened:
-        yield opened
-
-
-@pytest.fixture(autouse=True)
-def nothing_complains(request: pytest.FixtureRequest) -> Iterator[None]:
-    tab: Tab = request.getfixturevalue("tab")
-    tab.console.clear()
-    tab.prefer()
-    yield
-    assert tab.console == []
-
-
 def show(
-    tab: Tab,
+    tab: Page,
     folder: Path,
     given: Mapping[str, Mapping[str, Any]],
     block: Mapping[str, Any] = GAP,
@@ -72,29 +56,29 @@ def show(
     file = folder / "report.html"
     study = Study("A title", sections=(Section("one", rendered),))
     file.write_text(page(study), encoding="utf-8")
-    tab.show(file, width=width)
+    load(tab, file, width=width)
 
 
 def methods() -> dict[str, dict[str, Any]]:
     return inputs(0.25, -0.5, 1.0)
 
 
-def frame(tab: Tab) -> Any:
-    return tab.value("document.querySelector('.gap-view .clock').textContent").split(",")[0]
+def frame(tab: Page) -> Any:
+    return tab.evaluate("document.querySelector('.gap-view .clock').textContent").split(",")[0]
 
 
 def test_all_methods_are_drawn_in_their_roles_and_follow_the_selection(
-    tab: Tab, tmp_path: Path
+    tab: Page, tmp_path: Path
 ) -> None:
     show(tab, tmp_path, methods())
-    tab.value(f"selection.set({{ reference: {json.dumps(REFERENCE)} }})")
+    tab.evaluate(f"selection.set({{ reference: {json.dumps(REFERENCE)} }})")
     drawn = "[...document.querySelectorAll('.curves [data-line]')].map((one) => "
-    roles = dict(tab.value(f"{drawn}[one.dataset.line, one.getAttribute('class')])"))
+    roles = dict(tab.evaluate(f"{drawn}[one.dataset.line, one.getAttribute('class')])"))
     assert roles == {BEST: "best", REFERENCE: "reference", OTHER: "rest", "truth": "truth"}
-    tab.value(f"selection.set({{ method: {json.dumps(OTHER)} }})")
-    roles = dict(tab.value(f"{drawn}[one.dataset.line, one.getAttribute('class')])"))
+    tab.evaluate(f"selection.set({{ method: {json.dumps(OTHER)} }})")
+    roles = dict(tab.evaluate(f"{drawn}[one.dataset.line, one.getAttribute('class')])"))
     assert roles[OTHER] == "selected"
-    labels = tab.value(
+    labels = tab.evaluate(
         "[...document.querySelectorAll('.curves .words text')].map((one) => "
         "[one.querySelector('title').textContent, Number(one.getAttribute('y'))])"
     )
@@ -102,17 +86,17 @@ def test_all_methods_are_drawn_in_their_roles_and_follow_the_selection(
     for k in range(3):
         places = sorted(y for _, y in labels[4 * k : 4 * k + 4])
         assert np.diff(places).min() >= 13.9
-    tab.value(f"selection.set({{ methods: {json.dumps([BEST])}, method: null }})")
-    assert OTHER not in tab.value(f"{drawn}one.dataset.line)")
+    tab.evaluate(f"selection.set({{ methods: {json.dumps([BEST])}, method: null }})")
+    assert OTHER not in tab.evaluate(f"{drawn}one.dataset.line)")
 
 
-def test_the_lines_lie_where_the_samples_are_at_one_scale(tab: Tab, tmp_path: Path) -> None:
+def test_the_lines_lie_where_the_samples_are_at_one_scale(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, methods())
-    paths = tab.value(
+    paths = tab.evaluate(
         f"[...document.querySelectorAll('.curves [data-line={json.dumps(OTHER)}]')]"
         ".map((one) => one.getAttribute('d'))"
     )
-    truth = tab.value(
+    truth = tab.evaluate(
         "[...document.querySelectorAll('.curves [data-line=truth]')]"
         ".map((one) => one.getAttribute('d'))"
     )
@@ -132,50 +116,44 @@ def test_the_lines_lie_where_the_samples_are_at_one_scale(tab: Tab, tmp_path: Pa
     assert np.ptp(np.subtract(trues, firsts)) < 0.25
 
 
-def test_keys_step_and_play_and_the_slider_seeks(tab: Tab, tmp_path: Path) -> None:
+def test_keys_step_and_play_and_the_slider_seeks(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, methods())
     assert frame(tab) == "frame 18"
-    tab.value("document.querySelector('.gap-view button').focus()")
-    tab.press("ArrowRight")
-    tab.press("ArrowRight")
-    tab.press("ArrowLeft")
+    tab.evaluate("document.querySelector('.gap-view button').focus()")
+    tab.keyboard.press("ArrowRight")
+    tab.keyboard.press("ArrowRight")
+    tab.keyboard.press("ArrowLeft")
     assert frame(tab) == "frame 19"
-    tab.value(
+    tab.evaluate(
         "{ const one = document.querySelector('.gap-view input'); "
         "one.value = 2; one.dispatchEvent(new Event('input')); }"
     )
     assert frame(tab) == "frame 7"
-    errors = tab.value("document.querySelector('.gap-view .errors').textContent")
+    errors = tab.evaluate("document.querySelector('.gap-view .errors').textContent")
     assert errors.startswith("Off the truth here")
     assert f"{BEST} 0" in errors
     tab.click(".gap-view button")
-    assert tab.value(
-        "new Promise((done) => { const look = () => view.at > 4 ? done(view.playing) "
-        ": requestAnimationFrame(look); look(); })"
-    )
-    tab.value("document.querySelector('.curves').setAttribute('tabindex', 0)")
-    tab.value("document.querySelector('.curves').focus()")
-    tab.press(" ")
-    assert not tab.value("view.playing")
+    until(tab, "view.at > 4 && view.playing")
+    tab.evaluate("document.querySelector('.curves').setAttribute('tabindex', 0)")
+    tab.evaluate("document.querySelector('.curves').focus()")
+    tab.keyboard.press("Space")
+    assert not tab.evaluate("view.playing")
 
 
-def test_who_wants_little_motion_sees_a_block_once(tab: Tab, tmp_path: Path) -> None:
-    tab.prefer(prefers_reduced_motion="reduce")
+def test_who_wants_little_motion_sees_a_block_once(tab: Page, tmp_path: Path) -> None:
+    tab.emulate_media(reduced_motion="reduce")
     show(tab, tmp_path, methods())
-    tab.value("view.move(24)")
-    tab.value("view.start()")
-    tab.value(
-        "new Promise((done) => { const look = () => view.playing ? requestAnimationFrame(look) "
-        ": done(true); look(); })"
-    )
+    tab.evaluate("view.move(24)")
+    tab.evaluate("view.start()")
+    until(tab, "!view.playing")
     assert frame(tab) == "frame 30"
 
 
 def test_pointing_at_a_line_names_it_to_the_page_and_a_click_selects(
-    tab: Tab, tmp_path: Path
+    tab: Page, tmp_path: Path
 ) -> None:
     show(tab, tmp_path, methods())
-    x, y = tab.value(
+    x, y = tab.evaluate(
         "(() => { const line = "
         f"document.querySelector('.curves [data-line={json.dumps(OTHER)}]');"
         "line.scrollIntoView({ block: 'center' });"
@@ -183,22 +161,21 @@ def test_pointing_at_a_line_names_it_to_the_page_and_a_click_selects(
         "const box = line.ownerSVGElement.getBoundingClientRect();"
         "return [box.x + at.x, box.y + at.y]; })()"
     )
-    tab.mouse("mouseMoved", x, y)
-    assert tab.value("document.querySelector('.curves .hovered').dataset.line") == OTHER
-    assert tab.value("document.querySelector('.curves .tip').textContent") == OTHER
-    tab.mouse("mousePressed", x, y)
-    tab.mouse("mouseReleased", x, y)
-    assert tab.value("selection.state.method") == OTHER
+    tab.mouse.move(x, y)
+    assert tab.evaluate("document.querySelector('.curves .hovered').dataset.line") == OTHER
+    assert tab.evaluate("document.querySelector('.curves .tip').textContent") == OTHER
+    tab.mouse.click(x, y)
+    assert tab.evaluate("selection.state.method") == OTHER
 
 
-def test_a_suspect_sample_is_circled_and_opened(tab: Tab, tmp_path: Path) -> None:
+def test_a_suspect_sample_is_circled_and_opened(tab: Page, tmp_path: Path) -> None:
     given = methods()
     spiked = made_face.truth().positions.copy()
     spiked[16, made_face.GAP_MARKER, 2] += 9.0
     truth = replace(made_face.truth(), positions=spiked)
     show(tab, tmp_path, {method: {**ports, "truth": truth} for method, ports in given.items()})
     assert frame(tab) == "frame 16"
-    assert tab.value("document.querySelectorAll('.curves .suspect').length") == 3
+    assert tab.evaluate("document.querySelectorAll('.curves .suspect').length") == 3
 
 
 def hostile() -> dict[str, dict[str, Any]]:
@@ -238,18 +215,18 @@ def one_frame() -> dict[str, dict[str, Any]]:
     ids=["markup", "nothing", "one frame", "no truth"],
 )
 def test_odd_blocks_are_shown_without_a_complaint(
-    tab: Tab, tmp_path: Path, given: dict[str, dict[str, Any]], block: dict[str, Any]
+    tab: Page, tmp_path: Path, given: dict[str, dict[str, Any]], block: dict[str, Any]
 ) -> None:
     show(tab, tmp_path, given, block)
-    tab.value(f"selection.set({{ method: {json.dumps(next(iter(given)))} }})")
-    tab.value("view.step(1)")
-    assert tab.value("document.title") == "A title"
-    assert tab.value("document.querySelectorAll('.gap-view img').length") == 0
+    tab.evaluate(f"selection.set({{ method: {json.dumps(next(iter(given)))} }})")
+    tab.evaluate("view.step(1)")
+    assert tab.evaluate("document.title") == "A title"
+    assert tab.evaluate("document.querySelectorAll('.gap-view img').length") == 0
     paths = "[...document.querySelectorAll('.gap-view path')].map((one) => one.getAttribute('d'))"
-    assert "NaN" not in "".join(filter(None, tab.value(paths)))
+    assert "NaN" not in "".join(filter(None, tab.evaluate(paths)))
 
 
-def test_nothing_is_wider_than_a_phone(tab: Tab, tmp_path: Path) -> None:
+def test_nothing_is_wider_than_a_phone(tab: Page, tmp_path: Path) -> None:
     given = {name * 4: ports for name, ports in methods().items()}
     show(tab, tmp_path, given, width=390)
-    assert tab.value("document.documentElement.scrollWidth") <= 390
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390

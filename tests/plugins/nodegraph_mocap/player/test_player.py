@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,15 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from playwright.sync_api import Page
 from scipy.spatial.transform import Rotation
 
 from nodegraph.report import Section, Study, page
 from nodegraph_mocap import Animation, HeadMotion, Origin, Panel, Playback, Trajectories
 from nodegraph_mocap.player.page import render_playback
 from nodegraph_mocap.specimens import FRAMES, animations, recordings
-from tests.browser import BROWSER, Tab, open_tab
-
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+from tests.browser import drag, load, middle, until
 
 RIGHT, UP = np.array([0.6, 0.0, -0.8]), np.array([0.0, 1.0, 0.0])
 AXES = np.stack([RIGHT, UP, np.cross(RIGHT, UP)])
@@ -32,21 +30,6 @@ CANVAS = "figure.playback canvas"
 HOSTILE = "<img src=x onerror=\"document.title='ran'\">"
 
 
-@pytest.fixture(scope="module")
-def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
-    with open_tab(tmp_path_factory.mktemp("profile")) as browser_tab:
-        yield browser_tab
-
-
-@pytest.fixture(autouse=True)
-def nothing_complains(request: pytest.FixtureRequest) -> Iterator[None]:
-    tab: Tab = request.getfixturevalue("tab")
-    tab.console.clear()
-    tab.prefer()
-    yield
-    assert tab.console == []
-
-
 def panel(shown: Trajectories | Animation, label: str = "one") -> Panel:
     return Panel(label=label, shown=shown, centre=CENTRE, right=RIGHT, up=UP, radius=RADIUS)
 
@@ -58,8 +41,8 @@ def written(folder: Path, *playbacks: Playback) -> Path:
     return file
 
 
-def show(tab: Tab, folder: Path, *shown: Panel, truth: Panel | None = None, **size: Any) -> None:
-    tab.show(written(folder, Playback(panels=shown, truth=truth)), **size)
+def show(tab: Page, folder: Path, *shown: Panel, truth: Panel | None = None, **size: Any) -> None:
+    load(tab, written(folder, Playback(panels=shown, truth=truth)), **size)
 
 
 def moved_by_hand() -> Trajectories:
@@ -81,11 +64,11 @@ def dots(state: dict[str, Any], place: int = 0) -> NDArray[np.float64]:
     return np.array([np.nan if one is None else one for one in found], float).reshape(-1, 3)
 
 
-def pixel(tab: Tab, x: float, y: float, place: int = 0) -> tuple[int, ...]:
+def pixel(tab: Page, x: float, y: float, place: int = 0) -> tuple[int, ...]:
     """Return red, green, blue and opacity of a canvas at a dot."""
     # from a copy, as the browser complains of much reading from what is drawn for eyes
     return tuple(
-        tab.value(
+        tab.evaluate(
             "(() => { const copy = new OffscreenCanvas(1, 1);"
             "const pen = copy.getContext('2d', { willReadFrequently: true });"
             f"pen.drawImage(document.querySelectorAll('canvas')[{place}], {-int(x)}, {-int(y)});"
@@ -98,20 +81,12 @@ def rgb(colour: str) -> tuple[int, ...]:
     return (*bytes.fromhex(colour[1:]), 255)
 
 
-def until(tab: Tab, condition: str) -> None:
-    """Wait, frame by frame of the browser, until something holds."""
-    tab.value(
-        f"new Promise((done) => {{ const look = () => ({condition}) ? done(true) "
-        ": requestAnimationFrame(look); look(); })"
-    )
-
-
 @pytest.mark.parametrize("frame", [0, 12, 22, FRAMES - 1])
-def test_markers_are_drawn_where_and_as_they_are(tab: Tab, tmp_path: Path, frame: int) -> None:
+def test_markers_are_drawn_where_and_as_they_are(tab: Page, tmp_path: Path, frame: int) -> None:
     face = replace(moved_by_hand(), marker_set=None)
     show(tab, tmp_path, panel(face))
-    tab.value(f"{FIRST}.seek({frame})")
-    state = tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.seek({frame})")
+    state = tab.evaluate(f"{FIRST}.state")
     assert (state["tick"], state["panels"][0]["frame"]) == (frame, frame)
     drawn = dots(state)
     expected = projected(face.positions[frame], state["panels"][0]["size"])
@@ -122,7 +97,7 @@ def test_markers_are_drawn_where_and_as_they_are(tab: Tab, tmp_path: Path, frame
             assert pixel(tab, x, y) == rgb(COLOURS[Origin(face.origin[frame, marker])])
 
 
-def test_edges_are_drawn_where_both_ends_are(tab: Tab, tmp_path: Path) -> None:
+def test_edges_are_drawn_where_both_ends_are(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     gap = face.with_samples(
         np.where(np.arange(10)[:, None] == 4, np.nan, face.positions),
@@ -130,49 +105,49 @@ def test_edges_are_drawn_where_both_ends_are(tab: Tab, tmp_path: Path) -> None:
         origin=Origin.MISSING,
     )
     show(tab, tmp_path, panel(face), panel(gap))
-    drawn = dots(tab.value(f"{FIRST}.state"))
+    drawn = dots(tab.evaluate(f"{FIRST}.state"))
     lips = [face.markers.index(name) for name in ("lip_left", "lip_right")]
     x, y = drawn[lips, :2].mean(axis=0)
     assert pixel(tab, x, y, 0)[3] > 100
     assert pixel(tab, x, y, 1) == (0, 0, 0, 0)
 
 
-def test_the_truth_is_a_circle_and_errors_have_colours(tab: Tab, tmp_path: Path) -> None:
+def test_the_truth_is_a_circle_and_errors_have_colours(tab: Page, tmp_path: Path) -> None:
     truth = replace(recordings()["complete"], marker_set=None)
     made = np.zeros(truth.origin.shape, bool)
     made[:, 6] = True
     moved = truth.positions + made[..., None] * np.array([0.0, 12.0, 0.0])
     filled = truth.with_samples(moved, changed=made, origin=Origin.FILLED)
     show(tab, tmp_path, panel(filled, "guess"), truth=panel(truth, "truth"))
-    state = tab.value(f"{FIRST}.state")
+    state = tab.evaluate(f"{FIRST}.state")
     assert [one["label"] for one in state["panels"]] == ["truth", "guess"]
     there, guess = dots(state, 0)[6], dots(state, 1)[6]
     halfway = (there + guess) / 2
     assert pixel(tab, halfway[0], halfway[1], 1)[3] > 0  # the line from where it should be
     tab.click("figure.playback input[type=checkbox]")
-    tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.state")
     assert pixel(tab, halfway[0], halfway[1], 1)[3] == 0
-    tab.value(
+    tab.evaluate(
         "{ const one = document.querySelectorAll('.playback select')[1]; "
         "one.value = 'error'; one.dispatchEvent(new Event('change')); }"
     )
-    tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.state")
     assert pixel(tab, guess[0], guess[1], 1) == (206, 86, 122, 255)
     assert pixel(tab, dots(state, 1)[0, 0], dots(state, 1)[0, 1], 1) == (42, 134, 200, 255)
-    assert "20 mm and more" in tab.value("document.querySelector('.legend').textContent")
-    told = tab.value("document.querySelectorAll('.told')[1].textContent")
+    assert "20 mm and more" in tab.evaluate("document.querySelector('.legend').textContent")
+    told = tab.evaluate("document.querySelectorAll('.told')[1].textContent")
     assert told == "9 captured, 1 recovered; 1 compared: mean error 12.00 mm, largest 12.00 mm"
 
 
-def test_trails_show_where_markers_came_from(tab: Tab, tmp_path: Path) -> None:
+def test_trails_show_where_markers_came_from(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(replace(moved_by_hand(), marker_set=None)))
-    tab.value(f"{FIRST}.seek(0)")
-    x, y, _ = dots(tab.value(f"{FIRST}.state"))[7]
-    tab.value(f"{FIRST}.seek(25)")
-    tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.seek(0)")
+    x, y, _ = dots(tab.evaluate(f"{FIRST}.state"))[7]
+    tab.evaluate(f"{FIRST}.seek(25)")
+    tab.evaluate(f"{FIRST}.state")
     assert pixel(tab, x, y) == (0, 0, 0, 0)
     tab.click("figure.playback input[type=checkbox]")
-    tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.state")
     assert pixel(tab, x, y)[3] > 0
 
 
@@ -187,13 +162,13 @@ def head() -> Animation:
 
 @pytest.mark.parametrize("frame", [0, 17])
 def test_a_head_is_posed_as_its_weights_and_motion_say(
-    tab: Tab, tmp_path: Path, frame: int
+    tab: Page, tmp_path: Path, frame: int
 ) -> None:
     whole = head()
     still = replace(whole, head_motion=None)
     show(tab, tmp_path, panel(whole), panel(still))
-    tab.value(f"{FIRST}.seek({frame})")
-    state = tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.seek({frame})")
+    state = tab.evaluate(f"{FIRST}.state")
     size = state["panels"][0]["size"]
     posed = whole.head.vertices + np.einsum(
         "k,kvi->vi", whole.morph_weights[frame], whole.head.morphs
@@ -210,7 +185,7 @@ def test_a_head_is_posed_as_its_weights_and_motion_say(
     assert pixel(tab, x, y, 1) == (0, 0, 0, 0)
 
 
-def test_the_nearest_triangle_is_seen_and_lit_from_the_front(tab: Tab, tmp_path: Path) -> None:
+def test_the_nearest_triangle_is_seen_and_lit_from_the_front(tab: Page, tmp_path: Path) -> None:
     towards = AXES[2]
     corners = np.array([[-40, -40, 0], [40, -40, 0], [0, 40, 0]]) @ AXES + CENTRE
     vertices = np.concatenate([corners, corners + 30 * towards, corners - 30 * towards])
@@ -226,77 +201,77 @@ def test_the_nearest_triangle_is_seen_and_lit_from_the_front(tab: Tab, tmp_path:
             markers=whole.head.markers[:9],
         )
         show(tab, tmp_path, panel(replace(whole, head=flat)))
-        state = tab.value(f"{FIRST}.state")
+        state = tab.evaluate(f"{FIRST}.state")
         x, y, _ = dots(state)[:3].mean(axis=0)
         red, _, _, opacity = pixel(tab, x, y)
         assert opacity == 255
         assert (red > 180) == bright
 
 
-def test_a_frame_without_weights_says_so(tab: Tab, tmp_path: Path) -> None:
+def test_a_frame_without_weights_says_so(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(animations()["gaps"]))
-    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is not None
-    tab.value(f"{FIRST}.seek(0)")
-    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is None
-    assert tab.value("document.querySelector('.told').textContent") == "weights are missing"
-    tab.value(f"{FIRST}.seek(5)")
-    assert tab.value(f"{FIRST}.state")["panels"][0]["dots"] is not None
+    assert tab.evaluate(f"{FIRST}.state")["panels"][0]["dots"] is not None
+    tab.evaluate(f"{FIRST}.seek(0)")
+    assert tab.evaluate(f"{FIRST}.state")["panels"][0]["dots"] is None
+    assert tab.evaluate("document.querySelector('.told').textContent") == "weights are missing"
+    tab.evaluate(f"{FIRST}.seek(5)")
+    assert tab.evaluate(f"{FIRST}.state")["panels"][0]["dots"] is not None
 
 
-def test_play_goes_on_and_pause_stops(tab: Tab, tmp_path: Path) -> None:
+def test_play_goes_on_and_pause_stops(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(recordings()["complete"]))
-    assert not tab.value(f"{FIRST}.state.playing")  # nothing moves by itself
+    assert not tab.evaluate(f"{FIRST}.state.playing")  # nothing moves by itself
     button = "document.querySelector('.playback button')"
-    assert tab.value(f"{button}.textContent") == "Play"
+    assert tab.evaluate(f"{button}.textContent") == "Play"
     tab.click(".playback button")
     until(tab, f"{FIRST}.tick > 3")
-    assert tab.value(f"{button}.textContent") == "Pause"
+    assert tab.evaluate(f"{button}.textContent") == "Pause"
     tab.click(".playback button")
     until(tab, f"{button}.textContent === 'Play'")
-    stopped = tab.value(f"{FIRST}.seconds")
-    tab.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    assert tab.value(f"{FIRST}.seconds") == stopped
+    stopped = tab.evaluate(f"{FIRST}.seconds")
+    tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert tab.evaluate(f"{FIRST}.seconds") == stopped
 
 
-def test_the_clock_runs_slower_faster_and_round(tab: Tab, tmp_path: Path) -> None:
+def test_the_clock_runs_slower_faster_and_round(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, panel(face))
     passed = f"{{ {FIRST}.seek(0); {FIRST}.last = 0; {FIRST}.advance(80); }}"
-    tab.value(passed)
-    assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.08)
+    tab.evaluate(passed)
+    assert tab.evaluate(f"{FIRST}.seconds") == pytest.approx(0.08)
     for speed in (4, 0.1):
-        tab.value(
+        tab.evaluate(
             "{ const one = document.querySelector('.playback select'); "
             f"one.value = '{speed}'; one.dispatchEvent(new Event('change')); }}"
         )
-        tab.value(passed)
-        assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.08 * speed)
-    tab.value(f"{{ {FIRST}.seconds = 0.66; {FIRST}.last = 0; {FIRST}.advance(100); }}")
-    assert tab.value(f"{FIRST}.seconds") == pytest.approx(0.67 - face.frames / face.rate)
+        tab.evaluate(passed)
+        assert tab.evaluate(f"{FIRST}.seconds") == pytest.approx(0.08 * speed)
+    tab.evaluate(f"{{ {FIRST}.seconds = 0.66; {FIRST}.last = 0; {FIRST}.advance(100); }}")
+    assert tab.evaluate(f"{FIRST}.seconds") == pytest.approx(0.67 - face.frames / face.rate)
 
 
-def test_who_wants_little_motion_sees_a_take_once(tab: Tab, tmp_path: Path) -> None:
-    tab.prefer(prefers_reduced_motion="reduce")
+def test_who_wants_little_motion_sees_a_take_once(tab: Page, tmp_path: Path) -> None:
+    tab.emulate_media(reduced_motion="reduce")
     show(tab, tmp_path, panel(recordings()["complete"]))
-    tab.value(f"{FIRST}.seek({FRAMES - 2})")
-    tab.value(f"{FIRST}.play()")
+    tab.evaluate(f"{FIRST}.seek({FRAMES - 2})")
+    tab.evaluate(f"{FIRST}.play()")
     until(tab, f"!{FIRST}.playing")
-    assert tab.value(f"{FIRST}.state.tick") == FRAMES - 1
+    assert tab.evaluate(f"{FIRST}.state.tick") == FRAMES - 1
 
 
-def test_the_slider_seeks(tab: Tab, tmp_path: Path) -> None:
+def test_the_slider_seeks(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(recordings()["complete"]))
     tab.click("figure.playback input[type=range]")
-    state = tab.value(f"{FIRST}.state")
+    state = tab.evaluate(f"{FIRST}.state")
     assert abs(state["tick"] - FRAMES / 2) < 2
-    tab.press("ArrowRight")
-    assert tab.value(f"{FIRST}.state.tick") == state["tick"] + 1
-    clock = tab.value("document.querySelector('.clock').textContent")
+    tab.keyboard.press("ArrowRight")
+    assert tab.evaluate(f"{FIRST}.state.tick") == state["tick"] + 1
+    clock = tab.evaluate("document.querySelector('.clock').textContent")
     tick = state["tick"] + 1
     assert clock == f"frame {tick} of {FRAMES - 1} \u00b7 {tick / 60:.2f} s of 0.67 s"
 
 
-def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Tab, tmp_path: Path) -> None:
+def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     again = np.arange(1200) % FRAMES
     long = replace(face, positions=face.positions[again], origin=face.origin[again])
@@ -306,119 +281,130 @@ def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Tab, tmp_path: P
     )
     seen = []
     for tick in (0, 8, 111, 1199):
-        tab.value(f"{FIRST}.seek({tick})")
-        assert tab.value(f"{FIRST}.state.tick") == tick
-        seen.append(tab.value(where))
+        tab.evaluate(f"{FIRST}.seek({tick})")
+        assert tab.evaluate(f"{FIRST}.state.tick") == tick
+        seen.append(tab.evaluate(where))
     assert len(set(seen)) == 1
 
 
-def test_one_clock_drives_other_rates_and_lengths(tab: Tab, tmp_path: Path) -> None:
+def test_one_clock_drives_other_rates_and_lengths(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     half = replace(face, positions=face.positions[::2], origin=face.origin[::2], rate=30.0)
     short = recordings()["two frames"]
     show(tab, tmp_path, panel(half), panel(face), panel(short))
     for tick, frames in ((0, [0, 0, 0]), (1, [0, 1, 1]), (7, [3, 7, 1]), (39, [19, 39, 1])):
-        tab.value(f"{FIRST}.seek({tick})")
-        state = tab.value(f"{FIRST}.state")
+        tab.evaluate(f"{FIRST}.seek({tick})")
+        state = tab.evaluate(f"{FIRST}.state")
         assert [one["frame"] for one in state["panels"]] == frames
-    told = tab.value("[...document.querySelectorAll('.told')].map((one) => one.textContent)")
+    told = tab.evaluate("[...document.querySelectorAll('.told')].map((one) => one.textContent)")
     assert told == ["10 captured", "10 captured", "ended after 0.03 s"]
 
 
-def test_the_frames_of_a_thinned_take_keep_their_numbers(tab: Tab, tmp_path: Path) -> None:
+def test_the_frames_of_a_thinned_take_keep_their_numbers(tab: Page, tmp_path: Path) -> None:
     thin = replace(recordings()["complete"], rate=20.0)
-    tab.show(written(tmp_path, Playback(panels=(panel(thin),), every=3)))
-    tab.value(f"{FIRST}.seek(4)")
-    tab.value(f"{FIRST}.state")
-    assert "frame 12 of 117" in tab.value("document.querySelector('.clock').textContent")
+    load(tab, written(tmp_path, Playback(panels=(panel(thin),), every=3)))
+    tab.evaluate(f"{FIRST}.seek(4)")
+    tab.evaluate(f"{FIRST}.state")
+    assert "frame 12 of 117" in tab.evaluate("document.querySelector('.clock').textContent")
 
 
 @pytest.mark.parametrize("name", ["one frame", "all missing", "one marker"])
-def test_odd_recordings_are_shown(tab: Tab, tmp_path: Path, name: str) -> None:
+def test_odd_recordings_are_shown(tab: Page, tmp_path: Path, name: str) -> None:
     show(tab, tmp_path, panel(recordings()[name]), panel(animations()["one frame"]))
-    drawn = dots(tab.value(f"{FIRST}.state"))
+    drawn = dots(tab.evaluate(f"{FIRST}.state"))
     assert np.array_equal(np.isfinite(drawn[:, 0]), recordings()[name].present[0])
-    told = tab.value("document.querySelector('.told').textContent")
+    told = tab.evaluate("document.querySelector('.told').textContent")
     counts = np.bincount(recordings()[name].origin[0], minlength=2)
     expected = [(counts[1], "captured"), (counts[0], "missing")]
     assert told == ", ".join(f"{count} {word}" for count, word in expected if count)
 
 
-def test_all_panels_turn_together_by_a_drag(tab: Tab, tmp_path: Path) -> None:
+def test_all_panels_turn_together_by_a_drag(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, panel(face), panel(face, "other"))
-    width = tab.value("document.querySelector('canvas').clientWidth")
-    tab.drag(CANVAS, width / 4, 0)
-    state = tab.value(f"{FIRST}.state")
-    assert tab.value(f"{FIRST}.camera.yaw") == pytest.approx(np.pi / 4, abs=0.02)
-    turn = tab.value(f"{FIRST}.camera.yaw")
+    width = tab.evaluate("document.querySelector('canvas').clientWidth")
+    drag(tab, CANVAS, width / 4, 0)
+    state = tab.evaluate(f"{FIRST}.state")
+    assert tab.evaluate(f"{FIRST}.camera.yaw") == pytest.approx(np.pi / 4, abs=0.02)
+    turn = tab.evaluate(f"{FIRST}.camera.yaw")
     expected = projected(face.positions[0], state["panels"][0]["size"], turn)
     for place in (0, 1):
         assert np.abs(dots(state, place) - expected).max() < 0.1
     nose = face.markers.index("nose")
-    tab.value(f"{FIRST}.look(() => ({{ ...{FIRST}.camera, yaw: 0 }}))")
-    front = dots(tab.value(f"{FIRST}.state"))
+    tab.evaluate(f"{FIRST}.look(() => ({{ ...{FIRST}.camera, yaw: 0 }}))")
+    front = dots(tab.evaluate(f"{FIRST}.state"))
     assert expected[nose, 0] > front[nose, 0]  # what is near goes with the hand
 
 
-def test_a_drag_down_shows_the_top(tab: Tab, tmp_path: Path) -> None:
+def test_a_drag_down_shows_the_top(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, panel(face))
     nose = face.markers.index("nose")
-    before = dots(tab.value(f"{FIRST}.state"))
-    tab.drag(CANVAS, 0, 50)
-    after = dots(tab.value(f"{FIRST}.state"))
+    before = dots(tab.evaluate(f"{FIRST}.state"))
+    drag(tab, CANVAS, 0, 50)
+    after = dots(tab.evaluate(f"{FIRST}.state"))
     assert after[nose, 1] > before[nose, 1]
 
 
-def test_fingers_turn_move_and_enlarge(tab: Tab, tmp_path: Path) -> None:
-    show(tab, tmp_path, panel(recordings()["complete"]), touch=True)
-    tab.swipe(CANVAS, iter([[(0.0, 0.0)], [(30.0, 0.0)], [(60.0, 0.0)]]))
-    assert tab.value(f"{FIRST}.camera.yaw") > 0.2
-    yaw = tab.value(f"{FIRST}.camera.yaw")
+def swipe(tab: Page, steps: list[list[tuple[float, float]]]) -> None:
+    """Touch the picture with fingers at offsets from its middle, step by step."""
+    x, y = middle(tab, CANVAS)
+    protocol = tab.context.new_cdp_session(tab)  # Playwright itself has one finger
+    protocol.send("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
+    for number, fingers in enumerate([*steps, []]):
+        kind = "touchEnd" if not fingers else "touchMove" if number else "touchStart"
+        points = [{"x": x + right, "y": y + down} for right, down in fingers]
+        protocol.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def test_fingers_turn_move_and_enlarge(tab: Page, tmp_path: Path) -> None:
+    show(tab, tmp_path, panel(recordings()["complete"]))
+    swipe(tab, [[(0.0, 0.0)], [(30.0, 0.0)], [(60.0, 0.0)]])
+    assert tab.evaluate(f"{FIRST}.camera.yaw") > 0.2
+    yaw = tab.evaluate(f"{FIRST}.camera.yaw")
     apart: list[list[tuple[float, float]]] = [
         [(-20 - reach, 5.0), (20 + reach + 10, 5.0)] for reach in (0.0, 10.0, 20.0)
     ]
-    tab.swipe(CANVAS, iter(apart))
-    camera = tab.value(f"{FIRST}.camera")
+    swipe(tab, apart)
+    camera = tab.evaluate(f"{FIRST}.camera")
     assert camera["zoom"] == pytest.approx(90 / 50, rel=0.02)
     assert camera["yaw"] == yaw
 
 
-def test_everything_can_be_done_with_keys(tab: Tab, tmp_path: Path) -> None:
+def test_everything_can_be_done_with_keys(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(recordings()["complete"]))
-    tab.value(f"document.querySelector({STAGE!r}).focus()")
+    tab.evaluate(f"document.querySelector({STAGE!r}).focus()")
 
     def now(what: str) -> Any:
-        return tab.value(f"{FIRST}.state.{what}")
+        return tab.evaluate(f"{FIRST}.state.{what}")
 
-    tab.press("ArrowRight")
-    tab.press("ArrowRight")
-    tab.press("ArrowLeft")
+    tab.keyboard.press("ArrowRight")
+    tab.keyboard.press("ArrowRight")
+    tab.keyboard.press("ArrowLeft")
     assert now("tick") == 1
-    tab.press("End")
+    tab.keyboard.press("End")
     assert now("tick") == FRAMES - 1
-    tab.press("Home")
+    tab.keyboard.press("Home")
     assert now("tick") == 0
-    tab.press("ArrowRight", shift=True)
-    tab.press("ArrowDown", shift=True)
-    tab.press("+", shift=True)
-    camera = tab.value(f"{FIRST}.camera")
+    tab.keyboard.press("Shift+ArrowRight")
+    tab.keyboard.press("Shift+ArrowDown")
+    tab.keyboard.press("Shift++")
+    camera = tab.evaluate(f"{FIRST}.camera")
     assert camera["yaw"] > 0
     assert camera["pitch"] > 0
     assert camera["zoom"] == 1.25
-    tab.press("0")
-    assert tab.value(f"{FIRST}.camera") == {"yaw": 0, "pitch": 0, "zoom": 1, "x": 0, "y": 0}
-    tab.press(" ")
+    tab.keyboard.press("0")
+    assert tab.evaluate(f"{FIRST}.camera") == {"yaw": 0, "pitch": 0, "zoom": 1, "x": 0, "y": 0}
+    tab.keyboard.press("Space")
     assert now("playing")
-    tab.press(" ")
+    tab.keyboard.press("Space")
     assert not now("playing")
 
 
-def test_every_control_has_a_name(tab: Tab, tmp_path: Path) -> None:
+def test_every_control_has_a_name(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, panel(face), panel(head(), "head"), truth=panel(face, "truth"))
-    tree = tab.send("Accessibility.getFullAXTree")["nodes"]
+    tree = tab.context.new_cdp_session(tab).send("Accessibility.getFullAXTree")["nodes"]
     named = {
         (one["role"]["value"], one["name"]["value"])
         for one in tree
@@ -444,164 +430,163 @@ def filled(offset: float, marker: int = 6, first: int = 8, stop: int = 20) -> Tr
     return whole.with_samples(moved, changed=changed, origin=Origin.FILLED)
 
 
-def shown_panels(tab: Tab) -> list[str]:
+def shown_panels(tab: Page) -> list[str]:
     labels = "[...document.querySelectorAll('.stage .name span')].map((one) => one.textContent)"
-    return list(tab.value(labels))
+    return list(tab.evaluate(labels))
 
 
 def test_of_many_panels_the_best_are_shown_until_others_are_chosen(
-    tab: Tab, tmp_path: Path
+    tab: Page, tmp_path: Path
 ) -> None:
     truth = recordings()["complete"]
     fills = [panel(filled(offset), f"off by {offset}") for offset in (8, 7, 6, 5, 4, 3, 2, 1)]
     show(tab, tmp_path, *fills, truth=panel(truth, "truth"))
     assert shown_panels(tab) == ["truth", "off by 3", "off by 2", "off by 1"]
     chips = "[...document.querySelectorAll('.chooser button')].map((one) => one.textContent)"
-    assert tab.value(chips)[:2] == ["truth", "off by 8 8.00"]
+    assert tab.evaluate(chips)[:2] == ["truth", "off by 8 8.00"]
     for place in (2, 4):
         tab.click(f".chooser button:nth-of-type({place})")
     assert shown_panels(tab) == ["truth", *(f"off by {offset}" for offset in (8, 6, 3, 2, 1))]
-    assert len(tab.value(f"{FIRST}.state.panels")) == 6
-    tab.value(f"{FIRST}.follow({{ method: 'off by 7', marker: null }})")
+    assert len(tab.evaluate(f"{FIRST}.state.panels")) == 6
+    tab.evaluate(f"{FIRST}.follow({{ method: 'off by 7', marker: null }})")
     assert shown_panels(tab) == ["truth", *(f"off by {offset}" for offset in (8, 7, 6, 2, 1))]
-    selected = tab.value("document.querySelector('.panel.selected .name span').textContent")
+    selected = tab.evaluate("document.querySelector('.panel.selected .name span').textContent")
     assert selected == "off by 7"
     tab.click(".chooser button:nth-of-type(2)")
     assert "off by 8" not in shown_panels(tab)
 
 
-def test_gaps_are_marked_and_visited_one_after_the_other(tab: Tab, tmp_path: Path) -> None:
+def test_gaps_are_marked_and_visited_one_after_the_other(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(filled(3.0)), panel(filled(3.0, 2, 22, 34), "other"))
-    assert tab.value("document.querySelectorAll('.gaps span').length") == 2
+    assert tab.evaluate("document.querySelectorAll('.gaps span').length") == 2
     seen = []
     for _ in range(3):
         tab.click(".playback [aria-label='Next gap']")
-        seen.append((tab.value(f"{FIRST}.state.tick"), tab.value(f"{FIRST}.marker")))
+        seen.append((tab.evaluate(f"{FIRST}.state.tick"), tab.evaluate(f"{FIRST}.marker")))
     nose, cheek = recordings()["complete"].markers[6], recordings()["complete"].markers[2]
     assert seen[0] in ((14, nose), (28, cheek))
     assert set(seen) == {(14, nose), (28, cheek)}
 
 
-def test_pointing_at_a_marker_names_it_and_a_click_enlarges(tab: Tab, tmp_path: Path) -> None:
+def test_pointing_at_a_marker_names_it_and_a_click_enlarges(tab: Page, tmp_path: Path) -> None:
     face = filled(3.0)
     show(tab, tmp_path, panel(face), panel(face, "other"), truth=panel(filled(0.0), "truth"))
-    tab.value(f"{FIRST}.seek(10)")
-    state = tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.seek(10)")
+    state = tab.evaluate(f"{FIRST}.state")
     x, y, _ = dots(state, 1)[6]
     share = state["panels"][1]["size"]
-    left, top, width = tab.value(
+    left, top, width = tab.evaluate(
         "(() => { const canvas = document.querySelectorAll('canvas')[1];"
         "canvas.scrollIntoView({ block: 'center' });"
         "const box = canvas.getBoundingClientRect(); return [box.x, box.y, box.width]; })()"
     )
     at = left + x / share * width, top + y / share * width
-    tab.mouse("mouseMoved", *at)
+    tab.mouse.move(*at)
     tip = "[...document.querySelectorAll('.tip:not([hidden])')].map((one) => one.textContent)"
-    assert tab.value(tip) == [f"{face.markers[6]}: recovered, 3.00 mm off the truth"]
-    tab.mouse("mousePressed", *at)
-    tab.mouse("mouseReleased", *at)
+    assert tab.evaluate(tip) == [f"{face.markers[6]}: recovered, 3.00 mm off the truth"]
+    tab.mouse.click(*at)
     wide = "document.querySelectorAll('canvas')[1].clientWidth"
-    assert tab.value(wide) > 1.5 * width
+    assert tab.evaluate(wide) > 1.5 * width
     tab.click(".playback [aria-label='Shrink one']")
-    assert tab.value(wide) == pytest.approx(width, abs=1)
+    assert tab.evaluate(wide) == pytest.approx(width, abs=1)
 
 
-def test_errors_are_drawn_ten_times_as_large(tab: Tab, tmp_path: Path) -> None:
+def test_errors_are_drawn_ten_times_as_large(tab: Page, tmp_path: Path) -> None:
     truth = filled(0.0)
     show(tab, tmp_path, panel(filled(2.0)), truth=panel(truth, "truth"))
-    tab.value(f"{FIRST}.seek(10)")
-    tab.value(
+    tab.evaluate(f"{FIRST}.seek(10)")
+    tab.evaluate(
         "{ const one = document.querySelectorAll('.playback select')[2]; "
         "one.value = '10'; one.dispatchEvent(new Event('change')); }"
     )
-    state = tab.value(f"{FIRST}.state")
+    state = tab.evaluate(f"{FIRST}.state")
     expected = projected(filled(20.0).positions[10], state["panels"][1]["size"])
     assert np.abs(dots(state, 1) - expected).max() < 0.6
-    assert "10 times" in tab.value("document.querySelector('.legend').textContent")
+    assert "10 times" in tab.evaluate("document.querySelector('.legend').textContent")
 
 
-def test_labels_with_markup_are_text(tab: Tab, tmp_path: Path) -> None:
+def test_labels_with_markup_are_text(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     named = replace(face, markers=(HOSTILE, *face.markers[1:]), marker_set=None)
     show(tab, tmp_path, panel(named, HOSTILE), panel(face, "</template><b>x"))
-    assert tab.value("document.querySelector('.playback .name span').textContent") == HOSTILE
-    assert tab.value("document.querySelectorAll('main img, main b').length") == 0
-    assert tab.value("document.title") == "A title"
+    assert tab.evaluate("document.querySelector('.playback .name span').textContent") == HOSTILE
+    assert tab.evaluate("document.querySelectorAll('main img, main b').length") == 0
+    assert tab.evaluate("document.title") == "A title"
 
 
-def test_each_of_several_playbacks_plays_for_itself(tab: Tab, tmp_path: Path) -> None:
+def test_each_of_several_playbacks_plays_for_itself(tab: Page, tmp_path: Path) -> None:
     one = Playback(panels=(panel(recordings()["complete"]),))
-    tab.show(written(tmp_path, one, one))
-    tab.value(f"{PLAYER % 1}.seek(7)")
-    ticks = [tab.value(f"{PLAYER % place}.state.tick") for place in (0, 1)]
+    load(tab, written(tmp_path, one, one))
+    tab.evaluate(f"{PLAYER % 1}.seek(7)")
+    ticks = [tab.evaluate(f"{PLAYER % place}.state.tick") for place in (0, 1)]
     assert ticks == [0, 7]
-    assert tab.value("document.querySelectorAll('.controls').length") == 2
+    assert tab.evaluate("document.querySelectorAll('.controls').length") == 2
 
 
 @pytest.mark.parametrize("width", [360, 1400])
-def test_nothing_is_wider_than_the_page(tab: Tab, tmp_path: Path, width: int) -> None:
+def test_nothing_is_wider_than_the_page(tab: Page, tmp_path: Path, width: int) -> None:
     face = recordings()["complete"]
     shown = [panel(face, f"a rather long label of method {one}") for one in range(5)]
     show(tab, tmp_path, *shown, truth=panel(face, "truth"), width=width, height=800)
-    assert tab.value("document.documentElement.scrollWidth") <= width
+    assert tab.evaluate("document.documentElement.scrollWidth") <= width
     figure = "document.querySelector('figure.playback')"
-    assert tab.value(f"{figure}.scrollWidth <= {figure}.clientWidth + 1")
-    sizes = tab.value("[...document.querySelectorAll('canvas')].map((one) => one.clientWidth)")
+    assert tab.evaluate(f"{figure}.scrollWidth <= {figure}.clientWidth + 1")
+    sizes = tab.evaluate("[...document.querySelectorAll('canvas')].map((one) => one.clientWidth)")
     assert min(sizes) > 140
 
 
-def test_the_clock_stays_in_reach_of_every_picture(tab: Tab, tmp_path: Path) -> None:
+def test_the_clock_stays_in_reach_of_every_picture(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, *(panel(face, f"method {one}") for one in range(9)), width=390, height=600)
-    tab.middle(".playback .panel:last-child canvas")
-    assert tab.value("scrollY") > 400
-    assert 0 <= tab.value("document.querySelector('.time').getBoundingClientRect().top") < 20
-    assert tab.value("document.querySelector('.clock').ariaLive") == "off"
+    middle(tab, ".playback .panel:last-child canvas")
+    assert tab.evaluate("scrollY") > 400
+    assert 0 <= tab.evaluate("document.querySelector('.time').getBoundingClientRect().top") < 20
+    assert tab.evaluate("document.querySelector('.clock').ariaLive") == "off"
 
 
-def test_the_colours_follow_the_theme_that_the_reader_chooses(tab: Tab, tmp_path: Path) -> None:
+def test_the_colours_follow_the_theme_that_the_reader_chooses(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
     show(tab, tmp_path, panel(face))
     lips = [face.markers.index(name) for name in ("lip_left", "lip_right")]
-    x, y = dots(tab.value(f"{FIRST}.state"))[lips, :2].mean(axis=0)
+    x, y = dots(tab.evaluate(f"{FIRST}.state"))[lips, :2].mean(axis=0)
     light = pixel(tab, x, y)
     tab.click("#theme")
-    tab.value(f"{FIRST}.state")
+    tab.evaluate(f"{FIRST}.state")
     assert pixel(tab, x, y) != light
-    tab.value("localStorage.clear()")
+    tab.evaluate("localStorage.clear()")
 
 
-def test_paper_gets_the_colours_of_paper_and_no_controls(tab: Tab, tmp_path: Path) -> None:
-    tab.prefer(prefers_color_scheme="dark")
+def test_paper_gets_the_colours_of_paper_and_no_controls(tab: Page, tmp_path: Path) -> None:
+    tab.emulate_media(color_scheme="dark")
     show(tab, tmp_path, panel(recordings()["complete"]))
     face = recordings()["complete"]
     lips = [face.markers.index(name) for name in ("lip_left", "lip_right")]
-    x, y = dots(tab.value(f"{FIRST}.state"))[lips, :2].mean(axis=0)
+    x, y = dots(tab.evaluate(f"{FIRST}.state"))[lips, :2].mean(axis=0)
     dark = pixel(tab, x, y)
-    tab.value("dispatchEvent(new Event('beforeprint'))")
+    tab.evaluate("dispatchEvent(new Event('beforeprint'))")
     assert pixel(tab, x, y)[:3] > dark[:3]
-    tab.value("dispatchEvent(new Event('afterprint'))")
-    tab.send("Emulation.setEmulatedMedia", media="print")
-    assert tab.value("getComputedStyle(document.querySelector('.options')).display") == "none"
-    assert tab.value("document.querySelector('.clock').offsetHeight") > 0
-    assert tab.value("document.querySelector('canvas').offsetHeight") > 100
-    tab.send("Emulation.setEmulatedMedia", media="")
+    tab.evaluate("dispatchEvent(new Event('afterprint'))")
+    tab.emulate_media(media="print")
+    assert tab.evaluate("getComputedStyle(document.querySelector('.options')).display") == "none"
+    assert tab.evaluate("document.querySelector('.clock').offsetHeight") > 0
+    assert tab.evaluate("document.querySelector('canvas').offsetHeight") > 100
+    tab.emulate_media(media="screen")
 
 
-def test_data_that_cannot_be_read_say_so(tab: Tab, tmp_path: Path) -> None:
+def test_data_that_cannot_be_read_say_so(tab: Page, tmp_path: Path) -> None:
     file = written(tmp_path, Playback(panels=(panel(recordings()["complete"]),)))
     text = file.read_text(encoding="utf-8")
     start = text.index("<template>") + len("<template>")
     file.write_text(text[:start] + "!" + text[start:], encoding="utf-8")
-    tab.show(file)
-    told = tab.value("document.querySelector('figure.playback').textContent")
+    load(tab, file)
+    told = tab.evaluate("document.querySelector('figure.playback').textContent")
     assert told.startswith("This playback cannot be shown: ")
 
 
-def test_the_page_beside_the_report_plays(tab: Tab, tmp_path: Path) -> None:
+def test_the_page_beside_the_report_plays(tab: Page, tmp_path: Path) -> None:
     whole = render_playback(Playback(panels=(panel(head(), "head"),)), "heads")
     file = tmp_path / "heads.html"
     file.write_bytes(whole.files[".html"])
-    tab.show(file)
-    tab.value(f"{FIRST}.seek(3)")
-    assert tab.value(f"{FIRST}.state")["panels"][0]["frame"] == 3
+    load(tab, file)
+    tab.evaluate(f"{FIRST}.seek(3)")
+    assert tab.evaluate(f"{FIRST}.state")["panels"][0]["frame"] == 3
