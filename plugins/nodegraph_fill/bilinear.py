@@ -12,7 +12,7 @@ from pydantic import Field
 
 from nodegraph import Refusal, Unit, node
 from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.low_rank import Entries, LowRank
 from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
 from nodegraph_mocap import Trajectories
@@ -126,30 +126,30 @@ class _Basis:
 
     def nearest(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the rows, (T, P), that the basis can say and that are nearest to these."""
+        return np.asarray(self.slow(rows @ self.shapes) @ self.shapes.T)
+
+    def slow(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what the cosines hold of states, (T, K)."""
         from scipy.fft import dct, idct
 
-        waves = dct(rows @ self.shapes, axis=0, norm="ortho")
+        waves = dct(states, axis=0, norm="ortho")
         waves[self.cosines :] = 0.0
-        return np.asarray(idct(waves, axis=0, norm="ortho") @ self.shapes.T)
+        return np.asarray(idct(waves, axis=0, norm="ortho"))
 
 
 def _completed(
     basis: _Basis, straight: NDArray[np.float64], missing: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
     """Return the rows with their missing entries moved from the straight lines to the least."""
-
-    def off(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray((rows - basis.nearest(rows))[missing])
-
-    step = np.zeros_like(straight)
-    rest = -off(straight)
+    entries = Entries(missing)
+    rest = -(straight - basis.nearest(straight))[missing]
     ahead, moved = rest.copy(), np.zeros_like(rest)
     square, enough = rest @ rest, (_SETTLED * float(np.linalg.norm(straight))) ** 2
     for _ in range(_MOST_ROUNDS):
         if square <= enough:
             break
-        step[missing] = ahead
-        turned = off(step) + _STRAIGHT * ahead
+        within = entries.product(basis.slow(entries.rows(ahead, basis.shapes)), basis.shapes)
+        turned = (1.0 + _STRAIGHT) * ahead - within
         length = square / (ahead @ turned)
         moved += length * ahead
         rest -= length * turned

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,16 +15,17 @@ if TYPE_CHECKING:
 
     from nodegraph_fill.whole_take import TakeMatrix
 
+_Real = TypeVar("_Real", np.float32, np.float64)
 _MOST_ROUNDS = 1000
-_NEAR, _SETTLED = 1e-3, 1e-11
+_NEAR, _SETTLED = 0.1, 1e-11
 """How little, relative to the root mean square of what is known, a round may change: before
 Newton's step is tried, and at the end.
 """
 _ROUNDING = 10.0 * float(np.finfo(np.float64).eps)
 _MEMORY = 10
 """Rounds that the extrapolation looks back."""
-_MOST_TURNS, _REST = 100, 1e-3
-"""Of conjugate gradients: their number, and the share of the gradient that they leave."""
+_MOST_TURNS, _REST = 100, 0.1
+"""Of conjugate gradients: their number, and the largest share of the gradient that they leave."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class LowRank:
         self.rows = matrix.rows.copy()
         lacking = matrix.missing.any(axis=1)
         whole, some = matrix.rows[~lacking], matrix.rows[lacking]
-        self._missing, self._constant = _Entries(matrix.missing[lacking]), whole.T @ whole
+        self._missing, self._constant = Entries(matrix.missing[lacking]), whole.T @ whole
         square = float(np.linalg.eigvalsh(self._constant + some.T @ some)[-1])
         self._threshold = shrinkage * math.sqrt(max(square, 0.0))
         # 0 only if nothing ever moves
@@ -105,8 +107,9 @@ class LowRank:
         self, rows: NDArray[np.float64], missing: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
         """Return other rows completed by the same K: each x to the least ``x' K x``."""
-        entries, filled = _Entries(missing), np.where(missing, 0.0, rows)
-        filled[missing] = -entries.solved(self.precision, (filled @ self.precision)[missing])
+        entries, filled = Entries(missing), np.where(missing, 0.0, rows)
+        gradient = entries.product(filled, self.precision)
+        filled[missing] = -entries.inverse(self.precision)(gradient)
         return filled
 
     def principal(self, share: float) -> Principal:
@@ -135,8 +138,9 @@ class LowRank:
         for _ in range(_MOST_ROUNDS):
             spectrum = _Spectrum.of(self._constant + rows.T @ rows, self._threshold)
             self.precision = spectrum.precision
-            gradient = (rows @ self.precision)[missing.mask]
-            step = missing.solved(self.precision, gradient)
+            gradient = missing.product(rows, self.precision)
+            inverse = missing.inverse(self.precision)
+            step = inverse(gradient)
             change = float(np.abs(step).max(initial=0.0))
             if change <= settled:
                 return
@@ -146,7 +150,9 @@ class LowRank:
                 continue
             lower = rows[missing.mask] - step
             if change <= near:
-                rows[missing.mask] -= missing.newton(spectrum, rows, gradient, settled)
+                rest = min(_REST, change / size)
+                newton = _Newton(missing, rows, spectrum, inverse)
+                rows[missing.mask] -= newton.step(gradient, rest, settled)
                 before = change
             else:
                 rows[missing.mask] = mixing.extrapolated(lower, -step)
@@ -227,7 +233,7 @@ class _Spectrum:
         )
 
 
-class _Entries:
+class Entries:
     """The entries that rows lack, row by row: what is done with these alone.
 
     Parameters
@@ -240,58 +246,98 @@ class _Entries:
         self._row, self._column = np.nonzero(mask)
         self._start = np.concatenate([[0], np.cumsum(np.count_nonzero(mask, axis=1))])
 
-    def solved(
-        self, precision: NDArray[np.float64], values: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Return ``inv(K_mm) v`` for each row's values v, m being the entries that it lacks."""
+    def inverse(
+        self, precision: NDArray[np.float64]
+    ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+        """Return ``v -> inv(K_mm) v``, row by row, m being the entries that the row lacks."""
         from nodegraph_fill import low_rank_kernel
 
-        solution = low_rank_kernel.solve(self._start, self._column, precision, values)
-        return np.asarray(solution)
+        factors = low_rank_kernel.factorize(self._start, self._column, precision)
+        return lambda values: np.asarray(low_rank_kernel.solve(self._start, *factors, values))
 
-    def newton(
+    def product(self, rows: NDArray[_Real], matrix: NDArray[_Real]) -> NDArray[_Real]:
+        """Return the entries of ``Y D'``, from rows Y and a matrix D."""
+        from nodegraph_fill import low_rank_kernel
+
+        return np.asarray(low_rank_kernel.product(self._row, self._column, rows, matrix))
+
+    def outer(self, values: NDArray[_Real], rows: NDArray[_Real]) -> NDArray[_Real]:
+        """Return ``E' Y``, E being zero but for the entries' values, from rows Y."""
+        return self._gathered(self._row, self._column, values, rows, self.mask.shape[1])
+
+    def rows(self, values: NDArray[_Real], matrix: NDArray[_Real]) -> NDArray[_Real]:
+        """Return ``E D``, E being zero but for the entries' values, from a matrix D."""
+        return self._gathered(self._column, self._row, values, matrix, len(self.mask))
+
+    @staticmethod
+    def _gathered(*arguments: Any) -> NDArray[Any]:
+        from nodegraph_fill import low_rank_kernel
+
+        return np.asarray(low_rank_kernel.gather(*arguments))
+
+
+class _Newton:
+    """Newton's step of the entries.
+
+    What the change of K adds is computed in single precision: it bounds how much of the way a
+    step leaves to the next, not where they end.
+
+    Parameters
+    ----------
+    entries
+        Those of X.
+    rows
+        X.
+    spectrum
+        Of X.
+    inverse
+        ``inv(K_mm)``.
+    """
+
+    def __init__(
         self,
-        spectrum: _Spectrum,
+        entries: Entries,
         rows: NDArray[np.float64],
-        gradient: NDArray[np.float64],
-        settled: float,
+        spectrum: _Spectrum,
+        inverse: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    ) -> None:
+        self._entries, self._inverse = entries, inverse
+        self._vectors = spectrum.vectors.astype(np.float32)
+        self._bend = spectrum.bend.astype(np.float32)
+        self._scores = rows.astype(np.float32) @ self._vectors
+
+    def step(
+        self, gradient: NDArray[np.float64], left: float, settled: float
     ) -> NDArray[np.float64]:
         """Return what to subtract from the entries, by conjugate gradients.
 
-        They end when the rest of the gradient, measured by inv(K_mm), is a share of it, or would
-        change no entry by half of what counts as settled.
+        They end when the rest of the gradient, measured by inv(K_mm), is the share `left` of it,
+        or would change no entry by half of what counts as settled.
         """
-        scores = rows @ spectrum.vectors
         rest, step = gradient.copy(), np.zeros_like(gradient)
-        ahead = self.solved(spectrum.precision, rest)
+        ahead = self._inverse(rest)
+        # K_mm ahead
+        pulled = rest.copy()
         square = float(rest @ ahead)
-        enough = _REST**2 * square
+        enough = left**2 * square
         for _ in range(_MOST_TURNS):
-            turned = self._curved(spectrum, scores, ahead)
+            turned = pulled + self._bent(ahead)
             curvature = float(ahead @ turned)
-            if curvature <= 0.0:  # of rounding: the sum is convex
+            if not curvature > 0.0:  # of rounding: the sum is convex
                 break
             length = square / curvature
             step += length * ahead
             rest -= length * turned
-            next_step = self.solved(spectrum.precision, rest)
+            next_step = self._inverse(rest)
             before, square = square, float(rest @ next_step)
             if square <= enough or np.abs(next_step).max() <= 0.5 * settled:
                 break
             ahead = next_step + square / before * ahead
+            pulled = rest + square / before * pulled
         return step
 
-    def _curved(
-        self, spectrum: _Spectrum, scores: NDArray[np.float64], step: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Return the change of the gradient by a step of the entries, scores being ``X V``."""
-        from nodegraph_fill import low_rank_kernel
-
-        product = low_rank_kernel.product(self._row, self._column, step, scores)
-        half = spectrum.vectors.T @ product
-        change = spectrum.vectors @ (spectrum.bend * (half + half.T))
-        return np.asarray(
-            low_rank_kernel.curvature(
-                self._start, self._column, spectrum.precision, step, scores, change
-            )
-        )
+    def _bent(self, step: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return what a step of the entries changes the gradient by through K."""
+        half = self._vectors.T @ self._entries.outer(step.astype(np.float32), self._scores)
+        change = self._vectors @ (self._bend * (half + half.T))
+        return self._entries.product(self._scores, change)

@@ -13,8 +13,8 @@ compiled = kernel(fastmath={"reassoc", "contract"})
 
 
 @compiled
-def solve(start: Any, columns: Any, precision: Any, values: Any) -> Any:
-    """Return ``inv(K_mm) v`` row by row, m being the row's missing entries.
+def factorize(start: Any, columns: Any, precision: Any) -> Any:
+    """Return Cholesky's factors of ``K_mm`` row by row, m being the row's missing entries.
 
     Parameters
     ----------
@@ -23,75 +23,97 @@ def solve(start: Any, columns: Any, precision: Any, values: Any) -> Any:
     columns : (E,) array of int
     precision : (P, P) array of float64
         K, positive definite.
-    values : (E,) array of float64
-        v.
+
+    Returns
+    -------
+    factors : (S,) array of float64
+        Lower triangles one after the other, by rows, their diagonals inverted.
+    where : (N,) array of int
+        Where the triangle of each row begins.
     """
-    size = np.max(np.diff(start)) if len(start) > 1 else 0
-    factor, solution = np.empty((size, size)), np.empty_like(values)
-    before = columns[:0]
-    for row in range(len(start) - 1):
-        entries = slice(start[row], start[row + 1])
-        places = columns[entries]
+    where = np.zeros(len(start) - 1, np.int64)
+    size, before = 0, columns[:0]
+    for row in range(len(where)):
+        places = columns[start[row] : start[row + 1]]
         # neighbouring rows mostly lack the same: the factor serves for all of them
-        if not np.array_equal(places, before):
-            _factorize(precision, places, factor)
-        _solve(factor, values[entries], solution[entries])
+        if row and np.array_equal(places, before):
+            where[row] = where[row - 1]
+        else:
+            where[row] = size
+            size += len(places) * (len(places) + 1) // 2
         before = places
-    return solution
+    factors, end = np.empty(size), 0
+    for row in range(len(where)):
+        if where[row] == end:
+            places = columns[start[row] : start[row + 1]]
+            _factorize(precision, places, factors[end:])
+            end += len(places) * (len(places) + 1) // 2
+    return factors, where
 
 
 @compiled
 def _factorize(precision: Any, places: Any, factor: Any) -> None:
-    """Write Cholesky's factor of ``K_mm``, m being the places; its diagonal inverted."""
     for i in range(len(places)):
-        line = precision[places[i]]
+        line, first = precision[places[i]], i * (i + 1) // 2
         for j in range(i + 1):
-            rest = line[places[j]]
+            rest, other = line[places[j]], j * (j + 1) // 2
             for k in range(j):
-                rest -= factor[i, k] * factor[j, k]
-            factor[i, j] = 1.0 / math.sqrt(rest) if i == j else rest * factor[j, j]
+                rest -= factor[first + k] * factor[other + k]
+            diagonal = factor[other + j]
+            factor[first + j] = 1.0 / math.sqrt(rest) if i == j else rest * diagonal
+
+
+@compiled
+def solve(start: Any, factors: Any, where: Any, values: Any) -> Any:
+    """Return ``inv(K_mm) v`` row by row, from the factors of all K_mm and v, (E,)."""
+    solution = np.empty_like(values)
+    for row in range(len(where)):
+        entries = slice(start[row], start[row + 1])
+        _solve(factors[where[row] :], values[entries], solution[entries])
+    return solution
 
 
 @compiled
 def _solve(factor: Any, values: Any, solution: Any) -> None:
     size = len(values)
     for i in range(size):
-        rest = values[i]
+        rest, first = values[i], i * (i + 1) // 2
         for k in range(i):
-            rest -= factor[i, k] * solution[k]
-        solution[i] = rest * factor[i, i]
+            rest -= factor[first + k] * solution[k]
+        solution[i] = rest * factor[first + i]
     for i in range(size - 1, -1, -1):
-        solution[i] *= factor[i, i]
+        first = i * (i + 1) // 2
+        solution[i] *= factor[first + i]
         for k in range(i):
-            solution[k] -= factor[i, k] * solution[i]
+            solution[k] -= factor[first + k] * solution[i]
 
 
 @compiled
-def product(rows: Any, columns: Any, values: Any, scores: Any) -> Any:
-    """Return ``E' Y``, E having some values, (E,), and else zeros, and Y the scores, (N, P)."""
-    width = scores.shape[1]
-    product = np.zeros((width, width))
+def gather(sources: Any, targets: Any, values: Any, lines: Any, size: Any) -> Any:
+    """Return so many lines, each the sum of value times source line over what has it as target.
+
+    Parameters
+    ----------
+    sources, targets : (E,) arrays of int
+    values : (E,) array of float64
+    lines : (N, P) array of float64
+    size : int
+    """
+    gathered = np.zeros((size, lines.shape[1]), lines.dtype)
     for entry in range(len(values)):
-        line, score, value = product[columns[entry]], scores[rows[entry]], values[entry]
-        for k in range(width):
-            line[k] += value * score[k]
-    return product
+        target, source, value = gathered[targets[entry]], lines[sources[entry]], values[entry]
+        for k in range(len(target)):
+            target[k] += value * source[k]
+    return gathered
 
 
 @compiled
-def curvature(
-    start: Any, columns: Any, precision: Any, values: Any, scores: Any, change: Any
-) -> Any:
-    """Return ``E K + Y D'`` at the entries of E, D being the change, (P, P)."""
-    curved = np.empty_like(values)
-    for row in range(len(start) - 1):
-        score, first, last = scores[row], start[row], start[row + 1]
-        for entry in range(first, last):
-            line, rest = change[columns[entry]], 0.0
-            for k in range(len(score)):
-                rest += line[k] * score[k]
-            line = precision[columns[entry]]
-            for other in range(first, last):
-                rest += line[columns[other]] * values[other]
-            curved[entry] = rest
-    return curved
+def product(rows: Any, columns: Any, scores: Any, matrix: Any) -> Any:
+    """Return the entries of ``Y D'``, Y being the scores, (N, K), and D the matrix, (P, K)."""
+    entries, zero = np.empty(len(rows), scores.dtype), scores.dtype.type(0)
+    for entry in range(len(rows)):
+        line, score, value = matrix[columns[entry]], scores[rows[entry]], zero
+        for k in range(len(score)):
+            value += line[k] * score[k]
+        entries[entry] = value
+    return entries

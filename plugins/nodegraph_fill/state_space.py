@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_fill.whole_take import Estimate, HiddenEnds, TakeMatrix
+from nodegraph_fill.whole_take import Estimate, TakeMatrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_fill.gaps import Gaps
     from nodegraph_fill.meet_ends import Ends
+
+_LEAST_DRIFT = 1e-12
+"""In each direction, relative to the one along which states drift most."""
 
 
 @dataclass(frozen=True)
@@ -46,50 +50,55 @@ class StateSpace:
         """
         from nodegraph_fill import kalman_kernel
 
-        rows = matrix.rows - self.middle
+        rows, basis = np.where(matrix.missing, 0.0, matrix.rows - self.middle), self._basis
         states, covariances = kalman_kernel.smooth(
-            *self._likelihood(rows, ~matrix.missing), self.first, self.drift
+            kalman_kernel.information(basis, self.noise, matrix.missing),
+            rows / self.noise @ basis,
+            self._first,
         )
         sigma = self._sigma(matrix, covariances) if with_sigma else None
         estimate = Estimate(self._positions(matrix, states), sigma)
         if ends == "as_published":
             return estimate
         hidden = matrix.hidden_ends(gaps)
-        lacking = hidden.missing & ~matrix.missing[hidden.frame]
-        beside = self._without(rows, lacking, states, covariances, hidden)
+        at = hidden.frame
+        lacking = hidden.missing & ~matrix.missing[at]
+        beside = kalman_kernel.without(
+            lacking, rows[at], states[at], covariances[at], basis, self.noise
+        )
         return replace(estimate, ends=hidden.of_gaps(self._positions(matrix, beside)))
 
-    def _positions(self, matrix: TakeMatrix, states: NDArray[np.float64]) -> NDArray[np.float64]:
-        return matrix.positions(states @ self.basis.T + self.middle)
+    @cached_property
+    def _scale(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The drift's eigenvectors as columns, and its deviations along them."""
+        values, vectors = np.linalg.eigh(self.drift)
+        least = _LEAST_DRIFT * max(float(values[-1]), float(self.noise.min()))
+        return vectors, np.sqrt(np.maximum(values, least))
 
-    def _likelihood(
-        self, rows: NDArray[np.float64], known: NDArray[np.bool_]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return what the known entries of rows tell of the state, as the kernel takes it."""
-        weight = np.where(known, 1.0 / self.noise, 0.0)
-        information = (weight @ self._products()).reshape(len(rows), *self.drift.shape)
-        return information, (weight * rows) @ self.basis
+    @cached_property
+    def _basis(self) -> NDArray[np.float64]:
+        """C of the states that drift by 1 in each direction."""
+        vectors, scale = self._scale
+        return np.ascontiguousarray(self.basis @ vectors * scale)
+
+    @cached_property
+    def _first(self) -> NDArray[np.float64]:
+        vectors, scale = self._scale
+        return np.asarray((vectors.T * self.first) @ vectors / np.multiply.outer(scale, scale))
+
+    def _positions(self, matrix: TakeMatrix, states: NDArray[np.float64]) -> NDArray[np.float64]:
+        return matrix.positions(states @ self._basis.T + self.middle)
 
     def _sigma(self, matrix: TakeMatrix, covariances: NDArray[np.float64]) -> NDArray[np.float64]:
-        sigma = np.full((len(covariances), len(matrix.seen)), np.nan)
-        spread = covariances.reshape(len(covariances), -1) @ self._products().T + self.noise
-        sigma[:, matrix.seen] = np.sqrt(spread.reshape(len(covariances), -1, 3).mean(axis=2))
+        from nodegraph_fill import kalman_kernel
+
+        spread, sigma = (
+            np.full(matrix.missing.shape, np.nan),
+            np.full((len(matrix.rows), len(matrix.seen)), np.nan),
+        )
+        row, column = np.nonzero(matrix.missing)
+        spread[row, column] = kalman_kernel.spread(row, column, covariances, self._basis)
+        sigma[:, matrix.seen] = np.sqrt(
+            (spread + self.noise).reshape(len(sigma), -1, 3).mean(axis=2)
+        )
         return sigma
-
-    def _products(self) -> NDArray[np.float64]:
-        """Return the products of every two numbers in each row of C, (P, D * D)."""
-        return (self.basis[:, :, None] * self.basis[:, None, :]).reshape(len(self.basis), -1)
-
-    def _without(
-        self,
-        rows: NDArray[np.float64],
-        lacking: NDArray[np.bool_],
-        states: NDArray[np.float64],
-        covariances: NDArray[np.float64],
-        ends: HiddenEnds,
-    ) -> NDArray[np.float64]:
-        """Return the states, (E, D), without the contribution of what is lacking, (E, P)."""
-        information, vector = self._likelihood(rows[ends.frame], lacking)
-        covariance, state = covariances[ends.frame], states[ends.frame, :, None]
-        system = np.eye(len(self.drift)) - covariance @ information
-        return np.asarray(np.linalg.solve(system, state - covariance @ vector[:, :, None])[..., 0])

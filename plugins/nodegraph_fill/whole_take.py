@@ -126,10 +126,16 @@ class TakeMatrix:
 
     def with_lines(self) -> NDArray[np.float64]:
         """Return the rows with straight lines through the gaps, level at the take's ends."""
-        frames, lines = np.arange(len(self.rows)), self.rows.copy()
-        for column in np.flatnonzero(self.missing.any(axis=0)):
-            known = np.flatnonzero(~self.missing[:, column])
-            lines[:, column] = np.interp(frames, known, self.rows[known, column])
+        missing, lines, last = self.missing, self.rows.copy(), len(self.rows) - 1
+        frames = np.arange(len(self.rows))[:, None]
+        before = np.maximum.accumulate(np.where(missing, -1, frames), axis=0)[missing]
+        after = np.minimum.accumulate(np.where(missing, last + 1, frames)[::-1], axis=0)[::-1]
+        frame, column = np.nonzero(missing)
+        first = np.where(before < 0, after[missing], before)
+        stop = np.where(after[missing] > last, before, after[missing])
+        level = lines[first, column]
+        slope = (lines[stop, column] - level) / np.maximum(stop - first, 1)
+        lines[missing] = level + slope * (frame - first)
         return lines
 
     def positions(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:

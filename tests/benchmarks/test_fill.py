@@ -1,7 +1,8 @@
 """Filling 600 frames of 60 markers, a twentieth and a fifth of them missing, beside others.
 
 The step-wise fills stand beside a plain loop of the same rule, and the straight line beside
-pandas and xarray. Gaps are 15 frames long, as from `gaps.cut`.
+pandas and xarray. Gaps are 15 frames long, as from `gaps.cut`. What learns from the whole take
+fills a made face.
 """
 
 from __future__ import annotations
@@ -14,13 +15,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nodegraph_fill.bilinear import bilinear
 from nodegraph_fill.guenter import guenter
 from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
 from nodegraph_fill.linear import linear
 from nodegraph_fill.muscle import muscle
+from nodegraph_fill.ridge import ridge
+from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_fill.stepwise import Rule, _Pass
+from nodegraph_fill.subspace_kalman import subspace_kalman
 from nodegraph_fill.waters import waters
+from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
+from nodegraph_synthesize.face import synthesize_face
 from tests.benchmarks.conftest import Clock
 
 FRAMES, MARKERS, GAP = 600, 60, 15
@@ -106,6 +113,22 @@ NODES: dict[str, Fill] = {
     "muscle": muscle,
     "waters": waters,
 }
+WHOLE_TAKE: dict[str, Fill] = {
+    "bilinear": bilinear,
+    "ridge": ridge,
+    "soft_impute": soft_impute,
+    "subspace_kalman": subspace_kalman,
+}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("method", WHOLE_TAKE)
+def test_fills_from_the_whole_take(method: str, seed: int, clock: Clock) -> None:
+    face = synthesize_face(seconds=10.0, seed=seed, noise=0.1, missing=0.05, impulses=0.005)
+    run = node(WHOLE_TAKE[method], cut(face.captured, truth=face.truth).gappy)
+    case = f"600 frames of a face, seed {seed}"
+    made = clock(case, f"fill.{method}", "ms", run, scale=1e3, rounds=5)
+    assert not np.isnan(made).any()
 
 
 @pytest.mark.parametrize("share", SHARES)
