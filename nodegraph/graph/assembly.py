@@ -23,7 +23,7 @@ from nodegraph.graph.namespace import Namespace
 from nodegraph.graph.settings import SettingsReader
 from nodegraph.graph.wiring import WireChecker, sorted_names, typed_network
 from nodegraph.graphfile.axes import is_label
-from nodegraph.graphfile.spec import NodeSpec, Reference, SkipSpec
+from nodegraph.graphfile.spec import FIRST, NodeSpec, Reference, SkipSpec
 from nodegraph.plugin.registry import Registry
 
 
@@ -59,14 +59,14 @@ class Assembler:
             if node.has_alternatives:
                 labels = tuple(method.label for method in self._methods[name])
                 self._namespace.add_alternatives(name, labels)
-        self._methods = {
-            name: [method.with_first_labels(self._namespace.axes) for method in methods]
-            for name, methods in self._methods.items()
-        }
-        self._sources = {
-            name: [source for method in methods for source in method.references()]
-            for name, methods in self._methods.items()
-        }
+        self._sources: dict[str, list[Reference]] = {}
+        for name, methods in self._methods.items():
+            sources = [source for method in methods for source in method.references()]
+            if any(FIRST in source.at.values() for source in sources if source.at):
+                first = [method.with_first_labels(self._namespace.axes) for method in methods]
+                self._methods[name] = first
+                sources = [source for method in first for source in method.references()]
+            self._sources[name] = sources
         self._spec = replace(
             spec,
             report=tuple(at_first_labels(entry, self._namespace.axes) for entry in spec.report),
@@ -151,15 +151,13 @@ class Assembler:
         if method.registered is None:
             return False
         for name, written in method.settings.items():
-            variables = set(written.variables())
-            if variables and name not in method.registered.node.settings:
-                return False
-            if variables & self._namespace.invalid:
-                return False
-        return all(
-            source.node in self._nodes and source.node not in self._incomplete
-            for source in method.references()
-        )
+            if variables := written.variables():
+                if name not in method.registered.node.settings:
+                    return False
+                if not self._namespace.invalid.isdisjoint(variables):
+                    return False
+        sources = {source.node for source in method.references()}
+        return sources <= self._nodes.keys() and sources.isdisjoint(self._incomplete)
 
     def _method(self, spec: NodeSpec, method: ResolvedMethod) -> Method | None:
         where = method_name(spec.name, method.label)

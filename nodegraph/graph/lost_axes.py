@@ -24,7 +24,7 @@ class LostAxes:
     """The axes that nodes have lost, and where their names were dropped."""
 
     def __init__(self) -> None:
-        self._lost: dict[str, frozenset[str]] = {}
+        self._lost: dict[str, frozenset[str]] = {}  # by node; most nodes have lost none
         self._places: dict[str, list[Place]] = {}
 
     def add(self, node: GraphNode, nodes: Mapping[str, GraphNode], every: Iterable[Method]) -> None:
@@ -39,16 +39,18 @@ class LostAxes:
         every
             Its methods, those that are left out included.
         """
-        axes = {axis for method in every for axis in method.settings.axes}
-        for source in (source for method in every for source in method.references()):
-            if source.node in nodes:
-                axes |= {*nodes[source.node].axes, *self._lost[source.node]} - source.at.keys()
-        lost = axes.difference(node.axes, node.gathered)
-        self._lost[node.name] = frozenset(lost)
+        axes: set[str] = set()
+        for method in every:
+            axes.update(method.settings.axes)
+            for source in method.references():
+                if source.node in nodes and (nodes[source.node].axes or self._of(source.node)):
+                    axes |= {*nodes[source.node].axes, *self._of(source.node)} - source.at.keys()
+        if lost := axes.difference(node.axes, node.gathered):
+            self._lost[node.name] = frozenset(lost)
 
     def without(self, source: _Reference) -> _Reference:
         """Return a reference that fixes none of them."""
-        lost = self._lost.get(source.node, frozenset()) & source.at.keys()
+        lost = self._of(source.node) & source.at.keys()
         for axis in lost:
             self._drop(axis, source.place)
         at = {axis: label for axis, label in source.at.items() if axis not in lost}
@@ -58,20 +60,22 @@ class LostAxes:
         """Return methods whose references fix none of them."""
         return [
             method.rewired(self.without)
-            if any(self._lost.get(source.node) for source in method.references())
+            if self._lost and any(map(self._of, (source.node for source in method.references())))
             else method
             for method in methods
         ]
 
     def without_names(self, node: GraphNode) -> GraphNode:
         """Return a node whose lists of axes and columns name none of them."""
+        if not self._lost:
+            return node
         methods = {label: self._without_names(node, each) for label, each in node.methods.items()}
         return replace(node, methods=methods) if methods != node.methods else node
 
     def explains(self, item: SkipSpec, nodes: Iterable[GraphNode]) -> bool:
         """Return whether a node would have the axes of a rule, which is dropped then."""
         for node in nodes:
-            lost = self._lost[node.name] & item.labels.keys()
+            lost = self._of(node.name) & item.labels.keys()
             if lost and item.labels.keys() <= {*node.axes, *lost}:
                 for axis in lost:
                     self._drop(axis, item.place)
@@ -88,6 +92,9 @@ class LostAxes:
                 f"the axis {axis!r} is dropped here{also}: no method that is kept depends on it",
                 "keep such a method with --only",
             )
+
+    def _of(self, name: str) -> frozenset[str]:
+        return self._lost.get(name, frozenset())
 
     def _without_names(self, node: GraphNode, method: Method) -> Method:
         for name, setting in method.node.settings.items():
@@ -108,7 +115,7 @@ class LostAxes:
         lost = {
             axis
             for source in feed.sources.values()
-            for axis in self._lost[source.node] - source.at.keys()
+            for axis in self._of(source.node) - source.at.keys()
         }
         return {node.local_name(axis): axis for axis in lost.difference(node.gathered)}
 

@@ -65,8 +65,6 @@ class ResolvedMethod:
 
     def with_first_labels(self, axes: Mapping[str, Axis]) -> ResolvedMethod:
         """Return the method with each `FIRST` in its wiring replaced by the label."""
-        if not any(FIRST in source.at.values() for source in self.references()):
-            return self
         return self.rewired(lambda source: at_first_labels(source, axes))
 
 
@@ -103,7 +101,9 @@ def resolve_methods(
         method.label: graphs.get(method.label) or _find(method, registry, problems)
         for method in siblings
     }
-    _check_family(spec, registered, problems)
+    has_family = any(is_family(method.use) for method in spec.methods)
+    if has_family:
+        _check_family(spec, registered, problems)
     first = next((sibling for sibling in registered.values() if sibling is not None), None)
     if len(siblings) < len(methods):
         passing = Registered(pass_beside(first.node), "nodegraph") if first else None
@@ -112,12 +112,10 @@ def resolve_methods(
                 registered[method.label] = passing
                 if spec.has_alternatives:
                     _check_pass(method, first, bool(siblings), problems)
-    explicit = {method.label for method in spec.methods}
-    family = [each for label, each in registered.items() if label not in explicit and each]
+    listed = {method.label for method in spec.methods} if has_family else registered.keys()
+    family = [each for label, each in registered.items() if label not in listed and each]
     return [
-        _resolved(
-            spec, method, registered[method.label], () if method.label in explicit else family
-        )
+        _resolved(spec, method, registered[method.label], () if method.label in listed else family)
         for method in methods
     ]
 
@@ -224,8 +222,6 @@ def _by_port(wiring: Wiring, node: Node | None) -> Wiring:
 def _check_family(
     spec: NodeSpec, registered: Mapping[str, Registered | None], problems: Problems
 ) -> None:
-    if not any(is_family(method.use) for method in spec.methods):
-        return
     nodes = [member.node for member in registered.values() if member is not None]
     for node in nodes[1:]:
         if _signature(node) != _signature(nodes[0]):

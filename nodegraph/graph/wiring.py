@@ -40,7 +40,9 @@ class WireChecker:
         for name, feed in method.wiring.items():
             port = self._port(where, name, node, feed.place)
             sources = dict(labelled(feed))
-            target = port and replace(port, truth=port.truth or node.damages)
+            target = port
+            if port is not None and node.damages and not port.truth:
+                target = replace(port, truth=True)
             for reference in sources.values():
                 self.check(reference, target, where)
             if port is None:

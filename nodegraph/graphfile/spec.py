@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -94,19 +94,21 @@ class Written:
     place: Place
     folder: Path | None = None
 
-    def variables(self) -> Iterator[Variable]:
-        """Yield the inputs and axes that the value names."""
+    def variables(self) -> Sequence[Variable]:
+        """Return the inputs and axes that the value names."""
         if not isinstance(self.value, (Variable, dict, list)):
-            return  # as for most values
+            return ()  # as for most values
+        variables: list[Variable] = []
         pending = [self.value]
         while pending:
             value = pending.pop()
             if isinstance(value, Variable):
-                yield value
+                variables.append(value)
             elif isinstance(value, dict):
                 pending.extend(value.values())
             elif isinstance(value, list):
                 pending.extend(value)
+        return variables
 
 
 @dataclass(frozen=True)

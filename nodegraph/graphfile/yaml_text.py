@@ -33,8 +33,8 @@ _CONSTANTS = {
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
 
-_FIRST_CHARACTERS = frozenset("~nNtTfF.+-0123456789")
-"""With which a scalar begins that may be anything but a word."""
+_FIRST_OF_NUMBERS = frozenset(".+-0123456789")
+"""Characters with which a number begins."""
 
 _NO_KEYS: Mapping[Any, Place] = MappingProxyType({})
 Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -130,10 +130,10 @@ def _indent(line: str) -> int:
 
 def scalar(text: str) -> Any:
     """Return the value of an unquoted scalar: null, a boolean, a number, or the text itself."""
-    if text and text[0] not in _FIRST_CHARACTERS:
-        return text
     if text in _CONSTANTS:
         return _CONSTANTS[text]
+    if text[0] not in _FIRST_OF_NUMBERS:
+        return text
     if _INTEGER.fullmatch(text):
         return int(text) if len(text) < _MOST_DIGITS else text
     if _OCTAL_OR_HEX.fullmatch(text):
@@ -200,7 +200,8 @@ class _Parser:
         place = self._place(event)
         if event.tag is not None:
             self._refuse_tag(event, place)
-        item = Located(scalar(event.value) if event.implicit[0] else event.value, place)
+        value = scalar(event.value) if event.implicit[0] else event.value
+        item = Located(value, place, _NO_KEYS)
         self._add(item, 1, 0)
         if event.anchor is not None:
             self._anchors[event.anchor] = (item, 1, 0)
@@ -248,16 +249,13 @@ class _Parser:
             into.setdefault(parent.key, item)
             parent.has_key = False
         else:
-            self._key(parent, item)
-
-    def _key(self, parent: _Open, item: Located) -> None:
-        if isinstance(item.value, (list, dict)):
-            self._fail(item.place, "a key must be one word or number")
-        first = parent.keys.setdefault(item.value, item.place)
-        if first is not item.place:
-            message = f"duplicate key {item.value!r}; first in line {first.line}"
-            self._problems.add(item.place, message)
-        parent.key, parent.has_key = item.value, True
+            if height:
+                self._fail(item.place, "a key must be one word or number")
+            first = parent.keys.setdefault(item.value, item.place)
+            if first is not item.place:
+                message = f"duplicate key {item.value!r}; first in line {first.line}"
+                self._problems.add(item.place, message)
+            parent.key, parent.has_key = item.value, True
 
     def _refuse_tag(self, event: Any, place: Place) -> None:
         if event.tag not in (None, "!"):
