@@ -46,6 +46,12 @@ nodegraph.define("selection", [], () => {
     const place = text ? PREFIX + text : location.hash.startsWith(PREFIX) ? "#" : location.hash;
     if (place !== location.hash) history.replaceState(null, "", place || location.pathname);
   };
+  // What a page begins with where neither its reader nor its address has chosen; clearing returns to it.
+  const begin = (values) => {
+    const open = Object.entries(values).filter(([name]) => state[name] === NOTHING[name]);
+    Object.assign(NOTHING, values);
+    apply(Object.fromEntries(open));
+  };
   const toggle = (name, value) => set({ [name]: state[name] === value ? NOTHING[name] : value });
   const hover = (kind, value) => { for (const watcher of watchers) watcher(kind, value); };
   const from_address = () => {
@@ -54,7 +60,7 @@ nodegraph.define("selection", [], () => {
   addEventListener("hashchange", from_address);
   Object.assign(state, location.hash.startsWith(PREFIX) ? read(location.hash.slice(PREFIX.length)) : {});
   return {
-    state, set, toggle, hover,
+    state, set, begin, toggle, hover,
     clear: () => set({ ...NOTHING }),
     on: (reader) => { readers.push(reader); },
     on_hover: (watcher) => { watchers.push(watcher); },

@@ -1,20 +1,15 @@
 // What is not on the page comes from the server that shows it; what is not stored is computed.
 nodegraph.define("server", ["page"], ({ element, announce }) => {
   const RUNS = __RUNS__;
-  const SHOWN = 5;
   const NOT_COMPUTED = 202;
   const listeners = [];
   let current = null;
-  document.addEventListener("close", (event) => { if (event.target !== question) current?.abort(); }, true);
+  document.addEventListener("close", () => current?.abort(), true);
   // a popover stands above the dialog of a block
   const state = element("p", { class: "served-progress", role: "status", popover: "manual" });
-  const question = element("dialog", { class: "served-question" });
-  document.body.append(state, question, element("style", null,
+  document.body.append(state, element("style", null,
     ".served-progress { inset: auto 1rem 1rem auto; margin: 0; padding: 0.6rem 1rem; border: 0; border-radius: 8px;" +
     " font-size: 0.875rem; background: var(--ink); color: var(--paper); }" +
-    ".served-question { max-width: min(40rem, 92vw); padding: 1.25rem 1.5rem; border: 1px solid var(--line); border-radius: 10px;" +
-    " color: var(--ink); background: var(--paper); }" +
-    ".served-question button { margin: 0.5rem 0.75rem 0 0; padding: 0.4rem 0.8rem; font: inherit; }" +
     ".served-bar { display: flex; flex-wrap: wrap; gap: 0.25rem 1.25rem; font-size: 0.875rem; }"));
   if (!document.querySelector(".served-bar")) {
     const of_run = (name) => element("a", { href: `/values?${new URLSearchParams({ run: name })}` },
@@ -31,17 +26,6 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
     }
     for (const listener of listeners) listener(line);
   };
-  // Whether to compute with code that is not that of the run.
-  const agrees = (changed) => new Promise((decide) => {
-    const answer = (text, value) => element("button", { type: "button", onclick: () => { decide(value); question.close(); } }, text);
-    const more = changed.length > SHOWN ? element("li", null, `and ${changed.length - SHOWN} more changes`) : null;
-    question.replaceChildren(
-      element("p", null, "This is not stored, and may come out otherwise than in the run, because of what has changed since:"),
-      element("ul", null, changed.slice(0, SHOWN).map((text) => element("li", null, text)), more),
-      answer("Compute with code and files as they are now", true), answer("Leave it", false));
-    question.onclose = () => decide(false);
-    question.showModal();
-  });
   const failed = (data) => Object.assign(new Error(data.message), data);
   // Resolves when everything that the query needs is stored; leaving the page ends it.
   const compute = async (what, query, signal) => {
@@ -66,7 +50,8 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
       report(null);
     }
   };
-  // path: "detail"; parameters: {node, compare, methods: [...], block: {...}}.
+  // path: "detail"; parameters: {node, compare, methods: [...], block: {...}}. What would be computed
+  // with other code or files than the run's is an error with the list `changed`, unless `now` is "1".
   const get = async (path, parameters = {}) => {
     // who asks for another, or closes the dialog, has left this one
     current?.abort();
@@ -82,9 +67,8 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
       if (!answer.ok) throw failed(data);
       if (answer.status !== NOT_COMPUTED) return data;
       if (is_computed) throw failed({ message: "what was computed is not what the run had" });
-      if (data.changed.length) {
-        if (!(await agrees(data.changed))) throw failed({ message: "code or files have changed since the run" });
-        query.now = "1";
+      if (data.changed.length && !query.now) {
+        throw failed({ message: "This is not stored, and may come out otherwise than in the run, because of what has changed since:", changed: data.changed });
       }
       await compute(path, query, signal);
     }

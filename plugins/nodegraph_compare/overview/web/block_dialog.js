@@ -3,6 +3,7 @@
 // a plugin shows that, and the command that computes it alone.
 nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"], (page, selection, chart) => {
   const { element } = page;
+  const SHOWN = 5; // changes
 
   const shellWord = (label) => (/^[\w.:/@%+-]+$/.test(label) ? label : `'${String(label).replaceAll("'", "'\\''")}'`);
 
@@ -142,7 +143,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
     }
 
     // How the block looks: its data are in the page, come from a server, or need a run.
-    async show(stage, key, { errors, command }) {
+    async show(stage, key, { errors, command, now = {} }) {
       const { view, detail } = this;
       const { json } = view.overview;
       const say = (text) => stage.replaceChildren(element("p", { class: "quiet" }, text));
@@ -157,10 +158,10 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
         try {
           packed = await detail.server.get("detail", {
             node: json.node, compare: json.compare, methods: view.overview.methods, block: labelsOf(view, view.block),
-            ...(detail.run ? { run: detail.run } : {}),
+            ...(detail.run ? { run: detail.run } : {}), ...now,
           });
         } catch (error) {
-          say(`It could not be computed: ${error.message}`);
+          if (this.key === key) stage.replaceChildren(...refusal(error, () => this.show(stage, key, { errors, command, now: { now: "1" } })));
           return;
         }
       }
@@ -175,6 +176,17 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       });
     }
   }
+
+  // Why a view is not here, and how it can be had all the same.
+  const refusal = ({ message, changed = [] }, again) => {
+    if (!changed.length) return [element("p", { class: "quiet" }, `It could not be computed: ${message}`)];
+    const more = changed.length > SHOWN ? [`and ${changed.length - SHOWN} more changes`] : [];
+    return [
+      element("p", { class: "quiet" }, message),
+      element("ul", {}, [...changed.slice(0, SHOWN), ...more].map((text) => element("li", {}, text))),
+      element("button", { type: "button", onclick: again }, "Compute with code and files as they are now"),
+    ];
+  };
 
   // Blocks of the group that are worth a look, as buttons.
   const suggest = (host, view) => {

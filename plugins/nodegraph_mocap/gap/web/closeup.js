@@ -2,6 +2,7 @@
 nodegraph.define("mocap/gap/closeup", ["page", "mocap/gap/packed", "mocap/gap/curves"], (page, packed, { pathOf, rangeOf }) => {
   const { svg } = page;
   const SIZE = 200;
+  const RIM = 7; // what is farther out than the picture reaches is marked as far as this from its edge
   const DEEPER = 1.3; // times as deep as wide is a movement that is seen from the side
 
   const drawFace = (block) => {
@@ -67,6 +68,13 @@ nodegraph.define("mocap/gap/closeup", ["page", "mocap/gap/packed", "mocap/gap/cu
     }
     const errors = svg("path", { class: "error" });
     const dots = lines.map(({ name, role }) => svg("circle", { class: role, r: role === "rest" ? 2.4 : 4.5, "data-line": name }, svg("title", {}, name)));
+    const isInside = (point) => point.every((value) => value >= 0 && value <= SIZE);
+    const onRim = (point) => {
+      const far = Math.max(...point.map((value) => Math.abs(value - SIZE / 2)));
+      return point.map((value) => SIZE / 2 + ((value - SIZE / 2) * (SIZE / 2 - RIM)) / far);
+    };
+    const isKnown = ([x, y]) => Number.isFinite(x + y);
+    const leaving = lines.filter((line) => pointsOf(line).map(place).some((point) => isKnown(point) && !isInside(point))).length;
     const length = (bar / size) * SIZE;
     element.append(paths, errors, ...dots,
       svg("path", { class: "bar", d: `M10,${SIZE - 10}h${length.toFixed(1)}` }),
@@ -77,19 +85,21 @@ nodegraph.define("mocap/gap/closeup", ["page", "mocap/gap/packed", "mocap/gap/cu
       const origin = truth && place(packed.seen(block, packed.sample(truth.positions, at)));
       let path = "";
       lines.forEach(({ role, positions }, line) => {
-        const [x, y] = place(packed.seen(block, packed.sample(positions, at)));
-        const known = Number.isFinite(x + y);
-        dots[line].toggleAttribute("hidden", !known);
-        if (!known) return;
+        const point = place(packed.seen(block, packed.sample(positions, at)));
+        dots[line].toggleAttribute("hidden", !isKnown(point));
+        if (!isKnown(point)) return;
+        const outside = !isInside(point);
+        dots[line].classList.toggle("outside", outside);
+        const [x, y] = outside ? onRim(point) : point;
         dots[line].setAttribute("cx", x.toFixed(1));
         dots[line].setAttribute("cy", y.toFixed(1));
-        if (origin && role !== "rest" && role !== "truth" && Number.isFinite(origin[0] + origin[1])) {
+        if (origin && role !== "rest" && role !== "truth" && isKnown(origin)) {
           path += `M${origin.map((value) => value.toFixed(1))}L${x.toFixed(1)},${y.toFixed(1)}`;
         }
       });
       errors.setAttribute("d", path);
     };
-    return { element, move };
+    return { element, move, leaving };
   };
 
   return { drawFace, drawClose };

@@ -112,14 +112,16 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
         if (method) selection.toggle("method", method);
         else { this.pause(); this.move(this.chart.frameAt(x)); }
       });
-      const faces = [closeup.drawFace(block), closeup.drawClose(block, lines)];
+      const close = closeup.drawClose(block, lines);
+      const faces = [closeup.drawFace(block), close];
       this.pictures.replaceChildren(...faces.map((face) => face.element));
       this.moved = [this.chart, ...faces];
       this.drawn = lines;
       const roles = ORDER.filter((role) => lines.some((line) => line.role === role)).reverse();
       const reason = this.block.reason ? `These frames, because ${this.block.reason}. ` : "";
       const every = this.block.every > 1 ? `One frame of ${this.block.every} is shown. ` : "";
-      this.caption.textContent = `${reason}${every}${roles.map((role) => WORDS[role]).join(" ")} ` +
+      const leaving = close.leaving ? `Hollow dots at the edge of the close-up: farther out, as ${close.leaving} of ${lines.length} lines get. ` : "";
+      this.caption.textContent = `${reason}${every}${leaving}${roles.map((role) => WORDS[role]).join(" ")} ` +
         "Point at a line for its name, click to select its method. Space plays, \u2190 and \u2192 step through frames.";
       this.move(this.at);
     }

@@ -334,9 +334,10 @@ def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> No
 
 
 SERVER = """nodegraph.define("server", [], () => ({
-  get: async (path, { node, block, methods }) => ({
-    cake: [path, node, block.cake, methods.length],
-  }),
+  get: async (path, { node, block, methods, now }) => {
+    if (!now) throw Object.assign(new Error("may differ"), { changed: ["the oven was edited"] });
+    return { cake: [path, node, block.cake, methods.length] };
+  },
 }));"""
 
 
@@ -344,7 +345,8 @@ def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
     tab: Page, bakery: Path, recipes: Rendered, tmp_path: Path
 ) -> None:
     stage = "document.querySelector('dialog .stage')"
-    for file, shown in ((bakery, "nodegraph open"), (saved(tmp_path, recipes, server=SERVER), "")):
+    served = saved(tmp_path, recipes, server=SERVER)
+    for file, shown in ((bakery, "nodegraph open"), (served, "the oven was edited")):
         load(tab, file)
         packed = tab.evaluate("JSON.parse(document.getElementById('overview-recipes').textContent)")
         blocks = set(map(str, range(96))) - {
@@ -356,6 +358,7 @@ def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
         assert shown in tab.evaluate(f"{stage}.textContent")
     cake = re.search(r"cake (\d+)", text(tab, "dialog .head"))
     assert cake is not None
+    tab.click("dialog .stage button")
     assert tab.evaluate(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5"
 
 
@@ -461,7 +464,8 @@ def data_of(
     metric = {"name": "waste", "unit": "g", "better": better}
     return {
         "node": "odd", "metric": "waste", "unit": "g", "better": better, "compare": "recipe",
-        "blocks_name": "cakes", "units_name": "", "metrics": [metric], "groups": entries,
+        "baseline": None, "blocks_name": "cakes", "units_name": "", "metrics": [metric],
+        "groups": entries,
         "within": [{"name": "heat", "labels": [*range(len(groups))]}],
         "methods": [{"label": each, "seconds": 0.01 + at} for at, each in enumerate(methods)],
         "shown_group": len(groups) - 1, "layout": None, "detail": None, "suggested": [],
@@ -541,6 +545,24 @@ def test_odd_data_are_drawn_without_complaint(tab: Page, tmp_path: Path, kind: s
     if kind == "one group":
         assert tab.evaluate(COUNT % ".line-chart path.line") == 0
         assert tab.evaluate(COUNT % ".line-chart g[role=button]") == 4
+
+
+def test_the_reference_is_the_baseline_until_a_reader_chooses_another(
+    tab: Page, tmp_path: Path
+) -> None:
+    baseline = "method_1_of_a_family"
+    load(tab, charts_of(tmp_path, {**ODD["all equal"], "baseline": baseline}), width=1280)
+    reference = ".heat tr.reference"
+    assert tab.get_attribute(reference, "data-method") == baseline
+    assert tab.evaluate("location.hash") == ""
+    choose(tab, "Reference", "")
+    assert tab.locator(reference).count() == 0
+    tab.reload()
+    assert tab.locator(reference).count() == 0
+    tab.evaluate("location.hash = '#select:method=method_2_of_a_family'")
+    tab.click(".chip")
+    assert tab.get_attribute(reference, "data-method") == baseline
+    assert tab.evaluate("location.hash") == ""
 
 
 def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: Path) -> None:

@@ -178,6 +178,21 @@ def test_a_suspect_sample_is_circled_and_opened(tab: Page, tmp_path: Path) -> No
     assert tab.evaluate("document.querySelectorAll('.curves .suspect').length") == 3
 
 
+def test_what_leaves_the_close_up_is_marked_at_its_edge(tab: Page, tmp_path: Path) -> None:
+    far = {**inputs(0.25, -0.5), **inputs(90.0)}
+    show(tab, tmp_path, far)
+    outside = tab.locator(".close circle.outside")
+    assert outside.evaluate_all("(dots) => dots.map((dot) => dot.dataset.line)") == ["off by 90.0"]
+    x, y = (float(outside.get_attribute(name) or "nan") for name in ("cx", "cy"))
+    assert 0 < x < 200
+    assert y == pytest.approx(7, abs=0.1)  # above: it is off upwards
+    caption = ".gap-view .quiet"
+    assert "1 of 4 lines" in (tab.text_content(caption) or "")
+    tab.evaluate("selection.set({ method: 'off by 90.0' })")
+    assert outside.count() == 0
+    assert "Hollow" not in (tab.text_content(caption) or "")
+
+
 def hostile() -> dict[str, dict[str, Any]]:
     def renamed(recording: Trajectories) -> Trajectories:
         markers = (*made_face.MARKERS[:7], HOSTILE, *made_face.MARKERS[8:])
