@@ -293,6 +293,38 @@ def test_dark_print_and_a_phone_keep_everything_in_sight(page: Page) -> None:
     assert page.evaluate("document.documentElement.scrollWidth") <= 673
 
 
+def test_a_gap_is_opened_from_a_dot_a_row_and_a_place(studies: Studies, tab: Page) -> None:
+    load(tab, studies.few("fill") / "report.html", width=1280)
+    views = 0
+
+    def names_its_gap(*labels: str) -> None:
+        nonlocal views
+        head = tab.inner_text("dialog[open] .head")
+        assert all(label in head for label in labels), head
+        views += tab.locator("dialog[open] .gap-view .curves").count()
+        tab.keyboard.press("Escape")
+        tab.wait_for_selector("dialog", state="hidden")
+
+    tab.focus(".dots canvas")
+    for key in ("ArrowLeft", "Enter"):
+        tab.keyboard.press(key)
+    names_its_gap("as_published", "length 45", "frames ")
+    row = "figure.table tr[data-method=ridge]:visible >> nth=0"
+    labels = tab.locator(row).locator("th").all_inner_texts()[:2]
+    tab.click(f"{row} >> button.worst")
+    names_its_gap(*labels)
+    tab.focus(f"{row} >> .pick")
+    for key in ("ArrowRight", "Enter"):
+        tab.keyboard.press(key)
+    names_its_gap(*labels)
+    marker = tab.get_attribute("circle.disc >> nth=0", "data-marker")
+    tab.focus("circle.disc >> nth=0")
+    tab.keyboard.press("Enter")
+    tab.click(".map-chart .here button >> nth=0")
+    names_its_gap(f"marker {marker}")
+    assert views >= 2  # the page holds how most of them look
+
+
 def state(page: Page) -> Any:
     return page.evaluate(f"{PLAYER}.state")
 

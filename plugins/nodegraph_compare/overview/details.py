@@ -68,8 +68,8 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
     """Return the views of some blocks, within a budget: those that are worth a look first.
 
     Of each group these are the suspect block with the largest error, the worst and a typical one
-    of the best method, one in which methods differ most, and one at random. Recordings of few
-    combinations are read; of the others, what lies in these is taken.
+    of the best method, one in which methods differ most, the worst of every other method, and some
+    at random. Recordings of few combinations are read; of the others, what lies in these is taken.
 
     Parameters
     ----------
@@ -146,6 +146,9 @@ def _worth_a_look(overview: Overview, excerpt: Excerpt, at: int) -> Iterator[_Ki
     if len(solved):
         middle = np.abs(own - np.median(own[solved]))
         yield _Kind(f"typical for {name}", _first(solved, middle, len(solved) // 3 + 1))
+    for place in np.flatnonzero(np.isfinite(errors).any(axis=0)).tolist():
+        own = errors[:, place]
+        yield _Kind("", _first(known[np.isfinite(own[known])], -sign * own, 1))
     random = np.random.default_rng(at).permutation(known)[:_AT_RANDOM].tolist()
     yield _Kind("at random", tuple(random))
     for block in random:

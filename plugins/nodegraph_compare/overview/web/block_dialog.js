@@ -215,5 +215,33 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
     redraw();
   };
 
-  return { BlockDialog, suggest };
+  // Each row of the tables beside a comparison opens the block in which its method errs most.
+  const joinRows = (tables, view) => {
+    const groupOf = (heads, cells) => view.overview.groups.find(({ labels }) => labels.every((label, axis) => {
+      const column = heads.indexOf(view.overview.within[axis].name);
+      return column < 0 || cells[column] === String(label);
+    }));
+    const textOf = (cell) => cell.textContent.trim();
+    for (const table of tables) {
+      const heads = [...table.tHead.rows[0].cells].map(textOf);
+      for (const pick of table.querySelectorAll("tr[data-method] .pick")) {
+        const row = pick.closest("tr");
+        const method = view.place(row.dataset.method);
+        const group = groupOf(heads, [...row.cells].map(textOf));
+        if (method === null || !group || view.worst(method, group) === null) continue;
+        const name = `Open the ${view.blockName} in which ${row.dataset.method} errs most${group.title ? `, ${group.title}` : ""}`;
+        const door = element("button", {
+          type: "button", class: "worst", tabindex: -1, title: name, "aria-label": name,
+          onclick: () => view.open(view.worst(method, group), method, group),
+        });
+        pick.after(door);
+        // beside the stop for the Tab key
+        const walk = (from, key, to) => from.addEventListener("keydown", (event) => { if (event.key === key) to.focus(); });
+        walk(pick, "ArrowRight", door);
+        walk(door, "ArrowLeft", pick);
+      }
+    }
+  };
+
+  return { BlockDialog, suggest, joinRows };
 });

@@ -49,7 +49,8 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     }
   };
 
-  const STEPS = { ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1 };
+  // up and down by as many marks as stand in a row
+  const stepOf = (key, across) => ({ ArrowDown: across, ArrowRight: 1, ArrowUp: -across, ArrowLeft: -1 })[key];
   const walk = (host, event) => {
     const mark = event.target.closest("[data-kind]");
     if (!mark) return;
@@ -61,7 +62,7 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     }
     const marks = marksOf(host, mark.dataset.kind);
     const at = marks.indexOf(mark);
-    const next = event.key === "Home" ? marks[0] : event.key === "End" ? marks.at(-1) : marks[at + STEPS[event.key]];
+    const next = event.key === "Home" ? marks[0] : event.key === "End" ? marks.at(-1) : marks[at + stepOf(event.key, Number(mark.dataset.across ?? 1))];
     if (!next || next === mark) return;
     event.preventDefault();
     moveTo(host, next);

@@ -3,8 +3,8 @@
 nodegraph.define("compare/charts", [
   "compare/overview", "compare/view", "compare/control_bar", "compare/line_chart", "compare/heat_table",
   "compare/cost_chart", "compare/map_chart", "compare/dots_chart", "compare/block_dialog", "server",
-  "selection",
-], (overviews, { View }, controlBar, lineChart, heatTable, costChart, mapChart, dotsChart, { BlockDialog, suggest }, server, selection) => {
+  "selection", "tables",
+], (overviews, { View }, controlBar, lineChart, heatTable, costChart, mapChart, dotsChart, { BlockDialog, suggest, joinRows }, server, selection) => {
   const parts = (host, ...classes) => classes.map((name) => {
     const part = document.createElement("div");
     part.className = name;
@@ -36,6 +36,7 @@ nodegraph.define("compare/charts", [
     if (at === 0) selection.begin({ reference: overview.json.baseline });
     controlBar.joinTabs(view, host.dataset.overview);
     for (const place of host.querySelectorAll("[data-chart]")) DRAW[place.dataset.chart](place, view);
+    joinRows(host.closest(".result")?.querySelectorAll("figure.table table.sortable") ?? [], view);
     const detail = { module: null, server, run: host.closest("[data-run]")?.dataset.run };
     const name = overview.json.detail?.module;
     // which module shows a block is only known from the data; modules that are defined now come next

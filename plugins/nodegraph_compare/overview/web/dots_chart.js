@@ -296,10 +296,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       chart.showNote({ clientX: box.left + px, clientY: box.top + py }, ...label(next), "Enter opens it");
     };
 
-    const choose = ({ block, method }) => {
-      const known = view.numbers().best.includes(method) || method === view.reference;
-      view.set({ block, ...(known ? {} : { method: view.overview.methods[method] }) });
-    };
+    const choose = ({ block, method }) => view.open(block, method);
 
     const place = (event) => {
       const box = scene.getBoundingClientRect();

@@ -28,7 +28,8 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
     return far ? 1 - Math.abs(value - best) / far : 1;
   };
 
-  const cell = (view, group, method, narrow) => {
+  // A cell opens the block in which its method errs most.
+  const cell = (view, group, method, narrow, order, across) => {
     const { values, best, tied } = view.numbers(group);
     const value = values[method];
     if (!Number.isFinite(value)) return element("td", { class: "none" }, "\u2013");
@@ -38,9 +39,16 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
     const word = best.includes(method) ? ", best" : tied.includes(method) ? ", tied with the best" : "";
     const names = [best.includes(method) && "first", (tied.includes(method) || (tied.length > 0 && best.includes(method))) && "tied", group === view.group && "here"];
     return element("td", { class: names.filter(Boolean).join(" "), style: `--nearness: ${tint}%` },
-      page.number(value),
+      element("button", {
+        type: "button", class: "cell", tabindex: -1, "data-kind": "cell", "data-order": order, "data-across": across,
+        "data-key": `cell ${group.index} ${method}`, title: `Open the ${view.blockName} in which ${view.overview.methods[method]} errs most`,
+        onclick: (event) => {
+          event.stopPropagation();
+          view.open(view.worst(method, group), method, group);
+        },
+      }, page.number(value),
       best.length && !narrow ? element("small", {}, view.toBest(value, first)) : null,
-      word ? element("span", { class: "hidden" }, word) : null);
+      word ? element("span", { class: "hidden" }, word) : null));
   };
 
   const draw = (host, view) => {
@@ -101,7 +109,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
           const label = view.overview.methods[method];
           return element("tr", { class: `method ${view.roles(method, groups)}`, "data-method": label },
             element("th", { scope: "row" }, element("button", { ...chart.methodMark(view, method, at, null), type: "button", role: null, title: label }, label)),
-            ...groups.map((group) => cell(view, group, method, narrow)),
+            ...groups.map((group, column) => cell(view, group, method, narrow, at * groups.length + column, groups.length)),
             ...asides.map(({ text }) => element("td", { class: "aside" }, text(method))));
         })));
       const fold = order.length > MOST && element("button", {
@@ -117,7 +125,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
           view.better === "none" ? "" : "Deeper blue is nearer the best. ",
           verdict ? "Outlined cells are tied with the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
-          "A click on a head sorts.",
+          `A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`,
         ],
       };
     };

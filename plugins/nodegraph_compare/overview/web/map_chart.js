@@ -86,15 +86,26 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
         ...layout.edges.map(([a, b]) => line(...places[a].map(Math.round), ...places[b].map(Math.round), "edge")),
         ...places.map((_, place) => place).filter((place) => Number.isFinite(picture.at[place].value))
           .sort((a, b) => picture.at[b].value - picture.at[a].value).map((place) => disc(picture, place)))));
-    plot.replaceChildren(element("div", { class: "maps" }, ...faces), legend(view, scale, log, size, share));
+    plot.replaceChildren(element("div", { class: "maps" }, ...faces), here(view, pictures), legend(view, scale, log, size, share));
     return {
       finding: finding(view, pictures[0]),
       caption: [
         strong(`${view.statistic === "median" ? "Median" : "Mean"} ${view.metric.name} at each ${layout.column}, ${log ? "log scale, " : ""}one scale for all. `),
-        "Area and colour say the same. ", `About ${medianOf(pictures[0].at.map(({ count }) => count))} ${view.overview.json.blocks_name} stand behind a disc: trust regions, not single discs. `,
-        `Click a disc to show its ${view.overview.json.blocks_name} only.`,
+        "Area and colour say the same. ", `About ${medianOf(pictures[0].at.map(({ count }) => count).filter(Boolean))} ${view.overview.json.blocks_name} stand behind a disc: trust regions, not single discs. `,
+        `Click a disc to show its ${view.overview.json.blocks_name} only, and to open one.`,
       ],
     };
+  };
+
+  // At the chosen marker or region, the block in which each of the methods errs most.
+  const here = (view, pictures) => {
+    const where = view.marker ?? view.region;
+    if (where === null) return "";
+    const { blocks } = view.numbers();
+    return element("div", { class: "here" }, `${blocks.length} ${view.overview.json.blocks_name} at ${where}. `,
+      ...pictures.filter(({ method }) => view.worst(method) !== null).map(({ method }) => element("button", {
+        type: "button", "data-key": `worst ${method}`, onclick: () => view.open(view.worst(method), method),
+      }, `Worst for ${view.overview.methods[method]}`)));
   };
 
   const legend = (view, scale, log, size, share) => {

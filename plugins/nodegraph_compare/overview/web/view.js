@@ -104,6 +104,29 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       return { suspects: this.state.suspects !== false, marker: this.marker, region: this.region };
     }
 
+    // Opens a block; a method that has no role yet is followed through the page.
+    open(block, method, group = this.group) {
+      const known = this.numbers(group).best.includes(method) || method === this.reference;
+      this.set({
+        block, ...(group === this.group ? {} : { group: group.index }), ...(known ? {} : { method: this.overview.methods[method] }),
+      });
+    }
+
+    // The block in which a method errs most, of those that the filter leaves; null if there is none.
+    worst(method, group = this.group) {
+      const sign = this.metric.better === "higher" ? -1 : 1;
+      let [worst, most] = [null, -Infinity];
+      for (const block of this.numbers(group).blocks) {
+        const error = sign * group.error(this.metric.name, block, method);
+        if (error > most) [worst, most] = [block, error];
+      }
+      return worst;
+    }
+
+    get blockName() {
+      return this.overview.json.blocks_name.replace(/s$/, "");
+    }
+
     place(label) {
       const at = this.overview.methods.indexOf(String(label));
       return at < 0 ? null : at;

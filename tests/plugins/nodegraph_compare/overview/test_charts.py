@@ -33,7 +33,7 @@ SUSPECTS = (4, 9)
 LINE = "[data-chart=ranking] .line-chart g[role=button][data-method=%s]"
 CELLS = (
     "[...document.querySelectorAll('.heat tbody tr[data-method=%s] td:not(.aside)')]"
-    ".map((cell) => cell.firstChild.textContent)"
+    ".map((cell) => cell.querySelector('button').firstChild.textContent)"
 )
 COUNT = "document.querySelectorAll(%r).length"
 
@@ -324,6 +324,36 @@ def test_a_dot_opens_its_block(tab: Page, bakery: Path) -> None:
     assert not tab.evaluate("document.querySelector('dialog').open")
     assert tab.evaluate("document.activeElement.tagName") == "CANVAS"
     assert tab.evaluate("location.hash") in ("", "#")
+
+
+def test_a_number_of_the_table_and_a_place_open_the_worst_block(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
+
+    def is_worst(recipe: str, heat: int, cakes: list[int]) -> None:
+        waste, kitchen, cake = max(
+            (WASTES[kitchen, heat, recipe][at], kitchen, at) for kitchen in range(8) for at in cakes
+        )
+        head = text(tab, "dialog[open] .head")
+        assert f"heat {heat} \u00b7" in head
+        assert f"kitchen {kitchen} \u00b7 cake {cake}" in head
+        bar = tab.text_content(f".bars [data-method={recipe}] span:last-child")
+        assert numbers([bar or ""]) == pytest.approx([waste], rel=6e-3)
+        tab.keyboard.press("Escape")
+
+    tab.click(".heat tr[data-method=vegan] td >> nth=0")
+    is_worst("vegan", 180, [*range(12)])
+    tab.focus(".heat tr[data-method=vegan] td button >> nth=0")
+    order = tab.locator(".heat tbody tr").evaluate_all(
+        "(rows) => rows.map((r) => r.dataset.method)"
+    )
+    below = order[order.index("vegan") + 1]
+    for key in ("ArrowDown", "ArrowRight", "Enter"):
+        tab.keyboard.press(key)
+    is_worst(below, 220, [*range(12)])
+    tab.focus("circle[data-marker=L1]")
+    tab.keyboard.press("Enter")
+    tab.click(".map-chart .here button >> nth=0")
+    is_worst("rich", 220, [1, 7])
 
 
 def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> None:
