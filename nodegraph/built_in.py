@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from nodegraph.plugin.hooks import hookimpl
+from nodegraph.plugin.streaming import Sink, Source
 
 
 @hookimpl
@@ -16,3 +17,19 @@ def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
     from nodegraph.execute.threads import serial, threads
 
     return {"serial": serial, "threads": threads, "processes": processes}
+
+
+@hookimpl
+def nodegraph_sources() -> Mapping[str, Callable[[str], Source]]:
+    """Return what plays files."""
+    from nodegraph.live.files import Replay
+
+    return {"replay": Replay}
+
+
+@hookimpl
+def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
+    """Return what writes files."""
+    from nodegraph.live.files import FileSink
+
+    return {"file": FileSink}

@@ -155,9 +155,10 @@ class _FrameState:
         return ()
 
     def _call(self, payloads: Iterable[Any]) -> tuple[Any, ...]:
+        fed = [payload for payload in payloads if payload is not None]
         inputs = {
             name: join(header, [payload])
-            for (name, header, join), payload in zip(self._inputs, payloads, strict=True)
+            for (name, header, join), payload in zip(self._inputs, fed, strict=True)
         }
         return values_of(self._node, self._node.function(**inputs, **self._rest))
 

@@ -77,15 +77,17 @@ class _Stream:
 
     def check(self, outputs: Mapping[str, Any]) -> None:
         """Compare stream and whole take: of all frames, of the first, and with frames missing."""
-        rows = list(rows_of(self._streams.values()))
+        rows = list(rows_of(map(self._streams.get, self._trial.node.streams)))
         if not self._agrees(rows, outputs, "all frames"):
             return
         count = len(rows)
         for frames in sorted({1, self._lookahead, self._lookahead + 1, count // 2} - {0, count}):
             if frames < count and not self._agrees(rows[:frames], None, f"the first {frames}"):
                 return
+        headers = [self._headers.get(name) for name in self._trial.node.streams]
         missing = tuple(
-            streamable_of(type(header)).missing(header) for header in self._headers.values()
+            None if header is None else streamable_of(type(header)).missing(header)
+            for header in headers
         )
         for gone in ({0}, {count - 1}, {count // 2, count // 2 + 1}, set(range(count // 3))):
             damaged = [missing if frame in gone else row for frame, row in enumerate(rows)]
@@ -96,10 +98,10 @@ class _Stream:
         """Return whether the live form gives what the function gives, without other faults."""
         node = self._trial.node
         if outputs is None:
-            columns = zip(self._headers.items(), zip(*rows, strict=True), strict=True)
+            columns = dict(zip(node.streams, zip(*rows, strict=True), strict=True))
             whole = {
-                name: streamable_of(type(header)).join(header, column)
-                for (name, header), column in columns
+                name: streamable_of(type(header)).join(header, columns[name])
+                for name, header in self._headers.items()
             }
             outputs = self._trial.again(self._settings, **whole)
             if outputs is None:  # the function declines the whole take

@@ -1,0 +1,138 @@
+"""``nodegraph live``: run what a stream can feed of a graph, frame by frame."""
+
+from __future__ import annotations
+
+import json
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nodegraph.cli.arguments import add_graph, add_store
+from nodegraph.cli.output import columns, say, write_file
+from nodegraph.errors import NodegraphError
+
+if TYPE_CHECKING:
+    from nodegraph.live.counts import Counts
+    from nodegraph.live.plan import LivePlan
+
+HELP = "Run a graph on a stream, frame by frame."
+RECORD = "live.json"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    add_graph(parser)
+    parser.add_argument(
+        "--source",
+        required=True,
+        metavar="NAME=ADDRESS",
+        help="Stream in place of a node without inputs, or of the input or axis that chooses what "
+        "it reads: --source recording=replay:take.c3d@240.",
+    )
+    parser.add_argument(
+        "--sink",
+        action="append",
+        default=[],
+        metavar="NODE=ADDRESS",
+        help="Where the frames of a node go: --sink weights=file:weights.csv. Of alternatives side "
+        "by side, the address has the label: --sink 'fill=file:{fill}.npz'.",
+    )
+    add_hold(parser)
+    parser.add_argument(
+        "--policy",
+        choices=("every", "newest"),
+        default="every",
+        help="What is done if frames arrive faster than they are computed: every one is computed, "
+        "or all but the newest are dropped (default: %(default)s).",
+    )
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE", help="File for what arrives, which replay: plays."
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help=f"Folder for the counts, as {RECORD}."
+    )
+    parser.add_argument("--json", action="store_true", help="Print the counts as JSON.")
+    add_store(parser)
+
+
+def add_hold(parser: ArgumentParser) -> None:
+    """Add ``--hold NODE``."""
+    parser.add_argument(
+        "--hold",
+        action="append",
+        default=[],
+        metavar="NODE",
+        help="Compute this node once, before the stream begins, from what the graph itself reads.",
+    )
+
+
+def live(arguments: Namespace) -> int:
+    """Run a graph on a stream until it ends or is interrupted, and print what was counted."""
+    from nodegraph.cli.graphs import graph_of, store_of
+    from nodegraph.live.session import session_of
+
+    graph = graph_of(arguments)
+    session = session_of(
+        graph,
+        _pair("source", arguments.source),
+        [_pair("sink", text) for text in arguments.sink],
+        hold=arguments.hold,
+        policy=arguments.policy,
+        record=arguments.record,
+        store=store_of(arguments, graph),
+        announce=say,
+    )
+    for line in cut_off_lines(session.plan):
+        say(line)
+    counts = session.run()
+    content = json.dumps(
+        {
+            "graph": graph.title,
+            "source": arguments.source,
+            "sinks": arguments.sink,
+            "policy": arguments.policy,
+            "behind": {live.step.name: live.behind for live in session.plan.steps},
+            "cut_off": dict(session.plan.cut_off),
+            **counts.as_json(),
+        },
+        indent=2,
+    )
+    if arguments.out:
+        write_file(arguments.out / RECORD, content.encode())
+    print(content if arguments.json else "\n".join(_summary(counts)))
+    return 0
+
+
+def cut_off_lines(plan: LivePlan) -> Iterator[str]:
+    """Yield which nodes do not run on the stream, by the reason."""
+    by_reason: dict[str, list[str]] = {}
+    for node, reason in plan.cut_off.items():
+        by_reason.setdefault(reason, []).append(node)
+    for reason, nodes in by_reason.items():
+        yield f"not on the stream: {', '.join(nodes)}: {reason}"
+
+
+def _summary(counts: Counts) -> Iterator[str]:
+    from nodegraph.live.counts import NUMBERS
+
+    numbers = {name: getattr(counts, name) for name in NUMBERS}
+    shown = {name: count for name, count in numbers.items() if count}
+    yield f"frames: {', '.join(f'{count} {name}' for name, count in shown.items()) or 'none'}"
+    for sink in {**counts.written, **counts.unsent}:
+        unsent = counts.unsent[sink]
+        yield f"{sink}: {counts.written[sink]} frames" + (f", {unsent} unsent" if unsent else "")
+    for what, counter in (("refused", counts.refused), ("warned", counts.warnings)):
+        yield from (f"{what} {count} times: {text}" for text, count in counter.items())
+    milliseconds = counts.latencies.milliseconds()
+    if milliseconds:
+        head = tuple(milliseconds)
+        row = tuple(f"{value:.3f}" for value in milliseconds.values())
+        yield columns([("latency in ms", *head), ("", *row)])
+
+
+def _pair(option: str, text: str) -> tuple[str, str]:
+    name, equals, address = text.partition("=")
+    if not equals or not name or not address:
+        raise NodegraphError(f"--{option} {text}: write --{option} NAME=ADDRESS")
+    return name, address

@@ -1,0 +1,109 @@
+"""What is counted of a stream: frames in and out, missing, late and dropped, and latencies."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+_BITS = 5
+"""Latencies are counted in steps of 1/32 of their size, in memory that does not grow."""
+QUANTILES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999}
+
+
+class Latencies:
+    """How often which latency occurred."""
+
+    def __init__(self) -> None:
+        self._counts = [0] * (64 << _BITS)
+        self._longest = 0
+
+    def add(self, nanoseconds: int) -> None:
+        """Count a latency."""
+        size = max(nanoseconds, 1).bit_length() - 1
+        shift = size - _BITS
+        part = (nanoseconds >> shift if shift > 0 else nanoseconds << -shift) & ((1 << _BITS) - 1)
+        self._counts[size << _BITS | part] += 1
+        self._longest = max(self._longest, nanoseconds)
+
+    def milliseconds(self) -> dict[str, float]:
+        """Return quantiles and maximum, each at most 1/32 too large; nothing without latencies."""
+        total = sum(self._counts)
+        if not total:
+            return {}
+        quantiles = {name: self._quantile(share * total) for name, share in QUANTILES.items()}
+        return {**quantiles, "max": self._longest / 1e6}
+
+    def _quantile(self, rank: float) -> float:
+        seen = 0
+        for place, count in enumerate(self._counts):
+            seen += count
+            if count and seen >= rank:
+                size, part = place >> _BITS, place & ((1 << _BITS) - 1)
+                upper = ((1 << _BITS) + part + 1) * 2.0 ** (size - _BITS)
+                return min(upper, self._longest) / 1e6
+        return self._longest / 1e6
+
+
+@dataclass
+class Counts:
+    """What a stream has counted so far.
+
+    Attributes
+    ----------
+    received : int
+        Frames that arrived.
+    computed : int
+        Frames that were computed, missing ones included.
+    missing : int
+        Frames that never arrived and were computed as missing.
+    late, repeated : int
+        Frames that arrived after their turn, or twice; they were dropped.
+    dropped : int
+        Frames that the policy ``newest`` left out.
+    undecodable : int
+        Packets that could not be decoded.
+    resets : int
+        How often the stream began anew: its numbers jumped, frames were dropped, or the source was
+        connected again.
+    reconnected : int
+    refused : Counter of str
+        Frames that a node refused, by the node and its reason.
+    warnings : Counter of str
+        What nodes warned of, by the first text from the same line.
+    written, unsent : Counter of str
+        Frames that each sink took, and those that it could not.
+    latencies : Latencies
+        From the arrival of a frame until every sink has what can be computed with it. Counting
+        begins when all that arrived while the stream was being opened has been worked off.
+    """
+
+    received: int = 0
+    computed: int = 0
+    missing: int = 0
+    late: int = 0
+    repeated: int = 0
+    dropped: int = 0
+    undecodable: int = 0
+    resets: int = 0
+    reconnected: int = 0
+    refused: Counter[str] = field(default_factory=Counter)
+    warnings: Counter[str] = field(default_factory=Counter)
+    written: Counter[str] = field(default_factory=Counter)
+    unsent: Counter[str] = field(default_factory=Counter)
+    latencies: Latencies = field(default_factory=Latencies)
+
+    def as_json(self) -> Mapping[str, Any]:
+        """Return the counts as plain data; latencies in milliseconds."""
+        numbers = {name: getattr(self, name) for name in NUMBERS}
+        counters = {
+            name: dict(getattr(self, name)) for name in ("refused", "warnings", "written", "unsent")
+        }
+        return {**numbers, **counters, "latency_ms": self.latencies.milliseconds()}
+
+
+NUMBERS = (
+    "received", "computed", "missing", "late", "repeated", "dropped", "undecodable", "resets",
+    "reconnected",
+)  # fmt: skip

@@ -1,0 +1,266 @@
+"""Files as sources and sinks: ``replay:take.c3d@240`` and ``file:filled.npz``."""
+
+from __future__ import annotations
+
+import re
+import struct
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from nodegraph.errors import NodegraphError, listed, message_of
+from nodegraph.live.forms import header_of, streamable_of
+from nodegraph.live.packets import MAGIC, PacketReader
+from nodegraph.node.decorator import Node
+from nodegraph.plugin.formats import current_registry
+from nodegraph.plugin.streaming import Frame, Source
+from nodegraph.runs.export import exporters_of
+
+_RATE = re.compile(r"(.+)@(\d+(?:\.\d*)?)")
+_INDEX = struct.Struct("<q")
+
+
+class Replay:
+    """Plays a file as if it were arriving: any that a reader reads, or recorded packets.
+
+    Parameters
+    ----------
+    address
+        ``FILE`` in the pace in which it was recorded, ``FILE@240`` at 240 frames per second, or
+        ``FILE@0`` as fast as frames are taken. The pace changes no result.
+    """
+
+    def __init__(self, address: str) -> None:
+        match = _RATE.fullmatch(address)
+        name = match[1] if match else address
+        pace = float(match[2]) if match else None
+        path = current_registry().hooks.place(name) or Path(name)
+        if not path.exists():
+            raise NodegraphError(f"replay:{address}: there is no file {path}")
+        self._stream = (_Packets if _has_packets(path) else _Take)(path, pace)
+
+    def open(self) -> Any:
+        """Return the header of the file."""
+        return self._stream.open()
+
+    def packets(self) -> Iterator[bytes]:
+        """Yield packets, or the numbers of frames, when it is their time."""
+        return self._stream.packets()
+
+    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+        """Return the frames in a packet, or the frame of a number."""
+        return self._stream.frames(packet, arrived, header)
+
+    def close(self) -> None:
+        """End the replay."""
+        self._stream.closed.set()
+
+
+def _has_packets(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(MAGIC)) == MAGIC
+
+
+class _Pace:
+    """Waits until it is time."""
+
+    def __init__(self, closed: Event) -> None:
+        self._closed = closed
+        self._start = time.perf_counter()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait until so long after the start; whether the replay goes on."""
+        left = seconds - (time.perf_counter() - self._start)
+        return not (self._closed.wait(left) if left > 0 else self._closed.is_set())
+
+
+class _Take:
+    """A whole value, frame by frame."""
+
+    def __init__(self, path: Path, pace: float | None) -> None:
+        self._path = path
+        self._pace = pace
+        self.closed = Event()
+
+    @cached_property
+    def _value(self) -> Any:
+        return read_streamable(self._path)
+
+    @cached_property
+    def _payloads(self) -> Sequence[Any]:
+        return streamable_of(type(self._value)).split(self._value)
+
+    def open(self) -> Any:
+        self.closed.clear()
+        return header_of(self._value)
+
+    def packets(self) -> Iterator[bytes]:
+        rate = getattr(self._value, "rate", 0.0) if self._pace is None else self._pace
+        pace = _Pace(self.closed)
+        for index in range(len(self._payloads)):
+            if not pace.wait(index / rate if rate else 0.0):
+                return
+            yield _INDEX.pack(index)
+
+    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+        (index,) = _INDEX.unpack(packet)
+        rate = getattr(header, "rate", 0.0)
+        captured = round(index / rate * 1e9) if rate else 0
+        return (Frame(index, captured, arrived, self._payloads[index]),)
+
+
+class _Packets:
+    """Recorded packets, decoded by the source that received them.
+
+    Where that source was connected again, the replay ends as a lost connection does, so that what
+    follows happens again as well.
+    """
+
+    def __init__(self, path: Path, pace: float | None) -> None:
+        self._reader = PacketReader(path)
+        self._pace = pace
+        self._rest = self._reader.packets()
+        self._next: tuple[bool, int, bytes] | None = None
+        self.closed = Event()
+
+    @cached_property
+    def _decoder(self) -> Source:
+        return source_of(self._reader.source)
+
+    def open(self) -> Any:
+        self.closed.clear()
+        return self._reader.header
+
+    def packets(self) -> Iterator[bytes]:
+        pace = _Pace(self.closed)
+        start: int | None = None
+        first = [self._next] if self._next else []
+        self._next = None
+        for count, (opened, arrived, packet) in enumerate(chain(first, self._rest)):
+            if opened:
+                self._next = False, arrived, packet
+                raise ConnectionResetError("the source was connected again here")
+            start = arrived if start is None else start
+            if self._pace is None:
+                due = (arrived - start) / 1e9
+            else:
+                due = count / self._pace if self._pace else 0.0
+            if not pace.wait(due):
+                return
+            yield packet
+
+    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+        return self._decoder.frames(packet, arrived, header)
+
+
+class FileSink:
+    """Collects frames, and writes them at the end in the format that a file's suffix names.
+
+    Parameters
+    ----------
+    address
+        A path; a file that exists is not written over.
+    """
+
+    def __init__(self, address: str) -> None:
+        self._path = Path(address)
+        if self._path.exists():
+            raise NodegraphError(f"{address} already exists; name another file")
+        self._payloads: list[Any] = []
+
+    def open(self, header: Any) -> None:
+        """Check that the value can be written in that format."""
+        self._header = header
+        formats = exporters_of(header, current_registry())
+        if self._path.suffix.lower() not in formats:
+            raise NodegraphError(
+                f"{self._path}: a value of type {type(header).__name__} can be written as "
+                f"{listed(sorted(formats))}"
+            )
+
+    def write(self, frame: Frame) -> None:
+        """Keep a frame."""
+        self._payloads.append(frame.payload)
+
+    def close(self) -> None:
+        """Write the file."""
+        value = streamable_of(type(self._header)).join(self._header, self._payloads)
+        export = exporters_of(value, current_registry())[self._path.suffix.lower()]
+        try:
+            content = next(iter(export().values()))
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._path.write_bytes(content)
+        except (OSError, ValueError) as error:
+            raise NodegraphError(f"{self._path}: {message_of(error)}") from error
+
+
+def source_of(address: str) -> Source:
+    """Return the source of an address, ``scheme:rest``.
+
+    Raises
+    ------
+    NodegraphError
+        If no plugin has the scheme, or the address is not valid.
+    """
+    source: Source = _made(address, "sources")
+    return source
+
+
+def sink_of(address: str) -> Any:
+    """Return the sink of an address, ``scheme:rest``.
+
+    Raises
+    ------
+    NodegraphError
+        If no plugin has the scheme, or the address is not valid.
+    """
+    return _made(address, "sinks")
+
+
+def _made(address: str, kind: str) -> Any:
+    scheme, colon, rest = address.partition(":")
+    known = getattr(current_registry().hooks, kind)
+    if not colon or scheme not in known:
+        raise NodegraphError(
+            f"{address!r}: no {kind[:-1]} {scheme!r}; there is "
+            f"{listed(f'{name}:' for name in sorted(known))}"
+        )
+    return known[scheme](rest.removeprefix("//"))
+
+
+def read_streamable(path: Path) -> Any:
+    """Return the value of a file, by the first reader that can read it and gives frames.
+
+    Readers are the nodes of the family ``read`` that require nothing but a file.
+
+    Raises
+    ------
+    NodegraphError
+        If none can, with the reason of each.
+    """
+    reasons = []
+    for entry in current_registry().family("read").values():
+        setting = _only_file(entry.node)
+        if setting:
+            try:
+                return entry.node.function(**{setting: path})
+            except (ValueError, NodegraphError, OSError) as error:
+                reasons.append(f"{entry.node.name}: {message_of(error)}")
+    raise NodegraphError(f"{path}: cannot be replayed: {'; '.join(reasons) or 'no reader'}")
+
+
+def _only_file(node: Node) -> str:
+    """Return the setting that names the file, if a node reads one and gives what is streamable."""
+    streamable = tuple(each.type for each in current_registry().hooks.streamables)
+    output = node.outputs[0]
+    required = [setting for setting in node.settings.values() if setting.required]
+    if node.inputs or node.splits or output.truth or len(required) != 1:
+        return ""
+    is_reader = required[0].is_file and issubclass(output.type, streamable)
+    return required[0].name if is_reader else ""

@@ -1,0 +1,114 @@
+"""Raw packets of a stream in a file, so that it can be replayed as it was received."""
+
+from __future__ import annotations
+
+import json
+import struct
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from nodegraph.errors import NodegraphError
+from nodegraph.plugin.formats import current_registry
+from nodegraph.store import Packer
+
+MAGIC = b"nodegraph packets 1\n"
+_RECORD = struct.Struct("<?qI")
+"""Whether the source was opened anew before it, when the packet arrived in ns, and its length."""
+
+
+class PacketWriter:
+    """Writes the packets of a source into a file, which must not exist.
+
+    Parameters
+    ----------
+    path
+    address
+        Of the source, ``scheme:address``: it decodes the packets again.
+
+    Raises
+    ------
+    NodegraphError
+        If the file cannot be created.
+    """
+
+    def __init__(self, path: Path, address: str) -> None:
+        self._address = address
+        self._begun = False
+        self._opened = False
+        try:
+            self._file = path.open("xb")
+        except FileExistsError:
+            raise NodegraphError(f"{path} already exists; name another file") from None
+        except OSError as error:
+            raise NodegraphError(f"{path}: cannot be written: {error.strerror}") from error
+
+    def opened(self, header: Any) -> None:
+        """Note that the source was opened, the first time or again."""
+        if not self._begun:
+            packed = Packer(current_registry().hooks.storages).pack(header)
+            sizes = [len(buffer) for buffer in packed.buffers]
+            head = {"source": self._address, "header": packed.head, "sizes": sizes}
+            self._file.write(MAGIC + json.dumps(head).encode() + b"\n")
+            for buffer in packed.buffers:
+                self._file.write(buffer)
+        self._opened = self._begun
+        self._begun = True
+
+    def write(self, packet: bytes, arrived: int) -> None:
+        """Write a packet."""
+        self._file.write(_RECORD.pack(self._opened, arrived, len(packet)) + packet)
+        self._opened = False
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._file.close()
+
+
+class PacketReader:
+    """Reads what a `PacketWriter` wrote.
+
+    Attributes
+    ----------
+    source : str
+        The address of the source that received the packets.
+    header : value
+        What it returned when it was opened.
+
+    Raises
+    ------
+    NodegraphError
+        If the file is damaged, or its header is of a type that no plugin defines.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            with path.open("rb") as file:
+                file.read(len(MAGIC))
+                head = json.loads(file.readline())
+                buffers = [file.read(size) for size in head["sizes"]]
+                self.source: str = head["source"]
+                packer = Packer(current_registry().hooks.storages)
+                self.header = packer.unpack(head["header"], buffers)
+                self._start = file.tell()
+        except (NodegraphError, ValueError, KeyError, TypeError) as error:
+            raise NodegraphError(f"{path}: is damaged: {error}") from error
+
+    def packets(self) -> Iterator[tuple[bool, int, bytes]]:
+        """Yield whether the source was opened anew before, the arrival in ns, and the packet.
+
+        A packet that the end of the file cuts off is left out, with a warning.
+        """
+        with self._path.open("rb") as file:
+            file.seek(self._start)
+            while record := file.read(_RECORD.size):
+                if len(record) == _RECORD.size:
+                    opened, arrived, size = _RECORD.unpack(record)
+                    packet = file.read(size)
+                    if len(packet) == size:
+                        yield opened, arrived, packet
+                        continue
+                warnings.warn(f"{self._path}: ends in the middle of a packet", stacklevel=2)
+                return

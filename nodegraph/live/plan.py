@@ -1,0 +1,396 @@
+"""What of a graph runs on a stream, in which order, and how many frames later."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, Literal, get_args, get_origin
+
+from nodegraph.errors import NodegraphError, Place, Problems, listed, nearest
+from nodegraph.graph import Choices, Graph, build
+from nodegraph.node.decorator import Node
+from nodegraph.node.ports import Label
+from nodegraph.plan import Gathered, Output, Plan, Step, plan
+
+_WHOLE_TAKE = "needs the whole take"
+_UNBOUNDED = "looks ahead without bound"
+_FRAMES = (1, 30)
+"""Numbers that are tried to find a setting that bounds a look-ahead."""
+
+
+@dataclass(frozen=True)
+class LiveStep:
+    """One method that runs on the stream.
+
+    Attributes
+    ----------
+    step : Step
+    lookahead : int
+        How many frames after a frame its result needs.
+    behind : int
+        How many frames later than the source's its result is: along the slowest of its inputs.
+    streams : mapping of port to Output
+        What feeds the ports that take frames.
+    values : mapping of port to Output
+        What feeds the others, computed once.
+    """
+
+    step: Step
+    lookahead: int
+    behind: int
+    streams: Mapping[str, Output]
+    values: Mapping[str, Output]
+
+
+@dataclass(frozen=True)
+class LivePlan:
+    """The part of a graph that runs on a stream.
+
+    Attributes
+    ----------
+    plan : Plan
+        Of the whole graph, or of what the sinks need.
+    source : Output
+        Whose value the stream replaces.
+    steps : tuple of LiveStep
+        Each after those that feed it.
+    cut_off : mapping of node to reason
+        Nodes that depend on the stream and do not run on it.
+    """
+
+    plan: Plan
+    source: Output
+    steps: tuple[LiveStep, ...]
+    cut_off: Mapping[str, str]
+
+    @property
+    def held(self) -> tuple[Step, ...]:
+        """The steps that are computed once, before the stream begins."""
+        needed = {output.step for step in self.steps for output in step.values.values()}
+        return tuple(self.plan.steps[index] for index in sorted(needed))
+
+    def paths(self) -> Iterator[tuple[LiveStep, ...]]:
+        """Yield for each step that no other reads the slowest way to it from the source."""
+        by_index = {step.step.index: step for step in self.steps}
+        read = {output.step for step in self.steps for output in step.streams.values()}
+        for last in self.steps:
+            if last.step.index in read:
+                continue
+            path = [last]
+            while before := [
+                by_index[output.step]
+                for output in path[0].streams.values()
+                if output.step in by_index
+            ]:
+                path.insert(0, max(before, key=lambda step: step.behind))
+            yield tuple(path)
+
+    def outputs(self, name: str) -> Mapping[Output, Mapping[str, Label]]:
+        """Return the streamed outputs that a sink's name means, with the labels that differ.
+
+        Parameters
+        ----------
+        name
+            A node, or one of its outputs: ``gaps.truth``.
+
+        Raises
+        ------
+        NodegraphError
+            If it does not run on the stream.
+        """
+        graph = self.plan.graph
+        node, port = split_name(graph, name)
+        source = self.plan.steps[self.source.step]
+        if source.node == node and _position(source, port) == self.source.position:
+            return {self.source: {}}
+        steps = [step.step for step in self.steps if step.step.node == node]
+        if not steps:
+            reason = self.cut_off.get(node, "it does not depend on the stream")
+            raise NodegraphError(f"{name}: {reason}")
+        varying = [
+            axis for axis in steps[0].labels if len({step.labels.get(axis) for step in steps}) > 1
+        ]
+        return {
+            Output(step.index, _position(step, port)): {axis: step.labels[axis] for axis in varying}
+            for step in steps
+        }
+
+
+def live_plan(
+    graph: Graph,
+    source: str = "",
+    *,
+    sinks: Collection[str] = (),
+    hold: Collection[str] = (),
+) -> LivePlan:
+    """Return what of a graph runs on a stream.
+
+    Parameters
+    ----------
+    graph
+    source
+        What the stream replaces: a node without inputs, one of its outputs, or the input or the
+        axis that chooses what such a node reads. By default the only one that a node with a live
+        form reads.
+    sinks
+        Nodes, or outputs, whose frames are wanted; by default all that can be had.
+    hold
+        Nodes that are computed once, from what the graph itself reads, although they depend on
+        what the stream replaces.
+
+    Raises
+    ------
+    GraphError
+        If a look-ahead is unbounded, an axis has several labels, or what a sink needs cannot run
+        on the stream.
+    NodegraphError
+        If a name is not known.
+    """
+    node, port = _source_of(graph, source)
+    if source in graph.axes and source not in graph.nodes:
+        first = graph.axes[source].labels[:1]  # the stream is the data, whatever the label
+        choices = graph.choices.updated(Choices(only={source: first}, folder=graph.choices.folder))
+        graph = build(graph.spec, graph.registry, choices)
+    for name in hold:
+        split_name(graph, name)
+    if sinks:
+        graph = graph.until([*(split_name(graph, name)[0] for name in sinks), node])
+    planned = plan(graph)
+    return _Planner(planned, node, port, frozenset(hold), frozenset(sinks)).plan()
+
+
+def split_name(graph: Graph, name: str) -> tuple[str, str]:
+    """Return the node and the output that a name means; an empty output is the first.
+
+    Raises
+    ------
+    NodegraphError
+        If there is none.
+    """
+    node, port = (name, "") if name in graph.nodes else name.rpartition(".")[::2]
+    if node not in graph.nodes:
+        reason = graph.reasons_left_out().get(name)
+        hint = f"it is left out: {reason}" if reason else nearest(name, graph.nodes)
+        raise NodegraphError(f"the graph has no node {name!r}; {hint}")
+    outputs = graph.nodes[node].outputs
+    if port and port not in outputs:
+        raise NodegraphError(f"{node!r} has no output {port!r}; {nearest(port, outputs)}")
+    return node, port
+
+
+def bounding_settings(node: Node, settings: Mapping[str, Any]) -> str:
+    """Return the settings that would bound a node's look-ahead: ``max_gap: 30``; empty if none."""
+    options = [
+        (name, choice)
+        for name, setting in node.settings.items()
+        for choice in _choices(setting.annotation)
+        if choice != settings[name]
+    ]
+    for count in (1, 2):
+        for several in combinations(options, count):
+            changed = {**settings, **dict(several)}
+            if len(dict(several)) == count and node.live_lookahead(changed) is not None:
+                return ", ".join(f"{name}: {_text(value)}" for name, value in several)
+    return ""
+
+
+def _choices(kind: Any) -> tuple[Any, ...]:
+    """Return values of a type that may bound a look-ahead."""
+    if get_origin(kind) is Literal:
+        return get_args(kind)
+    if kind is bool:
+        return (True, False)
+    if kind is int:
+        return _FRAMES
+    return tuple(choice for each in get_args(kind) for choice in _choices(each))
+
+
+def _text(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _source_of(graph: Graph, name: str) -> tuple[str, str]:
+    """Return the node and the output that a stream replaces."""
+    candidates = {
+        (source, output)
+        for source, target, wire in graph.wires()
+        for output in [wire.output]
+        if not graph.network.in_degree(source)
+        and any(wire.port in method.node.streams for method in graph.nodes[target].methods.values())
+    }
+    if name and (name in graph.nodes or name.rpartition(".")[0] in graph.nodes):
+        node, port = split_name(graph, name)
+        if graph.network.in_degree(node):
+            raise NodegraphError(
+                f"{node!r} is computed from other nodes; a stream replaces one without inputs: "
+                f"{listed(sorted({source for source, _ in candidates}))}"
+            )
+        return node, port
+    if name:
+        if name not in graph.axes and name not in graph.inputs:
+            known = [*graph.nodes, *graph.inputs, *graph.axes]
+            raise NodegraphError(
+                f"the graph has no node, input or axis {name!r}; {nearest(name, known)}"
+            )
+        candidates = {each for each in candidates if name in _variables(graph, each[0])}
+    names = sorted({f"{source}.{output}" for source, output in candidates})
+    if len(names) != 1:
+        what = f"{name!r} chooses" if name else "a stream could replace"
+        raise NodegraphError(f"{what} {listed(names)}: name one output of a node")
+    ((source, output),) = candidates
+    return source, output
+
+
+def _variables(graph: Graph, node: str) -> set[str]:
+    """Return the inputs and axes that a node's settings name."""
+    spec = graph.spec.nodes[node]
+    settings = [spec.settings, *(method.settings for method in spec.methods)]
+    return {
+        variable.name
+        for each in settings
+        for written in each.values()
+        for variable in written.variables()
+    }
+
+
+def _position(step: Step, port: str) -> int:
+    return [each.name for each in step.method.node.outputs].index(port) if port else 0
+
+
+class _Planner:
+    def __init__(
+        self, planned: Plan, node: str, port: str, hold: frozenset[str], sinks: frozenset[str]
+    ) -> None:
+        self._plan = planned
+        self._hold = hold
+        self._sinks = sinks
+        self._problems = Problems()
+        step = planned.steps[next(iter(planned.cells[node].values()))]
+        self._source = Output(step.index, _position(step, port))
+        self._node = node
+        self._live: dict[int, LiveStep] = {}
+        self._cut: dict[int, str] = {}
+
+    def plan(self) -> LivePlan:
+        for step in self._plan.steps:
+            if step.node not in self._hold and (tainted := self._from_stream(step)):
+                reason = self._add(step, tainted)
+                if reason:
+                    self._cut[step.index] = reason
+        self._check_axes()
+        self._check_sinks()
+        if not self._live and not self._sinks:
+            reasons = listed(
+                f"{self._plan.steps[index].node}: {reason}" for index, reason in self._cut.items()
+            )
+            place = self._plan.graph.nodes[self._node].place
+            self._problems.add(place, "nothing of the graph runs on a stream", reasons)
+        self._problems.raise_any()
+        cut_off: dict[str, str] = {}
+        for index, reason in self._cut.items():
+            cut_off.setdefault(self._plan.steps[index].node, reason)
+        return LivePlan(self._plan, self._source, tuple(self._live.values()), cut_off)
+
+    def _from_stream(self, step: Step) -> list[str]:
+        """Return the ports of a step that depend on the stream."""
+        return [
+            port
+            for port, feed in step.inputs.items()
+            if any(self._is_streamed(output) or output.step in self._cut for output in _read(feed))
+        ]
+
+    def _is_streamed(self, output: Output) -> bool:
+        return output == self._source or output.step in self._live
+
+    def _add(self, step: Step, ports: Collection[str]) -> str:
+        """Add a step that depends on the stream, or return why it cannot run there."""
+        node = step.method.node
+        for port in ports:
+            for output in _read(step.inputs[port]):
+                if output.step in self._cut:
+                    return f"needs {self._plan.steps[output.step].node}"
+        if node.live is None:
+            return _WHOLE_TAKE
+        whole = [port for port in ports if port not in node.streams]
+        if whole:
+            return f"{whole[0]!r} takes a whole take"
+        still = [port for port in node.streams if port in step.inputs and port not in ports]
+        if still:
+            return f"{still[0]!r} is not on the stream"
+        lookahead = node.live_lookahead(step.settings)
+        if lookahead is None:
+            self._refuse(step)
+            return _UNBOUNDED
+        streams: dict[str, Output] = {}
+        values: dict[str, Output] = {}
+        for port, feed in step.inputs.items():
+            if isinstance(feed, Gathered):
+                return f"{port!r} gathers"
+            (streams if port in ports else values)[port] = feed
+        behind = max(map(self._behind, streams.values()))
+        self._live[step.index] = LiveStep(step, lookahead, behind + lookahead, streams, values)
+        return ""
+
+    def _behind(self, output: Output) -> int:
+        return 0 if output == self._source else self._live[output.step].behind
+
+    def _refuse(self, step: Step) -> None:
+        hint = bounding_settings(step.method.node, step.settings)
+        instead = f"set {hint}" if hint else "use a method with a bounded look-ahead"
+        alternatives = [axis for axis in step.labels if axis == step.node]
+        if alternatives:
+            instead += f", or leave it out with --only {step.node}=..."
+        message = (
+            f"{step.name}: {step.method.node.name} looks ahead without bound, as no stream can"
+        )
+        self._problems.add(step.method.place, message, instead)
+
+    def _check_axes(self) -> None:
+        """Note axes along which there would be several streams."""
+        graph = self._plan.graph
+        cells = self._plan.cells[self._node].values()
+        steps = [self._plan.steps[index] for index in (*cells, *self._live)]
+        for name, axis in graph.axes.items():
+            if name in graph.nodes and name != self._node:  # alternatives run side by side
+                continue
+            labels = {step.labels[name] for step in steps if name in step.labels}
+            if len(labels) > 1:
+                self._problems.add(
+                    self._place_of_axis(name),
+                    f"{name!r} has {len(axis.labels)} labels, and a stream has one point",
+                    f"choose with --only {name}={axis.labels[0]}",
+                )
+
+    def _check_sinks(self) -> None:
+        for name in sorted(self._sinks):
+            node, _ = split_name(self._plan.graph, name)
+            for index in dict.fromkeys(self._plan.cells[node].values()):
+                step = self._plan.steps[index]
+                if index in self._cut and self._cut[index] != _UNBOUNDED:
+                    reason = self._why(index)
+                elif index in self._cut or index in self._live or index == self._source.step:
+                    continue
+                else:
+                    reason = "it does not depend on the stream"
+                self._problems.add(
+                    step.method.place, f"{step.name} cannot run on the stream: {reason}"
+                )
+
+    def _why(self, index: int) -> str:
+        """Return why a step is cut off, back to the first that is."""
+        step = self._plan.steps[index]
+        for feed in step.inputs.values():
+            for output in _read(feed):
+                if output.step in self._cut:
+                    before = self._plan.steps[output.step].name
+                    return f"it needs {before}, which {self._why(output.step)}"
+        return self._cut[index]
+
+    def _place_of_axis(self, name: str) -> Place:
+        spec = self._plan.graph.spec
+        return spec.axes[name].place if name in spec.axes else Place(f"--axis {name}")
+
+
+def _read(feed: Output | Gathered) -> tuple[Output, ...]:
+    return (feed,) if isinstance(feed, Output) else tuple(output for _, output in feed.entries)

@@ -1,0 +1,517 @@
+"""A stream from its source through the live part of a graph to the sinks.
+
+One thread receives and decodes packets, another computes. Between them is a bounded queue.
+"""
+
+from __future__ import annotations
+
+import gc
+import signal
+import threading
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from contextvars import copy_context
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from types import FrameType
+from typing import Any, Literal
+
+from nodegraph.equality import difference
+from nodegraph.errors import NodegraphError, listed, message_of
+from nodegraph.execute import execute
+from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.formatting import labels_of, name_at
+from nodegraph.graph import Graph
+from nodegraph.live.counts import Counts
+from nodegraph.live.engine import Engine, Tap
+from nodegraph.live.files import sink_of, source_of
+from nodegraph.live.forms import streamable_of
+from nodegraph.live.packets import PacketWriter
+from nodegraph.live.plan import LivePlan, live_plan
+from nodegraph.node.ports import Label
+from nodegraph.plan import Output, plan
+from nodegraph.plugin.formats import formats_of
+from nodegraph.plugin.streaming import Frame, Sink, Source
+from nodegraph.store import Store
+
+Policy = Literal["every", "newest"]
+
+_QUEUE = 1024
+"""Frames that wait at most; then the receiving thread waits."""
+_BACKLOG = 16
+"""Frames that wait at most with the policy ``newest``; then all but the last are dropped."""
+_JUMP = 1000
+"""A source whose numbers jump so far has begun anew."""
+_POLL, _FULL, _AGAIN = 0.1, 0.0005, 1.0  # seconds
+_TIDY = 5_000
+"""Frames between collections of garbage, which take place when no frame waits."""
+
+
+class _Opened:
+    """In the queue: what follows comes from a connection of its own."""
+
+
+@dataclass
+class _End:
+    """In the queue: no frame follows; the error is why, if there is one."""
+
+    error: Exception | None = None
+
+
+class Outlet:
+    """A sink at work, which is opened again when its connection is lost.
+
+    Parameters
+    ----------
+    name
+        As counts name it.
+    output
+        Whose frames it takes.
+    sink
+    """
+
+    def __init__(self, name: str, output: Output, sink: Sink) -> None:
+        self.name = name
+        self.output = output
+        self._sink = sink
+        self._header: Any = None
+        self._again: float | None = None
+        """When to open it again, if it is lost."""
+
+    def open(self, header: Any) -> None:
+        """Open the sink.
+
+        Raises
+        ------
+        NodegraphError
+            If that is not possible.
+        """
+        self._header = header
+        try:
+            self._sink.open(header)
+        except OSError as error:
+            raise NodegraphError(f"{self.name}: cannot be opened: {_reason(error)}") from error
+
+    def write(self, counts: Counts, frame: Frame) -> None:
+        """Write a frame, or count it as unsent."""
+        try:
+            if self._again is not None:
+                self._open_again()
+            if self._again is None:
+                self._sink.write(frame)
+                counts.written[self.name] += 1
+                return
+        except OSError:
+            self._sink.close()
+            self._again = time.monotonic() + _AGAIN
+        counts.unsent[self.name] += 1
+
+    def close(self) -> None:
+        """Close the sink."""
+        self._sink.close()
+
+    def _open_again(self) -> None:
+        if self._again is not None and time.monotonic() >= self._again:
+            self._sink.open(self._header)
+            self._again = None
+
+
+def session_of(
+    graph: Graph,
+    source: tuple[str, str | Source],
+    sinks: Sequence[tuple[str, str | Sink]] = (),
+    *,
+    hold: Collection[str] = (),
+    policy: Policy = "every",
+    record: Path | None = None,
+    store: Store | None = None,
+    announce: Callable[[str], None] = lambda text: None,
+) -> Session:
+    """Return a session that runs what a stream can feed of a graph; what is held is computed.
+
+    Parameters
+    ----------
+    graph
+    source
+        What the stream replaces, see `live_plan`, and its address.
+    sinks
+        Nodes, or outputs, each with an address. Where alternatives run side by side, the address
+        has their label: ``file:{fill}.npz``; a `Sink` takes one of them.
+    hold
+        As in `live_plan`.
+    policy, announce
+        As of `Session`.
+    record
+        File for the packets of the source.
+    store
+        Where what is held is looked up and stored.
+
+    Raises
+    ------
+    GraphError, NodegraphError
+        If the graph cannot run on the stream, a name is not known, or an address is not valid.
+    """
+    name, end = source
+    planned = live_plan(graph, name, sinks=[node for node, _ in sinks], hold=hold)
+    with formats_of(graph.registry):
+        opened = source_of(end) if isinstance(end, str) else end
+        outlets = [outlet for node, sink in sinks for outlet in _outlets(planned, node, sink)]
+        values = _held_values(planned, store)
+        address = end if isinstance(end, str) else type(end).__name__
+        return Session(
+            planned,
+            values,
+            opened,
+            address,
+            outlets,
+            policy=policy,
+            record=PacketWriter(record, address) if record is not None else None,
+            announce=announce,
+        )
+
+
+def _outlets(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outlet]:
+    outputs = planned.outputs(node)
+    if not isinstance(sink, str):
+        if len(outputs) > 1:
+            raise NodegraphError(f"{node} has {len(outputs)} streams, and there is one sink")
+        yield Outlet(node, next(iter(outputs)), sink)
+        return
+    addresses = {output: _filled(sink, labels) for output, labels in outputs.items()}
+    if len(set(addresses.values())) < len(addresses):
+        axes = "".join(f"{{{axis}}}" for axis in next(iter(outputs.values())))
+        raise NodegraphError(
+            f"{node} has {len(addresses)} streams: write {axes} into the address {sink!r}, or "
+            f"choose with --only: {listed(map(labels_of, outputs.values()))}"
+        )
+    for output, address in addresses.items():
+        yield Outlet(f"{name_at(node, outputs[output])}={address}", output, sink_of(address))
+
+
+def _filled(address: str, labels: Mapping[str, Label]) -> str:
+    for axis, label in labels.items():
+        address = address.replace(f"{{{axis}}}", str(label))
+    return address
+
+
+def _held_values(planned: LivePlan, store: Store | None) -> dict[Output, Any]:
+    """Compute what does not change while the stream runs."""
+    nodes = dict.fromkeys(step.node for step in planned.held)
+    if not nodes:
+        return {}
+    graph = planned.plan.graph
+    run = execute(plan(graph.until(nodes)), store=store, keep=nodes)
+    values = {}
+    for output in {output for live in planned.steps for output in live.values.values()}:
+        step = planned.plan.steps[output.step]
+        port = step.method.node.outputs[output.position].name
+        values[output] = run[f"{step.node}.{port}"].at(**step.labels)
+    return values
+
+
+class Session:
+    """Runs the live part of a graph on a stream.
+
+    Parameters
+    ----------
+    plan
+    values
+        Of the outputs that are computed once, see `LivePlan.held`.
+    source
+    address
+        Of the source, as messages and recordings name it.
+    outlets
+    policy
+        ``every``: each frame is computed, and the source waits, or loses frames, if that takes too
+        long. ``newest``: if too many wait, all but the last are dropped, and the stream begins
+        anew.
+    record
+        Keeps the packets.
+    announce
+        Called with what users should know while the stream runs.
+
+    Attributes
+    ----------
+    plan : LivePlan
+    counts : Counts
+    """
+
+    def __init__(
+        self,
+        plan: LivePlan,
+        values: Mapping[Output, Any],
+        source: Source,
+        address: str,
+        outlets: Sequence[Outlet],
+        *,
+        policy: Policy = "every",
+        record: PacketWriter | None = None,
+        announce: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self.counts = Counts()
+        self.plan = plan
+        self._values = values
+        self._source = source
+        self._address = address
+        self._outlets = outlets
+        self._policy = policy
+        self._record = record
+        self._announce = announce
+        self._queue: SimpleQueue[Frame | _Opened | _End] = SimpleQueue()
+        self._stopped = threading.Event()
+        self._expected: int | None = None
+        self._absent: set[int] = set()
+        self._is_behind = True
+        """Whether what arrived while the stream was opened is still being worked off."""
+
+    def stop(self) -> None:
+        """End the stream; what has arrived is still computed."""
+        self._stopped.set()
+
+    def run(self) -> Counts:
+        """Compute the stream until it ends, or `stop` is called, or the program is interrupted.
+
+        Raises
+        ------
+        NodegraphError
+            If the source or a sink cannot be opened, or a node fails.
+        """
+        with ExitStack() as stack:
+            stack.enter_context(formats_of(self.plan.plan.graph.registry))
+            stack.enter_context(one_thread_each())
+            stack.enter_context(self._counting_warnings())
+            self._header = self._opened()
+            self._missing = streamable_of(type(self._header)).missing(self._header)
+            thread = threading.Thread(target=copy_context().run, args=(self._receive,), daemon=True)
+            stack.callback(self._end_of, thread)
+            self._engine = self._new_engine()
+            for outlet in self._outlets:
+                stack.callback(outlet.close)
+                outlet.open(self._engine.headers[outlet.output])
+            stack.enter_context(_interruptible(self.stop))
+            stack.enter_context(_without_gc())
+            self._announce(f"{self._address}: running; an interruption (Ctrl-C) ends the stream")
+            thread.start()
+            self._compute()
+            self._engine.drain()
+        return self.counts
+
+    def _opened(self) -> Any:
+        try:
+            header = self._source.open()
+        except OSError as error:
+            raise NodegraphError(f"{self._address}: cannot be opened: {_reason(error)}") from error
+        step = self.plan.plan.steps[self.plan.source.step]
+        port = step.method.node.outputs[self.plan.source.position]
+        if not isinstance(header, port.type):
+            raise NodegraphError(
+                f"{self._address}: gives {type(header).__name__}; {step.node}.{port.name} is "
+                f"{port.type.__name__}"
+            )
+        return header
+
+    def _new_engine(self) -> Engine:
+        taps = [Tap(outlet.output, partial(outlet.write, self.counts)) for outlet in self._outlets]
+        return Engine(self.plan, self._header, self._values, taps, self.counts.refused)
+
+    def _receive(self) -> None:
+        """Put what arrives into the queue; the work of the receiving thread."""
+        try:
+            if self._record is not None:
+                self._record.opened(self._header)
+            while not self._stopped.is_set():
+                try:
+                    self._receive_packets()
+                    break
+                except OSError as error:
+                    self._announce(f"{self._address}: {_reason(error)}; waiting for it to return")
+                    self._source.close()
+                    self._open_again()
+            self._queue.put(_End())
+        except Exception as error:
+            self._queue.put(_End(error))
+
+    def _receive_packets(self) -> None:
+        counts, queue, frames_in = self.counts, self._queue, self._source.frames
+        record, header, stopped = self._record, self._header, self._stopped
+        for packet in self._source.packets():
+            arrived = time.perf_counter_ns()
+            if record is not None:
+                record.write(packet, arrived)
+            try:
+                for frame in frames_in(packet, arrived, header):
+                    queue.put(frame)
+            except ValueError:
+                counts.undecodable += 1
+            if stopped.is_set():
+                return
+            while queue.qsize() >= _QUEUE and not stopped.is_set():
+                time.sleep(_FULL)
+
+    def _open_again(self) -> None:
+        while not self._stopped.is_set():
+            try:
+                header = self._source.open()
+            except OSError:
+                self._stopped.wait(_AGAIN)
+                continue
+            changed = difference(self._header, header, name="header")
+            if changed:
+                raise NodegraphError(f"{self._address}: returned as another stream: {changed}")
+            self.counts.reconnected += 1
+            if self._record is not None:
+                self._record.opened(header)
+            self._queue.put(_Opened())
+            return
+
+    def _end_of(self, thread: threading.Thread) -> None:
+        self._stopped.set()
+        self._source.close()
+        if thread.is_alive():
+            thread.join(2.0)
+        if self._record is not None:
+            self._record.close()
+
+    def _compute(self) -> None:
+        queue, counts = self._queue, self.counts
+        newest = self._policy == "newest"
+        while True:
+            try:
+                item = queue.get(timeout=_POLL)
+            except Empty:
+                if self._stopped.is_set():
+                    return
+                continue
+            if newest and queue.qsize() > _BACKLOG:
+                item = self._last(item)
+            if isinstance(item, Frame):
+                counts.received += 1
+                self._take(item)
+                if queue.empty():
+                    self._is_behind = False
+                    if counts.computed % _TIDY == 0:
+                        gc.collect(1)
+            elif isinstance(item, _Opened):
+                self._begin_anew()
+            else:
+                if item.error is not None:
+                    raise item.error
+                return
+
+    def _last(self, item: Frame | _Opened | _End) -> Frame | _Opened | _End:
+        """Return the last of what waits; frames before it are dropped."""
+        for _ in range(self._queue.qsize()):
+            if not isinstance(item, Frame):
+                break
+            self.counts.received += 1
+            self.counts.dropped += 1
+            item = self._queue.get()
+        self._begin_anew()
+        return item
+
+    def _begin_anew(self) -> None:
+        """End the stream as it is, and begin one whose frames know nothing of those before."""
+        self._engine.drain()
+        self._engine = self._new_engine()
+        self._expected = None
+        self._absent.clear()
+        self.counts.resets += 1
+
+    def _take(self, frame: Frame) -> None:
+        """Compute a frame, after those that are missing before it."""
+        index, expected = frame.index, self._expected
+        if not self.counts.computed:
+            self._warm_up(frame)
+        if expected is not None and index != expected:
+            if abs(index - expected) > _JUMP:
+                self._announce(f"{self._address}: after frame {expected - 1} comes {index}")
+                self._begin_anew()
+            elif index < expected:
+                if index in self._absent:
+                    self.counts.late += 1
+                    self._absent.discard(index)
+                else:
+                    self.counts.repeated += 1
+                return
+            else:
+                self._skip(expected, frame)
+        self._expected = index + 1
+        self._engine.push(frame)
+        self.counts.computed += 1
+        if not self._is_behind:
+            self.counts.latencies.add(time.perf_counter_ns() - frame.arrived)
+
+    def _warm_up(self, frame: Frame) -> None:
+        """Compute a few frames that nobody sees, so that what is compiled at first use is."""
+        engine = Engine(self.plan, self._header, self._values, (), Counter())
+        for payload in (frame.payload, self._missing, frame.payload):
+            engine.push(Frame(frame.index, 0, 0, payload))
+        engine.drain()
+
+    def _skip(self, first: int, frame: Frame) -> None:
+        """Compute the frames from one number to before a frame as missing."""
+        for index in range(first, frame.index):
+            self._engine.push(Frame(index, 0, frame.arrived, self._missing))
+            self.counts.computed += 1
+            self.counts.missing += 1
+        self._absent = {index for index in self._absent if index > frame.index - _JUMP}
+        self._absent.update(range(first, frame.index))
+
+    @contextmanager
+    def _counting_warnings(self) -> Iterator[None]:
+        """Count what nodes warn of, by the line that does: it may do so in every frame."""
+        first: dict[tuple[str, int], str] = {}
+
+        def count(message: Warning | str, category: type, file: str, line: int, *_: Any) -> None:
+            self.counts.warnings[first.setdefault((file, line), str(message))] += 1
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            warnings.showwarning = count  # type: ignore[assignment]
+            yield
+
+
+@contextmanager
+def _interruptible(stop: Callable[[], None]) -> Iterator[None]:
+    """Let the first interruption of the program end the stream, and a second one the program."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before: dict[int, Any] = {number: signal.getsignal(number) for number in signals}
+
+    def interrupted(number: int, frame: FrameType | None) -> None:
+        stop()
+        signal.signal(number, before[number])
+
+    for number in signals:
+        signal.signal(number, interrupted)
+    try:
+        yield
+    finally:
+        for number in signals:
+            signal.signal(number, before[number])
+
+
+@contextmanager
+def _without_gc() -> Iterator[None]:
+    """Have no garbage collected by chance, which takes milliseconds where much is alive."""
+    was_enabled = gc.isenabled()
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+        if was_enabled:
+            gc.enable()
+
+
+def _reason(error: OSError) -> str:
+    return error.strerror or message_of(error) or type(error).__name__

@@ -1,0 +1,384 @@
+"""A graph on a stream gives what it gives of the whole take, whatever happens on the way."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nodegraph as ng
+from nodegraph.cli.main import main
+from nodegraph.live.session import session_of
+from nodegraph.testing import difference
+from nodegraph_files import read_npz
+from nodegraph_mocap import Trajectories
+
+NODES = '''
+import struct
+from dataclasses import replace
+
+import numpy as np
+
+from nodegraph import Frame, FrameForm, Refusal, StateForm, WindowForm, fold, hookimpl, node
+from nodegraph_files import read_npz
+from nodegraph_mocap import BlendshapeModel, MarkerFrame, Origin, Trajectories, Weights
+
+
+def half(settings):
+    return None if settings["width"] is None else settings["width"] // 2
+
+
+def result(positions, frame):
+    missing = np.isnan(positions[:, 0])
+    origin = np.where(frame.origin == Origin.MISSING, np.uint8(Origin.FILLED), frame.origin)
+    return MarkerFrame(positions, np.where(missing, np.uint8(0), origin))
+
+
+def mean_at(window, *, width):
+    frames, now = window.frames, window.now
+    total = np.zeros_like(frames.positions[now])
+    for positions in frames.positions:
+        total = total + positions
+    return result(total / width, MarkerFrame(total, frames.origin[now]))
+
+
+MEAN = WindowForm(mean_at, before=half, after=half)
+
+
+@node("avg.mean", lookahead=half, live=MEAN)
+def mean(recording: Trajectories, *, width: int | None = 3) -> Trajectories:
+    """Average the frames around each.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    width
+        Of the window.
+    """
+    return fold(MEAN, recording, width=width)
+
+
+class HoldLive:
+    def __init__(self, recording):
+        self.header = recording
+        self.last = np.full((len(recording.markers), 3), np.nan)
+
+    def push(self, frame):
+        if frame.positions[0, 0] > 1e6:
+            raise Refusal("too far away")
+        self.last = np.where(np.isnan(frame.positions), self.last, frame.positions)
+        return result(self.last, frame)
+
+    def drain(self):
+        return ()
+
+
+HOLD = StateForm(HoldLive)
+
+
+@node("avg.hold", lookahead=0, live=HOLD)
+def hold(recording: Trajectories) -> Trajectories:
+    """Hold the last position."""
+    return fold(HOLD, recording)
+
+
+@node("avg.restore", live=FrameForm(streams=("recording", "other")))
+def restore(recording: Trajectories, other: Trajectories) -> Trajectories:
+    """Take what is missing from another recording."""
+    missing = ~recording.present & other.present
+    positions = np.where(missing[..., None], other.positions, recording.positions)
+    return recording.with_samples(positions, changed=missing, origin=Origin.FILLED)
+
+
+@node("avg.towards", live="frame")
+def towards(recording: Trajectories, model: BlendshapeModel) -> Trajectories:
+    """Go half the way to a model at rest."""
+    model = model.neutral
+    return recording.with_samples(
+        (recording.positions + model) / 2.0,
+        changed=np.zeros(recording.origin.shape, dtype=bool),
+        origin=Origin.FILLED,
+    )
+
+
+class Wire:
+    """Sends frames of a file by their numbers; x is garbage, ! a lost connection."""
+
+    def __init__(self, address):
+        file, _, script = address.partition("?")
+        self.take = read_npz(file)
+        self.script = iter(script.split(","))
+        self.sent = 0
+
+    def open(self):
+        return replace(self.take, positions=self.take.positions[:0], origin=self.take.origin[:0])
+
+    def packets(self):
+        for word in self.script:
+            if word == "!":
+                raise ConnectionResetError("gone")
+            first, _, last = word.partition("-")
+            if word == "x":
+                yield b"garbage"
+            else:
+                for number in range(int(first), int(last or first) + 1):
+                    yield struct.pack("<q", number)
+
+    def frames(self, packet, arrived, header):
+        if len(packet) != 8:
+            raise ValueError("garbage")
+        (number,) = struct.unpack("<q", packet)
+        frame = number % self.take.frames
+        yield Frame(
+            number, 0, arrived, MarkerFrame(self.take.positions[frame], self.take.origin[frame])
+        )
+
+    def close(self):
+        pass
+
+
+@hookimpl
+def nodegraph_sources():
+    return {"wire": Wire}
+'''
+GRAPH = """
+nodegraph: 1
+title: Branches
+inputs: {take: take.npz}
+nodes:
+  capture: {use: read.recording, with: {path: $take}}
+  face: {use: synthesize.face, with: {seconds: 0.1}}
+  avg:
+    in: capture
+    alternatives:
+      narrow: {use: avg.mean, with: {width: 3}}
+      wide: {use: avg.mean, with: {width: 9}}
+  held: {use: avg.hold, in: avg}
+  both: {use: avg.restore, in: {recording: capture, other: held}}
+  near: {use: avg.towards, in: {recording: both, model: face.model}}
+  far: {use: avg.hold, in: capture}
+  endless: {use: avg.mean, in: capture, with: {width: null}}
+  spectra: {use: plot.spectra, in: {recordings: near}}
+"""
+FRAMES = 50
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("live")
+    (folder / "nodes.py").write_text(NODES)
+    (folder / "graph.yaml").write_text(GRAPH)
+    recording: Trajectories = ng.get_node("synthesize.face")(seconds=1.0, missing=0.2).captured
+    recording = replace(
+        recording, positions=recording.positions[:FRAMES], origin=recording.origin[:FRAMES]
+    )
+    (folder / "take.npz").write_bytes(ng.get_node("write.npz")(recording).content["recording.npz"])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def graph(folder: Path) -> Any:
+    return ng.load(folder / "graph.yaml", plugins=[folder / "nodes.py"])
+
+
+@pytest.fixture(scope="module")
+def take(folder: Path) -> Trajectories:
+    return read_npz(folder / "take.npz")
+
+
+class Box:
+    """A sink that keeps what it is given, and is away for a while if that is wanted."""
+
+    def __init__(self, away: int = 0) -> None:
+        self.frames: list[ng.Frame] = []
+        self.away = away
+
+    def open(self, header: Any) -> None:
+        self.header = header
+
+    def write(self, frame: ng.Frame) -> None:
+        if self.away:
+            self.away -= 1
+            raise ConnectionRefusedError("nobody there")
+        self.frames.append(frame)
+
+    def close(self) -> None:
+        pass
+
+
+def play(graph: Any, folder: Path, script: str, sink: str, **options: Any) -> tuple[Any, Box]:
+    """Run a graph on the frames of a script; the counts, and what a sink got."""
+    box = Box(options.pop("away", 0))
+    source = ("take", f"wire:{folder / 'take.npz'}?{script}")
+    session = session_of(graph, source, [(sink, box)], **options)
+    return session.run(), box
+
+
+def recording_of(box: Box) -> Trajectories:
+    header: Trajectories = box.header
+    return replace(
+        header,
+        positions=np.stack([frame.payload.positions for frame in box.frames]),
+        origin=np.stack([frame.payload.origin for frame in box.frames]),
+    )
+
+
+def test_every_branch_gives_what_the_whole_take_gives(
+    folder: Path, graph: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nodes = ("avg", "held", "both", "near")
+    command = ["live", str(folder / "graph.yaml"), "--plugin", str(folder / "nodes.py")]
+    command += ["--source", f"take=replay:{folder / 'take.npz'}@0", "--out", str(tmp_path)]
+    for name in nodes:
+        command += ["--sink", f"{name}=file:{tmp_path}/{name}_{{avg}}.npz"]
+    assert main([*command, "--store", str(tmp_path / "store")]) == 0
+    run = ng.run(graph, cache=False)
+    for name in nodes:
+        for label in ("narrow", "wide"):
+            streamed = read_npz(tmp_path / f"{name}_{label}.npz")
+            assert not difference(streamed, run[name].at(avg=label)), (name, label)
+    counts = json.loads((tmp_path / "live.json").read_text())
+    assert counts["received"] == counts["computed"] == FRAMES
+    assert set(counts["written"].values()) == {FRAMES}
+    assert counts["behind"]["near(avg=wide)"] == 4
+    assert f"{FRAMES} received, {FRAMES} computed" in capsys.readouterr().out
+
+
+def test_what_goes_wrong_on_the_way_is_counted(
+    folder: Path, graph: Any, take: Trajectories
+) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, "0-9,12-14,11,14,x,15-19", "held")
+    numbers = counts.as_json()
+    assert (numbers["missing"], numbers["late"], numbers["repeated"]) == (2, 1, 1)
+    assert (numbers["undecodable"], numbers["resets"]) == (1, 0)
+    assert [frame.index for frame in box.frames] == list(range(20))
+    positions, origin = take.positions[:20].copy(), take.origin[:20].copy()
+    positions[10:12], origin[10:12] = np.nan, 0
+    damaged = replace(take, positions=positions, origin=origin)
+    nodes = narrow.registry
+    averaged = nodes.find("avg.mean").node.function(damaged, width=3)
+    assert not difference(recording_of(box), nodes.find("avg.hold").node.function(averaged))
+
+
+def test_a_stream_that_returns_or_jumps_begins_anew(folder: Path) -> None:
+    announced: list[str] = []
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, "5-9,!,5-9,90000-90004", "held", announce=announced.append)
+    assert (counts.reconnected, counts.resets, counts.missing) == (1, 2, 0)
+    assert [frame.index for frame in box.frames] == [*range(5, 10)] * 2 + [*range(90000, 90005)]
+    assert not difference(box.frames[0].payload, box.frames[5].payload)
+    assert "gone" in announced[1]
+    assert "after frame 9 comes 90000" in announced[2]
+
+
+def test_recorded_packets_play_the_same_again(folder: Path, graph: Any, tmp_path: Path) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    packets = tmp_path / "packets"
+    first, box = play(narrow, folder, "0-9,13-14,12,!,20-29,x", "near", record=packets)
+    replayed = Box()
+    counts = session_of(narrow, ("take", f"replay:{packets}@0"), [("near", replayed)]).run()
+    assert [frame[:2] for frame in replayed.frames] == [frame[:2] for frame in box.frames]
+    assert not difference(recording_of(replayed), recording_of(box))
+    assert (counts.resets, counts.missing, counts.late, counts.undecodable) == (1, 3, 1, 1)
+    assert (first.resets, first.missing, first.late, first.undecodable) == (1, 3, 1, 1)
+    packets.write_bytes(packets.read_bytes()[:-3])
+    counts = session_of(narrow, ("take", f"replay:{packets}@0"), [("held", Box())]).run()
+    assert counts.undecodable == 0
+    assert "ends in the middle of a packet" in next(iter(counts.warnings))
+
+
+def test_a_frame_that_a_node_refuses_is_missing_and_counted(
+    folder: Path, take: Trajectories
+) -> None:
+    positions = take.positions.copy()
+    positions[7, 0] = 2e6
+    origin = take.origin.copy()
+    origin[7, 0] = 1
+    far = replace(take, positions=positions, origin=origin)
+    (folder / "far.npz").write_bytes(ng.get_node("write.npz")(far).content["recording.npz"])
+    box = Box()
+    graph = graph_with(folder, only={"avg": "narrow"}, set={"take": str(folder / "far.npz")})
+    counts = session_of(graph, ("take", f"replay:{folder / 'far.npz'}@0"), [("far", box)]).run()
+    assert counts.refused == {"far: too far away": 1}
+    assert [frame.index for frame in box.frames] == list(range(FRAMES))
+    assert np.isnan(box.frames[7].payload.positions).all()
+
+
+def test_a_sink_that_was_away_is_opened_again(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nodegraph.live.session._AGAIN", 0.0)
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, "0-9", "held", away=3)
+    assert counts.unsent == {"held": 3}
+    assert [frame.index for frame in box.frames] == list(range(3, 10))
+
+
+def test_the_newest_frames_are_taken_if_too_many_wait(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nodegraph.live.session._BACKLOG", 0)
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, "0-900", "held", policy="newest")
+    assert counts.received == 901
+    assert counts.dropped == 901 - len(box.frames) > 0
+    assert counts.missing == 0
+
+
+@pytest.mark.parametrize(
+    ("sink", "choices", "words"),
+    [
+        ("spectra", {}, ["spectra cannot run on the stream", "needs the whole take"]),
+        ("face", {}, ["face cannot run", "it does not depend on the stream"]),
+        ("endless", {}, ["avg.mean", "without bound", "set width: 1"]),
+        ("held", {"axis": {}}, []),
+    ],
+)
+def test_what_cannot_run_on_a_stream_is_said_before(
+    folder: Path, sink: str, choices: Any, words: list[str]
+) -> None:
+    if "axis" in choices:
+        choices = {"axis": {"take": [str(folder / "take.npz"), str(folder / "graph.yaml")]}}
+    graph = graph_with(folder, only={"avg": "narrow"}, **choices)
+    if not words:  # the stream stands in place of the axis
+        counts, box = play(graph, folder, "0-9", sink)
+        assert len(box.frames) == counts.computed == 10
+        return
+    with pytest.raises(ng.NodegraphError) as caught:
+        play(graph, folder, "0-9", sink)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_an_interruption_ends_the_stream_and_writes_what_there_is(
+    folder: Path, tmp_path: Path
+) -> None:
+    code = "from nodegraph.cli.main import main; import sys; sys.exit(main())"
+    command = [sys.executable, "-c", code, "live", str(folder / "graph.yaml")]
+    command += ["--plugin", str(folder / "nodes.py"), "--only", "avg=narrow", "--json"]
+    command += ["--source", f"take=replay:{folder / 'take.npz'}@5"]
+    command += ["--sink", f"held=file:{tmp_path / 'held.npz'}", "--record", str(tmp_path / "raw")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, **pipes, env=environment, cwd=tmp_path) as process:
+        assert process.stderr is not None
+        assert "running" in process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=30)
+    assert process.returncode == 0, errors
+    counts = json.loads(output)
+    assert counts["computed"] < FRAMES
+    assert read_npz(tmp_path / "held.npz").frames == counts["computed"]
+
+
+def graph_with(folder: Path, **choices: Any) -> Any:
+    return ng.load(folder / "graph.yaml", plugins=[folder / "nodes.py"], **choices)
