@@ -109,5 +109,5 @@ def drag(tab: Page, selector: str, right: float, down: float) -> None:
 def violations(tab: Page, place: str = "html") -> list[str]:
     """Return what axe-core finds in a part of the page, with the elements."""
     tab.evaluate(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
-    found = tab.evaluate("(place) => axe.run(place).then(({ violations }) => violations)", place)
-    return [f"{each['id']}: {node['html']}" for each in found for node in each["nodes"]]
+    result = tab.evaluate("(place) => axe.run(place).then(({ violations }) => violations)", place)
+    return [f"{each['id']}: {node['html']}" for each in result for node in each["nodes"]]

@@ -35,15 +35,15 @@ def built_in(studies: Studies) -> Path:
 def test_captured_most_is_head_motion_and_aligned_next_to_nothing(
     built_in: Path, kind: str
 ) -> None:
-    found = found_first(built_in, kind)
-    assert {way for way, _ in found} == set(WAYS)
-    assert float(found["not_at_all", 1]["in all"]) > 0.5
-    assert found["not_at_all", 2]["finds"] == "head motion"
+    result = found_first(built_in, kind)
+    assert {way for way, _ in result} == set(WAYS)
+    assert float(result["not_at_all", 1]["in all"]) > 0.5
+    assert result["not_at_all", 2]["finds"] == "head motion"
     for way in ALIGNED:
         # what a robust fit leaves works against the face, by which it was held off
         least = -0.1 if way == "all_points_huber" else -0.02
-        assert least < float(found[way, 1]["in all"]) < 0.02
-        assert {found[way, rank]["finds"] for rank in (1, 2, 3)} == {"face"}
+        assert least < float(result[way, 1]["in all"]) < 0.02
+        assert {result[way, rank]["finds"] for rank in (1, 2, 3)} == {"face"}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -58,8 +58,8 @@ def test_all_points_take_speech_for_head_motion(built_in: Path, kind: str) -> No
         assert error["all_points"] > 1.5 * error["all_points_huber"]
         assert error["all_points_huber"] > 1.5 * error["all_points_trimmed"]
         assert error["stable"] == pytest.approx(error["stable_to_mean"], rel=0.02)
-    found = found_first(built_in, kind)
-    assert float(found["all_points", 1]["sd"]) < 0.9 * float(found["stable", 1]["sd"])
+    result = found_first(built_in, kind)
+    assert float(result["all_points", 1]["sd"]) < 0.9 * float(result["stable", 1]["sd"])
 
 
 def test_the_answer_says_which_data_it_is_about(built_in: Path) -> None:
@@ -71,9 +71,9 @@ def test_the_answer_says_which_data_it_is_about(built_in: Path) -> None:
 
 
 def test_the_recording_is_judged_by_the_head_motion_found_in_it(built_in: Path) -> None:
-    found = {row["own_align"]: float(row["in all"]) for row in found_in_recording(built_in)}
-    assert found["not_at_all"] > 0.4
-    assert found["stable"] == 0.0
+    result = {row["own_align"]: float(row["in all"]) for row in found_in_recording(built_in)}
+    assert result["not_at_all"] > 0.4
+    assert result["stable"] == 0.0
 
 
 @needs_recordings
@@ -81,10 +81,10 @@ def test_on_a_performance_with_known_head_motion_the_findings_hold(studies: Stud
     take = DATA / "facecap" / "take001.c3d"
     words = ["--axis", f"recording={take}", "--until", "found_in_recording"]
     rows = found_in_recording(studies.run("alignment", *words))
-    found = {(row["own_align"], int(row["component"])): row for row in rows}
+    result = {(row["own_align"], int(row["component"])): row for row in rows}
     # by the true rotations and translations of that take it is 0.43
-    assert float(found["not_at_all", 1]["in all"]) == pytest.approx(0.43, abs=0.05)
-    assert found["not_at_all", 2]["finds"] == "head motion"
+    assert float(result["not_at_all", 1]["in all"]) == pytest.approx(0.43, abs=0.05)
+    assert result["not_at_all", 2]["finds"] == "head motion"
     # the head moves with the face: what goes with it is not made by it
-    assert float(found["stable", 1]["R"]) > 0.8
-    assert found["stable", 1]["finds"] == "face"
+    assert float(result["stable", 1]["R"]) > 0.8
+    assert result["stable", 1]["finds"] == "face"

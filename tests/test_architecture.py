@@ -87,14 +87,14 @@ def imports(path: Path) -> list[tuple[str, str]]:
 
     Imports for type checking only and those inside functions are included.
     """
-    found: list[tuple[str, str]] = []
+    names: list[tuple[str, str]] = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found.extend((alias.name, "") for alias in node.names)
+            names.extend((alias.name, "") for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno} is a relative import"
-            found.extend((node.module or "", alias.name) for alias in node.names)
-    return found
+            names.extend((node.module or "", alias.name) for alias in node.names)
+    return names
 
 
 def unit_of(module: str) -> str:

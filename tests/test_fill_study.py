@@ -39,8 +39,8 @@ def built_in(studies: Studies) -> Path:
 
 
 def test_the_table_has_every_method_at_every_length(built_in: Path) -> None:
-    found = {(row["fill"], row["length"], row["ends"]) for row in rows_of(built_in)}
-    assert found >= set(product(FILLS, ("5", "45"), ("as_published", "met")))
+    result = {(row["fill"], row["length"], row["ends"]) for row in rows_of(built_in)}
+    assert result >= set(product(FILLS, ("5", "45"), ("as_published", "met")))
     assert all(int(row["blocks"]) > 0 for row in rows_of(built_in))
 
 

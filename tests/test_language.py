@@ -13,21 +13,21 @@ ACTORS, SIZES = 3, 12
 
 def test_marker_selection_plans_shared_steps_once() -> None:
     graph = ng.load(HERE / "marker_selection.yaml")
-    made = plan(graph)
-    steps = {name: len(set(cells.values())) for name, cells in made.cells.items()}
+    planned = plan(graph)
+    steps = {name: len(set(cells.values())) for name, cells in planned.cells.items()}
     per_actor = dict.fromkeys(("capture", "model", "face", "complete"), ACTORS)
     per_size = dict.fromkeys(("chosen", "kept", "selected", "mse"), ACTORS * SIZES)
     assert steps == {**per_actor, **per_size, "fig2": 1}
     assert graph.nodes["fig2"].gathered == ("actor", "k")
     assert graph.axes["k"].labels == tuple(range(5, 61, 5))
-    first = next(step for step in made.steps if step.node == "chosen")
+    first = next(step for step in planned.steps if step.node == "chosen")
     assert first.settings["k"] == 5
 
 
 def test_pipeline_plans_one_step_a_node_and_gathers_the_stages() -> None:
     graph = ng.load(HERE / "pipeline.yaml")
-    made = plan(graph)
-    assert len(made.steps) == len(graph.nodes) == 10
-    figure = next(step for step in made.steps if step.node == "fig9")
+    planned = plan(graph)
+    assert len(planned.steps) == len(graph.nodes) == 10
+    figure = next(step for step in planned.steps if step.node == "fig9")
     stages = figure.inputs["recordings"]
     assert [at for at, _ in stages.entries] == [("captured",), ("recovered",), ("smooth",)]  # type: ignore[union-attr]

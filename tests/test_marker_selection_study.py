@@ -32,11 +32,11 @@ def rows(folder: Path) -> dict[str, list[Row]]:
 
 def curve(points: list[Row]) -> dict[int, float]:
     """The lowest error for each number of markers."""
-    found: dict[int, float] = {}
+    result: dict[int, float] = {}
     for row in points:
         markers, error = int(row["markers"]), float(row["mse"])
-        found[markers] = min(error, found.get(markers, error))
-    return dict(sorted(found.items()))
+        result[markers] = min(error, result.get(markers, error))
+    return dict(sorted(result.items()))
 
 
 def minima(points: list[Row]) -> list[int]:
@@ -52,25 +52,25 @@ def marked(points: list[Row]) -> list[tuple[int, str]]:
 
 def check_marks(folder: Path) -> None:
     """What is marked and said is what a plain search of the table finds."""
-    found = rows(folder)
-    low = {actor: minima(points) for actor, points in found.items()}
+    result = rows(folder)
+    low = {actor: minima(points) for actor, points in result.items()}
     shared = [
         x
         for x in sorted(itertools.chain(*low.values()))
-        if all(any(abs(x - other) <= 2 for other in one) for one in low.values())
+        if all(any(abs(x - other) <= 2 for other in value) for value in low.values())
     ]
-    said = (folder / "printed.txt").read_text()
-    kinds = {kind for points in found.values() for _, kind in marked(points)}
+    text = (folder / "printed.txt").read_text()
+    kinds = {kind for points in result.values() for _, kind in marked(points)}
     if shared:
-        assert f"within 2 of markers {shared[0]}," in said
+        assert f"within 2 of markers {shared[0]}," in text
         assert kinds == {"shared"}
-        assert all(abs(marked(points)[0][0] - shared[0]) <= 2 for points in found.values())
+        assert all(abs(marked(points)[0][0] - shared[0]) <= 2 for points in result.values())
     else:
-        assert "No local minimum is shared within 2 markers" in said
+        assert "No local minimum is shared within 2 markers" in text
         assert kinds == {"knee"}
-    for actor, points in found.items():
-        told = "Neither a minimum to mark nor a knee: " in said and actor in said
-        assert len(marked(points)) == 1 or (not marked(points) and told)
+    for actor, points in result.items():
+        explained = "Neither a minimum to mark nor a knee: " in text and actor in text
+        assert len(marked(points)) == 1 or (not marked(points) and explained)
 
 
 @pytest.fixture(scope="module")
@@ -80,9 +80,9 @@ def built_in(studies: Studies) -> Path:
 
 
 def test_fewer_markers_cost_more_and_every_actor_has_a_floor(built_in: Path) -> None:
-    found = rows(built_in)
-    assert tuple(found) == FACES
-    for points in found.values():
+    result = rows(built_in)
+    assert tuple(result) == FACES
+    for points in result.values():
         assert len(points) == 4
         errors = list(curve(points).values())
         assert errors[0] == max(errors)
@@ -122,9 +122,9 @@ def test_rivals_choose_as_many_markers(built_in: Path) -> None:
 
 def test_the_graph_of_the_language_runs_as_it_is_printed(studies: Studies) -> None:
     folder = studies.run(AS_PRINTED, "--axis", "k=10,30,50")
-    found = rows(folder)
-    assert tuple(found) == ACTORS
-    assert "floor" not in found["ME"][0]
+    result = rows(folder)
+    assert tuple(result) == ACTORS
+    assert "floor" not in result["ME"][0]
     check_marks(folder)
 
 
@@ -139,9 +139,9 @@ def test_an_actor_whose_take_has_long_gaps_is_refused_and_the_others_are_drawn(
     words = ("--axis", f"actor={json.dumps(actors)}", "--axis", "k=10,30", "--axis", "seed=0")
     folder = studies.run("marker_selection", *words, "--set", "runs=5")
     assert tuple(rows(folder)) == ("ME",)
-    said = (folder / "printed.txt").read_text()
-    assert "combinations refused" in said
-    assert "gappy" in said
+    text = (folder / "printed.txt").read_text()
+    assert "combinations refused" in text
+    assert "gappy" in text
 
 
 @pytest.fixture(scope="module")
@@ -171,19 +171,19 @@ def test_three_performers_have_their_curves_floors_and_marks(
 ) -> None:
     folder, actors = performers
     words = ("--axis", f"actor={actors}", "--axis", "k=10,20,40", "--axis", "seed=0")
-    made = studies.run("marker_selection", *words, "--set", "runs=30", folder=folder)
-    found = rows(made)
-    assert tuple(found) == ("A", "B", "C")
-    for points in found.values():
+    result = studies.run("marker_selection", *words, "--set", "runs=30", folder=folder)
+    outcome = rows(result)
+    assert tuple(outcome) == ("A", "B", "C")
+    for points in outcome.values():
         assert len(points) == 3
         assert 1e-4 < float(points[0]["floor"]) < 2e-2
         assert float(points[0]["mse"]) > float(points[-1]["mse"])
-    check_marks(made)
-    steps = json.loads((made / "run.json").read_text())["steps"]
-    told = {
+    check_marks(result)
+    steps = json.loads((result / "run.json").read_text())["steps"]
+    sentences = {
         step["node"]: " ".join(step.get("warnings", ()))
         for step in steps
         if step["labels"] == {"actor": "B"}
     }
-    assert "stable landmarks" in told["marked"]
-    assert "3 of 4033 frames" in told["aligned"]
+    assert "stable landmarks" in sentences["marked"]
+    assert "3 of 4033 frames" in sentences["aligned"]

@@ -64,20 +64,20 @@ def built_in(studies: Studies) -> Path:
 
 
 def test_every_step_brings_what_it_changes_nearer_to_the_truth(built_in: Path) -> None:
-    found = each_step(built_in)
-    assert [found[step]["verdict"] for step in STEPS] == ["begins", "adds", "better", "better"]
+    steps = each_step(built_in)
+    assert [steps[step]["verdict"] for step in STEPS] == ["begins", "adds", "better", "better"]
     for step in ("despike", "smooth"):
-        assert found[step]["after"] < found[step]["before"]
-        assert found[step]["nearer"] > 0.5
-    assert found["smooth"]["rmse"] < 0.75 * found["captured"]["rmse"]
+        assert steps[step]["after"] < steps[step]["before"]
+        assert steps[step]["nearer"] > 0.5
+    assert steps["smooth"]["rmse"] < 0.75 * steps["captured"]["rmse"]
 
 
 def test_the_fill_adds_what_was_missing_and_changes_nothing(built_in: Path) -> None:
-    found = each_step(built_in)
-    assert found["fill"]["added"] == found["captured"]["missing"] > 1000
-    assert found["fill"]["changed"] == found["fill"]["missing"] == 0
-    assert math.isnan(found["fill"]["before"])
-    assert found["captured"]["rmse"] < found["fill"]["added rmse"] < 3.0
+    steps = each_step(built_in)
+    assert steps["fill"]["added"] == steps["captured"]["missing"] > 1000
+    assert steps["fill"]["changed"] == steps["fill"]["missing"] == 0
+    assert math.isnan(steps["fill"]["before"])
+    assert steps["captured"]["rmse"] < steps["fill"]["added rmse"] < 3.0
 
 
 def test_figures_playback_and_the_animated_head_are_there(built_in: Path) -> None:
@@ -94,17 +94,17 @@ def test_on_a_clean_recording_impulse_removal_and_smoothing_make_it_worse(
 ) -> None:
     clean = {"seconds": 3, "noise": 0, "impulses": 0, "missing": 0}
     sources = {"face": {"use": "synthesize.face", "with": clean}}
-    made = studies.run(changed(tmp_path, sources=sources, replaced={}))
-    found = each_step(made)
-    assert [found[step]["verdict"] for step in STEPS] == ["begins", "nothing", "worse", "worse"]
-    assert found["despike"]["before"] == found["captured"]["rmse"] == 0.0
-    html = (made / "report.html").read_text()
+    folder = studies.run(changed(tmp_path, sources=sources, replaced={}))
+    steps = each_step(folder)
+    assert [steps[step]["verdict"] for step in STEPS] == ["begins", "nothing", "worse", "worse"]
+    assert steps["despike"]["before"] == steps["captured"]["rmse"] == 0.0
+    html = (folder / "report.html").read_text()
     assert "<strong>despike and smooth</strong> make it worse" in html
 
 
 def test_the_chain_runs_as_the_language_prints_it(studies: Studies) -> None:
-    made = studies.run(AS_PRINTED)
-    assert (made / "fig9.svg").is_file()
+    folder = studies.run(AS_PRINTED)
+    assert (folder / "fig9.svg").is_file()
 
 
 @needs_recordings
@@ -121,10 +121,10 @@ def test_the_same_chain_on_real_optics_that_were_damaged(studies: Studies, tmp_p
     }
     replaced = {"detections": "points.detections", "neutral": "rest", "truth": "noise.truth"}
     graph = changed(tmp_path, sources=sources, replaced=replaced, known=["rest"])
-    found = each_step(studies.run(graph))
-    assert found["captured"]["missing"] == found["fill"]["added"] == 20 * 15
-    assert found["captured"]["misplaced"] == 0
-    assert found["captured"]["rmse"] < found["fill"]["added rmse"] < 1.5
+    steps = each_step(studies.run(graph))
+    assert steps["captured"]["missing"] == steps["fill"]["added"] == 20 * 15
+    assert steps["captured"]["misplaced"] == 0
+    assert steps["captured"]["rmse"] < steps["fill"]["added rmse"] < 1.5
     for step in ("despike", "smooth"):
-        assert found[step]["verdict"] == "better"
-    assert found["smooth"]["rmse"] < 0.5 * found["captured"]["rmse"]
+        assert steps[step]["verdict"] == "better"
+    assert steps["smooth"]["rmse"] < 0.5 * steps["captured"]["rmse"]

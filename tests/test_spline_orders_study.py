@@ -15,10 +15,10 @@ REPAIRED = "order_3_after_repair"
 
 def means(folder: Path, name: str) -> dict[str, dict[str, float]]:
     """The mean of each method, by the share of impulses."""
-    found: dict[str, dict[str, float]] = {}
+    result: dict[str, dict[str, float]] = {}
     for row in table(folder / f"{name}_table.csv"):
-        found.setdefault(row["share"], {})[row["smooth"]] = float(row["mean"])
-    return found
+        result.setdefault(row["share"], {})[row["smooth"]] = float(row["mean"])
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -28,17 +28,17 @@ def built_in(studies: Studies) -> Path:
 
 
 def test_roughness_falls_with_the_order(built_in: Path) -> None:
-    found = means(built_in, "table-1")
-    assert set(found) == {"0.2%", "0.5%", "2%"}
-    for row, (lower, higher) in itertools.product(found.values(), itertools.pairwise(ORDERS)):
+    errors = means(built_in, "table-1")
+    assert set(errors) == {"0.2%", "0.5%", "2%"}
+    for row, (lower, higher) in itertools.product(errors.values(), itertools.pairwise(ORDERS)):
         assert row["captured"] > row[lower] > row[higher]
         assert row[REPAIRED] < row["order_3"]
 
 
 def test_the_share_of_impulses_decides_whether_repair_is_smoother(built_in: Path) -> None:
-    found = means(built_in, "table-1")
-    assert found["0.2%"][REPAIRED] > found["0.2%"]["order_7"]
-    assert found["2%"][REPAIRED] < 0.6 * found["2%"]["order_7"]
+    errors = means(built_in, "table-1")
+    assert errors["0.2%"][REPAIRED] > errors["0.2%"]["order_7"]
+    assert errors["2%"][REPAIRED] < 0.6 * errors["2%"]["order_7"]
 
 
 def test_with_impulses_the_repair_brings_it_nearest_to_the_truth(built_in: Path) -> None:
@@ -49,9 +49,9 @@ def test_with_impulses_the_repair_brings_it_nearest_to_the_truth(built_in: Path)
 
 def test_without_noise_or_impulses_every_order_costs_more_movement(studies: Studies) -> None:
     words = ("--axis", "share=0", "--set", "sigma=0", "--only", "recording=face_1")
-    (found,) = means(studies.run("spline_orders", *words), "error-to-truth").values()
-    assert found["captured"] == 0.0
-    errors = [found[order] for order in ORDERS]
+    (result,) = means(studies.run("spline_orders", *words), "error-to-truth").values()
+    assert result["captured"] == 0.0
+    errors = [result[order] for order in ORDERS]
     assert errors == sorted(errors)
     assert errors[0] > 0.0
 
@@ -66,8 +66,8 @@ def test_the_figure_and_the_notes_are_in_the_report(built_in: Path) -> None:
 def test_on_real_optics_roughness_falls_with_the_order(studies: Studies) -> None:
     words = ("--axis", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--only", "share=2%")
     folder = studies.run("spline_orders", *words)
-    (found,) = means(folder, "table-1").values()
+    (errors,) = means(folder, "table-1").values()
     for lower, higher in itertools.pairwise(ORDERS):
-        assert found[lower] > found[higher]
-    assert found[REPAIRED] < found["order_3"]
+        assert errors[lower] > errors[higher]
+    assert errors[REPAIRED] < errors["order_3"]
     assert "no noise-free truth" in (folder / "report.html").read_text()

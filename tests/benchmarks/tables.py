@@ -29,11 +29,13 @@ class Tables:
 def _cells(rows: dict[str, dict[str, float]]) -> list[list[str]]:
     columns = list(dict.fromkeys(column for row in rows.values() for column in row))
     ours = rows.get(OURS, {})
-    compared = [one for one in columns if one in ours and len(rows) > 1]
-    cells = [["", *columns, *(f"{one}, ratio" for one in compared)]]
+    compared = [column for column in columns if column in ours and len(rows) > 1]
+    cells = [["", *columns, *(f"{column}, ratio" for column in compared)]]
     for name, row in rows.items():
         figures = [_shown(row.get(column)) for column in columns]
-        ratios = [_shown(row[one] / ours[one] if one in row else None) for one in compared]
+        ratios = [
+            _shown(row[column] / ours[column] if column in row else None) for column in compared
+        ]
         cells.append([name, *figures, *ratios])
     return cells
 

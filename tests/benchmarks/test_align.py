@@ -34,13 +34,13 @@ def nodding(frames: int) -> tuple[Trajectories, Trajectories]:
 
 
 def turned(angle: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    made = np.zeros((len(angle), 3, 3))
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    made[:, axis, axis] = 1.0
-    made[:, one, one] = made[:, other, other] = np.cos(angle)
-    made[:, one, other] = np.sin(angle)
-    made[:, other, one] = -np.sin(angle)
-    return made
+    result = np.zeros((len(angle), 3, 3))
+    first, other = (axis + 1) % 3, (axis + 2) % 3
+    result[:, axis, axis] = 1.0
+    result[:, first, first] = result[:, other, other] = np.cos(angle)
+    result[:, first, other] = np.sin(angle)
+    result[:, other, first] = -np.sin(angle)
+    return result
 
 
 def compiled(take: Trajectories, rest: Trajectories, count: int) -> Positions:
@@ -87,12 +87,12 @@ def batched_eigh(take: Trajectories, rest: Trajectories, count: int) -> Position
 
 
 def plain_loop(take: Trajectories, rest: Trajectories, count: int) -> Positions:
-    one = Trajectories(positions=take.positions[:1], markers=take.markers, rate=60.0)
-    made = np.empty_like(take.positions)
+    single = Trajectories(positions=take.positions[:1], markers=take.markers, rate=60.0)
+    result = np.empty_like(take.positions)
     for frame in range(take.frames):
-        object.__setattr__(one, "positions", take.positions[frame : frame + 1])
-        made[frame] = batched_svd(one, rest, count)[0]
-    return made
+        object.__setattr__(single, "positions", take.positions[frame : frame + 1])
+        result[frame] = batched_svd(single, rest, count)[0]
+    return result
 
 
 ROWS: dict[str, Callable[[Trajectories, Trajectories, int], Positions]] = {
@@ -111,14 +111,18 @@ def test_rigid_alignment(name: str, frames: int, count: int, clock: Clock) -> No
     take, rest = nodding(frames)
     rounds = 2 if "loop" in name else FRAMES[frames]
     column = f"{frames:,} frames by {count}"
-    made = clock(
+    result = clock(
         CASE, name, column, lambda: ROWS[name](take, rest, count), per=frames, rounds=rounds
     )
-    np.testing.assert_allclose(made, batched_svd(take, rest, count), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(result, batched_svd(take, rest, count), rtol=0, atol=1e-9)
 
 
 def alignments() -> list[str]:
-    return [one.node.name for one in default_registry() if one.node.family == "align"]
+    return [
+        registered.node.name
+        for registered in default_registry()
+        if registered.node.family == "align"
+    ]
 
 
 @pytest.mark.parametrize("name", alignments())
@@ -127,5 +131,5 @@ def test_every_alignment(name: str, clock: Clock) -> None:
     align = default_registry().find(name).node.function
     landmarks = take.markers[:10]
     case = "every alignment by its defaults, 600 x 60, 10 landmarks"
-    made = clock(case, name, "us/frame", lambda: align(take, landmarks=landmarks), per=600)
-    assert np.any(made.aligned.positions != take.positions)
+    result = clock(case, name, "us/frame", lambda: align(take, landmarks=landmarks), per=600)
+    assert np.any(result.aligned.positions != take.positions)

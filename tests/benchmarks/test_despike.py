@@ -41,7 +41,7 @@ def recorded(positions: Positions) -> Trajectories:
 
 
 def plain_loop(positions: Positions) -> Positions:
-    made = positions.copy()
+    result = positions.copy()
     for marker in range(MARKERS):
         track = positions[:, marker].tolist()
         steps = [math.dist(track[i], track[i - 1]) for i in range(1, FRAMES)]
@@ -49,8 +49,8 @@ def plain_loop(positions: Positions) -> Positions:
         for i in range(1, FRAMES - 1):
             if steps[i - 1] >= bar and steps[i] >= bar:
                 for axis in range(3):
-                    made[i, marker, axis] = (track[i - 1][axis] + track[i + 1][axis]) / 2
-    return made
+                    result[i, marker, axis] = (track[i - 1][axis] + track[i + 1][axis]) / 2
+    return result
 
 
 def vectorised(positions: Positions) -> Positions:
@@ -59,9 +59,9 @@ def vectorised(positions: Positions) -> Positions:
     bad = np.zeros(positions.shape[:2], dtype=np.bool_)
     bad[1:-1] = long[:-1] & long[1:]
     frame, marker = np.nonzero(bad)
-    made = positions.copy()
-    made[frame, marker] = (positions[frame - 1, marker] + positions[frame + 1, marker]) / 2
-    return made
+    result = positions.copy()
+    result[frame, marker] = (positions[frame - 1, marker] + positions[frame + 1, marker]) / 2
+    return result
 
 
 def kernel(order: str) -> Callable[[Positions], Positions]:
@@ -94,8 +94,8 @@ def rolling(positions: Positions) -> Positions:
     from pandas import DataFrame
 
     flat = DataFrame(positions.reshape(FRAMES, -1))
-    found = flat.rolling(2 * REACH + 1, center=True, min_periods=1).median()
-    return found.to_numpy().reshape(positions.shape)
+    result = flat.rolling(2 * REACH + 1, center=True, min_periods=1).median()
+    return result.to_numpy().reshape(positions.shape)
 
 
 FILTERS: dict[str, tuple[Callable[[], Callable[[Positions], Positions]], int]] = {
@@ -116,25 +116,25 @@ MEDIAN_FILTERS: dict[str, Callable[[], Callable[[Positions], Positions]]] = {
 def test_impulse_filter(name: str, clock: Clock) -> None:
     make, rounds = FILTERS[name]
     positions, run = spiky(), make()
-    made = clock(IMPULSES, name, "us/frame", lambda: run(positions), per=FRAMES, rounds=rounds)
-    assert np.allclose(made, vectorised(positions), rtol=0, atol=1e-12)
-    assert np.any(made != positions)
+    result = clock(IMPULSES, name, "us/frame", lambda: run(positions), per=FRAMES, rounds=rounds)
+    assert np.allclose(result, vectorised(positions), rtol=0, atol=1e-12)
+    assert np.any(result != positions)
 
 
 @pytest.mark.parametrize("order", ["in_place", "redetect"])
 def test_other_orders(order: str, clock: Clock) -> None:
     positions, run = spiky(), kernel(order)
     name = f"nodegraph, {order}"
-    made = clock(IMPULSES, name, "us/frame", lambda: run(positions), per=FRAMES, rounds=20)
-    assert np.any(made != positions)
+    result = clock(IMPULSES, name, "us/frame", lambda: run(positions), per=FRAMES, rounds=20)
+    assert np.any(result != positions)
 
 
 @pytest.mark.parametrize("name", MEDIAN_FILTERS)
 def test_running_median(name: str, clock: Clock) -> None:
     positions, run = spiky(), MEDIAN_FILTERS[name]()
-    made = clock(MEDIANS, name, "us/frame", lambda: run(positions), per=FRAMES, rounds=5)
+    result = clock(MEDIANS, name, "us/frame", lambda: run(positions), per=FRAMES, rounds=5)
     inner = slice(REACH, FRAMES - REACH)
-    near = np.linalg.norm((made - medfilt(positions))[inner], axis=2)
+    near = np.linalg.norm((result - medfilt(positions))[inner], axis=2)
     # Its own median or a coordinate's: both are among the samples of the window.
     assert np.median(near) < 1.0
-    assert np.any(made != positions)
+    assert np.any(result != positions)

@@ -55,9 +55,9 @@ def kernel(recording: Trajectories, **rule: Any) -> Callable[[], Positions]:
     gaps, chosen = Gaps.of(recording), Rule(use_filled=True, **rule)
 
     def run() -> Positions:
-        made = _Pass.over(recording)
-        made.run(gaps, chosen, backward=False)
-        return made.positions
+        result = _Pass.over(recording)
+        result.run(gaps, chosen, backward=False)
+        return result.positions
 
     return run
 
@@ -127,8 +127,8 @@ def test_fills_from_the_whole_take(method: str, seed: int, clock: Clock) -> None
     face = synthesize_face(seconds=10.0, seed=seed, noise=0.1, missing=0.05, impulses=0.005)
     run = node(WHOLE_TAKE[method], cut(face.captured, truth=face.truth).gappy)
     case = f"600 frames of a face, seed {seed}"
-    made = clock(case, f"fill.{method}", "ms", run, scale=1e3, rounds=5)
-    assert not np.isnan(made).any()
+    result = clock(case, f"fill.{method}", "ms", run, scale=1e3, rounds=5)
+    assert not np.isnan(result).any()
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -136,8 +136,8 @@ def test_fills_from_the_whole_take(method: str, seed: int, clock: Clock) -> None
 def test_stepwise_kernels(method: str, share: float, clock: Clock) -> None:
     recording = take(share)
     run = kernel(recording, **KERNELS[method])
-    made = clock(_case(method, share), "nodegraph", "us/frame", run, per=FRAMES, rounds=30)
-    assert np.isnan(made).sum() < np.isnan(recording.positions).sum()
+    result = clock(_case(method, share), "nodegraph", "us/frame", run, per=FRAMES, rounds=30)
+    assert np.isnan(result).sum() < np.isnan(recording.positions).sum()
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -146,16 +146,16 @@ def test_stepwise_nodes(method: str, share: float, clock: Clock) -> None:
     recording = take(share)
     run = node(NODES[method], recording)
     name = "nodegraph, the whole node"
-    made = clock(_case(method, share), name, "us/frame", run, per=FRAMES, rounds=30)
-    assert np.isnan(made).sum() < np.isnan(recording.positions).sum()
+    result = clock(_case(method, share), name, "us/frame", run, per=FRAMES, rounds=30)
+    assert np.isnan(result).sum() < np.isnan(recording.positions).sum()
 
 
 @pytest.mark.parametrize("share", SHARES)
 def test_plain_loop(share: float, clock: Clock) -> None:
     recording = take(share)
     run = plain_loop(recording)
-    made = clock(_case("guenter", share), "plain loop", "us/frame", run, per=FRAMES, rounds=3)
-    assert np.isnan(made).sum() < np.isnan(recording.positions).sum()
+    result = clock(_case("guenter", share), "plain loop", "us/frame", run, per=FRAMES, rounds=3)
+    assert np.isnan(result).sum() < np.isnan(recording.positions).sum()
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -166,10 +166,10 @@ def test_straight_lines(name: str, share: float, clock: Clock) -> None:
     ours = node(linear, recording)
     run = ours if name == "nodegraph" else ways[name](recording)
     case = f"straight lines, {share:.0%} missing"
-    made = clock(case, name, "us/frame", run, per=FRAMES, rounds=10)
-    expected = ours().reshape(made.shape)
+    result = clock(case, name, "us/frame", run, per=FRAMES, rounds=10)
+    expected = ours().reshape(result.shape)
     known = ~np.isnan(expected)
-    np.testing.assert_allclose(made[known], expected[known], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(result[known], expected[known], rtol=0, atol=1e-9)
 
 
 def _case(method: str, share: float) -> str:

@@ -22,9 +22,9 @@ NPZ = "peak memory of a reader, in recordings of 432,000 frames x 100 markers"
 @pytest.fixture(scope="module")
 def folder() -> Iterator[Path]:
     """The files, which go at once: pytest would keep gigabytes of three runs."""
-    with TemporaryDirectory() as made:
-        peak_of("make", made)
-        yield Path(made)
+    with TemporaryDirectory() as path:
+        peak_of("make", path)
+        yield Path(path)
 
 
 @pytest.mark.parametrize("file", ["hour.c3d", "hour.npz"])

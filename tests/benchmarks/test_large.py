@@ -46,12 +46,12 @@ def test_stage(shape: str, count: int, stage: str, clock: Clock) -> None:
     text, last = TEXTS[shape](count), f"n{count}"
     spec = read_graph_text(text, "large.yaml", HERE)
     graph = build(spec, REGISTRY)
-    made = plan(graph)
+    planned = plan(graph)
     calls: dict[str, Callable[[], Any]] = {
         "read": lambda: read_graph_text(text, "large.yaml", HERE),
         "check": lambda: build(spec, REGISTRY),
         "plan": lambda: plan(graph),
-        "run": lambda: execute(made, how=HowToRun("serial"), keep=[last]),
+        "run": lambda: execute(planned, how=HowToRun("serial"), keep=[last]),
     }
     case = "cost per node of a large graph, us"
     clock(case, f"{shape} of {count:,}", stage, calls[stage], per=count, rounds=ROUNDS[count])

@@ -64,16 +64,16 @@ NPZ: dict[str, Reader] = {
 @cache
 def take(frames: int, markers: int) -> Trajectories:
     """Return a face with noise, gaps and impulses."""
-    made = nodegraph.get_node("synthesize.face")(seconds=frames / 60, markers=markers)
-    recording: Trajectories = made.captured
+    synthetic = nodegraph.get_node("synthesize.face")(seconds=frames / 60, markers=markers)
+    recording: Trajectories = synthetic.captured
     assert recording.positions.shape == (frames, markers, 3)
     return recording
 
 
 @pytest.fixture
 def folder() -> Iterator[Path]:
-    with TemporaryDirectory() as made:
-        yield Path(made)
+    with TemporaryDirectory() as path:
+        yield Path(path)
 
 
 @pytest.mark.parametrize("size", TAKES)

@@ -41,9 +41,9 @@ def face() -> Trajectories:
 
 
 def rows() -> Rows:
-    made = leading_vectors(features_of(face()), variance=0.98, standardize=False)
-    assert made.shape == (3 * MARKERS, MOVEMENTS)
-    return made
+    synthetic = leading_vectors(features_of(face()), variance=0.98, standardize=False)
+    assert synthetic.shape == (3 * MARKERS, MOVEMENTS)
+    return synthetic
 
 
 def compiled(table: Rows, k: int) -> Callable[[], Any]:
@@ -58,9 +58,9 @@ def with_sklearn(table: Rows, k: int, runs: int, **settings: Any) -> Callable[[]
     def loop() -> Any:
         inertia = np.empty(runs)
         for run in range(runs):
-            made = KMeans(k, init="random", n_init=1, random_state=run, **settings).fit(table)
-            pairwise_distances_argmin(made.cluster_centers_, table)
-            inertia[run] = made.inertia_
+            clusters = KMeans(k, init="random", n_init=1, random_state=run, **settings).fit(table)
+            pairwise_distances_argmin(clusters.cluster_centers_, table)
+            inertia[run] = clusters.inertia_
         return inertia
 
     return loop
@@ -68,8 +68,8 @@ def with_sklearn(table: Rows, k: int, runs: int, **settings: Any) -> Callable[[]
 
 @pytest.mark.parametrize("k", SIZES)
 def test_compiled_runs(k: int, clock: Clock) -> None:
-    made = clock(_case(k), "nodegraph", "us/run", compiled(rows(), k), per=RUNS, rounds=10)
-    assert len(made) == RUNS
+    result = clock(_case(k), "nodegraph", "us/run", compiled(rows(), k), per=RUNS, rounds=10)
+    assert len(result) == RUNS
 
 
 @pytest.mark.parametrize("k", SIZES)
@@ -79,8 +79,10 @@ def test_loop_over_scikit_learn(k: int, threads: str, clock: Clock) -> None:
 
     run = with_sklearn(rows(), k, FEW)
     with threadpool_limits(1) if threads == "one" else nullcontext():
-        made = clock(_case(k), f"scikit-learn, {threads} threads", "us/run", run, per=FEW, rounds=3)
-    assert len(made) == FEW
+        result = clock(
+            _case(k), f"scikit-learn, {threads} threads", "us/run", run, per=FEW, rounds=3
+        )
+    assert len(result) == FEW
 
 
 @pytest.mark.parametrize("k", SIZES)
@@ -111,8 +113,8 @@ def test_every_k(clock: Clock) -> None:
             return len(list(pool.map(lambda k: pfa(recording, k=k, runs=RUNS), every)))
 
     case = "select.pfa, 1,000 runs for every k from 1 to 180"
-    made = clock(case, "nodegraph, all threads", "s", sweep, scale=1.0, rounds=1)
-    assert made == 3 * MARKERS
+    result = clock(case, "nodegraph, all threads", "s", sweep, scale=1.0, rounds=1)
+    assert result == 3 * MARKERS
 
 
 def _case(k: int) -> str:

@@ -39,12 +39,12 @@ def noisy(frames: int) -> Trajectories:
 def into_a_buffer(take: Trajectories) -> Callable[[], Positions]:
     from nodegraph_smooth import bspline_kernel
 
-    made, runs = np.zeros_like(take.positions), Runs.of(take)
+    result, runs = np.zeros_like(take.positions), Runs.of(take)
     places = middle(3), runs.marker, runs.start, runs.stop, first_rows(3, "vertex")
 
     def run() -> Positions:
-        bspline_kernel.curve_into(made, take.positions, *places)
-        return made
+        bspline_kernel.curve_into(result, take.positions, *places)
+        return result
 
     return run
 
@@ -53,52 +53,52 @@ def into_new_memory(take: Trajectories) -> Callable[[], Positions]:
     runs = Runs.of(take)
 
     def run() -> Positions:
-        made = np.empty_like(take.positions)
-        curve_into(made, take.positions, runs, 3, "vertex")
-        return made
+        result = np.empty_like(take.positions)
+        curve_into(result, take.positions, runs, 3, "vertex")
+        return result
 
     return run
 
 
 def copy(take: Trajectories) -> Callable[[], Positions]:
-    made = np.zeros_like(take.positions)
+    result = np.zeros_like(take.positions)
 
     def run() -> Positions:
-        np.copyto(made, take.positions)
-        return made
+        np.copyto(result, take.positions)
+        return result
 
     return run
 
 
-def convolved(take: Trajectories, made: Positions | None) -> Callable[[], Positions]:
+def convolved(take: Trajectories, result: Positions | None) -> Callable[[], Positions]:
     from scipy.ndimage import convolve1d
 
     return lambda: np.asarray(
-        convolve1d(take.positions, WEIGHTS, axis=0, mode="nearest", output=made)
+        convolve1d(take.positions, WEIGHTS, axis=0, mode="nearest", output=result)
     )
 
 
 def vectorised(take: Trajectories) -> Callable[[], Positions]:
     def run() -> Positions:
         x = take.positions
-        made = np.empty_like(x)
-        made[1:-1] = (x[:-2] + 4.0 * x[1:-1] + x[2:]) / 6.0
-        made[[0, -1]] = x[[0, -1]]
-        return made
+        result = np.empty_like(x)
+        result[1:-1] = (x[:-2] + 4.0 * x[1:-1] + x[2:]) / 6.0
+        result[[0, -1]] = x[[0, -1]]
+        return result
 
     return run
 
 
 def plain_loop(take: Trajectories) -> Callable[[], Positions]:
     def run() -> Positions:
-        made = take.positions.copy()
+        result = take.positions.copy()
         for marker in range(MARKERS):
             for axis in range(3):
                 x = take.positions[:, marker, axis].tolist()
-                made[1:-1, marker, axis] = [
+                result[1:-1, marker, axis] = [
                     (x[t - 1] + 4.0 * x[t] + x[t + 1]) / 6.0 for t in range(1, len(x) - 1)
                 ]
-        return made
+        return result
 
     return run
 
@@ -122,29 +122,33 @@ def test_bspline(name: str, frames: int, clock: Clock) -> None:
     if name == "plain loop":
         rounds = 3
     run = ROWS[name](take)
-    made = clock(CASE, name, f"{frames:,} frames", run, per=frames, scale=1e9, rounds=rounds)
+    result = clock(CASE, name, f"{frames:,} frames", run, per=frames, scale=1e9, rounds=rounds)
     expected = take.positions if "copy" in name else vectorised(take)()
-    np.testing.assert_allclose(made[1:-1], expected[1:-1], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(result[1:-1], expected[1:-1], rtol=0, atol=1e-11)
 
 
 def smoothings() -> list[str]:
-    return [one.node.name for one in default_registry() if one.node.family == "smooth"]
+    return [
+        registered.node.name
+        for registered in default_registry()
+        if registered.node.family == "smooth"
+    ]
 
 
 @pytest.mark.parametrize("name", smoothings())
 def test_every_smoothing(name: str, clock: Clock) -> None:
     take, smooth = noisy(600), default_registry().find(name).node.function
     case = "every smoothing by its defaults, 600 x 60"
-    made = clock(case, name, "us/frame", lambda: smooth(take), per=600, rounds=5)
-    assert np.any(made.positions != take.positions)
+    result = clock(case, name, "us/frame", lambda: smooth(take), per=600, rounds=5)
+    assert np.any(result.positions != take.positions)
 
 
 def scipy_gcv(take: Trajectories) -> Positions:
     from scipy.interpolate import make_smoothing_spline
 
     frame = np.arange(float(take.frames))
-    made = [make_smoothing_spline(frame, run)(frame) for run in take.positions[:, 0].T]
-    return np.stack(made, axis=1)
+    result = [make_smoothing_spline(frame, run)(frame) for run in take.positions[:, 0].T]
+    return np.stack(result, axis=1)
 
 
 PEERS: dict[str, Callable[[Trajectories], Any]] = {
@@ -155,9 +159,9 @@ PEERS: dict[str, Callable[[Trajectories], Any]] = {
 
 @pytest.mark.parametrize("name", PEERS)
 def test_cross_validation(name: str, clock: Clock) -> None:
-    one = noisy(600).keep(["m0"])
+    single = noisy(600).keep(["m0"])
     case = "smoothing spline by cross-validation, 600 frames of one marker"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        made = clock(case, name, "ms", lambda: PEERS[name](one), scale=1e3, rounds=3)
-    assert np.abs(made - one.positions[:, 0]).max() < 3.0
+        result = clock(case, name, "ms", lambda: PEERS[name](single), scale=1e3, rounds=3)
+    assert np.abs(result - single.positions[:, 0]).max() < 3.0

@@ -55,13 +55,13 @@ def system(*, shuffled: bool = False) -> tuple[Matrix, Matrix]:
 def with_lsq_linear(columns: Matrix, targets: Matrix) -> Matrix:
     from scipy.optimize import lsq_linear
 
-    return np.array([lsq_linear(columns.T, one, (0.0, 1.0), "bvls").x for one in targets])
+    return np.array([lsq_linear(columns.T, column, (0.0, 1.0), "bvls").x for column in targets])
 
 
 def with_nnls(columns: Matrix, targets: Matrix) -> Matrix:
     from scipy.optimize import nnls
 
-    return np.array([nnls(columns.T, one)[0] for one in targets])
+    return np.array([nnls(columns.T, column)[0] for column in targets])
 
 
 PEERS: dict[str, tuple[float, Callable[[Matrix, Matrix], Matrix]]] = {
@@ -89,7 +89,7 @@ def test_all_frames_at_once(high: float, shuffled: bool, clock: Clock, tables: A
 
     columns, targets = system(shuffled=shuffled)
     with threadpool_limits(1):
-        made = clock(
+        result = clock(
             CASE,
             "nodegraph",
             column(high, shuffled),
@@ -97,7 +97,7 @@ def test_all_frames_at_once(high: float, shuffled: bool, clock: Clock, tables: A
             per=FRAMES,
             rounds=10,
         )
-    worst = left(columns, targets, made.weights, high)
+    worst = left(columns, targets, result.weights, high)
     case = "largest relative KKT residual, 1e-15"
     tables.put(case, "nodegraph", column(high, shuffled).removeprefix("us/frame, "), worst * 1e15)
     assert worst <= 1e-10
@@ -112,11 +112,11 @@ def test_loops_over_scipy(name: str, shuffled: bool, clock: Clock) -> None:
     columns, targets = system(shuffled=shuffled)
     few = targets[:FEW]
     with threadpool_limits(1):
-        made = clock(
+        result = clock(
             CASE, name, column(high, shuffled), lambda: peer(columns, few), per=FEW, rounds=3
         )
     expected = least_squares(columns, few, 0.0, high).weights
-    np.testing.assert_allclose(made, expected, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(result, expected, rtol=0, atol=1e-7)
 
 
 @pytest.mark.parametrize("smoothness", [0.0, 0.04])
@@ -125,7 +125,7 @@ def test_whole_node(smoothness: float, clock: Clock) -> None:
 
     model, recording = face()
     with threadpool_limits(1):
-        made = clock(
+        result = clock(
             "solve.weights, 600 frames of 52 shapes at 60 markers",
             "nodegraph",
             f"us/frame, smoothness {smoothness:g}",
@@ -133,7 +133,7 @@ def test_whole_node(smoothness: float, clock: Clock) -> None:
             per=FRAMES,
             rounds=2 if smoothness else 5,
         )
-    assert made.residuals["rms"].max() < 1.0
+    assert result.residuals["rms"].max() < 1.0
 
 
 def test_fewer_coordinates_than_shapes(clock: Clock) -> None:
@@ -144,7 +144,7 @@ def test_fewer_coordinates_than_shapes(clock: Clock) -> None:
     columns, targets = columns[:, :36], targets[:, :36]
     case = "weights of 52 shapes at 12 markers, the shortest"
     with threadpool_limits(1):
-        made = clock(
+        result = clock(
             case,
             "nodegraph",
             "us/frame",
@@ -152,5 +152,5 @@ def test_fewer_coordinates_than_shapes(clock: Clock) -> None:
             per=FRAMES,
             rounds=2,
         )
-    assert not made.unsolved.any()
-    assert left(columns, targets, made.weights, 1.0) <= 1e-10
+    assert not result.unsolved.any()
+    assert left(columns, targets, result.weights, 1.0) <= 1e-10

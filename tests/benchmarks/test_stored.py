@@ -21,8 +21,8 @@ from tests.benchmarks.work import LARGE_ARRAYS, Engine
 COUNT = 19
 CASE = "20 nodes of 50 MB each, results on disk"
 ENGINES: dict[str, Callable[[Path], Engine]] = {
-    "nodegraph": partial(nodegraph_stored, asked=False),
-    "nodegraph, last value read": partial(nodegraph_stored, asked=True),
+    "nodegraph": partial(nodegraph_stored, requested=False),
+    "nodegraph, last value read": partial(nodegraph_stored, requested=True),
     "joblib.Memory": joblib,
     "Hamilton, cached": hamilton_cached,
 }
@@ -31,8 +31,8 @@ ENGINES: dict[str, Callable[[Path], Engine]] = {
 @pytest.fixture
 def folder() -> Iterator[Path]:
     """A folder that goes at once: pytest would keep gigabytes of three runs."""
-    with TemporaryDirectory() as made:
-        yield Path(made)
+    with TemporaryDirectory() as path:
+        yield Path(path)
 
 
 @pytest.mark.parametrize("name", ENGINES)

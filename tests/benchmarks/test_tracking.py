@@ -38,58 +38,58 @@ def best(name: str) -> Trackpy:
     return best_of_trackpy(given(name))
 
 
-def tracked(row: str, one: Scene, gate: float | None = None) -> Trajectories:
+def tracked(row: str, case: Scene, gate: float | None = None) -> Trajectories:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return TRACKERS[row](one.detections, gate=gate)
+        return TRACKERS[row](case.detections, gate=gate)
 
 
-def wrong(one: Scene, made: Trajectories) -> float:
-    score = one.score(made)
+def wrong(case: Scene, tracks: Trajectories) -> float:
+    score = case.score(tracks)
     return float(1000.0 * score["switches"].sum() / score["links"].sum())
 
 
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("row", TRACKERS)
 def test_ours(row: str, name: str, clock: Clock, tables: Tables) -> None:
-    one = given(name)
-    made = clock(CASE, row, name, lambda: tracked(row, one), scale=1e3, rounds=9)
-    tables.put(RIGHT, row.replace(OURS, "ours"), name, wrong(one, made))
-    assert made.frames == one.truth.frames
+    case = given(name)
+    result = clock(CASE, row, name, lambda: tracked(row, case), scale=1e3, rounds=9)
+    tables.put(RIGHT, row.replace(OURS, "ours"), name, wrong(case, result))
+    assert result.frames == case.truth.frames
 
 
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("predicted", [False, True], ids=["plain", "predicted"])
 def test_trackpy(predicted: bool, name: str, clock: Clock, tables: Tables) -> None:
-    one, settings = given(name), replace(best(name), predicted=predicted)
+    case, settings = given(name), replace(best(name), predicted=predicted)
     row = "trackpy, velocity predicted" if predicted else "trackpy"
-    run, rounds = settings.linker(one.detections), 1 if predicted else 5
+    run, rounds = settings.linker(case.detections), 1 if predicted else 5
     linked = clock(CASE, row, name, run, scale=1e3, rounds=rounds)
-    theirs = wrong(one, recording_of(linked, one.detections))
+    theirs = wrong(case, recording_of(linked, case.detections))
     tables.put(RIGHT, row, name, theirs)
-    assert wrong(one, tracked(OURS, one)) <= theirs
+    assert wrong(case, tracked(OURS, case)) <= theirs
 
 
 @pytest.mark.parametrize("row", TRACKERS)
 def test_switches_and_fragments_are_those_that_motmetrics_counts(row: str) -> None:
     motmetrics = pytest.importorskip("motmetrics")
-    one = given("made face")
+    case = given("made face")
     # a gate so narrow that many tracks break, some of them on ghosts
-    made = tracked(row, one, gate=1.0)
+    result = tracked(row, case, gate=1.0)
     counted = motmetrics.MOTAccumulator(auto_id=True)
-    for truth, found in zip(one.truth.positions, made.positions, strict=True):
-        there, here = (np.flatnonzero(~np.isnan(part[:, 0])) for part in (truth, found))
-        counted.update(there, here, _same(truth[there], found[here]))
+    for truth, outcome in zip(case.truth.positions, result.positions, strict=True):
+        there, here = (np.flatnonzero(~np.isnan(part[:, 0])) for part in (truth, outcome))
+        counted.update(there, here, _same(truth[there], outcome[here]))
     names = ["num_switches", "num_fragmentations", "num_objects", "num_detections"]
     expected = motmetrics.metrics.create().compute(counted, metrics=names).iloc[0]
-    score = one.score(made)
+    score = case.score(result)
     assert score["switches"].sum() == expected["num_switches"] > 20
     assert score["fragments"].sum() == expected["num_fragmentations"] > 20
     assert score["samples"].sum() == expected["num_objects"]
     assert (score["tracked"] * score["samples"]).sum() == pytest.approx(expected["num_detections"])
 
 
-def _same(truth: NDArray[np.float64], found: NDArray[np.float64]) -> NDArray[np.float64]:
+def _same(truth: NDArray[np.float64], result: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return 0 where a track has a marker's very position, NaN elsewhere."""
-    equal = (truth[:, None] == found).all(axis=2)
+    equal = (truth[:, None] == result).all(axis=2)
     return np.where(equal, 0.0, np.nan)

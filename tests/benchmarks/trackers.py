@@ -30,11 +30,11 @@ class Scene:
     detections: Detections
     truth: Trajectories
 
-    def score(self, made: Trajectories) -> Table:
+    def score(self, tracks: Trajectories) -> Table:
         """Return how right tracks are; see `score.tracking`."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return tracking(made, self.truth)
+            return tracking(tracks, self.truth)
 
 
 def scene(name: str) -> Scene:
@@ -83,7 +83,7 @@ class Trackpy:
 
 def best_of_trackpy(given: Scene) -> Trackpy:
     """Return the settings by which fewest links are wrong, then most samples are tracked."""
-    return max(_tried(given), key=lambda one: one[0])[1]
+    return max(_tried(given), key=lambda value: value[0])[1]
 
 
 def recording_of(linked: Any, detections: Detections) -> Trajectories:

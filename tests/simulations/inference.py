@@ -430,8 +430,8 @@ def actors(count: int = 20, splits: int = 400) -> Rates:
     fills = [nodegraph.get_node(f"fill.{name}") for name in ("linear", "muscle", "pca")]
     means = np.empty((count, len(fills)))
     for seed in range(count):
-        made: Any = face(seconds=4, rate=30, markers=20, impulses=0, seed=seed)
-        gaps: Any = cut(made.captured, length=10, count=20, seed=seed)
+        synthetic: Any = face(seconds=4, rate=30, markers=20, impulses=0, seed=seed)
+        gaps: Any = cut(synthetic.captured, length=10, count=20, seed=seed)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of gaps that are left
             tables = [score(fill(gaps.gappy), gaps.truth, gaps.hidden) for fill in fills]
@@ -457,8 +457,8 @@ def main(words: list[str]) -> int:
     off = 0
     for name in names:
         if name == "actors":
-            found = ", ".join(f"{rule} {rate:.3f}" for rule, rate in actors().items())
-            print(f"ten actors by ten others: {found}", flush=True)
+            result = ", ".join(f"{rule} {rate:.3f}" for rule, rate in actors().items())
+            print(f"ten actors by ten others: {result}", flush=True)
             continue
         rates, differences = deviations(name)
         texts = [

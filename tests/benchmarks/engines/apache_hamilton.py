@@ -19,8 +19,8 @@ def hamilton(work: Work, count: int) -> Build:
     module = _module(work, count)
 
     def build() -> Run:
-        made = driver.Builder().with_modules(module).build()
-        return lambda: made.execute([f"n{count}"])[f"n{count}"]
+        result = driver.Builder().with_modules(module).build()
+        return lambda: result.execute([f"n{count}"])[f"n{count}"]
 
     return build
 

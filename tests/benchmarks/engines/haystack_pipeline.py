@@ -23,7 +23,7 @@ def haystack(work: Work, count: int) -> Build:
 
     Step.run.__annotations__["value"] = work.kind
     gives = component.output_types(value=work.kind)
-    kinds = [_component(component, gives, made) for made in (First, Step)]
+    kinds = [_component(component, gives, result) for result in (First, Step)]
 
     def build() -> Run:
         pipeline = library.Pipeline()
@@ -36,6 +36,6 @@ def haystack(work: Work, count: int) -> Build:
     return build
 
 
-def _component(component: Any, gives: Any, made: Any) -> Any:
-    made.run = gives(made.run)
-    return component(made)
+def _component(component: Any, gives: Any, result: Any) -> Any:
+    result.run = gives(result.run)
+    return component(result)

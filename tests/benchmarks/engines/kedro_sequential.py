@@ -20,10 +20,10 @@ def kedro(work: Work, count: int) -> Build:
         nodes = [pipelines.node(work.first, None, "n0")]
         for at in range(count):
             nodes.append(pipelines.node(work.step, f"n{at}", f"n{at + 1}", name=f"to_n{at + 1}"))
-        made = pipelines.pipeline(nodes)
+        result = pipelines.pipeline(nodes)
 
         def run() -> Any:
-            return runner.SequentialRunner().run(made, io.DataCatalog())[f"n{count}"].load()
+            return runner.SequentialRunner().run(result, io.DataCatalog())[f"n{count}"].load()
 
         return run
 

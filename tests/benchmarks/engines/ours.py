@@ -34,10 +34,10 @@ def nodegraph(executor: str) -> Engine:
         text, registry, how = chain_text(count), registry_of(work), HowToRun(executor)
 
         def build() -> Run:
-            made = plan(build_graph(read_graph_text(text, "chain.yaml", HERE), registry))
+            planned = plan(build_graph(read_graph_text(text, "chain.yaml", HERE), registry))
 
             def run() -> Any:
-                return execute(made, how=how, keep=[f"n{count}"])[f"n{count}"].value
+                return execute(planned, how=how, keep=[f"n{count}"])[f"n{count}"].value
 
             return run
 
@@ -46,7 +46,7 @@ def nodegraph(executor: str) -> Engine:
     return prepare
 
 
-def nodegraph_stored(folder: Path, *, asked: bool) -> Engine:
+def nodegraph_stored(folder: Path, *, requested: bool) -> Engine:
     """Return the engine that keeps its results in a folder; the first run fills it.
 
     Its run returns the last value if it is asked for, else nothing: then nothing is read again.
@@ -54,13 +54,15 @@ def nodegraph_stored(folder: Path, *, asked: bool) -> Engine:
 
     def prepare(work: Work, count: int) -> Build:
         registry, last = registry_of(work), f"n{count}"
-        made = plan(build_graph(read_graph_text(chain_text(count), "chain.yaml", HERE), registry))
+        planned = plan(
+            build_graph(read_graph_text(chain_text(count), "chain.yaml", HERE), registry)
+        )
 
         def build() -> Run:
             def run() -> Any:
                 store = open_store(registry, folder, _fail)
-                done = execute(made, how=HowToRun("serial"), store=store)
-                return done[last].value if asked else None
+                done = execute(planned, how=HowToRun("serial"), store=store)
+                return done[last].value if requested else None
 
             return run
 

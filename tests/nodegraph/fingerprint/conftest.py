@@ -32,8 +32,8 @@ class Folder:
         """Return ``module:name``, imported from the files as they are."""
         module, _, name = where.partition(":")
         self.forget()
-        found: Callable[..., Any] = getattr(importlib.import_module(module), name)
-        return found
+        result: Callable[..., Any] = getattr(importlib.import_module(module), name)
+        return result
 
     def reached(self, where: str) -> Reached:
         """Return what a function reaches, as another process would."""
@@ -61,9 +61,9 @@ class Folder:
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Folder]:
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     monkeypatch.syspath_prepend(tmp_path)
-    made = Folder(tmp_path)
-    yield made
-    made.forget()
+    result = Folder(tmp_path)
+    yield result
+    result.forget()
 
 
 @pytest.fixture(autouse=True)

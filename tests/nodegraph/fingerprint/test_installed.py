@@ -36,7 +36,7 @@ def followed(registry: Registry) -> set[str]:
 
 @pytest.fixture(scope="module")
 def functions() -> dict[str, Callable[..., Any]]:
-    return {one.full_name: one.node.function for one in default_registry()}
+    return {registered.full_name: registered.node.function for registered in default_registry()}
 
 
 @pytest.fixture(scope="module")
@@ -56,22 +56,22 @@ def remembered(code: Code, answers: dict[str, Reached]) -> dict[str, Any]:
 
 def test_every_node_is_stable(answers: dict[str, Reached]) -> None:
     assert answers
-    assert not {name: one.unstable for name, one in answers.items() if one.unstable}
+    assert not {name: answer.unstable for name, answer in answers.items() if answer.unstable}
 
 
 def test_of_the_machine_only_what_a_plugin_uses_counts(answers: dict[str, Reached]) -> None:
     """An edit of the machine leaves results as they are, unless nodes call what was edited."""
     reached = {
         unit.partition(":")[0]
-        for one in answers.values()
-        for unit in one.units
+        for answer in answers.values()
+        for unit in answer.units
         if unit.startswith(("nodegraph.", "nodegraph:"))
     }
     assert reached <= MACHINE
 
 
 def test_every_version_is_known(answers: dict[str, Reached]) -> None:
-    assert all("unknown" not in one.versions.values() for one in answers.values())
+    assert all("unknown" not in answer.versions.values() for answer in answers.values())
 
 
 def test_a_fill_reaches_its_kernel_and_no_other_fill(answers: dict[str, Reached]) -> None:
@@ -109,7 +109,7 @@ def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
         "names = {'nodegraph'} | {one.module.__name__ for one in registry.loaded}\n"
         "print(Code(names).of(registry.find('compare.table').node.function).digest)"
     )
-    found = {
+    result = {
         subprocess.run(
             [sys.executable, "-c", script],
             capture_output=True,
@@ -119,4 +119,4 @@ def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
         ).stdout.strip()
         for seed in ("1", "2")
     }
-    assert found == {answers["compare:compare.table"].digest}
+    assert result == {answers["compare:compare.table"].digest}

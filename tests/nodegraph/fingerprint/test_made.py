@@ -74,7 +74,7 @@ def of(function: Any) -> Reached:
 
 @pytest.mark.parametrize("make", [over, with_default, lambda value: partial(near, value)])
 @pytest.mark.parametrize(
-    ("one", "other"),
+    ("each", "other"),
     [
         (1, 2),
         (1, True),
@@ -107,10 +107,10 @@ def of(function: Any) -> Reached:
         (Rule(1.0).__eq__, Rule(2.0).__eq__),
     ],
 )
-def test_values_are_told_apart(make: Callable[[Any], Function], one: Any, other: Any) -> None:
-    first, second = of(make(one)), of(make(other))
+def test_values_are_told_apart(make: Callable[[Any], Function], each: Any, other: Any) -> None:
+    first, second = of(make(each)), of(make(other))
     assert not first.unstable
-    assert first.digest == of(make(one)).digest
+    assert first.digest == of(make(each)).digest
     assert first.digest != second.digest
 
 
@@ -154,7 +154,7 @@ def test_functions_of_libraries_as_nodes() -> None:
     assert set(of(np.linalg.norm).versions) == {"python", "numpy"}
     assert of(namedtuple).units.keys() == {"collections:namedtuple"}
     assert not of(partial(np.nanmedian)).unstable  # its defaults are no plain values
-    digests = {of(one).digest for one in (namedtuple, wraps, np.mean, np.median, os.path.join)}
+    digests = {of(value).digest for value in (namedtuple, wraps, np.mean, np.median, os.path.join)}
     assert len(digests) == 5
 
 
@@ -265,24 +265,24 @@ def test_lambdas_are_found_by_their_lines(folder: Folder) -> None:
 def test_functions_made_in_a_loop(folder: Folder) -> None:
     folder.write({"fills.py": "made = []\nfor k in 1, 2:\n    made.append(lambda x, k=k: x + k)"})
     folder.write({"first.py": "from fills import made\none, two = made"})
-    one, two = folder.reached("first:one"), folder.reached("first:two")
-    assert one.digest != two.digest
-    assert not one.unstable
+    first, second = folder.reached("first:one"), folder.reached("first:two")
+    assert first.digest != second.digest
+    assert not first.unstable
 
 
 def test_a_function_without_source_has_no_lasting_digest() -> None:
-    made: dict[str, Any] = {"__name__": "__main__"}
-    exec("def near(x): return x\ndef fill(x): return near(x)", made)
-    reached = of(made["fill"])
+    result: dict[str, Any] = {"__name__": "__main__"}
+    exec("def near(x): return x\ndef fill(x): return near(x)", result)
+    reached = of(result["fill"])
     assert "__main__:fill has no source" in reached.unstable
 
 
 def in_cell(text: str, name: str, **names: Any) -> dict[str, Any]:
     """Run a text as a notebook does, which keeps it for tracebacks."""
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
-    made: dict[str, Any] = {"__name__": "__main__", **names}
-    exec(compile(text, name, "exec", dont_inherit=True), made)
-    return made
+    result: dict[str, Any] = {"__name__": "__main__", **names}
+    exec(compile(text, name, "exec", dont_inherit=True), result)
+    return result
 
 
 def test_a_function_of_a_cell() -> None:

@@ -21,10 +21,10 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Folde
     path = tmp_path / "lib" / "site-packages"
     path.mkdir(parents=True)
     monkeypatch.syspath_prepend(path)
-    made = Folder(path)
-    made.forget()
-    yield made
-    made.forget()
+    folder = Folder(path)
+    folder.forget()
+    yield folder
+    folder.forget()
 
 
 def distribution(name: str, version: str, *files: str) -> dict[str, str]:

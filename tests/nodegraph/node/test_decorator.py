@@ -35,9 +35,9 @@ class Empty(NamedTuple):
 
 
 def described(function: Callable[..., Any]) -> Node:
-    found = node_of(function)
-    assert found is not None
-    return found.check()
+    definition = node_of(function)
+    assert definition is not None
+    return definition.check()
 
 
 @node("toy.every", cite=("one2001", "two2002"))
@@ -81,16 +81,20 @@ def test_arguments_after_the_star_are_settings() -> None:
 
 
 def test_a_named_tuple_is_several_outputs() -> None:
-    found = described(every)
-    assert found.outputs == (Port("first", float), Port("answer", int, truth=True))
-    assert found.splits
+    definition = described(every)
+    assert definition.outputs == (Port("first", float), Port("answer", int, truth=True))
+    assert definition.splits
 
 
 def test_name_doc_and_citations() -> None:
-    found = described(every)
-    assert (found.family, found.method, found.summary) == ("toy", "every", "Do everything.")
-    assert found.doc.endswith("At length.")
-    assert found.cite == ("one2001", "two2002")
+    definition = described(every)
+    assert (definition.family, definition.method, definition.summary) == (
+        "toy",
+        "every",
+        "Do everything.",
+    )
+    assert definition.doc.endswith("At length.")
+    assert definition.cite == ("one2001", "two2002")
 
 
 def test_a_dataclass_is_taken_apart_and_a_value_is_not() -> None:
@@ -265,24 +269,24 @@ def test_what_is_declared_depends_on_the_settings() -> None:
     def window(x: float, *, reach: int | None = 3) -> float:
         return x
 
-    found = described(window)
-    assert found.lookahead({"reach": 5}) == 5
-    assert found.lookahead({"reach": None}) is None
-    assert found.meets_ends({"reach": 5}) is True
-    assert describe_declaration(found) == (
+    definition = described(window)
+    assert definition.lookahead({"reach": 5}) == 5
+    assert definition.lookahead({"reach": None}) is None
+    assert definition.meets_ends({"reach": 5}) is True
+    assert describe_declaration(definition) == (
         "adapted from One 2001: two-sided",
         "look-ahead 3 frames by default",
         "ends of gaps met",
     )
     used: list[dict[str, int | None]] = [{"reach": 1}, {"reach": None}]
-    assert "look-ahead 1 frame or unbounded" in describe_declaration(found, used)
+    assert "look-ahead 1 frame or unbounded" in describe_declaration(definition, used)
 
 
 def test_a_node_that_declares_nothing_is_no_method() -> None:
-    found = described(every)
-    assert found.lookahead({}) is UNDECLARED
-    assert found.meets_ends({}) is None
-    assert describe_declaration(found) == ()
+    definition = described(every)
+    assert definition.lookahead({}) is UNDECLARED
+    assert definition.meets_ends({}) is None
+    assert describe_declaration(definition) == ()
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ def build(
     section = bytes([1, 0x50, SECTION_BLOCKS, processor])
     for number, (group, entries) in enumerate(groups.items(), start=1):
         section += machine.group(group, number)
-        section += b"".join(machine.parameter(key, number, one) for key, one in entries.items())
+        section += b"".join(machine.parameter(key, number, value) for key, value in entries.items())
     top = bytearray(BLOCK)
     top[:12] = b"\2\x50" + machine.words(points, analog, 1, min(frames, 0xFFFF), 10)
     top[12:16] = machine.floats(scale)
@@ -170,9 +170,9 @@ def peak_memory() -> Iterator[Callable[[], int]]:
 @pytest.fixture
 def samples() -> NDArray[np.float64]:
     """(20, 3, 4), positions that 32 bits hold exactly, none missing."""
-    made = np.zeros((20, 3, 4))
-    made[..., :3] = np.random.default_rng(0).integers(-8000, 8000, size=(20, 3, 3)) / 8
-    return made
+    result = np.zeros((20, 3, 4))
+    result[..., :3] = np.random.default_rng(0).integers(-8000, 8000, size=(20, 3, 3)) / 8
+    return result
 
 
 @pytest.fixture

@@ -26,9 +26,9 @@ Damaged = Callable[[bytes, random.Random], bytes]
 def read_by_the_library(path: Path) -> tuple[Samples, list[str]]:
     import ezc3d
 
-    found = ezc3d.c3d(str(path))
-    labels: list[str] = found["parameters"]["POINT"]["LABELS"]["value"]
-    return found["data"]["points"][:3].transpose(2, 1, 0), labels
+    file = ezc3d.c3d(str(path))
+    labels: list[str] = file["parameters"]["POINT"]["LABELS"]["value"]
+    return file["data"]["points"][:3].transpose(2, 1, 0), labels
 
 
 @pytest.mark.parametrize("processor", [84, 85, 86], ids=["Intel", "DEC", "MIPS"])
@@ -62,8 +62,8 @@ def test_a_negative_residual_is_missing_and_a_missing_sample_gets_one(
     import ezc3d
 
     write_c3d(gappy, tmp_path / "gappy.c3d")
-    found = ezc3d.c3d(str(tmp_path / "gappy.c3d"))
-    residuals = found["data"]["meta_points"]["residuals"][0].T
+    file = ezc3d.c3d(str(tmp_path / "gappy.c3d"))
+    residuals = file["data"]["meta_points"]["residuals"][0].T
     np.testing.assert_array_equal(residuals == -1, ~gappy.present)
     content = (tmp_path / "gappy.c3d").read_bytes()
     start = (struct.unpack("<H", content[16:18])[0] - 1) * 512
@@ -91,13 +91,14 @@ def test_zeros_are_missing_unless_told_otherwise(build_c3d: Build, samples: Samp
 
 
 @pytest.mark.parametrize(
-    ("value", "told"), [(np.nan, "2 samples lack a coordinate"), (np.inf, "2 samples are infinite")]
+    ("value", "message"),
+    [(np.nan, "2 samples lack a coordinate"), (np.inf, "2 samples are infinite")],
 )
 def test_broken_samples_are_missing_and_counted(
-    build_c3d: Build, samples: Samples, value: float, told: str
+    build_c3d: Build, samples: Samples, value: float, message: str
 ) -> None:
     samples[3, 1, 0] = samples[4, 2, 2] = value
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match=message):
         read = read_c3d(build_c3d(samples))
     assert np.count_nonzero(~read.present) == 2
 
@@ -110,9 +111,9 @@ def test_a_nan_that_gives_an_alarm_is_counted_like_another(
     start = len(content) - samples.size * 4
     content[start : start + 4] = struct.pack("<I", 0x7F80_0001)
     path.write_bytes(content)
-    with pytest.warns(UserWarning, match="1 samples lack a coordinate") as told:
+    with pytest.warns(UserWarning, match="1 samples lack a coordinate") as caught:
         assert not read_c3d(path).present[0, 0]
-    assert len(told) == 1
+    assert len(caught) == 1
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("mm", 1), ("m", 1000), ("cm", 10), ("INCHES", 25.4)])
@@ -123,11 +124,13 @@ def test_units_become_millimetres(
     np.testing.assert_array_equal(read.positions, samples[..., :3] * factor)
 
 
-@pytest.mark.parametrize(("unit", "told"), [("furlong", "'furlong' is unknown"), (None, "no unit")])
+@pytest.mark.parametrize(
+    ("unit", "message"), [("furlong", "'furlong' is unknown"), (None, "no unit")]
+)
 def test_an_unknown_unit_is_told_and_taken_as_millimetres(
-    build_c3d: Build, samples: Samples, unit: str | None, told: str
+    build_c3d: Build, samples: Samples, unit: str | None, message: str
 ) -> None:
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match=message):
         read = read_c3d(build_c3d(samples, UNITS=unit))
     np.testing.assert_array_equal(read.positions, samples[..., :3])
 
@@ -138,7 +141,7 @@ def test_labels_go_on_in_further_parameters(build_c3d: Build, samples: Samples) 
 
 
 @pytest.mark.parametrize(
-    ("labels", "names", "told"),
+    ("labels", "names", "message"),
     [
         (["a", "b", "a"], ("a", "b", "a_3"), "1 markers had no label, or another's: 'a' is now"),
         (["a", "", "b"], ("a", "unnamed_2", "b"), "1 markers had no label"),
@@ -148,11 +151,11 @@ def test_labels_go_on_in_further_parameters(build_c3d: Build, samples: Samples) 
     ],
 )
 def test_labels_that_do_not_fit_the_points_are_told(
-    build_c3d: Build, samples: Samples, labels: list[str], names: tuple[str, ...], told: str
+    build_c3d: Build, samples: Samples, labels: list[str], names: tuple[str, ...], message: str
 ) -> None:
-    with pytest.warns(UserWarning, match=told) as said:
+    with pytest.warns(UserWarning, match=message) as caught:
         assert read_c3d(build_c3d(samples, labels)).markers == names
-    assert len(said) == 1
+    assert len(caught) == 1
 
 
 def test_a_subject_is_taken_off_unless_there_are_two(build_c3d: Build, samples: Samples) -> None:
@@ -199,8 +202,8 @@ def test_a_huge_announcement_takes_no_memory(
 def test_more_frames_than_sixteen_bits_count(build_c3d: Build) -> None:
     long = np.zeros((70_000, 1, 4))
     long[:, 0, 0] = np.arange(1, 70_001)
-    for told in ({"LONG_FRAMES": 70_000.0}, {"FRAMES": 70_000.0}, {"trial": (1, 70_000)}):
-        read = read_c3d(build_c3d(long, **told))
+    for facts in ({"LONG_FRAMES": 70_000.0}, {"FRAMES": 70_000.0}, {"trial": (1, 70_000)}):
+        read = read_c3d(build_c3d(long, **facts))
         assert read.frames == 70_000
         assert read.positions[-1, 0, 0] == 70_000
     with pytest.raises(ValueError, match="65535 frames, the most that its counter can hold"):

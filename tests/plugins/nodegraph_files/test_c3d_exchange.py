@@ -42,10 +42,10 @@ class Found:
 def by_ezc3d(path: Path) -> Found:
     import ezc3d
 
-    found = ezc3d.c3d(str(path))
-    positions = found["data"]["points"][:3].transpose(2, 1, 0).copy()
-    positions[found["data"]["meta_points"]["residuals"][0].T < 0] = np.nan
-    point = found["parameters"]["POINT"]
+    file = ezc3d.c3d(str(path))
+    positions = file["data"]["points"][:3].transpose(2, 1, 0).copy()
+    positions[file["data"]["meta_points"]["residuals"][0].T < 0] = np.nan
+    point = file["parameters"]["POINT"]
     lists = ["LABELS", *(f"LABELS{number}" for number in range(2, 99))]
     labels = [label for name in lists if name in point for label in point[name]["value"]]
     return Found(positions, tuple(labels), float(point["RATE"]["value"][0]))
@@ -58,8 +58,10 @@ def by_py_c3d(path: Path) -> Found:
         reader = c3d.Reader(stream)
         points = np.array([points for _, points, _ in reader.read_frames()], dtype=float)
         lists = ["POINT:LABELS", *(f"POINT:LABELS{number}" for number in range(2, 99))]
-        found = [one for name in lists if (one := reader.get(name)) is not None]
-        labels = tuple(label.rstrip(" ") for one in found for label in one.string_array)
+        result = [parameter for name in lists if (parameter := reader.get(name)) is not None]
+        labels = tuple(
+            label.rstrip(" ") for parameter in result for label in parameter.string_array
+        )
         rate = float(reader.point_rate)
     positions = points[..., :3]
     positions[points[..., 3] < 0] = np.nan
@@ -78,8 +80,8 @@ def moving(frames: int, markers: int, names: list[str] | None = None) -> Traject
     numbers = np.arange(3.0 * frames * markers) % 99_991 / 8 - 5000.0625
     positions = numbers.reshape(frames, markers, 3)
     positions.reshape(-1, 3)[3::11] = np.nan
-    made = names or [f"marker{number}" for number in range(markers)]
-    return Trajectories(positions=positions, markers=tuple(made), rate=60.0)
+    labels = names or [f"marker{number}" for number in range(markers)]
+    return Trajectories(positions=positions, markers=tuple(labels), rate=60.0)
 
 
 def assert_read_alike(recording: Trajectories, path: Path, readers: list[str]) -> None:
@@ -91,11 +93,11 @@ def assert_read_alike(recording: Trajectories, path: Path, readers: list[str]) -
     assert ours.markers == recording.markers
     assert ours.rate == float(str(np.float32(recording.rate)))
     for name in readers:
-        found = READERS[name](path)
-        np.testing.assert_array_equal(found.positions, wanted, err_msg=name)
-        assert found.labels == recording.markers
+        file = READERS[name](path)
+        np.testing.assert_array_equal(file.positions, wanted, err_msg=name)
+        assert file.labels == recording.markers
         # ezc3d hands on nine digits
-        assert found.rate == pytest.approx(recording.rate, rel=1e-7)
+        assert file.rate == pytest.approx(recording.rate, rel=1e-7)
 
 
 @pytest.mark.parametrize("name", recordings())
@@ -165,7 +167,7 @@ def written_by_py_c3d(path: Path, samples: Samples, *, scale: float, unit: str =
     writer.set_analog_labels([""])
     cameras = np.ones((frames, markers, 1))
     nothing = np.empty((0, 0))
-    writer.add_frames([(one, nothing) for one in np.concatenate([samples, cameras], axis=2)])
+    writer.add_frames([(frame, nothing) for frame in np.concatenate([samples, cameras], axis=2)])
     with path.open("wb") as stream:
         writer.write(stream)
 
@@ -203,16 +205,16 @@ def test_what_ezc3d_writes_is_read_alike(
     import ezc3d
 
     recording = moving(12, markers)
-    made = ezc3d.c3d()
-    point = made["parameters"]["POINT"]
+    file = ezc3d.c3d()
+    point = file["parameters"]["POINT"]
     point["RATE"]["value"] = np.array([59.94])
     point["UNITS"]["value"] = [unit]
     point["LABELS"]["value"] = list(recording.markers)
     positions = np.nan_to_num(recording.positions, nan=1.0)
-    made["data"]["points"] = np.ascontiguousarray(positions.transpose(2, 1, 0))
+    file["data"]["points"] = np.ascontiguousarray(positions.transpose(2, 1, 0))
     missing = ~recording.present.T[None]
-    made["data"]["meta_points"] = {"residuals": -missing.astype(float)}
-    made.write(str(tmp_path / "it.c3d"))
+    file["data"]["meta_points"] = {"residuals": -missing.astype(float)}
+    file.write(str(tmp_path / "it.c3d"))
     ours = read_c3d(tmp_path / "it.c3d")
     np.testing.assert_array_equal(ours.positions, in_32_bits(recording.positions) * factor)
     assert (ours.markers, ours.rate) == (recording.markers, 59.94)

@@ -17,10 +17,10 @@ Samples = NDArray[np.float64]
 
 
 def test_a_description_tells_what_was_written(build_c3d: Build, samples: Samples) -> None:
-    found = read_description(build_c3d(samples, rate=50.0, analog=3, scale=0.25))
-    layout = found.layout
+    description = read_description(build_c3d(samples, rate=50.0, analog=3, scale=0.25))
+    layout = description.layout
     assert (layout.frames, layout.points, layout.values, layout.width) == (20, 3, 3, 2)
-    assert (layout.start, found.rate, found.scales) == (21 * 512, 50.0, (0.25,))
+    assert (layout.start, description.rate, description.scales) == (21 * 512, 50.0, (0.25,))
     assert layout.frame_bytes == (4 * 3 + 3) * 2
     assert layout.end == layout.start + 20 * layout.frame_bytes
 

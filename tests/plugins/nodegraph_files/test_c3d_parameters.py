@@ -28,14 +28,14 @@ def test_entries_are_found_by_group_and_name(
     build_c3d: Build, samples: NDArray[np.float64], code: int
 ) -> None:
     content = build_c3d(samples, ["left", "b"], processor=code, trial=(1, 70_000)).read_bytes()
-    found = read_parameters(content, 512)
-    assert found["POINT", "LABELS"].texts == ("left", "b")
-    assert found["POINT", "LABELS"].numbers == ()
-    assert found["POINT", "USED"].numbers == (3.0,)
-    assert found["POINT", "SCALE"].numbers == (-1.0,)
-    assert found["POINT", "UNITS"].texts == ("mm",)
-    assert found["TRIAL", "ACTUAL_END_FIELD"].numbers == (70_000 % 65_536, 1)
-    assert found["POINT", "USED"].texts == ()
+    parameters = read_parameters(content, 512)
+    assert parameters["POINT", "LABELS"].texts == ("left", "b")
+    assert parameters["POINT", "LABELS"].numbers == ()
+    assert parameters["POINT", "USED"].numbers == (3.0,)
+    assert parameters["POINT", "SCALE"].numbers == (-1.0,)
+    assert parameters["POINT", "UNITS"].texts == ("mm",)
+    assert parameters["TRIAL", "ACTUAL_END_FIELD"].numbers == (70_000 % 65_536, 1)
+    assert parameters["POINT", "USED"].texts == ()
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_an_entry_of_an_unnamed_group_is_left_out() -> None:
 
 
 @pytest.mark.parametrize(
-    ("entry", "told"),
+    ("entry", "message"),
     [
         (b"\1\0A\7\0\2\0\7\0\0\0\0", "damaged at byte 10"),
         (b"\1\1A\xff\xff\2\0\7\0\0\0\0", "damaged at byte 10"),
@@ -86,6 +86,6 @@ def test_an_entry_of_an_unnamed_group_is_left_out() -> None:
         (b"\1\1A\7\0\2\0\7\0\0", "no end"),
     ],
 )
-def test_damage_is_told_with_its_place(entry: bytes, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_damage_is_told_with_its_place(entry: bytes, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         read_parameters(section(GROUP, entry), 0)

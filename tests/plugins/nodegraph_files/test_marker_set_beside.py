@@ -13,9 +13,9 @@ MARKERS = "markers: [a, é]\n"
 def test_the_one_beside_counts_if_the_folder_was_named(tmp_path: Path) -> None:
     (tmp_path / "markers.yaml").write_text(MARKERS, encoding="utf-8")
     file = tmp_path / "recording.c3d"
-    found = MarkerSet(markers=("a", "é"))
-    assert marker_set_for(tmp_path, file, None) == found
-    assert marker_set_for(Path("sample:x"), file, None) == found
+    markers = MarkerSet(markers=("a", "é"))
+    assert marker_set_for(tmp_path, file, None) == markers
+    assert marker_set_for(Path("sample:x"), file, None) == markers
     assert marker_set_for(file, file, None) is None
 
 

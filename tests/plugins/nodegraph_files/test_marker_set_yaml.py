@@ -50,7 +50,7 @@ def test_a_part_may_be_empty(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "must be a mapping with 'markers', and may have pairs, midline, stable, edges"),
         ("[a, b]", "must be a mapping"),
@@ -73,8 +73,8 @@ def test_a_part_may_be_empty(write: Write) -> None:
         ("markers: &x [*x]", "recursive"),
     ],
 )
-def test_what_is_no_marker_set_is_refused(write: Write, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"(?s)markers\.yaml: not a marker set: .*{told}"):
+def test_what_is_no_marker_set_is_refused(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"(?s)markers\.yaml: not a marker set: .*{message}"):
         read_marker_set_yaml(write(text))
 
 

@@ -19,8 +19,8 @@ def written(folder: Path, text: str) -> Path:
      'marker,vertex\n"nose",9\n"chin","0"\n'],
 )  # fmt: skip
 def test_the_rows_are_read_in_their_order(tmp_path: Path, text: str) -> None:
-    found = read_marker_vertices(written(tmp_path, text), 10)
-    assert list(found.items()) == [("nose", 9), ("chin", 0)]
+    result = read_marker_vertices(written(tmp_path, text), 10)
+    assert list(result.items()) == [("nose", 9), ("chin", 0)]
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def test_an_array_that_lacks_is_told_with_those_there_are(tmp_path: Path, lackin
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "message"),
     [
         ({"positions": np.ones((4, 2))}, r"positions must be \(frames, markers, 3\), got \(4, 2\)"),
         ({"positions": np.ones((4, 3, 3))}, r"\(frames, 2 markers, 3\)"),
@@ -86,8 +86,8 @@ def test_an_array_that_lacks_is_told_with_those_there_are(tmp_path: Path, lackin
         ({"sigma": np.array([None])}, "'sigma' is of type object"),
     ],
 )
-def test_wrong_arrays_are_refused(tmp_path: Path, changed: dict[str, Any], told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.npz: not a readable NPZ recording: .*{told}"):
+def test_wrong_arrays_are_refused(tmp_path: Path, changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.npz: not a readable NPZ recording: .*{message}"):
         read_npz(saved(tmp_path, **changed))
 
 
@@ -134,7 +134,9 @@ def test_a_damaged_archive_gives_a_recording_or_a_value_error(
     good = npz_bytes(gappy)
     chance = random.Random(5)
     refused = [
-        told for _ in range(500) if (told := refusal(tmp_path / "take.npz", damaged(good, chance)))
+        message
+        for _ in range(500)
+        if (message := refusal(tmp_path / "take.npz", damaged(good, chance)))
     ]
     assert 250 < len(refused) < 500
     assert all(f"{tmp_path}/take.npz: not a readable NPZ" in message for message in refused)
@@ -155,11 +157,13 @@ def test_a_damaged_array_gives_a_recording_or_a_value_error(
         target = BytesIO()
         with zipfile.ZipFile(target, "w") as archive:
             for name, content in members.items():
-                made = as_text(damaged(content, chance)) if name == which else content
-                archive.writestr(name, made)
+                result = as_text(damaged(content, chance)) if name == which else content
+                archive.writestr(name, result)
         refused.append(refusal(tmp_path / "take.npz", target.getvalue()))
     assert 250 < sum(map(bool, refused)) < 500
-    assert all(f"{tmp_path}/take.npz: not a readable NPZ" in one for one in refused if one)
+    assert all(
+        f"{tmp_path}/take.npz: not a readable NPZ" in message for message in refused if message
+    )
     assert peak_memory() < 20_000_000
 
 

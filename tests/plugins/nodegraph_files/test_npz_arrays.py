@@ -35,10 +35,10 @@ def archive(folder: Path, **members: bytes) -> Path:
 def test_wanted_arrays_are_read_and_others_are_left_alone(tmp_path: Path, save: Any) -> None:
     numbers, names = np.asfortranarray(np.arange(6.0).reshape(2, 3)), np.array(["a", "é"])
     save(tmp_path / "it.npz", numbers=numbers, names=names, other=np.array([None]))
-    found = npz_arrays(tmp_path / "it.npz", KINDS, ("numbers",))
-    assert list(found) == ["numbers", "names"]
-    np.testing.assert_array_equal(found["numbers"], numbers)
-    np.testing.assert_array_equal(found["names"], names)
+    arrays = npz_arrays(tmp_path / "it.npz", KINDS, ("numbers",))
+    assert list(arrays) == ["numbers", "names"]
+    np.testing.assert_array_equal(arrays["numbers"], numbers)
+    np.testing.assert_array_equal(arrays["names"], names)
 
 
 def test_an_array_that_must_be_there_is_missed(tmp_path: Path) -> None:
@@ -95,10 +95,10 @@ def test_an_array_has_memory_of_its_own(
     numbers = np.zeros(shape, kind, order=order)
     numbers[...] = np.arange(numbers.size).reshape(shape)
     np.savez_compressed(tmp_path / "it.npz", numbers=numbers)
-    found = npz_arrays(tmp_path / "it.npz", KINDS, ())["numbers"]
-    np.testing.assert_array_equal(found, numbers)
-    assert (found.dtype, found.strides) == (numbers.dtype, numbers.strides)
-    assert found.base is None
+    arrays = npz_arrays(tmp_path / "it.npz", KINDS, ())["numbers"]
+    np.testing.assert_array_equal(arrays, numbers)
+    assert (arrays.dtype, arrays.strides) == (numbers.dtype, numbers.strides)
+    assert arrays.base is None
 
 
 def test_what_cannot_be_packed_into_so_little_takes_no_memory(

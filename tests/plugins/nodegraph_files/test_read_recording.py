@@ -30,15 +30,15 @@ SET = MarkerSet(markers=("é", "a"), pairs=(("a", "é"),))
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
 @pytest.mark.parametrize(
-    ("file", "told"),
+    ("file", "message"),
     [
         ("livelink/actor_a_60fps.csv", "no columns NAME.X"),
         ("facecap/model_60_markers.npz", "no array positions, rate; there is"),
         ("facecap/markers.yaml", r"markers\.yaml: .*C3D.*NPZ.*TRC.*\.csv"),
     ],
 )
-def test_a_real_file_of_another_kind_is_refused(file: str, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_a_real_file_of_another_kind_is_refused(file: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         read_recording(path=DATA / file)
 
 

@@ -30,9 +30,9 @@ def test_each_reason_is_counted_with_its_first_place() -> None:
     positions[0, 1] = 1, np.nan, 3
     positions[1, 0] = np.nan, np.inf, np.nan
     positions[1, 1] = positions[1, 2] = 0
-    with pytest.warns(UserWarning) as told:  # noqa: PT030
+    with pytest.warns(UserWarning) as caught:  # noqa: PT030
         read = mark_missing(positions, NONE, zeros_missing=True)
-    assert [str(one.message) for one in told] == [
+    assert [str(warning.message) for warning in caught] == [
         "1 samples are infinite and count as missing; the first is in frame 1, marker number 1",
         "1 samples lack a coordinate and count as missing; the first is in frame 0, "
         "marker number 2",

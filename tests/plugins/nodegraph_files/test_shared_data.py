@@ -34,11 +34,11 @@ def test_a_take_reads_as_the_library_reads_it(name: str) -> None:
     path = DATA / f"{name}.c3d"
     frames, markers, rate, missing = TAKES[name]
     recording = read_recording(path=path)
-    found = ezc3d.c3d(str(path))
+    file = ezc3d.c3d(str(path))
     np.testing.assert_array_equal(
-        recording.positions, found["data"]["points"][:3].transpose(2, 1, 0)
+        recording.positions, file["data"]["points"][:3].transpose(2, 1, 0)
     )
-    assert list(recording.markers) == found["parameters"]["POINT"]["LABELS"]["value"]
+    assert list(recording.markers) == file["parameters"]["POINT"]["LABELS"]["value"]
     assert recording.positions.shape == (frames, markers, 3)
     assert recording.rate == rate
     assert np.count_nonzero(~recording.present) == missing
@@ -70,10 +70,10 @@ def test_the_gaps_of_the_shoulder_are_those_that_were_counted() -> None:
 def test_a_marker_set_has_each_marker_in_a_pair_or_on_the_midline(
     name: str, count: int, pairs: int
 ) -> None:
-    found = read_marker_set_yaml(DATA / name / "markers.yaml")
-    assert (len(found.markers), len(found.pairs)) == (count, pairs)
-    placed = [marker for pair in found.pairs for marker in pair] + list(found.midline)
-    assert sorted(placed) == sorted(found.markers)
+    markers = read_marker_set_yaml(DATA / name / "markers.yaml")
+    assert (len(markers.markers), len(markers.pairs)) == (count, pairs)
+    placed = [marker for pair in markers.pairs for marker in pair] + list(markers.midline)
+    assert sorted(placed) == sorted(markers.markers)
 
 
 @pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks", "facecap/take001"])
@@ -97,9 +97,9 @@ def test_weights_without_dropped_frames() -> None:
 @pytest.mark.filterwarnings("default")
 def test_weights_with_three_dropped_frames() -> None:
     path = DATA / "livelink" / "actor_b_30fps.csv"
-    with pytest.warns(UserWarning, match="skips 3 frames in 3 gaps") as told:
+    with pytest.warns(UserWarning, match="skips 3 frames in 3 gaps") as caught:
         read = read_live_link(path)
-    assert len(told) == 1
+    assert len(caught) == 1
     assert (read.values.shape, read.rate) == ((4030 + 3, 52), 30)
     lost = np.isnan(read.values).all(axis=1)
     assert lost.sum() == np.isnan(read.values).any(axis=1).sum() == 3

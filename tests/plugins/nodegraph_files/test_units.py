@@ -26,11 +26,11 @@ def test_a_known_unit(unit: str, factor: float) -> None:
     assert MILLIMETRES[unit_named(unit) or ""] == factor
 
 
-@pytest.mark.parametrize(("unit", "told"), [("px", "'px' is unknown"), (" ", "no unit")])
-def test_an_unknown_unit_is_told(unit: str, told: str) -> None:
+@pytest.mark.parametrize(("unit", "message"), [("px", "'px' is unknown"), (" ", "no unit")])
+def test_an_unknown_unit_is_told(unit: str, message: str) -> None:
     assert unit_named(unit) is None
     positions = np.ones((1, 1, 3))
-    with pytest.warns(UserWarning, match=f"{told}.*mm is assumed$"):
+    with pytest.warns(UserWarning, match=f"{message}.*mm is assumed$"):
         unit_from("auto", unit).convert(positions)
     assert (positions == 1).all()
 

@@ -40,7 +40,7 @@ def test_a_graph_writes_a_head_that_reads_back(tmp_path: Path) -> None:
     written = ng.run(ng.load(tmp_path / "graph.yaml"))["out"].value
     path = tmp_path / "head.glb"
     path.write_bytes(written.content["head.glb"])
-    made = ng.get_node("synthesize.face")(seconds=0.1).head
+    synthetic = ng.get_node("synthesize.face")(seconds=0.1).head
     back = read_head(path=path)
-    assert (back.names, back.markers) == (made.names, made.markers)
-    np.testing.assert_allclose(back.vertices, made.vertices, rtol=1e-7, atol=1e-12)
+    assert (back.names, back.markers) == (synthetic.names, synthetic.markers)
+    np.testing.assert_allclose(back.vertices, synthetic.vertices, rtol=1e-7, atol=1e-12)

@@ -35,7 +35,7 @@ def written(files: Files, folder: Path) -> Path:
     return folder / name
 
 
-@pytest.mark.parametrize("writer", WRITERS, ids=lambda one: str(one.__name__))
+@pytest.mark.parametrize("writer", WRITERS, ids=lambda value: str(value.__name__))
 @pytest.mark.parametrize("specimen", ["complete", "gaps", "a marker never seen", "one frame"])
 def test_what_is_written_reads_back(
     writer: Callable[..., Files], specimen: str, tmp_path: Path
@@ -51,11 +51,13 @@ def test_what_is_written_reads_back(
     )
 
 
-@pytest.mark.parametrize("writer", WRITERS[:3], ids=lambda one: str(one.__name__))
+@pytest.mark.parametrize("writer", WRITERS[:3], ids=lambda value: str(value.__name__))
 def test_what_a_form_cannot_say_is_told(writer: Callable[..., Files]) -> None:
     recording = recordings()["filled, repaired and with sigma"]
-    made = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED)).sum()
-    with pytest.warns(UserWarning, match=f"which {made} samples are filled or repaired, sigma"):
+    processed = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED)).sum()
+    with pytest.warns(
+        UserWarning, match=f"which {processed} samples are filled or repaired, sigma"
+    ):
         writer(recording)
 
 

@@ -12,14 +12,18 @@ FACE = recordings()["filled, repaired and with sigma"]
 
 
 def test_both_ends_are_kept() -> None:
-    made = crop(FACE, first=5, last=12)
-    assert made.frames == 8
-    assert np.array_equal(made.positions, FACE.positions[5:13], equal_nan=True)
-    assert np.array_equal(made.origin, FACE.origin[5:13])
+    result = crop(FACE, first=5, last=12)
+    assert result.frames == 8
+    assert np.array_equal(result.positions, FACE.positions[5:13], equal_nan=True)
+    assert np.array_equal(result.origin, FACE.origin[5:13])
     assert FACE.sigma is not None
-    assert made.sigma is not None
-    assert np.array_equal(made.sigma, FACE.sigma[5:13], equal_nan=True)
-    assert (made.markers, made.rate, made.marker_set) == (FACE.markers, FACE.rate, FACE.marker_set)
+    assert result.sigma is not None
+    assert np.array_equal(result.sigma, FACE.sigma[5:13], equal_nan=True)
+    assert (result.markers, result.rate, result.marker_set) == (
+        FACE.markers,
+        FACE.rate,
+        FACE.marker_set,
+    )
 
 
 def test_by_default_it_reaches_from_the_first_to_the_last_frame() -> None:

@@ -11,11 +11,11 @@ def test_a_square_lattice_is_joined_by_its_sides_and_one_diagonal_each() -> None
     across, up = np.meshgrid(np.arange(5.0), np.arange(4.0))
     plane = np.stack([across.ravel(), up.ravel()], axis=1)
     edges = edges_of(plane)
-    lengths = [np.linalg.norm(plane[one] - plane[two]) for one, two in edges]
+    lengths = [np.linalg.norm(plane[first] - plane[second]) for first, second in edges]
     assert sum(np.isclose(lengths, 1.0)) == 5 * 3 + 4 * 4
     assert sum(np.isclose(lengths, np.sqrt(2))) == 4 * 3
     assert edges == sorted(edges)
-    assert all(one < two for one, two in edges)
+    assert all(first < second for first, second in edges)
 
 
 def test_a_hollow_of_the_outline_is_not_spanned() -> None:
@@ -24,11 +24,13 @@ def test_a_hollow_of_the_outline_is_not_spanned() -> None:
         [radius * np.stack([np.cos(angles), np.sin(angles)], 1) for radius in (9, 10)]
     )
     edges = edges_of(ring)
-    assert max(np.linalg.norm(ring[one] - ring[two]) for one, two in edges) < 2.5
+    assert max(np.linalg.norm(ring[first] - ring[second]) for first, second in edges) < 2.5
     assert {end for edge in edges for end in edge} == set(range(38))
 
 
 def test_thin_triangles_of_the_outline_are_left_out() -> None:
     across, up = np.meshgrid(np.arange(5.0), np.arange(4.0))
     plane = np.stack([across.ravel(), up.ravel() + 0.01 * (across.ravel() - 2) ** 2], axis=1)
-    assert all(np.linalg.norm(plane[one] - plane[two]) < 1.6 for one, two in edges_of(plane))
+    assert all(
+        np.linalg.norm(plane[first] - plane[second]) < 1.6 for first, second in edges_of(plane)
+    )

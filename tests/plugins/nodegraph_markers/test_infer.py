@@ -29,19 +29,19 @@ def found_again(
     """Return what is inferred from a recording without names, in its own names."""
     bare = unnamed(recording, seed)
     with quiet():
-        made = infer(bare).marker_set
+        result = infer(bare).marker_set
     order = np.random.default_rng(seed).permutation(len(recording.markers))
     own = {name: recording.markers[index] for name, index in zip(bare.markers, order, strict=True)}
 
     def couples(part: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
-        return tuple((own[one], own[two]) for one, two in part)
+        return tuple((own[first], own[second]) for first, second in part)
 
     return MarkerSet(
         markers=recording.markers,
-        pairs=couples(made.pairs),
-        midline=tuple(own[name] for name in made.midline),
-        stable=tuple(own[name] for name in made.stable),
-        edges=couples(made.edges),
+        pairs=couples(result.pairs),
+        midline=tuple(own[name] for name in result.midline),
+        stable=tuple(own[name] for name in result.stable),
+        edges=couples(result.edges),
     )
 
 
@@ -51,10 +51,10 @@ def found_again(
 def test_pairs_sides_and_midline_of_made_faces(
     face: Face, unnamed: Unnamed, quiet: Callable[[], Any], markers: int, seed: int, what: str
 ) -> None:
-    made = face(seed=seed, seconds=3.0, markers=markers)
-    found = found_again(getattr(made, what), unnamed, quiet)
-    assert set(found.pairs) == set(made.marker_set.pairs)
-    assert set(found.midline) == set(made.marker_set.midline)
+    synthetic = face(seed=seed, seconds=3.0, markers=markers)
+    result = found_again(getattr(synthetic, what), unnamed, quiet)
+    assert set(result.pairs) == set(synthetic.marker_set.pairs)
+    assert set(result.midline) == set(synthetic.marker_set.midline)
 
 
 @pytest.mark.parametrize("name", ["jaw", "cheeks", "take001"])
@@ -62,9 +62,9 @@ def test_pairs_sides_and_midline_of_real_and_animated_faces(
     take: Take, unnamed: Unnamed, quiet: Callable[[], Any], name: str
 ) -> None:
     recording, truth = take(name)
-    found = found_again(recording, unnamed, quiet)
-    assert set(found.pairs) == set(truth.pairs)
-    assert set(found.midline) == set(truth.midline)
+    result = found_again(recording, unnamed, quiet)
+    assert set(result.pairs) == set(truth.pairs)
+    assert set(result.midline) == set(truth.midline)
 
 
 def test_the_sample_face() -> None:
@@ -73,33 +73,33 @@ def test_the_sample_face() -> None:
     bare = replace(given, marker_set=None)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing is guessed, nothing is left over
-        made = infer(bare)
-    assert set(made.marker_set.pairs) == set(given.marker_set.pairs)
-    assert set(made.marker_set.midline) == set(given.marker_set.midline)
-    assert made.recording.marker_set is made.marker_set
-    assert made.recording.positions is given.positions
+        result = infer(bare)
+    assert set(result.marker_set.pairs) == set(given.marker_set.pairs)
+    assert set(result.marker_set.midline) == set(given.marker_set.midline)
+    assert result.recording.marker_set is result.marker_set
+    assert result.recording.positions is given.positions
 
 
 def test_landmarks_hardly_move(face: Face) -> None:
     for seed in range(3):
-        made = face(seed=seed)
-        stable = infer(made.captured).marker_set.stable
-        turns, shifts = made.head_motion.rotations, made.head_motion.translations
-        still = (made.truth.positions - shifts[:, None]) @ turns
+        synthetic = face(seed=seed)
+        stable = infer(synthetic.captured).marker_set.stable
+        turns, shifts = synthetic.head_motion.rotations, synthetic.head_motion.translations
+        still = (synthetic.truth.positions - shifts[:, None]) @ turns
         motion = np.linalg.norm(still - np.median(still, axis=0), axis=2).mean(axis=0)
-        chosen = motion[[made.captured.markers.index(name) for name in stable]]
+        chosen = motion[[synthetic.captured.markers.index(name) for name in stable]]
         assert 10 <= len(stable) <= 11
         assert chosen.max() < np.median(motion)
 
 
 def test_edges_join_every_marker_to_its_neighbours(face: Face) -> None:
-    made = face(seed=1)
-    shape = dict(zip(made.neutral.markers, made.neutral.positions[0], strict=True))
-    edges = infer(made.neutral).marker_set.edges
-    lengths = np.array([np.linalg.norm(shape[one] - shape[two]) for one, two in edges])
-    assert {name for edge in edges for name in edge} == set(made.neutral.markers)
+    synthetic = face(seed=1)
+    shape = dict(zip(synthetic.neutral.markers, synthetic.neutral.positions[0], strict=True))
+    edges = infer(synthetic.neutral).marker_set.edges
+    lengths = np.array([np.linalg.norm(shape[first] - shape[second]) for first, second in edges])
+    assert {name for edge in edges for name in edge} == set(synthetic.neutral.markers)
     assert lengths.max() < 4 * np.median(lengths)
-    known = {frozenset(edge) for edge in made.marker_set.edges}
+    known = {frozenset(edge) for edge in synthetic.marker_set.edges}
     assert len(known & {frozenset(edge) for edge in edges}) > 0.9 * len(known)
 
 
@@ -114,12 +114,13 @@ def test_pose_size_and_order_do_not_matter(
     given = face(seed=2, seconds=3.0).captured
     moved = turned(replace(given, positions=scale * given.positions))
     plain, other = (
-        found_again(one, unnamed, quiet, seed) for seed, one in enumerate((given, moved), 1)
+        found_again(recording, unnamed, quiet, seed)
+        for seed, recording in enumerate((given, moved), 1)
     )
     assert set(plain.pairs) == set(other.pairs)
     assert set(plain.midline) == set(other.midline)
     assert set(plain.stable) == set(other.stable)
-    edges = [{frozenset(one) for one in found.edges} for found in (plain, other)]
+    edges = [{frozenset(edge) for edge in result.edges} for result in (plain, other)]
     assert len(edges[0] ^ edges[1]) <= 2  # of two equally good diagonals, rounding takes one
 
 
@@ -143,16 +144,16 @@ def test_a_pair_that_lies_the_other_way_round_than_it_is_named(face: Face) -> No
     crossed = {"L_brow2": "R_brow2", "R_brow2": "L_brow2"}
     wrong = replace(given, markers=tuple(crossed.get(name, name) for name in given.markers))
     with pytest.warns(UserWarning, match="1 pairs lie the other way round than named: L_brow2"):
-        found = infer(wrong).marker_set
-    assert ("L_brow2", "R_brow2") in found.pairs
+        markers = infer(wrong).marker_set
+    assert ("L_brow2", "R_brow2") in markers.pairs
 
 
 def test_what_has_no_partner_is_told(face: Face) -> None:
     given = face(seed=0, seconds=3.0).captured
     lacking = given.keep([name for name in given.markers if name != "R_cheek2"])
     with pytest.warns(UserWarning, match="1 of 59 markers have no .* L_cheek2; in the best plane"):
-        found = infer(lacking).marker_set
-    assert len(found.pairs) == 25
+        markers = infer(lacking).marker_set
+    assert len(markers.pairs) == 25
 
 
 def test_a_marker_that_is_never_there_is_in_the_set_alone(face: Face) -> None:
@@ -160,9 +161,9 @@ def test_a_marker_that_is_never_there_is_in_the_set_alone(face: Face) -> None:
     positions = given.positions.copy()
     positions[:, given.markers.index("M_nose1")] = np.nan
     with pytest.warns(UserWarning, match="1 markers are never present"):
-        found = infer(Trajectories(positions=positions, markers=given.markers, rate=60.0))
-    assert "M_nose1" in found.marker_set.markers
-    assert "M_nose1" not in found.marker_set.midline
+        result = infer(Trajectories(positions=positions, markers=given.markers, rate=60.0))
+    assert "M_nose1" in result.marker_set.markers
+    assert "M_nose1" not in result.marker_set.midline
 
 
 def test_a_narrow_tolerance_leaves_more_alone(take: Take, quiet: Callable[[], Any]) -> None:
@@ -177,13 +178,13 @@ def test_one_frame_has_no_landmarks(face: Face) -> None:
 
 
 def test_what_the_recording_knows_is_kept_and_only_the_rest_is_proposed(face: Face) -> None:
-    made = face()
-    whole, known = made.captured, made.marker_set
+    synthetic = face()
+    whole, known = synthetic.captured, synthetic.marker_set
     assert infer(whole, keep=True).recording is whole
     partly = replace(known, pairs=known.pairs[:3], midline=(), stable=())
     with pytest.warns(UserWarning, match="lacks them: stable landmarks$"):
-        found = infer(replace(whole, marker_set=partly), keep=True).marker_set
-    assert found == replace(partly, stable=infer(whole).marker_set.stable)
+        markers = infer(replace(whole, marker_set=partly), keep=True).marker_set
+    assert markers == replace(partly, stable=infer(whole).marker_set.stable)
     bare = replace(whole, marker_set=None)
     with pytest.warns(UserWarning, match="pairs and midline, stable landmarks, edges"):
         assert infer(bare, keep=True).marker_set == infer(bare).marker_set
@@ -193,8 +194,8 @@ def test_a_body_is_poorly_symmetric(shoulder: Trajectories) -> None:
     with pytest.warns(
         UserWarning, match=r"symmetry is poor: .* within 2\d\.\d mm: .* mm of a mirror im"
     ):
-        found = infer(shoulder).marker_set
-    assert len(found.pairs) < 10
+        markers = infer(shoulder).marker_set
+    assert len(markers.pairs) < 10
 
 
 @pytest.mark.parametrize(

@@ -17,33 +17,37 @@ FACE = recordings()["filled, repaired and with sigma"]
 
 def test_what_was_cut_apart_is_joined_to_the_same_whatever_the_order_of_markers() -> None:
     following = crop(FACE, first=17).keep(FACE.markers[::-1])
-    made = join(crop(FACE, last=16), following)
-    assert np.array_equal(made.positions, FACE.positions, equal_nan=True)
-    assert np.array_equal(made.origin, FACE.origin)
-    assert made.sigma is not None
+    result = join(crop(FACE, last=16), following)
+    assert np.array_equal(result.positions, FACE.positions, equal_nan=True)
+    assert np.array_equal(result.origin, FACE.origin)
+    assert result.sigma is not None
     assert FACE.sigma is not None
-    assert np.array_equal(made.sigma, FACE.sigma, equal_nan=True)
-    assert (made.markers, made.rate, made.marker_set) == (FACE.markers, FACE.rate, FACE.marker_set)
+    assert np.array_equal(result.sigma, FACE.sigma, equal_nan=True)
+    assert (result.markers, result.rate, result.marker_set) == (
+        FACE.markers,
+        FACE.rate,
+        FACE.marker_set,
+    )
 
 
 def test_what_one_take_lacks_is_missing_there_and_told() -> None:
-    one, other = FACE.keep(["nose", "forehead"]), FACE.keep(["lip_left", "nose"])
+    first, other = FACE.keep(["nose", "forehead"]), FACE.keep(["lip_left", "nose"])
     with pytest.warns(UserWarning, match="1 markers .* following .* forehead; 1 .* lip_left"):
-        made = join(one, other)
-    assert made.markers == ("nose", "forehead", "lip_left")
-    assert made.marker_set is one.marker_set
-    missing = made.origin == Origin.MISSING
+        result = join(first, other)
+    assert result.markers == ("nose", "forehead", "lip_left")
+    assert result.marker_set is first.marker_set
+    missing = result.origin == Origin.MISSING
     assert missing[FACE.frames :, 1].all()
     assert missing[: FACE.frames, 2].all()
-    again = made.keep(["lip_left"]).positions[FACE.frames :]
+    again = result.keep(["lip_left"]).positions[FACE.frames :]
     assert np.array_equal(again, other.keep(["lip_left"]).positions, equal_nan=True)
 
 
 def test_sigma_that_only_one_take_knows_is_unknown_in_the_other() -> None:
-    made = join(FACE, replace(FACE, sigma=None))
-    assert made.sigma is not None
-    assert np.isnan(made.sigma[FACE.frames :]).all()
-    assert np.isfinite(made.sigma[: FACE.frames][FACE.present]).all()
+    result = join(FACE, replace(FACE, sigma=None))
+    assert result.sigma is not None
+    assert np.isnan(result.sigma[FACE.frames :]).all()
+    assert np.isfinite(result.sigma[: FACE.frames][FACE.present]).all()
     assert join(replace(FACE, sigma=None), replace(FACE, sigma=None)).sigma is None
 
 

@@ -28,16 +28,16 @@ Turned = Callable[[Trajectories], Trajectories]
 def test_a_shuffled_take_gets_all_its_names_back_wherever_it_is(
     face: Face, unnamed: Unnamed, turned: Turned, seed: int
 ) -> None:
-    made = face(seed=seed)
+    synthetic = face(seed=seed)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing is left over
-        here = label(unnamed(made.captured, seed), made.neutral)
-        there = label(turned(unnamed(made.captured, seed)), made.neutral)
-    assert here.markers == there.markers == made.captured.markers
-    assert np.array_equal(here.positions, made.captured.positions, equal_nan=True)
-    assert np.array_equal(here.origin, made.captured.origin)
-    assert here.marker_set is made.neutral.marker_set
-    moved = turned(made.captured).positions
+        here = label(unnamed(synthetic.captured, seed), synthetic.neutral)
+        there = label(turned(unnamed(synthetic.captured, seed)), synthetic.neutral)
+    assert here.markers == there.markers == synthetic.captured.markers
+    assert np.array_equal(here.positions, synthetic.captured.positions, equal_nan=True)
+    assert np.array_equal(here.origin, synthetic.captured.origin)
+    assert here.marker_set is synthetic.neutral.marker_set
+    moved = turned(synthetic.captured).positions
     assert np.array_equal(there.positions, moved, equal_nan=True)
 
 
@@ -56,9 +56,9 @@ def test_takes_of_real_and_animated_faces_by_their_own_first_frame(
         rate=recording.rate,
         marker_set=marker_set,
     )
-    made = label(turned(unnamed(recording)), first)
-    assert right(made, turned(recording)).all()
-    assert made.marker_set is marker_set
+    result = label(turned(unnamed(recording)), first)
+    assert right(result, turned(recording)).all()
+    assert result.marker_set is marker_set
 
 
 @pytest.mark.parametrize(("seed", "swapped"), [(0, 0), (1, 400), (2, 0), (3, 0)])
@@ -70,13 +70,13 @@ def test_tracked_points_get_the_names_of_their_markers(
     They are a corner of the mouth and its neighbour, 9 mm apart, for 34 frames in which the
     expression changes.
     """
-    made = face(seed=seed)
+    synthetic = face(seed=seed)
     with quiet():
-        tracks = assignment(made.detections)
-        named = label(tracks, made.neutral)
-    good = right(named, made.captured)
+        tracks = assignment(synthetic.detections)
+        named = label(tracks, synthetic.neutral)
+    good = right(named, synthetic.captured)
     assert good.sum() > 0.998 * tracks.present.sum() - swapped
-    wrong = named.keep(made.captured.markers).present & ~good
+    wrong = named.keep(synthetic.captured.markers).present & ~good
     assert wrong.sum() <= 1e-4 * tracks.present.sum() + swapped
     assert named.present.sum() == tracks.present.sum()
 
@@ -94,40 +94,44 @@ def test_tracked_points_get_the_names_of_their_markers(
 def test_few_markers_many_gaps_and_low_rates(
     face: Face, right: Right, quiet: Callable[[], Any], settings: dict[str, Any]
 ) -> None:
-    made = face(**settings)
+    synthetic = face(**settings)
     with quiet():
-        tracks = assignment(made.detections)
-        named = label(tracks, made.neutral)
-    assert right(named, made.captured).sum() > 0.99 * tracks.present.sum()
+        tracks = assignment(synthetic.detections)
+        named = label(tracks, synthetic.neutral)
+    assert right(named, synthetic.captured).sum() > 0.99 * tracks.present.sum()
 
 
 def test_a_neutral_of_another_actor_will_do(face: Face, unnamed: Unnamed, right: Right) -> None:
-    made = label(unnamed(face(seed=1).captured), face(seed=2).neutral)
-    assert right(made, face(seed=1).captured)[face(seed=1).captured.present].all()
+    synthetic = label(unnamed(face(seed=1).captured), face(seed=2).neutral)
+    assert right(synthetic, face(seed=1).captured)[face(seed=1).captured.present].all()
 
 
 def test_what_is_no_marker_is_left_behind_the_names_and_told(
     face: Face, unnamed: Unnamed, right: Right
 ) -> None:
-    made = face(seed=0, seconds=3.0)
-    known = [name for name in made.neutral.markers if name not in ("M_jaw1", "L_cheek2")]
+    synthetic = face(seed=0, seconds=3.0)
+    known = [name for name in synthetic.neutral.markers if name not in ("M_jaw1", "L_cheek2")]
     with pytest.warns(UserWarning, match=r"samples are no marker .* 2 tracks as a whole and 0"):
-        named = label(unnamed(made.captured), made.neutral.keep(known))
+        named = label(unnamed(synthetic.captured), synthetic.neutral.keep(known))
     assert named.markers == (*known, "t000", "t001")
-    assert right(named, made.captured.keep(known))[made.captured.keep(known).present].all()
+    assert right(named, synthetic.captured.keep(known))[
+        synthetic.captured.keep(known).present
+    ].all()
     left = np.sort(named.present.sum(axis=0)[-2:])
-    counts = made.captured.keep(["M_jaw1", "L_cheek2"]).present.sum(axis=0)
+    counts = synthetic.captured.keep(["M_jaw1", "L_cheek2"]).present.sum(axis=0)
     assert np.array_equal(left, np.sort(counts))
 
 
 def test_a_marker_in_no_track_is_there_and_missing(
     face: Face, unnamed: Unnamed, right: Right
 ) -> None:
-    made = face(seed=0, seconds=3.0)
-    seen = made.captured.keep([name for name in made.captured.markers if name != "R_jaw2"])
+    synthetic = face(seed=0, seconds=3.0)
+    seen = synthetic.captured.keep(
+        [name for name in synthetic.captured.markers if name != "R_jaw2"]
+    )
     with pytest.warns(UserWarning, match="1 markers of the reference are in no track: R_jaw2$"):
-        named = label(unnamed(seen), made.neutral)
-    assert named.markers == made.neutral.markers
+        named = label(unnamed(seen), synthetic.neutral)
+    assert named.markers == synthetic.neutral.markers
     assert not named.keep(["R_jaw2"]).present.any()
     assert right(named, seen)[seen.present].all()
 
@@ -135,16 +139,16 @@ def test_a_marker_in_no_track_is_there_and_missing(
 def test_one_side_of_a_face_is_not_taken_for_the_other(
     face: Face, unnamed: Unnamed, quiet: Callable[[], Any], right: Right
 ) -> None:
-    made = face(seed=3, seconds=3.0)
-    side = made.captured.keep([name for name in made.captured.markers if name[0] == "R"])
+    synthetic = face(seed=3, seconds=3.0)
+    side = synthetic.captured.keep([name for name in synthetic.captured.markers if name[0] == "R"])
     with quiet():
-        named = label(unnamed(side), made.neutral)
+        named = label(unnamed(side), synthetic.neutral)
     assert right(named, side)[side.present].all()
 
 
 def test_fragments_and_ghosts(face: Face, quiet: Callable[[], Any], right: Right) -> None:
-    made = face(seed=4, seconds=5.0)
-    whole = made.captured.positions
+    synthetic = face(seed=4, seconds=5.0)
+    whole = synthetic.captured.positions
     early, late = whole.copy(), whole.copy()
     early[150:], late[:150] = np.nan, np.nan
     ghost = np.full((300, 1, 3), np.nan)
@@ -158,8 +162,8 @@ def test_fragments_and_ghosts(face: Face, quiet: Callable[[], Any], right: Right
         positions=positions, markers=names, rate=60.0, origin=origin, sigma=positions[..., 0] ** 2
     )
     with quiet():
-        named = label(tracks, made.neutral)
-    assert right(named, made.captured)[made.captured.present].all()
+        named = label(tracks, synthetic.neutral)
+    assert right(named, synthetic.captured)[synthetic.captured.present].all()
     assert named.markers[60:] == ("t000", "t001")
     assert np.array_equal(named.positions[:, 60:], positions[:, [0, 61]], equal_nan=True)
     assert (named.origin[named.present] == Origin.FILLED).all()
@@ -170,11 +174,11 @@ def test_fragments_and_ghosts(face: Face, quiet: Callable[[], Any], right: Right
 def test_a_name_of_the_reference_is_not_given_to_what_is_left(
     face: Face, unnamed: Unnamed, quiet: Callable[[], Any]
 ) -> None:
-    made = face(seed=0, seconds=1.0)
-    names = ("t001", *made.neutral.markers[1:])
-    reference = replace(made.neutral, markers=names, marker_set=None).keep(names[:57])
+    synthetic = face(seed=0, seconds=1.0)
+    names = ("t001", *synthetic.neutral.markers[1:])
+    reference = replace(synthetic.neutral, markers=names, marker_set=None).keep(names[:57])
     with quiet():
-        named = label(unnamed(made.captured), reference)
+        named = label(unnamed(synthetic.captured), reference)
     assert named.markers == (*names[:57], "t000", "t002", "t003")
     assert named.marker_set is None
 
@@ -182,29 +186,29 @@ def test_a_name_of_the_reference_is_not_given_to_what_is_left(
 def test_a_reference_of_several_frames_is_its_most_complete_one(
     face: Face, unnamed: Unnamed, right: Right
 ) -> None:
-    made = face(seed=1, seconds=3.0)
-    gappy = np.stack([made.neutral.positions[0]] * 3)
+    synthetic = face(seed=1, seconds=3.0)
+    gappy = np.stack([synthetic.neutral.positions[0]] * 3)
     gappy[0, :20] = gappy[2, 5] = np.nan
-    reference = Trajectories(positions=gappy, markers=made.neutral.markers, rate=60.0)
-    named = label(unnamed(made.captured), reference)
-    assert right(named, made.captured)[made.captured.present].all()
+    reference = Trajectories(positions=gappy, markers=synthetic.neutral.markers, rate=60.0)
+    named = label(unnamed(synthetic.captured), reference)
+    assert right(named, synthetic.captured)[synthetic.captured.present].all()
 
 
 def test_the_same_tracks_get_the_same_names(face: Face, quiet: Callable[[], Any]) -> None:
-    made = face(seed=2, seconds=3.0)
+    synthetic = face(seed=2, seconds=3.0)
     with quiet():
-        tracks = assignment(made.detections)
-        one, other = label(tracks, made.neutral), label(tracks, made.neutral)
-    assert one.markers == other.markers
-    assert np.array_equal(one.positions, other.positions, equal_nan=True)
+        tracks = assignment(synthetic.detections)
+        first, other = label(tracks, synthetic.neutral), label(tracks, synthetic.neutral)
+    assert first.markers == other.markers
+    assert np.array_equal(first.positions, other.positions, equal_nan=True)
 
 
 def test_a_take_of_something_else_is_doubtful(
     face: Face, unnamed: Unnamed, shoulder: Trajectories, quiet: Callable[[], Any]
 ) -> None:
-    made = face(seed=0, seconds=1.0)
+    synthetic = face(seed=0, seconds=1.0)
     with quiet(), pytest.raises(Refusal, match="no frame fits the reference: in none do 15 points"):
-        label(unnamed(shoulder), made.neutral)
+        label(unnamed(shoulder), synthetic.neutral)
 
 
 def test_a_face_unlike_the_reference_is_told(
@@ -216,21 +220,21 @@ def test_a_face_unlike_the_reference_is_told(
 
 
 def test_a_narrow_gate_leaves_more(face: Face, unnamed: Unnamed, quiet: Callable[[], Any]) -> None:
-    made = face(seed=0, seconds=3.0)
+    synthetic = face(seed=0, seconds=3.0)
     with quiet():
-        narrow = label(unnamed(made.captured), made.neutral, gate=0.8)
-    assert len(narrow.markers) > len(made.neutral.markers)
-    assert narrow.present.sum() == made.captured.present.sum()
+        narrow = label(unnamed(synthetic.captured), synthetic.neutral, gate=0.8)
+    assert len(narrow.markers) > len(synthetic.neutral.markers)
+    assert narrow.present.sum() == synthetic.captured.present.sum()
 
 
 def test_what_cannot_be_named(face: Face) -> None:
-    made = face(seed=0, seconds=1.0)
+    synthetic = face(seed=0, seconds=1.0)
     with pytest.raises(Refusal, match=r"of 3 markers that are ever present .*; 2 are"):
-        label(made.captured, made.neutral.keep(["M_nose1", "M_jaw1"]))
+        label(synthetic.captured, synthetic.neutral.keep(["M_nose1", "M_jaw1"]))
     line = Trajectories(
         positions=np.linspace([0.0, 0, 0], [50, 60, 70], 6)[None], markers=tuple("abcdef"), rate=1.0
     )
     with pytest.raises(Refusal, match="not on a line; 6 are"):
-        label(made.captured, line)
+        label(synthetic.captured, line)
     with pytest.raises(Refusal, match="no frame fits the reference"):
-        label(recordings()["all missing"], made.neutral)
+        label(recordings()["all missing"], synthetic.neutral)

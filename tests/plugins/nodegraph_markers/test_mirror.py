@@ -49,17 +49,19 @@ def test_partners_are_the_best_of_all_matchings(seed: int) -> None:
     distances = mirror.distances(shape)
 
     def cost(partner: tuple[int, ...] | NDArray[np.intp]) -> float:
-        every = [distances[one, two] ** 2 for one, two in enumerate(partner) if two >= 0]
+        every = [
+            distances[first, second] ** 2 for first, second in enumerate(partner) if second >= 0
+        ]
         alone = sum(two < 0 for two in partner)
-        near = all(one <= tolerance**2 for one in every)
+        near = all(cost <= tolerance**2 for cost in every)
         return sum(every) + alone * tolerance**2 if near else np.inf
 
     best = min(
-        cost(tuple(-1 if alone >> one & 1 else two for one, two in enumerate(order)))
+        cost(tuple(-1 if alone >> first & 1 else second for first, second in enumerate(order)))
         for order in permutations(range(6))
-        if all(order[two] == one for one, two in enumerate(order))
+        if all(order[second] == first for first, second in enumerate(order))
         for alone in range(64)
-        if all(alone >> one & 1 == alone >> two & 1 for one, two in enumerate(order))
+        if all(alone >> first & 1 == alone >> second & 1 for first, second in enumerate(order))
     )
     assert cost(partners(shape, mirror, tolerance)) == pytest.approx(best)
 
@@ -71,8 +73,8 @@ def test_partners_of_a_symmetric_shape() -> None:
 
 def test_what_is_farther_than_the_tolerance_has_no_partner() -> None:
     shape = np.array([[30.0, 0, 0], [-30, 0, 9], [0, 50, 0], [4, -50, 0], [5, 80, 0]])
-    found = partners(shape, Mirror(np.array([1.0, 0, 0]), 0.0), 8.5)
-    assert found.tolist() == [-1, -1, 2, 3, -1]
+    partner = partners(shape, Mirror(np.array([1.0, 0, 0]), 0.0), 8.5)
+    assert partner.tolist() == [-1, -1, 2, 3, -1]
 
 
 def test_distances_are_symmetric_and_reflecting_twice_is_nothing() -> None:

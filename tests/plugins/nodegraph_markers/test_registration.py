@@ -56,20 +56,20 @@ def test_points_that_are_no_place_and_places_without_a_point(face: Face, seed: i
     random = np.random.default_rng(seed)
     ghosts = random.uniform(points.min(axis=0) - 20, points.max(axis=0) + 20, (6, 3))
     crowd = np.concatenate([points[:50], ghosts])
-    found = register(crowd, shape, 12.0)
-    assert found is not None
-    own = found.point < 50
-    assert np.mean(place[found.point[own]] == found.place[own]) == 1.0
+    fit = register(crowd, shape, 12.0)
+    assert fit is not None
+    own = fit.point < 50
+    assert np.mean(place[fit.point[own]] == fit.place[own]) == 1.0
 
 
 def test_the_other_half_of_a_face_is_told_by_its_depth(face: Face) -> None:
-    made = face(seed=1, seconds=1.0)
-    shape, names = made.neutral.positions[0], list(made.neutral.markers)
+    synthetic = face(seed=1, seconds=1.0)
+    shape, names = synthetic.neutral.positions[0], list(synthetic.neutral.markers)
     mirrored, _ = posed(shape * [-1.0, 1.0, 1.0], 4)
-    other = {left: right for left, right in made.marker_set.pairs}
-    other |= {right: left for left, right in made.marker_set.pairs}
+    other = {left: right for left, right in synthetic.marker_set.pairs}
+    other |= {right: left for left, right in synthetic.marker_set.pairs}
     _, order = posed(shape, 4)
-    expected = np.array([names.index(other.get(names[one], names[one])) for one in order])
+    expected = np.array([names.index(other.get(names[at], names[at])) for at in order])
     assert share_right(register(mirrored, shape, 12.0), expected) == 1.0
 
 
@@ -80,6 +80,6 @@ def test_nothing_alike_is_no_match() -> None:
 def test_closest_uses_nothing_twice_and_its_cost_counts_what_is_lost() -> None:
     shape = np.random.default_rng(0).normal(0.0, 50.0, (12, 3))
     points = np.concatenate([shape[:9] + 1.0, shape[:9] + 2.0])
-    found = closest(points, shape, np.eye(3), np.zeros(3), 5.0)
-    assert len(set(found.point)) == len(set(found.place)) == len(found.point) == 9
-    assert found.cost == pytest.approx(3 * 25.0 / 12, abs=0.1)
+    fit = closest(points, shape, np.eye(3), np.zeros(3), 5.0)
+    assert len(set(fit.point)) == len(set(fit.place)) == len(fit.point) == 9
+    assert fit.cost == pytest.approx(3 * 25.0 / 12, abs=0.1)

@@ -15,34 +15,34 @@ FACE = recordings()["gaps"]
 
 
 def test_recording_and_every_part_of_the_marker_set_are_renamed() -> None:
-    made = rename(FACE, names={"brow_left": "LBRO", "forehead": "FHD", "temple_left": "LTMP"})
-    assert made.markers[0] == "LBRO"
-    assert made.marker_set is not None
-    assert made.marker_set.markers == made.markers
-    assert made.marker_set.pairs[0] == ("LBRO", "brow_right")
-    assert made.marker_set.midline == ("nose", "FHD")
-    assert made.marker_set.stable == ("LTMP", "temple_right", "nose", "FHD")
-    assert made.marker_set.edges[:2] == (("LBRO", "FHD"), ("FHD", "brow_right"))
-    assert made.positions is FACE.positions
-    assert np.array_equal(made.origin, FACE.origin)
+    result = rename(FACE, names={"brow_left": "LBRO", "forehead": "FHD", "temple_left": "LTMP"})
+    assert result.markers[0] == "LBRO"
+    assert result.marker_set is not None
+    assert result.marker_set.markers == result.markers
+    assert result.marker_set.pairs[0] == ("LBRO", "brow_right")
+    assert result.marker_set.midline == ("nose", "FHD")
+    assert result.marker_set.stable == ("LTMP", "temple_right", "nose", "FHD")
+    assert result.marker_set.edges[:2] == (("LBRO", "FHD"), ("FHD", "brow_right"))
+    assert result.positions is FACE.positions
+    assert np.array_equal(result.origin, FACE.origin)
 
 
 def test_markers_swap_their_names() -> None:
-    made = rename(FACE, names={"nose": "forehead", "forehead": "nose"})
-    swapped = made.keep(["forehead", "nose"]).positions
+    result = rename(FACE, names={"nose": "forehead", "forehead": "nose"})
+    swapped = result.keep(["forehead", "nose"]).positions
     assert np.array_equal(swapped, FACE.keep(["nose", "forehead"]).positions, equal_nan=True)
 
 
 def test_renaming_back_gives_the_recording_again() -> None:
     names = {"nose": "a", "lip_left": "b"}
-    made = rename(rename(FACE, names=names), names={new: old for old, new in names.items()})
-    assert made.markers == FACE.markers
-    assert made.marker_set == FACE.marker_set
+    result = rename(rename(FACE, names=names), names={new: old for old, new in names.items()})
+    assert result.markers == FACE.markers
+    assert result.marker_set == FACE.marker_set
 
 
 def test_a_recording_without_a_marker_set_keeps_none() -> None:
-    made = rename(replace(FACE, marker_set=None), names={"nose": "a"})
-    assert made.marker_set is None
+    result = rename(replace(FACE, marker_set=None), names={"nose": "a"})
+    assert result.marker_set is None
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ SPECIMENS = recordings()
 
 
 def polynomial(seconds: np.ndarray) -> np.ndarray:
-    one = np.stack([seconds**3, 2 * seconds**2 - seconds, 5 - seconds], axis=-1)
-    return np.stack([one, 3 * one[..., ::-1] + 1], axis=1)
+    curve = np.stack([seconds**3, 2 * seconds**2 - seconds, 5 - seconds], axis=-1)
+    return np.stack([curve, 3 * curve[..., ::-1] + 1], axis=1)
 
 
 def made(frames: int, missing: tuple[tuple[int, int], ...] = ()) -> Trajectories:

@@ -33,7 +33,7 @@ def test_names_that_tell(left: str, right: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "other"),
+    ("first", "other"),
     [
         ("x1", "x2"),
         ("lip1", "chin"),
@@ -44,8 +44,8 @@ def test_names_that_tell(left: str, right: str) -> None:
         ("cheek_l", "cheek_l2"),
     ],
 )
-def test_names_that_do_not_tell(one: str, other: str) -> None:
-    assert side_by_name(one, other) == 0
+def test_names_that_do_not_tell(first: str, other: str) -> None:
+    assert side_by_name(first, other) == 0
 
 
 def test_up_and_front_are_found_from_movement_in_any_pose() -> None:

@@ -39,11 +39,11 @@ def test_pose_does_not_matter(
     face: Callable[..., SyntheticFace], turned: Callable[[Trajectories], Trajectories]
 ) -> None:
     given = face(seed=2, seconds=3.0).captured
-    one, other = head_frame(given), head_frame(turned(given))
-    assert one.motion is not None
+    first, other = head_frame(given), head_frame(turned(given))
+    assert first.motion is not None
     assert other.motion is not None
-    np.testing.assert_allclose(one.motion, other.motion, atol=1e-9)
-    np.testing.assert_allclose(np.abs(one.shape), np.abs(other.shape), atol=1e-9)
+    np.testing.assert_allclose(first.motion, other.motion, atol=1e-9)
+    np.testing.assert_allclose(np.abs(first.shape), np.abs(other.shape), atol=1e-9)
 
 
 def test_missing_samples_leave_the_shape_as_it_is() -> None:
@@ -51,18 +51,18 @@ def test_missing_samples_leave_the_shape_as_it_is() -> None:
     positions = whole.positions.copy()
     positions[:40, 1] = positions[::2, 4] = np.nan
     gappy = replace(whole, positions=positions, origin=np.isfinite(positions[..., 0]) * 1)
-    shapes = [head_frame(one).shape[[1, 2, 4, 5]] for one in (whole, gappy)]
-    apart = [np.linalg.norm(one[:, None] - one, axis=2) for one in shapes]
+    shapes = [head_frame(shape).shape[[1, 2, 4, 5]] for shape in (whole, gappy)]
+    apart = [np.linalg.norm(shape[:, None] - shape, axis=2) for shape in shapes]
     np.testing.assert_allclose(apart[0], apart[1], atol=1e-3)
 
 
 def test_a_face_moves_as_it_does_without_its_head(face: Callable[..., SyntheticFace]) -> None:
-    made = face(seed=0, seconds=5.0)
-    motion = head_frame(made.captured).motion
-    turns, shifts = made.head_motion.rotations, made.head_motion.translations
-    still = (made.truth.positions - shifts[:, None]) @ turns
+    synthetic = face(seed=0, seconds=5.0)
+    motion = head_frame(synthetic.captured).motion
+    turns, shifts = synthetic.head_motion.rotations, synthetic.head_motion.translations
+    still = (synthetic.truth.positions - shifts[:, None]) @ turns
     # What is hidden cannot be told: the truth too is looked at where the recording has a sample.
-    still = np.where(made.captured.present[..., None], still, np.nan)
+    still = np.where(synthetic.captured.present[..., None], still, np.nan)
     away = np.linalg.norm(still - np.nanmedian(still, axis=0), axis=2)
     true = np.nanpercentile(away, 90, axis=0)
     assert motion is not None
@@ -75,8 +75,8 @@ def test_one_frame_says_nothing_of_motion() -> None:
 
 
 def test_a_marker_that_is_never_there_has_no_place() -> None:
-    found = head_frame(recordings()["a marker never seen"])
-    assert found.motion is not None
-    assert np.isnan(found.shape[3]).all()
-    assert np.isinf(found.motion[3])
-    assert np.isfinite(np.delete(found.shape, 3, axis=0)).all()
+    frame = head_frame(recordings()["a marker never seen"])
+    assert frame.motion is not None
+    assert np.isnan(frame.shape[3]).all()
+    assert np.isinf(frame.motion[3])
+    assert np.isfinite(np.delete(frame.shape, 3, axis=0)).all()

@@ -39,7 +39,7 @@ def test_two_that_exchange_their_markers_are_cut_there(still: NDArray[np.float64
     pieces, owner = cut(of(still), NAMED)
     assert sorted(owner.tolist()) == sorted([*NAMED, 6, 7])
     frames = [pieces.frames[piece] for piece in np.flatnonzero(owner == 6)]
-    assert [one.tolist() for one in frames] == [[*range(25)], [*range(25, 40)]]
+    assert [number.tolist() for number in frames] == [[*range(25)], [*range(25, 40)]]
 
 
 def test_a_marker_that_comes_near_another_which_is_there_stays(

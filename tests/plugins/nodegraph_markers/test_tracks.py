@@ -24,11 +24,13 @@ def moving() -> Tracks:
 
 
 def test_a_rigid_shape_is_expected_where_it_is(moving: Tracks) -> None:
-    found = moving.expectation(np.arange(15))
-    assert found.poses.known.all()
-    np.testing.assert_allclose(found.places, np.broadcast_to(SHAPE, (FRAMES, 15, 3)), atol=1e-9)
+    expected_places = moving.expectation(np.arange(15))
+    assert expected_places.poses.known.all()
+    np.testing.assert_allclose(
+        expected_places.places, np.broadcast_to(SHAPE, (FRAMES, 15, 3)), atol=1e-9
+    )
     frame = np.arange(FRAMES)
-    distances = moving.distances(found, frame, np.full(FRAMES, 3))
+    distances = moving.distances(expected_places, frame, np.full(FRAMES, 3))
     expected = np.linalg.norm(SHAPE[3] - SHAPE, axis=1)
     np.testing.assert_allclose(distances, np.tile(expected, (FRAMES, 1)), atol=1e-9)
 
@@ -39,8 +41,8 @@ def test_a_marker_is_expected_to_move_with_those_around_it_whatever_bears_its_na
     apart = np.linalg.norm(SHAPE - SHAPE[0], axis=1)
     near = np.argsort(apart)[:4]
     positions = moving.positions.copy()
-    found = moving.expectation(np.arange(15))
-    outward = found.poses.rotations[10].T @ np.array([0.0, 0.0, 6.0])
+    expected_places = moving.expectation(np.arange(15))
+    outward = expected_places.poses.rotations[10].T @ np.array([0.0, 0.0, 6.0])
     positions[10, near] += outward
     moved = replace(moving, positions=positions).expectation(np.arange(15))
     assert 0.5 < moved.places[10, 0, 2] - SHAPE[0, 2] < 7.0

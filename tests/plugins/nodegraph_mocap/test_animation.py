@@ -14,8 +14,8 @@ from nodegraph_mocap.specimens import specimens
 
 @pytest.fixture
 def head() -> Head:
-    made: Head = specimens()[Head]()["complete"]
-    return replace(made, names=("jawOpen", "mouthSmile_L", "mouthSmile_R"))
+    made_head: Head = specimens()[Head]()["complete"]
+    return replace(made_head, names=("jawOpen", "mouthSmile_L", "mouthSmile_R"))
 
 
 def weights(*names: str, frames: int = 4) -> Weights:
@@ -33,16 +33,16 @@ def still(frames: int) -> HeadMotion:
 
 def test_weights_find_their_morph_targets(head: Head) -> None:
     given = weights("MouthSmileRight", "JawOpen")
-    made = Animation(head=head, weights=given, head_motion=still(4))
-    assert (made.frames, made.rate) == (4, 30.0)
+    result = Animation(head=head, weights=given, head_motion=still(4))
+    assert (result.frames, result.rate) == (4, 30.0)
     expected = np.column_stack([given.values[:, 1], np.zeros(4), given.values[:, 0]])
-    np.testing.assert_array_equal(made.morph_weights, expected)
+    np.testing.assert_array_equal(result.morph_weights, expected)
 
 
 def test_a_missing_weight_stays_missing(head: Head) -> None:
     given = replace(weights("jawOpen"), values=np.array([[np.nan], [1.0]]))
-    made = Animation(head=head, weights=given).morph_weights
-    np.testing.assert_array_equal(made, [[np.nan, 0, 0], [1, 0, 0]])
+    result = Animation(head=head, weights=given).morph_weights
+    np.testing.assert_array_equal(result, [[np.nan, 0, 0], [1, 0, 0]])
 
 
 def test_frames_must_agree(head: Head) -> None:
@@ -66,9 +66,9 @@ def test_a_weight_that_may_be_two_morph_targets_is_refused(head: Head) -> None:
 
 @pytest.mark.parametrize("name", ["complete", "gaps"])
 def test_an_animation_is_stored_as_it_is(name: str) -> None:
-    made: Animation = specimens()[Animation]()[name]
+    case: Animation = specimens()[Animation]()[name]
     packer = Packer(default_registry().hooks.storages)
-    packed = packer.pack(made)
+    packed = packer.pack(case)
     back = packer.unpack(packed.head, packed.buffers)
-    assert same(back, made)
-    assert back.head_motion is None or back.head_motion.frames == made.frames
+    assert same(back, case)
+    assert back.head_motion is None or back.head_motion.frames == case.frames

@@ -17,8 +17,8 @@ MARKERS = ("brow", "nose", "chin")
 TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
 
 
-def told(one: Any, other: Any) -> tuple[str, ...]:
-    return value_differences(one, other, default_registry().hooks.comparisons)
+def told(first: Any, other: Any) -> tuple[str, ...]:
+    return value_differences(first, other, default_registry().hooks.comparisons)
 
 
 def moved(frames: slice, marker: int, by: float) -> Trajectories:
@@ -68,7 +68,7 @@ def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
 
 
 @pytest.mark.parametrize(
-    ("other", "said"),
+    ("other", "message"),
     [
         ({"rmse": [1.0, 2.5, np.nan]}, "rmse: row 1: by up to 0.5 (2, now 2.5)"),
         ({"rmse": [1.0, np.nan, 3.0]}, "rmse: rows 1, 2: 2.0, now nan"),
@@ -76,23 +76,23 @@ def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
         ({"error": [1.0, 2.0, np.nan]}, "columns only before: rmse"),
     ],
 )
-def test_tables_have_columns_rows_and_sizes(other: dict[str, Any], said: str) -> None:
-    assert told(DataFrame({"rmse": [1.0, 2.0, np.nan]}), DataFrame(other))[0] == said
+def test_tables_have_columns_rows_and_sizes(other: dict[str, Any], message: str) -> None:
+    assert told(DataFrame({"rmse": [1.0, 2.0, np.nan]}), DataFrame(other))[0] == message
 
 
 def test_a_table_of_texts_and_its_columns() -> None:
-    one = DataFrame({"take": ["a", "b"], "n": [1, 2]})
-    assert told(one, DataFrame({"take": ["a", "c"], "n": [1, 2]})) == (
+    table = DataFrame({"take": ["a", "b"], "n": [1, 2]})
+    assert told(table, DataFrame({"take": ["a", "c"], "n": [1, 2]})) == (
         "rows only before: b",
         "rows only now: c",
     )
-    assert told(one, one[["n", "take"]])[0] == "columns in another order"
+    assert told(table, table[["n", "take"]])[0] == "columns in another order"
 
 
 def test_rows_are_compared_by_their_names() -> None:
-    one = DataFrame({"fill": ["a", "a", "b"], "k": [1, 2, 1], "rmse": [1.0, 2.0, 3.0]})
+    table = DataFrame({"fill": ["a", "a", "b"], "k": [1, 2, 1], "rmse": [1.0, 2.0, 3.0]})
     other = DataFrame({"fill": ["b", "a", "c"], "k": [1, 2, 1], "rmse": [3.5, 2.0, 9.0]})
-    assert told(one, other) == (
+    assert told(table, other) == (
         "rows only before: a, 1",
         "rows only now: c, 1",
         "rmse: row b, 1: by up to 0.5 (3, now 3.5)",
@@ -100,10 +100,12 @@ def test_rows_are_compared_by_their_names() -> None:
 
 
 def test_masks_and_drawings() -> None:
-    one = Mask(hidden=np.zeros((4, 3), bool), markers=MARKERS)
-    hidden = one.hidden.copy()
+    mask = Mask(hidden=np.zeros((4, 3), bool), markers=MARKERS)
+    hidden = mask.hidden.copy()
     hidden[2, 0] = True
-    assert told(one, replace(one, hidden=hidden)) == ("1 sample (frame 2; brow) in one mask only",)
+    assert told(mask, replace(mask, hidden=hidden)) == (
+        "1 sample (frame 2; brow) in one mask only",
+    )
     drawn = StoredFigure(b"<svg/>", b"")
     assert told(drawn, StoredFigure(b"<svg></svg>", b"")) == ("the drawing is another",)
 
@@ -134,7 +136,11 @@ def test_weights_are_told_apart_by_frames_and_shapes() -> None:
     ],
 )
 def test_values_are_made_of_frames_and_names(value: Any, expected: dict[str, Any]) -> None:
-    kinds = (one for one in default_registry().hooks.comparisons if isinstance(value, one.type))
+    kinds = (
+        registered
+        for registered in default_registry().hooks.comparisons
+        if isinstance(value, registered.type)
+    )
     parts = next(kinds).parts
     assert parts is not None
     assert parts(value) == expected

@@ -13,7 +13,7 @@ from nodegraph_mocap.frame_ranges import chunks, runs_of
 
 
 def plainly(flags: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
-    found = []
+    result = []
     for marker in range(flags.shape[1]):
         frame = 0
         while frame < len(flags):
@@ -21,20 +21,20 @@ def plainly(flags: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
             while stop < len(flags) and flags[stop, marker]:
                 stop += 1
             if stop > frame:
-                found.append((marker, frame, stop))
+                result.append((marker, frame, stop))
             frame = stop + 1
-    return found
+    return result
 
 
 @given(arrays.arrays(np.bool_, st.tuples(st.integers(0, 12), st.integers(0, 4))))
 def test_they_are_those_that_a_reader_finds(flags: NDArray[np.bool_]) -> None:
-    assert list(zip(*(one.tolist() for one in runs_of(flags)), strict=True)) == plainly(flags)
+    assert list(zip(*(value.tolist() for value in runs_of(flags)), strict=True)) == plainly(flags)
 
 
 @given(arrays.arrays(np.bool_, st.integers(0, 20)))
 def test_one_column_is_that_of_one_marker(flags: NDArray[np.bool_]) -> None:
-    for one, two in zip(runs_of(flags), runs_of(flags[:, None]), strict=True):
-        np.testing.assert_array_equal(one, two)
+    for first, second in zip(runs_of(flags), runs_of(flags[:, None]), strict=True):
+        np.testing.assert_array_equal(first, second)
 
 
 @pytest.mark.parametrize("frames", [0, 1, 2, 54_321])

@@ -12,8 +12,8 @@ ROOT = Path(__file__).parents[3]
 def test_the_nodes_are_named() -> None:
     from nodegraph.node.decorator import node_of
 
-    described = [node_of(one) for one in nodegraph_files.nodegraph_nodes()]
-    assert "read.recording" in {one.name for one in described if one}
+    described = [node_of(registered) for registered in nodegraph_files.nodegraph_nodes()]
+    assert "read.recording" in {registered.name for registered in described if registered}
     assert None not in described
 
 

@@ -31,7 +31,7 @@ def test_the_longest_panel_says_how_long_it_plays() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "message"),
     [
         ({"radius": 0.0}, "radius must be positive, got 0"),
         ({"radius": np.nan}, "radius must be positive"),
@@ -40,8 +40,8 @@ def test_the_longest_panel_says_how_long_it_plays() -> None:
         ({"centre": np.array([0, np.nan, 0])}, "centre: missing"),
     ],
 )
-def test_a_view_that_makes_no_sense_is_refused(changed: dict[str, Any], told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_a_view_that_makes_no_sense_is_refused(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         panel(**changed)
 
 
@@ -59,15 +59,15 @@ def test_a_playback_of_nothing_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("truth", "told"),
+    ("truth", "message"),
     [
         (lambda face: recordings()["one frame"], "has 1 frames, the recording of one 40"),
         (lambda face: replace(face, rate=30.0), "has 30 Hz, the recording of one 60 Hz"),
         (lambda face: animations()["complete"], "the truth must be a recording"),
     ],
 )
-def test_a_truth_that_cannot_be_compared_is_refused(truth: Any, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_a_truth_that_cannot_be_compared_is_refused(truth: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         Playback(panels=(panel(),), truth=panel(truth(recordings()["complete"])))
 
 

@@ -56,9 +56,9 @@ def registry() -> Registry:
 
     module.nodegraph_specimens = nodegraph_specimens  # type: ignore[attr-defined]
     module.nodegraph_contracts = nodegraph_contracts  # type: ignore[attr-defined]
-    made = Registry()
-    made.loaded.append(Plugin("common", module))
-    return made
+    result = Registry()
+    result.loaded.append(Plugin("common", module))
+    return result
 
 
 def test_a_length_that_is_no_setting_is_found() -> None:

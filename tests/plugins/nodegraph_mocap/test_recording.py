@@ -56,7 +56,7 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "message"),
     [
         ({"positions": np.ones((4, 2))}, r"\(frames, 2 markers, 3\), got \(4, 2\)"),
         ({"positions": np.ones((4, 3, 3))}, r"got \(4, 3, 3\)"),
@@ -72,8 +72,8 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
         ({"sigma": np.ones((4, 2, 3))}, r"sigma must be \(4, 2\), got \(4, 2, 3\)"),
     ],
 )
-def test_what_disagrees_is_refused(changed: dict[str, Any], told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_what_disagrees_is_refused(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         made(**changed)
 
 

@@ -43,9 +43,9 @@ def test_a_mirrored_face_is_not_turned_inside_out(seed: int) -> None:
     mirrored = shape * [1, 1, -1]
     positions = np.stack([shape, mirrored])
     positions[0, 4] = positions[1, 0] = np.nan
-    found = reference_shape(recording(positions))
+    result = reference_shape(recording(positions))
     volume = np.linalg.det(mirrored[1:4] - mirrored[4])
-    assert np.isclose(np.linalg.det(shape[1:4] - found[4]), volume)
+    assert np.isclose(np.linalg.det(shape[1:4] - result[4]), volume)
 
 
 def test_a_marker_that_is_never_there_stays_missing() -> None:

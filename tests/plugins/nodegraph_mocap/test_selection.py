@@ -14,23 +14,23 @@ PAIRS = (("l", "r"), ("m",))
 
 
 def test_what_is_known_is_kept_read_only() -> None:
-    made = Selection(
+    result = Selection(
         chosen=("m", "r"),
         pairs=PAIRS,
         frequencies=np.array([0.5, 1.0]),
         columns=("k", "markers"),
         history=np.array([[5.0, 2.0], [6.0, np.nan]]),
     )
-    assert made.chosen == ("m", "r")
-    assert made.frequencies is not None
-    assert made.history is not None
-    assert not made.frequencies.flags.writeable
-    assert not made.history.flags.writeable
+    assert result.chosen == ("m", "r")
+    assert result.frequencies is not None
+    assert result.history is not None
+    assert not result.frequencies.flags.writeable
+    assert not result.history.flags.writeable
 
 
 def test_markers_alone_are_enough() -> None:
-    made = Selection(chosen=("a",))
-    assert (made.pairs, made.frequencies, made.history) == ((), None, None)
+    result = Selection(chosen=("a",))
+    assert (result.pairs, result.frequencies, result.history) == ((), None, None)
 
 
 @pytest.mark.parametrize(
@@ -53,5 +53,5 @@ def test_contradictions(fields: dict[str, Any], what: str) -> None:
 
 
 def test_specimens_choose_markers_of_the_recordings_of_their_names() -> None:
-    for name, one in selections().items():
-        assert set(one.chosen) <= set(recordings()[name].markers)
+    for name, value in selections().items():
+        assert set(value.chosen) <= set(recordings()[name].markers)

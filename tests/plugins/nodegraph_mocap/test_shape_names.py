@@ -16,9 +16,9 @@ def test_the_conventions_match_each_other(names: tuple[str, ...], others: tuple[
     expected = {
         name: plain[name.lower().replace("_l", "left").replace("_r", "right")] for name in names
     }
-    found = matched(names, others)
-    assert found == expected
-    assert tuple(found) == names
+    pairs = matched(names, others)
+    assert pairs == expected
+    assert tuple(pairs) == names
 
 
 @pytest.mark.parametrize(

@@ -18,20 +18,20 @@ from nodegraph_mocap.specimens import (
 
 
 def test_recordings_are_what_their_names_say() -> None:
-    made = recordings()
-    gaps = ~made["gaps"].present
-    assert made["complete"].present.all()
+    cases = recordings()
+    gaps = ~cases["gaps"].present
+    assert cases["complete"].present.all()
     assert gaps[0].any()
     assert gaps[-1].any()
     assert gaps.sum(axis=1).max() == 1
-    assert (~made["several markers missing at once"].present).sum(axis=1).max() > 2
-    assert not made["a marker never seen"].present.any(axis=0).all()
-    assert not made["a frame without any marker"].present.any(axis=1).all()
-    assert [made[name].frames for name in ("one frame", "two frames")] == [1, 2]
-    assert made["one marker"].markers == ("nose",)
-    assert not made["all missing"].present.any()
-    assert not made["another memory order"].positions.flags.c_contiguous
-    assert set(np.unique(made["filled, repaired and with sigma"].origin)) == set(Origin)
+    assert (~cases["several markers missing at once"].present).sum(axis=1).max() > 2
+    assert not cases["a marker never seen"].present.any(axis=0).all()
+    assert not cases["a frame without any marker"].present.any(axis=1).all()
+    assert [cases[name].frames for name in ("one frame", "two frames")] == [1, 2]
+    assert cases["one marker"].markers == ("nose",)
+    assert not cases["all missing"].present.any()
+    assert not cases["another memory order"].positions.flags.c_contiguous
+    assert set(np.unique(cases["filled, repaired and with sigma"].origin)) == set(Origin)
 
 
 def test_two_markers_lie_in_one_place_in_every_frame() -> None:
@@ -48,17 +48,17 @@ def test_markers_move_and_none_like_another() -> None:
 
 
 def test_a_mask_hides_samples_that_its_recording_has() -> None:
-    made = recordings()
+    cases = recordings()
     for name, mask in masks().items():
-        assert mask.markers == made[name].markers
-        assert not np.any(mask.hidden & ~made[name].present)
+        assert mask.markers == cases[name].markers
+        assert not np.any(mask.hidden & ~cases[name].present)
     assert masks()["complete"].hidden.any()
 
 
 def test_detections_are_the_present_samples() -> None:
-    made = recordings()
-    for name, one in detections().items():
-        assert np.array_equal(np.diff(one.offsets), made[name].present.sum(axis=1))
+    cases = recordings()
+    for name, value in detections().items():
+        assert np.array_equal(np.diff(value.offsets), cases[name].present.sum(axis=1))
 
 
 def test_recording_model_head_and_weights_are_one_face() -> None:
@@ -74,11 +74,11 @@ def test_recording_model_head_and_weights_are_one_face() -> None:
 def test_heads_and_weights_are_what_their_names_say() -> None:
     assert not heads()["a head without markers"].markers
     assert not heads()["a head without morph targets"].names
-    made = weights()
-    assert np.isnan(made["gaps"].values).any(axis=0).tolist() == [True, True, False]
-    np.testing.assert_array_equal(made["gaps"].values, animations()["gaps"].weights.values)
-    names = made["complete"].names
-    assert set(matched(made["weights of another program"].names, names).values()) == {
+    cases = weights()
+    assert np.isnan(cases["gaps"].values).any(axis=0).tolist() == [True, True, False]
+    np.testing.assert_array_equal(cases["gaps"].values, animations()["gaps"].weights.values)
+    names = cases["complete"].names
+    assert set(matched(cases["weights of another program"].names, names).values()) == {
         "mouthSmileRight",
         "jawOpen",
     }
@@ -88,7 +88,7 @@ def test_every_type_has_specimens_of_that_type() -> None:
     for kind, make in specimens().items():
         values = make().values()
         assert values
-        assert all(isinstance(one, kind) for one in values)
+        assert all(isinstance(value, kind) for value in values)
 
 
 def test_each_call_makes_new_values() -> None:

@@ -63,7 +63,7 @@ def test_a_cut_hides_present_samples_and_nothing_else(
 
 
 @QUICK
-@given(testing.recordings().flatmap(lambda one: st.tuples(st.just(one), testing.masks(one))))
+@given(testing.recordings().flatmap(lambda value: st.tuples(st.just(value), testing.masks(value))))
 def test_a_mask_belongs_to_its_recording(both: tuple[Trajectories, Mask]) -> None:
     recording, mask = both
     assert mask.markers == recording.markers
@@ -92,58 +92,58 @@ def test_head_motions_turn_and_do_not_mirror(motion: HeadMotion) -> None:
 
 
 ODD: dict[str, tuple[Callable[[], st.SearchStrategy[Any]], Callable[[Any], bool]]] = {
-    "one frame": (testing.recordings, lambda one: one.frames == 1),
-    "one marker": (testing.recordings, lambda one: len(one.markers) == 1),
-    "complete": (testing.recordings, lambda one: one.origin.size > 20 and one.present.all()),
+    "one frame": (testing.recordings, lambda value: value.frames == 1),
+    "one marker": (testing.recordings, lambda value: len(value.markers) == 1),
+    "complete": (testing.recordings, lambda value: value.origin.size > 20 and value.present.all()),
     "a gap at the start": (
         testing.recordings,
-        lambda one: one.frames > 3 and not one.present[0, 0] and one.present[1:, 0].any(),
+        lambda value: value.frames > 3 and not value.present[0, 0] and value.present[1:, 0].any(),
     ),
     "a gap at the end": (
         testing.recordings,
-        lambda one: one.frames > 3 and not one.present[-1, 0] and one.present[:-1, 0].any(),
+        lambda value: value.frames > 3 and not value.present[-1, 0] and value.present[:-1, 0].any(),
     ),
     "a marker never seen": (
         testing.recordings,
-        lambda one: one.present.any() and not one.present.any(axis=0).all(),
+        lambda value: value.present.any() and not value.present.any(axis=0).all(),
     ),
     "a frame without any marker": (
         testing.recordings,
-        lambda one: one.present.any() and not one.present.any(axis=1).all(),
+        lambda value: value.present.any() and not value.present.any(axis=1).all(),
     ),
-    "all missing": (testing.recordings, lambda one: not one.present.any()),
-    "filled": (testing.recordings, lambda one: bool(np.any(one.origin == Origin.FILLED))),
-    "repaired": (testing.recordings, lambda one: bool(np.any(one.origin == Origin.REPAIRED))),
-    "sigma": (testing.recordings, lambda one: one.sigma is not None),
+    "all missing": (testing.recordings, lambda value: not value.present.any()),
+    "filled": (testing.recordings, lambda value: bool(np.any(value.origin == Origin.FILLED))),
+    "repaired": (testing.recordings, lambda value: bool(np.any(value.origin == Origin.REPAIRED))),
+    "sigma": (testing.recordings, lambda value: value.sigma is not None),
     "a marker set with pairs": (
         testing.recordings,
-        lambda one: one.marker_set is not None and bool(one.marker_set.pairs),
+        lambda value: value.marker_set is not None and bool(value.marker_set.pairs),
     ),
     "markers out of order": (
         testing.recordings,
-        lambda one: len(one.markers) > 3 and one.markers != NAMES[: len(one.markers)],
+        lambda value: len(value.markers) > 3 and value.markers != NAMES[: len(value.markers)],
     ),
     "a sample far off": (
         lambda: testing.recordings(gaps=False),
-        lambda one: bool(np.any(np.abs(one.positions) > 200.0)),
+        lambda value: bool(np.any(np.abs(value.positions) > 200.0)),
     ),
     "a frame without points": (
         testing.detections,
-        lambda one: len(one.points) > 0 and bool(np.any(np.diff(one.offsets) == 0)),
+        lambda value: len(value.points) > 0 and bool(np.any(np.diff(value.offsets) == 0)),
     ),
-    "no point at all": (testing.detections, lambda one: len(one.points) == 0),
-    "weights missing": (testing.weights, lambda one: bool(np.isnan(one.values).any())),
+    "no point at all": (testing.detections, lambda value: len(value.points) == 0),
+    "weights missing": (testing.weights, lambda value: bool(np.isnan(value.values).any())),
     "a shape that moves nothing": (
         testing.models,
-        lambda one: bool(np.any(np.all(one.shapes == 0.0, axis=(1, 2)))),
+        lambda value: bool(np.any(np.all(value.shapes == 0.0, axis=(1, 2)))),
     ),
     "two shapes alike": (
         testing.models,
-        lambda one: len(one.names) == 2 and np.array_equal(one.shapes[0], one.shapes[1]),
+        lambda value: len(value.names) == 2 and np.array_equal(value.shapes[0], value.shapes[1]),
     ),
     "a head that turns far": (
         testing.head_motions,
-        lambda one: bool(np.any(one.rotations[:, 0, 0] < 0.0)),
+        lambda value: bool(np.any(value.rotations[:, 0, 0] < 0.0)),
     ),
 }
 
@@ -155,16 +155,16 @@ def test_what_is_odd_comes_too(name: str) -> None:
 
 
 def test_an_example_shrinks_to_what_matters() -> None:
-    gappy = find(testing.recordings(), lambda one: not one.present.all(), settings=THOROUGH)
+    gappy = find(testing.recordings(), lambda value: not value.present.all(), settings=THOROUGH)
     assert gappy.origin.tolist() == [[Origin.MISSING]]
     two = find(
         testing.recordings(),
-        lambda one: len(one.markers) > 1 and bool(np.any(one.origin == Origin.FILLED)),
+        lambda value: len(value.markers) > 1 and bool(np.any(value.origin == Origin.FILLED)),
         settings=THOROUGH,
     )
     assert (two.frames, two.markers) == (1, ("nose", "brow_left"))
     assert (two.marker_set, two.sigma) == (None, None)
-    points = find(testing.detections(), lambda one: len(one.points) > 1, settings=THOROUGH)
+    points = find(testing.detections(), lambda value: len(value.points) > 1, settings=THOROUGH)
     assert len(points.points) == 2
 
 

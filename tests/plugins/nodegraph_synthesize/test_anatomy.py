@@ -105,9 +105,9 @@ def test_each_frame_is_posed_by_itself() -> None:
 
 
 def test_strengths_are_those_of_an_actor() -> None:
-    one, other = (draw_strengths(np.random.default_rng(seed)) for seed in (1, 2))
-    assert one != other
-    assert one["zygomaticMajorLeft"] == one["zygomaticMajorRight"]
-    assert all(0.7 < strength < 1.4 for strength in one.values())
+    first, other = (draw_strengths(np.random.default_rng(seed)) for seed in (1, 2))
+    assert first != other
+    assert first["zygomaticMajorLeft"] == first["zygomaticMajorRight"]
+    assert all(0.7 < strength < 1.4 for strength in first.values())
     # Everybody's eyes close.
-    assert one["orbicularisOculiLeft"] == other["orbicularisOculiRight"] == 1.0
+    assert first["orbicularisOculiLeft"] == other["orbicularisOculiRight"] == 1.0

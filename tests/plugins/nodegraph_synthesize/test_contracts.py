@@ -25,19 +25,19 @@ REGISTRY = Registry(
 )
 
 
-def other_truth(made: Noisy) -> Noisy:
-    return made._replace(truth=made.noisy)
+def other_truth(face: Noisy) -> Noisy:
+    return face._replace(truth=face.noisy)
 
 
-def fills(made: Noisy) -> Noisy:
-    positions = np.nan_to_num(made.noisy.positions)
-    full = made.noisy.with_samples(positions, changed=~made.noisy.present, origin=Origin.MEASURED)
-    return made._replace(noisy=full)
+def fills(face: Noisy) -> Noisy:
+    positions = np.nan_to_num(face.noisy.positions)
+    full = face.noisy.with_samples(positions, changed=~face.noisy.present, origin=Origin.MEASURED)
+    return face._replace(noisy=full)
 
 
-def says_repaired(made: Noisy) -> Noisy:
-    origin = np.where(made.noisy.present, np.uint8(Origin.REPAIRED), np.uint8(Origin.MISSING))
-    return made._replace(noisy=replace(made.noisy, origin=origin))
+def says_repaired(face: Noisy) -> Noisy:
+    origin = np.where(face.noisy.present, np.uint8(Origin.REPAIRED), np.uint8(Origin.MISSING))
+    return face._replace(noisy=replace(face.noisy, origin=origin))
 
 
 @pytest.mark.parametrize(
@@ -58,13 +58,13 @@ def test_noise_that_breaks_a_promise(spoil: Callable[[Noisy], Noisy], text: str)
         check_node(broken, registry=REGISTRY)
 
 
-def everywhere(made: Spiky) -> Spiky:
-    positions = made.spiky.positions + 1.0
-    return made._replace(spiky=replace(made.spiky, positions=positions))
+def everywhere(face: Spiky) -> Spiky:
+    positions = face.spiky.positions + 1.0
+    return face._replace(spiky=replace(face.spiky, positions=positions))
 
 
-def without_impulse(made: Spiky) -> Spiky:
-    return made._replace(spiky=made.truth)
+def without_impulse(face: Spiky) -> Spiky:
+    return face._replace(spiky=face.truth)
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def test_detections_are_the_present_samples_in_another_order() -> None:
     for frame in range(50):
         seen = positions[frame, captured.present[frame]]
         start, end = detections.offsets[frame : frame + 2]
-        found = detections.points[start:end]
-        assert sorted(found.tolist()) == sorted(seen.tolist())
-        shuffled += not np.array_equal(found, seen)
+        result = detections.points[start:end]
+        assert sorted(result.tolist()) == sorted(seen.tolist())
+        shuffled += not np.array_equal(result, seen)
     assert shuffled > 40

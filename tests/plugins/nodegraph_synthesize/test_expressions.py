@@ -54,9 +54,9 @@ def test_expressions_last_for_seconds_and_are_as_smooth_as_muscles() -> None:
 def test_all_come_before_one_comes_back_and_open_mouths_alternate_with_closed_ones() -> None:
     held = _held(seconds=120.0)
     starts = np.flatnonzero(np.diff((held.levels.max(axis=1) > 0.0).astype(int)) == 1)
-    names = [_name(held.levels[one : one + 150]) for one in starts[:-1]]
+    names = [_name(held.levels[start : start + 150]) for start in starts[:-1]]
     opened = [JAW in EXPRESSIONS[name] for name in names]
-    assert all(one != other for one, other in pairwise(opened))
+    assert all(first != other for first, other in pairwise(opened))
     assert set(names) == set(EXPRESSIONS)
     of_kind = [name for name in names if JAW not in EXPRESSIONS[name]]
     count = sum(JAW not in muscles for muscles in EXPRESSIONS.values())

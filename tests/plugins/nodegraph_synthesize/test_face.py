@@ -22,9 +22,9 @@ def _face(**settings: Any) -> SyntheticFace:
 
 
 def _node() -> Node:
-    found = node_of(synthesize_face)
-    assert found is not None
-    return found
+    definition = node_of(synthesize_face)
+    assert definition is not None
+    return definition
 
 
 def _bytes(value: Value) -> list[bytes]:
@@ -314,12 +314,12 @@ def test_lips_do_not_cross_and_markers_do_not_meet(seed: int) -> None:
 
 
 def test_the_same_seed_gives_the_same_face_and_another_seed_another() -> None:
-    one, again, other = synthesize_face(), synthesize_face(), synthesize_face(seed=7)
-    for value, same in zip(one, again, strict=True):
+    first, again, other = synthesize_face(), synthesize_face(), synthesize_face(seed=7)
+    for value, same in zip(first, again, strict=True):
         assert _bytes(value) == _bytes(same)
-    assert one.marker_set == again.marker_set
+    assert first.marker_set == again.marker_set
     for port in ("captured", "truth", "neutral", "weights", "head_motion", "impulses", "model"):
-        assert _bytes(getattr(one, port)) != _bytes(getattr(other, port))
+        assert _bytes(getattr(first, port)) != _bytes(getattr(other, port))
 
 
 def test_markers_watch_the_same_performance() -> None:

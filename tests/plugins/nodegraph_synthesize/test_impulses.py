@@ -35,14 +35,14 @@ def gappy(frames: int = 600, markers: int = 12) -> Trajectories:
 
 
 def test_ports_and_settings_are_as_promised() -> None:
-    found = node_of(add)
-    assert found is not None
-    assert [str(port) for port in found.outputs] == [
+    definition = node_of(add)
+    assert definition is not None
+    assert [str(port) for port in definition.outputs] == [
         "spiky: Trajectories",
         "truth: Truth[Trajectories]",
         "impulses: Truth[Mask]",
     ]
-    assert {name: one.default for name, one in found.settings.items()} == {
+    assert {name: value.default for name, value in definition.settings.items()} == {
         "share": 0.005,
         "size": 5.0,
         "seed": 0,
@@ -55,16 +55,16 @@ def test_as_many_as_asked_and_exactly_where_they_are_said_to_be(
     share: float, make: Callable[[], Trajectories]
 ) -> None:
     take = make()
-    made = add(take, share=share, size=7.0)
-    assert made.truth is take
-    hit = made.impulses.hidden
+    result = add(take, share=share, size=7.0)
+    assert result.truth is take
+    hit = result.impulses.hidden
     assert np.count_nonzero(hit) == round(share * np.count_nonzero(take.present))
-    off = np.linalg.norm(made.spiky.positions - take.positions, axis=2)
+    off = np.linalg.norm(result.spiky.positions - take.positions, axis=2)
     np.testing.assert_allclose(off[hit], 7.0, rtol=1e-12)
-    same = np.where(take.present, made.spiky.positions[..., 0] == take.positions[..., 0], True)
+    same = np.where(take.present, result.spiky.positions[..., 0] == take.positions[..., 0], True)
     np.testing.assert_array_equal(same | hit, np.ones_like(hit))
     np.testing.assert_array_equal(off[take.present & ~hit], 0.0)
-    np.testing.assert_array_equal(made.spiky.origin, take.origin)
+    np.testing.assert_array_equal(result.spiky.origin, take.origin)
 
 
 @given(
@@ -80,8 +80,10 @@ def test_each_has_an_untouched_sample_on_each_side_or_the_error_counts(
     try:
         hit = add(take, share=share, seed=seed).impulses.hidden
     except ValueError as error:
-        asked, _, fitting = map(int, re.findall(r"\b(\d+) (?:impulses|present|fit)", str(error)))
-        assert fitting < asked == round(share * np.count_nonzero(present))
+        requested, _, fitting = map(
+            int, re.findall(r"\b(\d+) (?:impulses|present|fit)", str(error))
+        )
+        assert fitting < requested == round(share * np.count_nonzero(present))
         return
     for frame, marker in np.argwhere(hit):
         assert 0 < frame < take.frames - 1
@@ -107,17 +109,17 @@ def test_a_larger_share_contains_a_smaller_ones_hits_in_the_same_directions(
     )
     both = fewer.impulses.hidden
     assert not np.any(both & ~more.impulses.hidden)
-    one, other = (
-        (made.spiky.positions - take.positions)[both] / size
-        for made, size in zip((fewer, more), sizes, strict=True)
+    first, other = (
+        (result.spiky.positions - take.positions)[both] / size
+        for result, size in zip((fewer, more), sizes, strict=True)
     )
-    np.testing.assert_allclose(one, other, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(first, other, rtol=0, atol=1e-10)
 
 
 def test_directions_favour_none() -> None:
     take = whole(3000)
-    made = add(take, share=0.2, size=1.0)
-    directions = (made.spiky.positions - take.positions)[made.impulses.hidden]
+    result = add(take, share=0.2, size=1.0)
+    directions = (result.spiky.positions - take.positions)[result.impulses.hidden]
     np.testing.assert_allclose(directions.mean(axis=0), 0.0, rtol=0, atol=0.03)
     np.testing.assert_allclose(
         directions.T @ directions / len(directions), np.eye(3) / 3, atol=0.02
@@ -127,9 +129,9 @@ def test_directions_favour_none() -> None:
 def test_places_do_not_depend_on_positions() -> None:
     take = gappy()
     moved = replace(take, positions=2.0 * take.positions + 1.0)
-    one, other = add(take).impulses, add(moved).impulses
-    np.testing.assert_array_equal(one.hidden, other.hidden)
-    assert not np.array_equal(one.hidden, add(take, seed=1).impulses.hidden)
+    first, other = add(take).impulses, add(moved).impulses
+    np.testing.assert_array_equal(first.hidden, other.hidden)
+    assert not np.array_equal(first.hidden, add(take, seed=1).impulses.hidden)
 
 
 def test_the_same_seed_hits_a_made_face_elsewhere_than_its_own_impulses() -> None:
@@ -143,10 +145,10 @@ def test_filled_samples_can_be_hit_and_sigma_stays() -> None:
     filled = replace(
         take, origin=np.full(take.origin.shape, Origin.FILLED), sigma=np.ones(take.origin.shape)
     )
-    made = add(filled)
-    np.testing.assert_array_equal(made.impulses.hidden, add(take).impulses.hidden)
-    assert (made.spiky.origin == Origin.FILLED).all()
-    np.testing.assert_array_equal(made.spiky.sigma, filled.sigma)
+    result = add(filled)
+    np.testing.assert_array_equal(result.impulses.hidden, add(take).impulses.hidden)
+    assert (result.spiky.origin == Origin.FILLED).all()
+    np.testing.assert_array_equal(result.spiky.sigma, filled.sigma)
 
 
 def test_what_does_not_fit_is_counted() -> None:
@@ -163,8 +165,8 @@ def test_what_does_not_fit_is_counted() -> None:
 
 def test_too_small_a_share_to_hit_anything_is_told() -> None:
     with pytest.warns(UserWarning, match=r"no impulse: 0.005 of 60 present samples is none"):
-        made = add(whole(6, 10))
-    assert not made.impulses.hidden.any()
+        result = add(whole(6, 10))
+    assert not result.impulses.hidden.any()
 
 
 def test_the_order_in_memory_does_not_matter() -> None:
@@ -172,6 +174,6 @@ def test_the_order_in_memory_does_not_matter() -> None:
     turned = straight.keep(straight.markers)
     assert turned.origin.flags.f_contiguous
     assert not straight.origin.flags.f_contiguous
-    one, other = add(straight, share=0.05), add(turned, share=0.05)
-    np.testing.assert_array_equal(one.impulses.hidden, other.impulses.hidden)
-    np.testing.assert_array_equal(one.spiky.positions, other.spiky.positions)
+    first, other = add(straight, share=0.05), add(turned, share=0.05)
+    np.testing.assert_array_equal(first.impulses.hidden, other.impulses.hidden)
+    np.testing.assert_array_equal(first.spiky.positions, other.spiky.positions)

@@ -48,6 +48,6 @@ def test_the_skin_moves_little_and_neighbours_alike() -> None:
     movement = skin_movement(np.random.default_rng(0), points, 20000, 60.0)
     assert np.sqrt(np.mean(movement**2)) == pytest.approx(0.2, rel=0.25)
     np.testing.assert_array_equal(movement[:19], 0.0)
-    one, near, far = movement[..., 1].T
-    assert np.corrcoef(one, near)[0, 1] > 0.9
-    assert abs(np.corrcoef(one, far)[0, 1]) < 0.6
+    first, near, far = movement[..., 1].T
+    assert np.corrcoef(first, near)[0, 1] > 0.9
+    assert abs(np.corrcoef(first, far)[0, 1]) < 0.6

@@ -24,18 +24,21 @@ def recording(frames: int = 400, markers: int = 15, *, missing: float = 0.1) -> 
 
 
 def test_ports_and_settings_are_as_promised() -> None:
-    found = node_of(add)
-    assert found is not None
-    assert [str(port) for port in found.inputs] == [
+    definition = node_of(add)
+    assert definition is not None
+    assert [str(port) for port in definition.inputs] == [
         "recording: Trajectories",
         "truth: Truth[Trajectories] | None",
     ]
-    assert [str(port) for port in found.outputs] == [
+    assert [str(port) for port in definition.outputs] == [
         "noisy: Trajectories",
         "truth: Truth[Trajectories]",
     ]
-    assert {name: one.default for name, one in found.settings.items()} == {"sigma": 0.1, "seed": 0}
-    assert found.settings["sigma"].unit == "mm"
+    assert {name: value.default for name, value in definition.settings.items()} == {
+        "sigma": 0.1,
+        "seed": 0,
+    }
+    assert definition.settings["sigma"].unit == "mm"
 
 
 def test_each_coordinate_is_off_by_sigma_and_independent_of_the_others() -> None:
@@ -85,9 +88,9 @@ def test_a_gap_changes_nothing_of_the_noise_around_it() -> None:
     gappy = whole.positions.copy()
     gappy[10:30, 2] = np.nan
     take = replace(whole, positions=gappy, origin=Trajectories.origin)
-    one, other = add(whole).noisy, add(take).noisy
+    first, other = add(whole).noisy, add(take).noisy
     np.testing.assert_array_equal(
-        one.positions[take.present], other.positions[take.present], strict=True
+        first.positions[take.present], other.positions[take.present], strict=True
     )
 
 

@@ -57,6 +57,6 @@ def test_no_triangle_joins_the_lips() -> None:
 
 
 def test_actors_have_other_proportions() -> None:
-    one, other = (draw_proportions(np.random.default_rng(seed)) for seed in (1, 2))
-    assert one != other
-    assert min(one.width, other.width, one.height, other.height) >= 0.9
+    first, other = (draw_proportions(np.random.default_rng(seed)) for seed in (1, 2))
+    assert first != other
+    assert min(first.width, other.width, first.height, other.height) >= 0.9

@@ -14,7 +14,7 @@ FACES = np.array([[0, 1, 2], [0, 2, 3]])
 HERE = Placed(0, 0, np.eye(4))
 
 
-class Made:
+class MeshFile:
     """A mesh in the making: arrays in a buffer, primitives that name them."""
 
     def __init__(self) -> None:
@@ -46,44 +46,44 @@ class Made:
 
 
 @pytest.fixture
-def made() -> Made:
-    return Made()
+def mesh_file() -> MeshFile:
+    return MeshFile()
 
 
-def test_a_plain_mesh_is_read(made: Made) -> None:
-    part = made.read()
+def test_a_plain_mesh_is_read(mesh_file: MeshFile) -> None:
+    part = mesh_file.read()
     np.testing.assert_array_equal(part.vertices, SQUARE)
     np.testing.assert_array_equal(part.faces, FACES)
     assert part.morphs == {}
 
 
-def test_morph_targets_have_the_names_of_the_extras(made: Made) -> None:
+def test_morph_targets_have_the_names_of_the_extras(mesh_file: MeshFile) -> None:
     offsets = np.arange(12.0).reshape(4, 3)
-    primitive = made.primitive(targets=[made.target(offsets), {"NORMAL": 99}])
-    part = made.read(primitive, extras={"targetNames": ["smile", "still"]})
+    primitive = mesh_file.primitive(targets=[mesh_file.target(offsets), {"NORMAL": 99}])
+    part = mesh_file.read(primitive, extras={"targetNames": ["smile", "still"]})
     assert list(part.morphs) == ["smile", "still"]
     np.testing.assert_array_equal(part.morphs["smile"], offsets)
     assert not part.morphs["still"].any()
 
 
 @pytest.mark.parametrize("extras", [None, {}, [1]])
-def test_morph_targets_without_names_are_numbered(made: Made, extras: Any) -> None:
-    primitive = made.primitive(targets=[made.target(SQUARE)] * 2)
+def test_morph_targets_without_names_are_numbered(mesh_file: MeshFile, extras: Any) -> None:
+    primitive = mesh_file.primitive(targets=[mesh_file.target(SQUARE)] * 2)
     with pytest.warns(UserWarning, match=r"mesh 0 \(face\): its 2 morph targets have no names"):
-        part = made.read(primitive, name="face", extras=extras)
+        part = mesh_file.read(primitive, name="face", extras=extras)
     assert list(part.morphs) == ["morph_1", "morph_2"]
 
 
-def test_primitives_of_the_same_vertices_share_them(made: Made) -> None:
-    second = made.buffer.corners(FACES[1:])
-    part = made.read(made.primitive(), made.primitive(indices=second, material=3))
+def test_primitives_of_the_same_vertices_share_them(mesh_file: MeshFile) -> None:
+    second = mesh_file.buffer.corners(FACES[1:])
+    part = mesh_file.read(mesh_file.primitive(), mesh_file.primitive(indices=second, material=3))
     assert len(part.vertices) == 4
     assert part.faces.tolist() == [*FACES.tolist(), [0, 2, 3]]
 
 
-def test_primitives_of_other_vertices_follow(made: Made) -> None:
-    other = {"POSITION": made.buffer.vertices(SQUARE + 5, "vertices")}
-    part = made.read(made.primitive(), made.primitive(attributes=other))
+def test_primitives_of_other_vertices_follow(mesh_file: MeshFile) -> None:
+    other = {"POSITION": mesh_file.buffer.vertices(SQUARE + 5, "vertices")}
+    part = mesh_file.read(mesh_file.primitive(), mesh_file.primitive(attributes=other))
     np.testing.assert_array_equal(part.vertices, [*SQUARE, *(SQUARE + 5)])
     assert part.faces.tolist() == [*FACES.tolist(), *(FACES + 4).tolist()]
 
@@ -97,26 +97,31 @@ def test_primitives_of_other_vertices_follow(made: Made) -> None:
     ],
 )
 def test_strips_and_fans_become_triangles(
-    made: Made, mode: int, order: list[int] | None, faces: list[list[int]]
+    mesh_file: MeshFile, mode: int, order: list[int] | None, faces: list[list[int]]
 ) -> None:
-    indices = None if order is None else made.buffer.corners(np.array([order]))
-    rest = {"POSITION": made.buffer.vertices(SQUARE[:3], "vertices")} if order is None else None
+    indices = None if order is None else mesh_file.buffer.corners(np.array([order]))
+    rest = (
+        {"POSITION": mesh_file.buffer.vertices(SQUARE[:3], "vertices")} if order is None else None
+    )
     changes = {"attributes": rest} if rest else {}
-    assert made.read(made.primitive(mode=mode, indices=indices, **changes)).faces.tolist() == faces
+    assert (
+        mesh_file.read(mesh_file.primitive(mode=mode, indices=indices, **changes)).faces.tolist()
+        == faces
+    )
 
 
-def test_points_and_lines_are_left_out_and_told(made: Made) -> None:
+def test_points_and_lines_are_left_out_and_told(mesh_file: MeshFile) -> None:
     with pytest.warns(UserWarning, match="mesh 0, primitive 1: points or lines, which are left"):
-        part = made.read(made.primitive(), made.primitive(mode=1))
+        part = mesh_file.read(mesh_file.primitive(), mesh_file.primitive(mode=1))
     assert len(part.faces) == 2
 
 
-def test_a_mesh_stands_where_its_node_is(made: Made) -> None:
+def test_a_mesh_stands_where_its_node_is(mesh_file: MeshFile) -> None:
     offsets = np.ones((4, 3))
     matrix = np.diag([2.0, -3.0, 1.0, 1.0])
     matrix[:3, 3] = [10, 20, 30]
-    part = made.read(
-        made.primitive(targets=[made.target(offsets)]),
+    part = mesh_file.read(
+        mesh_file.primitive(targets=[mesh_file.target(offsets)]),
         placed=Placed(0, 0, matrix),
         extras={"targetNames": ["smile"]},
     )
@@ -127,25 +132,25 @@ def test_a_mesh_stands_where_its_node_is(made: Made) -> None:
 
 
 def test_a_part_without_a_morph_target_stays_where_it_is() -> None:
-    one = Part(SQUARE, FACES, {"smile": SQUARE}, {"nose": 3})
+    part = Part(SQUARE, FACES, {"smile": SQUARE}, {"nose": 3})
     other = Part(SQUARE + 1, FACES, {"frown": SQUARE * 2, "smile": SQUARE * 3}, {"chin": 0})
-    joined = joined_parts([one, other])
+    joined = joined_parts([part, other])
     assert list(joined.morphs) == ["smile", "frown"]
     np.testing.assert_array_equal(joined.morphs["smile"], [*SQUARE, *(SQUARE * 3)])
     np.testing.assert_array_equal(joined.morphs["frown"], [*np.zeros((4, 3)), *(SQUARE * 2)])
     assert joined.marker_vertices == {"nose": 3, "chin": 4}
 
 
-def test_markers_come_from_the_extras(made: Made) -> None:
-    part = made.read(extras={"markerVertices": {"nose": 3, "chin": 3}})
+def test_markers_come_from_the_extras(mesh_file: MeshFile) -> None:
+    part = mesh_file.read(extras={"markerVertices": {"nose": 3, "chin": 3}})
     assert list(part.marker_vertices.items()) == [("nose", 3), ("chin", 3)]
 
 
 @pytest.mark.parametrize("given", [5, ["nose"], {"nose": 4}, {"nose": -1}, {"nose": True},
                                    {"nose": 1.0}])  # fmt: skip
-def test_markers_of_no_vertex_are_refused(made: Made, given: Any) -> None:
+def test_markers_of_no_vertex_are_refused(mesh_file: MeshFile, given: Any) -> None:
     with pytest.raises(ValueError, match="markerVertices must give each marker one of 4 vert"):
-        made.read(extras={"markerVertices": given})
+        mesh_file.read(extras={"markerVertices": given})
 
 
 @pytest.mark.parametrize(
@@ -157,10 +162,10 @@ def test_markers_of_no_vertex_are_refused(made: Made, given: Any) -> None:
         ("ab", "mesh 0: extras.targetNames must be a list of names"),
     ],
 )
-def test_names_that_do_not_fit_are_refused(made: Made, names: Any, message: str) -> None:
-    primitive = made.primitive(targets=[made.target(SQUARE)] * 2)
+def test_names_that_do_not_fit_are_refused(mesh_file: MeshFile, names: Any, message: str) -> None:
+    primitive = mesh_file.primitive(targets=[mesh_file.target(SQUARE)] * 2)
     with pytest.raises(ValueError, match=message):
-        made.read(primitive, extras={"targetNames": names})
+        mesh_file.read(primitive, extras={"targetNames": names})
 
 
 @pytest.mark.parametrize(
@@ -173,32 +178,34 @@ def test_names_that_do_not_fit_are_refused(made: Made, names: Any, message: str)
         ({"indices": None}, "4 corners make no triangles"),
     ],
 )
-def test_a_bad_primitive_is_refused(made: Made, changes: dict[str, Any], message: str) -> None:
+def test_a_bad_primitive_is_refused(
+    mesh_file: MeshFile, changes: dict[str, Any], message: str
+) -> None:
     with pytest.raises(ValueError, match=message):
-        made.read(made.primitive(**changes))
+        mesh_file.read(mesh_file.primitive(**changes))
 
 
-def test_a_face_beyond_the_vertices_is_refused(made: Made) -> None:
-    faces = made.buffer.corners(np.array([[0, 1, 4]]))
+def test_a_face_beyond_the_vertices_is_refused(mesh_file: MeshFile) -> None:
+    faces = mesh_file.buffer.corners(np.array([[0, 1, 4]]))
     with pytest.raises(ValueError, match="mesh 0, primitive 0: a face names vertex 4 of 4"):
-        made.read(made.primitive(indices=faces))
+        mesh_file.read(mesh_file.primitive(indices=faces))
 
 
-def test_a_morph_target_of_another_length_is_refused(made: Made) -> None:
-    primitive = made.primitive(targets=[made.target(SQUARE[:3])])
+def test_a_morph_target_of_another_length_is_refused(mesh_file: MeshFile) -> None:
+    primitive = mesh_file.primitive(targets=[mesh_file.target(SQUARE[:3])])
     message = "mesh 0, primitive 0, morph target 'smile': accessor 2: has 3 values where 4 are need"
     with pytest.raises(ValueError, match=message):
-        made.read(primitive, extras={"targetNames": ["smile"]})
+        mesh_file.read(primitive, extras={"targetNames": ["smile"]})
 
 
-def test_primitives_of_unlike_morph_targets_are_refused(made: Made) -> None:
-    primitives = [made.primitive(targets=[made.target(SQUARE)]), made.primitive()]
+def test_primitives_of_unlike_morph_targets_are_refused(mesh_file: MeshFile) -> None:
+    primitives = [mesh_file.primitive(targets=[mesh_file.target(SQUARE)]), mesh_file.primitive()]
     with pytest.raises(ValueError, match="primitive 1: 0 morph targets where the mesh has 1"):
-        made.read(*primitives, extras={"targetNames": ["smile"]})
+        mesh_file.read(*primitives, extras={"targetNames": ["smile"]})
 
 
-def test_more_than_memory_holds_is_refused_before_it_is_read(made: Made) -> None:
-    document, accessors = made.document(made.primitive(targets=[{}] * 1000))
+def test_more_than_memory_holds_is_refused_before_it_is_read(mesh_file: MeshFile) -> None:
+    document, accessors = mesh_file.document(mesh_file.primitive(targets=[{}] * 1000))
     check_sizes([document.meshes[0]] * 1000, accessors)
     with pytest.raises(ValueError, match="have 200200000 vertices: too many"):
         check_sizes([document.meshes[0]] * 50_000, accessors)

@@ -58,11 +58,11 @@ def test_quaternions_are_the_rotations_and_never_jump(seed: int) -> None:
     axis = np.random.default_rng(seed).normal(size=3)
     axis /= np.linalg.norm(axis)
     turns = Rotation.from_rotvec(np.linspace(0, 6 * np.pi, 200)[:, None] * axis)
-    found = quaternions(turns.as_matrix())
-    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1)
-    assert np.einsum("ti,ti->t", found[1:], found[:-1]).min() > 0.99
+    turns_read = quaternions(turns.as_matrix())
+    np.testing.assert_allclose(np.linalg.norm(turns_read, axis=1), 1)
+    assert np.einsum("ti,ti->t", turns_read[1:], turns_read[:-1]).min() > 0.99
     # the identity by Rodrigues' formula, without the library that made them
-    vectors, real = found[:, :3], found[:, 3]
+    vectors, real = turns_read[:, :3], turns_read[:, 3]
     point = np.array([0.3, -0.2, 0.9])
     moved = point + 2 * np.cross(vectors, np.cross(vectors, point) + real[:, None] * point)
     np.testing.assert_allclose(moved, turns.as_matrix() @ point, atol=1e-12)

@@ -17,33 +17,33 @@ def plainly(head: Head, vertex: int) -> np.ndarray[tuple[int], np.dtype[np.float
     total = np.zeros(3)
     for face in head.faces:
         if vertex in face:
-            one, two, three = head.vertices[face]
-            turned = np.cross(two - one, three - one)
+            first, second, third = head.vertices[face]
+            turned = np.cross(second - first, third - first)
             area = np.linalg.norm(turned) / 2
             total += area * turned / np.linalg.norm(turned)
     return total / np.linalg.norm(total)
 
 
 def test_normals_are_the_mean_of_a_vertex_s_triangles_by_area() -> None:
-    found = vertex_normals(HEAD.vertices, HEAD.faces)
+    normals = vertex_normals(HEAD.vertices, HEAD.faces)
     for vertex in np.unique(HEAD.faces):
-        np.testing.assert_allclose(found[vertex], plainly(HEAD, vertex), atol=1e-12)
+        np.testing.assert_allclose(normals[vertex], plainly(HEAD, vertex), atol=1e-12)
 
 
 def test_normals_point_outward() -> None:
-    found = vertex_normals(CORNERS, TETRAHEDRON)
+    normals = vertex_normals(CORNERS, TETRAHEDRON)
     middle = CORNERS.mean(axis=0)
-    assert np.all(np.einsum("vi,vi->v", found, CORNERS - middle) > 0)
-    np.testing.assert_allclose(found[0], -np.ones(3) / np.sqrt(3))
+    assert np.all(np.einsum("vi,vi->v", normals, CORNERS - middle) > 0)
+    np.testing.assert_allclose(normals[0], -np.ones(3) / np.sqrt(3))
 
 
 def test_those_of_a_sphere_are_its_radii() -> None:
     import trimesh
 
     sphere = trimesh.creation.icosphere(subdivisions=3)
-    found = vertex_normals(np.array(sphere.vertices), np.array(sphere.faces))
-    np.testing.assert_allclose(found, sphere.vertices, atol=0.02)
-    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, rtol=1e-12)
+    normals = vertex_normals(np.array(sphere.vertices), np.array(sphere.faces))
+    np.testing.assert_allclose(normals, sphere.vertices, atol=0.02)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, rtol=1e-12)
 
 
 def test_a_vertex_without_a_triangle_gets_what_is_given() -> None:
@@ -51,6 +51,6 @@ def test_a_vertex_without_a_triangle_gets_what_is_given() -> None:
     flat = np.array([[0, 1, 1]])
     np.testing.assert_array_equal(vertex_normals(vertices, flat), np.tile([0.0, 0, 1], (5, 1)))
     given = np.tile([0.0, 0, -1], (5, 1))
-    found = vertex_normals(vertices, TETRAHEDRON, otherwise=given)
-    np.testing.assert_array_equal(found[4], given[4])
-    assert not np.any(np.all(found[:4] == given[:4], axis=1))
+    normals = vertex_normals(vertices, TETRAHEDRON, otherwise=given)
+    np.testing.assert_array_equal(normals[4], given[4])
+    assert not np.any(np.all(normals[:4] == given[:4], axis=1))

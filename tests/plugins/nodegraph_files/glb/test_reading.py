@@ -157,14 +157,14 @@ def test_a_damaged_file_is_read_or_refused(tmp_path: Path, hits: list[tuple[int,
         damaged[place] = byte
     path = tmp_path / "it.glb"
     path.write_bytes(damaged)
-    said = ""
+    text = ""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
             read_glb(path)
         except ValueError as error:
-            said = str(error)
-    assert not said or said.startswith(f"{path}: not a readable GLB head: ")
+            text = str(error)
+    assert not text or text.startswith(f"{path}: not a readable GLB head: ")
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")

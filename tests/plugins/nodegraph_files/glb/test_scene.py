@@ -28,8 +28,8 @@ def test_a_mesh_is_turned_scaled_and_shifted_in_this_order() -> None:
             "rotation": (turn.as_quat() * 2).tolist()}  # fmt: skip
     point = np.array([0.4, -0.5, 0.6])
     expected = turn.apply(point * [2, 3, 0.5]) + np.array([1, 2, 3])
-    (one,) = placed([node])
-    np.testing.assert_allclose((one.matrices @ [*point, 1])[:3], expected, rtol=1e-12)
+    (mesh,) = placed([node])
+    np.testing.assert_allclose((mesh.matrices @ [*point, 1])[:3], expected, rtol=1e-12)
 
 
 def test_a_matrix_is_stored_by_columns_and_parents_come_last() -> None:
@@ -39,20 +39,20 @@ def test_a_matrix_is_stored_by_columns_and_parents_come_last() -> None:
         {"children": [1], "scale": [2, 2, 2]},
         {"mesh": 0, "matrix": matrix.T.ravel().tolist()},
     ]
-    (one,) = placed(nodes)
-    np.testing.assert_array_equal(one.matrices @ [1, 1, 1, 1], [4, 6, 8, 1])
+    (mesh,) = placed(nodes)
+    np.testing.assert_array_equal(mesh.matrices @ [1, 1, 1, 1], [4, 6, 8, 1])
 
 
 def test_the_scene_says_what_is_shown_and_in_what_order() -> None:
     nodes: list[dict[str, Any]] = [{"mesh": 0}, {"mesh": 1, "children": [0]}, {"mesh": 0}]
-    assert [one.node for one in placed(nodes, scenes=[{"nodes": [2, 1]}])] == [2, 1, 0]
+    assert [mesh.node for mesh in placed(nodes, scenes=[{"nodes": [2, 1]}])] == [2, 1, 0]
     scenes = [{"nodes": [2]}, {"nodes": [1]}]
-    assert [one.node for one in placed(nodes, scenes=scenes, scene=1)] == [1, 0]
-    assert [one.node for one in placed(nodes)] == [1, 0, 2]
+    assert [mesh.node for mesh in placed(nodes, scenes=scenes, scene=1)] == [1, 0]
+    assert [mesh.node for mesh in placed(nodes)] == [1, 0, 2]
 
 
 def test_a_file_without_nodes_shows_every_mesh() -> None:
-    assert [one.mesh for one in placed([])] == [0, 1]
+    assert [mesh.mesh for mesh in placed([])] == [0, 1]
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_what_is_no_tree_is_refused(
 
 def test_a_deep_tree_is_read() -> None:
     nodes: list[dict[str, Any]] = [{"children": [n + 1]} for n in range(5000)]
-    assert [one.node for one in placed([*nodes, {"mesh": 0}])] == [5000]
+    assert [mesh.node for mesh in placed([*nodes, {"mesh": 0}])] == [5000]
 
 
 def skinned(joints: list[list[int]], pulls: list[list[float]]) -> tuple[Placed, Any]:
@@ -103,8 +103,8 @@ def skinned(joints: list[list[int]], pulls: list[list[float]]) -> tuple[Placed, 
     binary = buffer.content + numbers
     primitive = Primitive(attributes={"JOINTS_0": len(buffer.accessors), "WEIGHTS_0": held})
     accessors = Accessors(document, binary)
-    (one,) = placed_meshes(document, accessors)
-    return one, lambda: vertex_matrices(one, primitive, accessors, "mesh 0", count)
+    (mesh,) = placed_meshes(document, accessors)
+    return mesh, lambda: vertex_matrices(mesh, primitive, accessors, "mesh 0", count)
 
 
 def test_joints_alone_hold_a_skinned_mesh() -> None:

@@ -57,7 +57,7 @@ def expected(animation: Animation, frame: int) -> NDArray[np.float64]:
     assert motion is not None
     weights = animation.morph_weights[frame]
     posed = head.vertices + sum(
-        one * morph for one, morph in zip(weights, head.morphs, strict=True)
+        weight * morph for weight, morph in zip(weights, head.morphs, strict=True)
     )
     turned = posed @ motion.rotations[frame].T
     return np.asarray(motion.scales[frame] * turned + motion.translations[frame])
@@ -85,20 +85,20 @@ def between(animation: Animation, frame: int) -> Animation:
 
 def test_three_js_shows_what_we_mean(in_three: Callable[..., Any], animation: Animation) -> None:
     times = [frame / animation.rate for frame in FRAMES]
-    told = in_three(animation_bytes(animation), SCRIPT, times=times)
+    answers = in_three(animation_bytes(animation), SCRIPT, times=times)
     head = animation.head
-    assert told["names"] == list(head.names)
-    assert told["faces"] == head.faces.ravel().tolist()
-    assert list(told["markers"]) == list(head.markers)
-    assert told["duration"] == pytest.approx((animation.frames - 1) / animation.rate, rel=1e-6)
-    for frame, seen in zip(FRAMES, told["seen"], strict=True):
+    assert answers["names"] == list(head.names)
+    assert answers["faces"] == head.faces.ravel().tolist()
+    assert list(answers["markers"]) == list(head.markers)
+    assert answers["duration"] == pytest.approx((animation.frames - 1) / animation.rate, rel=1e-6)
+    for frame, seen in zip(FRAMES, answers["seen"], strict=True):
         whole = int(frame)
         at_rest = frame == whole
         pose = expected(animation, whole) if at_rest else expected(between(animation, whole), 0)
         np.testing.assert_allclose(np.array(seen) * 1000, pose, rtol=0, atol=1e-3)
     normals = vertex_normals(head.vertices, head.faces)
-    assert not told["flat"]
-    np.testing.assert_allclose(np.reshape(told["normals"], (-1, 3)), normals, atol=1e-6)
-    for bent, morph in zip(told["bent"], head.morphs, strict=True):
+    assert not answers["flat"]
+    np.testing.assert_allclose(np.reshape(answers["normals"], (-1, 3)), normals, atol=1e-6)
+    for bent, morph in zip(answers["bent"], head.morphs, strict=True):
         posed = vertex_normals(head.vertices + morph, head.faces)
         np.testing.assert_allclose(np.reshape(bent, (-1, 3)), posed - normals, atol=1e-5)

@@ -43,7 +43,7 @@ def tracks(content: bytes) -> dict[str, tuple[Any, Any]]:
     plain = json.loads(text)
     accessors = Accessors(read_document(text), binary)
     (animation,) = plain["animations"]
-    found = {}
+    animated = {}
     for channel in animation["channels"]:
         assert channel["target"]["node"] == 0
         sampler = animation["samplers"][channel["sampler"]]
@@ -51,8 +51,8 @@ def tracks(content: bytes) -> dict[str, tuple[Any, Any]]:
         kind = plain["accessors"][sampler["output"]]["type"]
         clock = accessors.numbers(sampler["input"], "input", kind="SCALAR")[:, 0]
         values = accessors.numbers(sampler["output"], "output", kind=kind)
-        found[channel["target"]["path"]] = (clock, values)
-    return found
+        animated[channel["target"]["path"]] = (clock, values)
+    return animated
 
 
 @pytest.mark.parametrize(
@@ -90,15 +90,15 @@ def test_an_animation_has_a_key_per_frame() -> None:
     animation = moving()
     motion = animation.head_motion
     assert motion is not None
-    found = tracks(animation_bytes(animation))
-    assert set(found) == {"weights", "translation", "rotation", "scale"}
-    for clock, _ in found.values():
+    animated = tracks(animation_bytes(animation))
+    assert set(animated) == {"weights", "translation", "rotation", "scale"}
+    for clock, _ in animated.values():
         np.testing.assert_allclose(clock, np.arange(animation.frames) / animation.rate, rtol=1e-7)
-    weights = found["weights"][1].reshape(animation.frames, -1)
+    weights = animated["weights"][1].reshape(animation.frames, -1)
     np.testing.assert_allclose(weights, animation.morph_weights, rtol=1e-7)
-    np.testing.assert_allclose(found["translation"][1] * 1000, motion.translations, rtol=1e-7)
-    np.testing.assert_allclose(found["scale"][1], motion.scales[:, None].repeat(3, 1), rtol=1e-7)
-    turns = found["rotation"][1]
+    np.testing.assert_allclose(animated["translation"][1] * 1000, motion.translations, rtol=1e-7)
+    np.testing.assert_allclose(animated["scale"][1], motion.scales[:, None].repeat(3, 1), rtol=1e-7)
+    turns = animated["rotation"][1]
     # about y: sine and cosine of half the angle, which passes 180 degrees
     half = np.linspace(0, 4, animation.frames) / 2
     expected = np.stack([0 * half, np.sin(half), 0 * half, np.cos(half)], axis=1)
@@ -111,8 +111,8 @@ def test_a_still_head_has_weights_alone() -> None:
 
 def test_a_missing_weight_does_not_reach_the_file() -> None:
     with pytest.warns(UserWarning, match="7 weights in 7 frames are missing"):
-        found = tracks(animation_bytes(animations()["gaps"]))
-    weights = found["weights"][1].reshape(-1, 3)
+        animated = tracks(animation_bytes(animations()["gaps"]))
+    weights = animated["weights"][1].reshape(-1, 3)
     assert np.ptp(weights[:4, 0]) == 0
     assert np.ptp(weights[9:14, 1]) == 0
 

@@ -104,9 +104,9 @@ def test_an_empty_cell_is_missing(write: Write, cell: str) -> None:
 
 def test_partly_missing_infinite_and_zero_samples_are_told(write: Write) -> None:
     path = write("# rate: 60\n# unit: mm\na.x,a.y,a.z\n1,,3\n1,2,3\ninf,2,3\n0,0,0\n")
-    with pytest.warns(UserWarning, match="count as missing") as told:
+    with pytest.warns(UserWarning, match="count as missing") as caught:
         read = read_csv(path)
-    assert len(told) == 3
+    assert len(caught) == 3
     assert read.present[:, 0].tolist() == [False, True, False, False]
 
 
@@ -144,7 +144,7 @@ def test_columns_that_are_no_coordinates_are_told(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", ": no frames: the file is empty"),
         ("\n \n", ": no frames: the file is empty"),
@@ -156,8 +156,8 @@ def test_columns_that_are_no_coordinates_are_told(write: Write) -> None:
         ),
     ],
 )
-def test_what_is_no_recording_is_refused(write: Write, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(text))
 
 
@@ -267,7 +267,7 @@ def test_semicolons_and_decimal_commas(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("row", "told"),
+    ("row", "message"),
     [
         ("1,500;2,250;3,125", r":3:1: '1,500' may be 1\.500 or 1500"),
         ("1.500,5;2;3", r":3:1: '1\.500,5' is not a number"),
@@ -275,8 +275,8 @@ def test_semicolons_and_decimal_commas(write: Write) -> None:
         ("1,5;2;3;4,5", r":3: 4 cells, but 3 columns"),
     ],
 )
-def test_a_comma_that_may_mean_two_things_is_refused(write: Write, row: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+def test_a_comma_that_may_mean_two_things_is_refused(write: Write, row: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(f"# rate: 60\na.x;a.y;a.z\n{row}\n"))
 
 

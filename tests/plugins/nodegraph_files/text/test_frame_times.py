@@ -16,9 +16,9 @@ from nodegraph_files.text.table_recording import (
 )
 
 
-@pytest.mark.parametrize("said", ["0", "-1", "nan", "inf", "-inf", "", "fast", "1_0", "59,94"])
-def test_what_is_no_positive_number(said: str) -> None:
-    assert positive_number(said) is None
+@pytest.mark.parametrize("text", ["0", "-1", "nan", "inf", "-inf", "", "fast", "1_0", "59,94"])
+def test_what_is_no_positive_number(text: str) -> None:
+    assert positive_number(text) is None
 
 
 def test_a_positive_number() -> None:
@@ -60,9 +60,9 @@ def test_where_steps_are_irregular_the_median_one_tells_the_rate() -> None:
     ("values", "steps"), [([2.0, 4, 6, 10.1, 12], [1, 1, 2, 1]), ([1.0, 2, 4], [1, 2])]
 )
 def test_steps_are_whole_numbers_of_the_usual_one(values: list[float], steps: list[int]) -> None:
-    found = whole_steps(np.array(values))
-    assert found is not None
-    assert found.tolist() == steps
+    result = whole_steps(np.array(values))
+    assert result is not None
+    assert result.tolist() == steps
 
 
 def test_steps_that_are_no_whole_numbers() -> None:

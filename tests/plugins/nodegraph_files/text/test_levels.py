@@ -88,7 +88,7 @@ def test_data_of_two_dimensions_are_refused(written: Written) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (",lip,lip,lip,nose\n,x,y,z,x\n0,1,2,3,4\n", ":2: marker 'nose' has no column for Y, Z"),
         (",lip,lip,lip,lip\n,x,y,z,x\n0,1,2,3,4\n", ":2:5: the column 'lip x' is there twice"),
@@ -101,8 +101,8 @@ def test_data_of_two_dimensions_are_refused(written: Written) -> None:
         (",lip,lip,lip\n,x,y,z\n0,1,2,3\n", ": no rate; add a line '# rate: 60'"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(text))
 
 

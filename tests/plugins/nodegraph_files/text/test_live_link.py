@@ -101,8 +101,8 @@ def test_midnight_is_no_step_back(write: Write) -> None:
 
 def test_frames_that_the_timecode_skips_are_missing(write: Write) -> None:
     path = write(table([57, 58, 59, 61, 62, 66, 67]))
-    told = r"skips 4 frames in 2 gaps, the first after 00:00:00:59\.000"
-    with pytest.warns(UserWarning, match=told):
+    message = r"skips 4 frames in 2 gaps, the first after 00:00:00:59\.000"
+    with pytest.warns(UserWarning, match=message):
         read = read_live_link(path)
     assert read.frames == 11
     assert np.flatnonzero(np.isnan(read.values).all(axis=1)).tolist() == [3, 6, 7, 8]
@@ -186,8 +186,8 @@ def test_what_is_no_timecode_is_refused(write: Write, written: str) -> None:
 
 
 def test_a_timecode_that_goes_back_is_refused(write: Write) -> None:
-    told = r"take\.csv:4:1: the timecode goes back from 00:00:00:12\.000 to 00:00:00:11\.000"
-    with pytest.raises(ValueError, match=told):
+    message = r"take\.csv:4:1: the timecode goes back from 00:00:00:12\.000 to 00:00:00:11\.000"
+    with pytest.raises(ValueError, match=message):
         read_live_link(write(table([10, 12, 11, 13])))
 
 
@@ -208,7 +208,7 @@ def test_a_count_that_does_not_tell_the_second_is_refused(write: Write, count: s
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "no Live Link Face file: it begins with ''"),
         ("frame,a.x\n", "no Live Link Face file: it begins with 'frame,a.x'"),
@@ -219,8 +219,8 @@ def test_a_count_that_does_not_tell_the_second_is_refused(write: Write, count: s
         ("Timecode,BlendShapeCount,a,a\n00:00:00:01,2,0,0\n", "columns: named twice: a"),
     ],
 )
-def test_what_is_no_recording_is_refused(write: Write, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv: {told}"):
+def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv: {message}"):
         read_live_link(write(text))
 
 

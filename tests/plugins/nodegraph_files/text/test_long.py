@@ -86,7 +86,7 @@ def test_quoted_names_may_hold_separators(written: Written) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("frame,marker,x,y\n0,a,1,2\n", r":1: no column z; a recording has three dimensions"),
         ("frame,marker,x,y,z,X\n0,a,1,2,3,4\n", r":1:6: the column 'X' is there twice"),
@@ -104,8 +104,8 @@ def test_quoted_names_may_hold_separators(written: Written) -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(text))
 
 

@@ -37,9 +37,9 @@ def motive(
 ) -> str:
     """Return an export in which the columns of these groups count from 1 in the first frame."""
     columns = [(*group[:3], axis.strip()) for group in groups for axis in group[3]]
-    said = {**FACTS, **{name.replace("_", " "): value for name, value in facts.items()}}
+    header = {**FACTS, **{name.replace("_", " "): value for name, value in facts.items()}}
     blanks = "," * lead.count(",")
-    lines = [",".join(f"{name},{value}" for name, value in said.items() if value is not None), ""]
+    lines = [",".join(f"{name},{value}" for name, value in header.items() if value is not None), ""]
     for place, word in enumerate(("Type", "Name", "", "Axis")):
         if word == "Axis":
             lines.append(",".join([lead, *(column[3] for column in columns)]))
@@ -52,11 +52,11 @@ def motive(
             )
     numbers = [str(number) for number in range(1, len(columns) + 1)]
     times = "0.008333,10:00:00:00" if "TimeCode" in lead else "0.008333"
-    made = (
+    result = (
         ",".join(["0", times.replace("8333", "0000"), *numbers]),
         ",".join(["1", times, *numbers]),
     )
-    return "\n".join([*lines, *(made if rows is None else rows), ""])
+    return "\n".join([*lines, *(result if rows is None else rows), ""])
 
 
 @pytest.mark.filterwarnings("error")
@@ -133,7 +133,7 @@ def test_a_header_that_lies_is_corrected_aloud(written: Written) -> None:
 
 
 @pytest.mark.parametrize(
-    ("facts", "told"),
+    ("facts", "message"),
     [
         ({"Export_Frame_Rate": "fast"}, r":1:8: Export Frame Rate 'fast' is not a positive number"),
         ({"Export_Frame_Rate": "0"}, r":1:8: Export Frame Rate '0' is not"),
@@ -145,9 +145,9 @@ def test_a_header_that_lies_is_corrected_aloud(written: Written) -> None:
     ],
 )
 def test_a_header_that_does_not_suffice_is_refused(
-    written: Written, facts: dict[str, Any], told: str
+    written: Written, facts: dict[str, Any], message: str
 ) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(motive(MARKER, **facts)))
 
 
@@ -157,7 +157,7 @@ def test_a_take_without_markers_is_refused(written: Written) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (motive(MARKER, rows=()), ": no frames follow line 7"),
         (motive(MARKER).replace("Frame,Time", "Picture,Time"), ": no row 'Frame, Time"),
@@ -173,6 +173,6 @@ def test_a_take_without_markers_is_refused(written: Written) -> None:
         (motive(MARKER, without=("Name",)).replace(",,A1,A1,A1\n", ""), ":5: no row of names"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(text))

@@ -15,20 +15,22 @@ ROWS = ("1 2 3 4 5 6", "7 8 9 10 11 12")
 
 def qtm(*rows: str, extra: tuple[str, ...] = (), **facts: Any) -> str:
     """Return an export whose tabs are written as spaces; a fact that is None is left out."""
-    said: dict[str, Any] = {
+    header: dict[str, Any] = {
         "NO_OF_FRAMES": str(len(rows)),
         "NO_OF_CAMERAS": "8",
         "NO_OF_MARKERS": "2",
     }
-    said |= {
+    header |= {
         "FREQUENCY": "100",
         "DESCRIPTION": "--",
         "TIME_STAMP": "2022-06-03,",
         "DATA_INCLUDED": "3D",
     }
-    said |= {"MARKER_NAMES": "lip nose"}
-    told = [f"{name} {value}" for name, value in {**said, **facts}.items() if value is not None]
-    return "\n".join([*told, *extra, *rows, ""]).replace(" ", "\t")
+    header |= {"MARKER_NAMES": "lip nose"}
+    expected = [
+        f"{name} {value}" for name, value in {**header, **facts}.items() if value is not None
+    ]
+    return "\n".join([*expected, *extra, *rows, ""]).replace(" ", "\t")
 
 
 @pytest.mark.filterwarnings("error")
@@ -102,17 +104,17 @@ def test_counts_may_lack(written: Written) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fact", "said", "told"),
+    ("fact", "text", "message"),
     [
         ("NO_OF_FRAMES", "1000000000000", "says 1000000000000 frames, the file holds 2"),
         ("NO_OF_MARKERS", "22", "says 22 markers, the file holds 2"),
     ],
 )
 def test_a_header_that_lies_is_corrected_aloud(
-    written: Written, fact: str, said: str, told: str
+    written: Written, fact: str, text: str, message: str
 ) -> None:
-    with pytest.warns(UserWarning, match=told):
-        assert read_csv(written(qtm(*ROWS, **dict[str, Any]({fact: said})))).positions.shape == (
+    with pytest.warns(UserWarning, match=message):
+        assert read_csv(written(qtm(*ROWS, **dict[str, Any]({fact: text})))).positions.shape == (
             2,
             2,
             3,
@@ -120,7 +122,7 @@ def test_a_header_that_lies_is_corrected_aloud(
 
 
 @pytest.mark.parametrize(
-    ("names", "told", "markers"),
+    ("names", "message", "markers"),
     [
         ("lip", "1 markers had no label", ("lip", "unnamed_2")),
         ("lip nose chin", "1 labels beyond the 2 markers were left out: chin", ("lip", "nose")),
@@ -128,14 +130,14 @@ def test_a_header_that_lies_is_corrected_aloud(
     ],
 )
 def test_names_that_are_not_as_many_as_columns_are_told(
-    written: Written, names: str, told: str, markers: tuple[str, ...]
+    written: Written, names: str, message: str, markers: tuple[str, ...]
 ) -> None:
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match=message):
         assert read_csv(written(qtm(*ROWS, MARKER_NAMES=names))).markers == markers
 
 
 @pytest.mark.parametrize(
-    ("facts", "told"),
+    ("facts", "message"),
     [
         ({"DATA_INCLUDED": "2D"}, r":7:2: DATA_INCLUDED is '2D'; only 3D data"),
         ({"FREQUENCY": "EXT"}, r":4:2: FREQUENCY 'EXT' is not a positive number; add a line"),
@@ -146,9 +148,9 @@ def test_names_that_are_not_as_many_as_columns_are_told(
     ],
 )
 def test_a_header_that_does_not_suffice_is_refused(
-    written: Written, facts: dict[str, Any], told: str
+    written: Written, facts: dict[str, Any], message: str
 ) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(qtm(*ROWS, **facts)))
 
 
@@ -157,7 +159,7 @@ def test_a_rate_may_be_added(written: Written) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "told"),
+    ("rows", "message"),
     [
         ((), ": no frames follow line 8"),
         (("1 2 3 4",), ":9: 4 coordinates make no whole number of markers; MARKER_NAMES has 2"),
@@ -166,9 +168,9 @@ def test_a_rate_may_be_added(written: Written) -> None:
     ],
 )
 def test_rows_that_are_wrong_are_told_with_their_place(
-    written: Written, rows: tuple[str, ...], told: str
+    written: Written, rows: tuple[str, ...], message: str
 ) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(qtm(*rows)))
 
 

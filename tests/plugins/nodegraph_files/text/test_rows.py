@@ -27,10 +27,10 @@ def rows(text: str, width: int = 3, *, separator: str = ",", lenient: bool = Fal
     )
 
 
-def slowly(asked: Rows) -> object:
+def slowly(reader: Rows) -> object:
     """Return what reading cell by cell gives: numbers, or the message."""
     try:
-        return reading._cell_by_cell(asked)
+        return reading._cell_by_cell(reader)
     except ValueError as error:
         return str(error)
 
@@ -52,10 +52,10 @@ def test_the_fast_way_reads_what_the_slow_one_does(
     width = data.draw(st.sampled_from([len(table[0]), 3]))
     lenient = data.draw(st.booleans())
     text = "\n".join(",".join(cells) for cells in table) + "\n"
-    asked = rows(text, width, lenient=lenient)
-    fast = reading._at_once(asked)
+    reader = rows(text, width, lenient=lenient)
+    fast = reading._at_once(reader)
     if fast is not None:
-        np.testing.assert_array_equal(fast, slowly(asked))
+        np.testing.assert_array_equal(fast, slowly(reader))
 
 
 @given(st.lists(st.tuples(*[st.floats()] * 3), min_size=1, max_size=20))
@@ -90,18 +90,18 @@ def test_a_large_file_is_no_less_checked(tmp_path: Path, change: str) -> None:
             wrong[first] = wrong[first].replace("4", "four")
         path.write_text("\n".join(wrong))
         place = (second if change == "short" else first) + 1
-        asked = Rows(
+        reader = Rows(
             text=TextFile(path, path.read_bytes(), plain=True),
             start=0, line=1, separator=",", width=9, wanted=range(9),
         )  # fmt: skip
         with pytest.raises(ValueError, match=rf"take\.csv:{place}:"):
-            read_rows(asked)
+            read_rows(reader)
 
 
 @pytest.mark.parametrize("text", ["1,x,3\n4,y,6\n", "1,x,3\n4,,6\n", '1,"a,b",3\n4,c,6\n'])
 def test_columns_that_are_not_wanted_may_hold_anything(text: str) -> None:
-    asked = rows(text)
-    some = Rows(**{**vars(asked), "wanted": (0, 2)})
+    reader = rows(text)
+    some = Rows(**{**vars(reader), "wanted": (0, 2)})
     assert read_rows(some).tolist() == [[1, 3], [4, 6]]
 
 
@@ -133,7 +133,7 @@ def test_decimal_commas_are_read_aloud() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cells", "told"),
+    ("cells", "message"),
     [
         ("1,500;2;3", r"1:1: '1,500' may be 1\.500 or 1500"),
         ("1,5;2.5;3", r"1:2: '2\.5' has a dot, but '1,5' \(take\.csv:1:1\) a comma"),
@@ -144,8 +144,8 @@ def test_decimal_commas_are_read_aloud() -> None:
         ("2;1.000.000;3", r"1:2: '1\.000\.000' is not a number"),
     ],
 )
-def test_commas_and_dots_that_may_mean_two_things_are_refused(cells: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv:{told}"):
+def test_commas_and_dots_that_may_mean_two_things_are_refused(cells: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv:{message}"):
         read_rows(rows(f"{cells}\n", separator=";"))
 
 

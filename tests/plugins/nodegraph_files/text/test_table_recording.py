@@ -39,10 +39,10 @@ def test_what_comments_tell(written: Written) -> None:
     assert unit_of_table(bare, "auto").problem
 
 
-@pytest.mark.parametrize("said", ["0", "-5", "nan", "fast"])
-def test_a_rate_that_is_none_is_refused_with_its_line(written: Written, said: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv:2: rate '{said}' is not a positive"):
-        stated_rate(read_table(written(f"a,b\n# rate: {said}\n")))
+@pytest.mark.parametrize("rate", ["0", "-5", "nan", "fast"])
+def test_a_rate_that_is_none_is_refused_with_its_line(written: Written, rate: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv:2: rate '{rate}' is not a positive"):
+        stated_rate(read_table(written(f"a,b\n# rate: {rate}\n")))
 
 
 def test_a_rate_of_uneven_times_is_told(written: Written) -> None:

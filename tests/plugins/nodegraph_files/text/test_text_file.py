@@ -46,7 +46,7 @@ def test_comments_count_as_empty_lines_and_say_something() -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (b"a\nb\0\n", "line 2 holds a zero byte"),
         (b"\x1f\x8b\x08\0\0", "compressed by gzip; unpack"),
@@ -56,10 +56,10 @@ def test_comments_count_as_empty_lines_and_say_something() -> None:
         (BOM_UTF16_LE + b"a\0b", "in UTF-16"),
     ],
 )
-def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes, told: str) -> None:
+def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
     path = tmp_path / "take.csv"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match=rf"take\.csv: not a table of text.*{told}"):
+    with pytest.raises(ValueError, match=rf"take\.csv: not a table of text.*{message}"):
         read_text_file(path)
 
 

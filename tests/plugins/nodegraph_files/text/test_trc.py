@@ -29,10 +29,10 @@ def trc(
     **facts: str | None,
 ) -> str:
     """Return a TRC file whose tabs are written as spaces; a fact that is None is left out."""
-    said = {"DataRate": "100", "CameraRate": "100", "NumFrames": str(len(rows))}
-    said |= {"NumMarkers": "2", "Units": "mm"}
-    told = {key: value for key, value in {**said, **facts}.items() if value is not None}
-    header = ["PathFileType 4 (X/Y/Z) it.trc", " ".join(told), " ".join(told.values())]
+    defaults = {"DataRate": "100", "CameraRate": "100", "NumFrames": str(len(rows))}
+    defaults |= {"NumMarkers": "2", "Units": "mm"}
+    written = {key: value for key, value in {**defaults, **facts}.items() if value is not None}
+    header = ["PathFileType 4 (X/Y/Z) it.trc", " ".join(written), " ".join(written.values())]
     return "\n".join([*header, names, axes, "", *rows, ""]).replace(" ", "\t")
 
 
@@ -64,9 +64,9 @@ def test_units_become_millimetres(write: Write, unit: str, millimetres: float) -
     np.testing.assert_allclose(read.positions[0, 0], np.array([1, 2, 3]) * millimetres)
 
 
-@pytest.mark.parametrize(("unit", "told"), [(None, "no unit"), ("", "no unit"), ("px", "'px'")])
-def test_millimetres_are_assumed_aloud(write: Write, unit: str | None, told: str) -> None:
-    with pytest.warns(UserWarning, match=f"{told}.*mm is assumed"):
+@pytest.mark.parametrize(("unit", "message"), [(None, "no unit"), ("", "no unit"), ("px", "'px'")])
+def test_millimetres_are_assumed_aloud(write: Write, unit: str | None, message: str) -> None:
+    with pytest.warns(UserWarning, match=f"{message}.*mm is assumed"):
         assert read_trc(write(trc(Units=unit))).positions[0, 0].tolist() == [1, 2, 3]
 
 
@@ -88,14 +88,14 @@ def test_zeros_are_missing_unless_told_otherwise(write: Write) -> None:
 
 
 def test_partly_missing_and_infinite_samples_are_told(write: Write) -> None:
-    with pytest.warns(UserWarning, match="count as missing") as told:
+    with pytest.warns(UserWarning, match="count as missing") as caught:
         read = read_trc(write(trc(["1 0.00 1  3 inf 5 6"])))
-    assert len(told) == 2
+    assert len(caught) == 2
     assert not read.present.any()
 
 
 @pytest.mark.parametrize(
-    ("fact", "said", "told"),
+    ("fact", "written", "message"),
     [
         ("NumFrames", "652", "says 652 frames, the file holds 2"),
         ("NumFrames", "1", "says 1 frames, the file holds 2"),
@@ -108,10 +108,10 @@ def test_partly_missing_and_infinite_samples_are_told(write: Write) -> None:
     ],
 )
 def test_a_header_that_lies_is_corrected_aloud(
-    write: Write, fact: str, said: str, told: str
+    write: Write, fact: str, written: str, message: str
 ) -> None:
-    with pytest.warns(UserWarning, match=told):
-        read = read_trc(write(trc(**{fact: said})))
+    with pytest.warns(UserWarning, match=message):
+        read = read_trc(write(trc(**{fact: written})))
     assert read.positions.shape == (2, 2, 3)
 
 
@@ -189,7 +189,7 @@ def test_a_name_out_of_place_is_refused(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "message"),
     [
         ({"names": "Frame# Time lip nose"}, "names do not stand over X columns"),
         ({"names": "Frame# Time  lip  nose"}, "names do not stand over X columns"),
@@ -198,8 +198,8 @@ def test_a_name_out_of_place_is_refused(write: Write) -> None:
         ({"NumMarkers": "0"}, "says 0 markers, the file holds 2"),
     ],
 )
-def test_what_is_clear_is_read_aloud(write: Write, changed: Any, told: str) -> None:
-    with pytest.warns(UserWarning, match=told):
+def test_what_is_clear_is_read_aloud(write: Write, changed: Any, message: str) -> None:
+    with pytest.warns(UserWarning, match=message):
         read = read_trc(write(trc(**{"NumFrames": "2", **changed})))
     assert read.markers == ("lip", "nose")
     assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
@@ -214,7 +214,7 @@ def test_headers_that_are_shifted_or_padded_by_tabs(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("axes", "told"),
+    ("axes", "message"),
     [
         ("  X1 Y1 Z1 X2 Z2 Y2", ":5:7: 'Z2' where Y2 is expected"),
         ("  X1 Y1 Z1 X2 Y2", ":5: 5 columns X1, Y1, Z1, ... make no whole number"),
@@ -222,8 +222,8 @@ def test_headers_that_are_shifted_or_padded_by_tabs(write: Write) -> None:
         ("1 0.00 1 2 3 4 5", ":5: no columns X1, Y1, Z1, ... and 5 coordinates"),
     ],
 )
-def test_columns_out_of_place_are_refused(write: Write, axes: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.trc{told}"):
+def test_columns_out_of_place_are_refused(write: Write, axes: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.trc{message}"):
         read_trc(write(trc(axes=axes)))
 
 
@@ -285,7 +285,7 @@ def test_no_frames_are_refused(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "no TRC file: it begins with ''"),
         ("a.x,a.y,a.z\n1,2,3\n", "no TRC file: it begins with 'a.x,a.y,a.z'"),
@@ -293,8 +293,8 @@ def test_no_frames_are_refused(write: Write) -> None:
         ("PathFileType\t4\n\n\n\n\n\n", "the header ends after 1 of 5 lines"),
     ],
 )
-def test_what_is_no_recording_is_refused(write: Write, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.trc:? ?{told}"):
+def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.trc:? ?{message}"):
         read_trc(write(text))
 
 
@@ -386,9 +386,9 @@ def test_damaged_text_gives_a_recording_or_a_value_error(
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recordings are not here")
 def test_a_real_file_with_commas_that_was_cut_short() -> None:
-    with pytest.warns(UserWarning, match="the header says 652 frames, the file holds 93") as told:
+    with pytest.warns(UserWarning, match="the header says 652 frames, the file holds 93") as caught:
         read = read_trc(REAL)
-    assert len(told) == 1
+    assert len(caught) == 1
     rows = [line.split(",") for line in REAL.read_text().splitlines()]
     assert read.positions.shape == (93, 51, 3)
     assert read.rate == 100

@@ -65,7 +65,7 @@ def test_rows_that_end_early_and_frames_that_skip_are_told(written: Written) -> 
 
 
 @pytest.mark.parametrize(
-    ("names", "told", "markers"),
+    ("names", "message", "markers"),
     [
         (",,lip,,,,,", "'' is now 'unnamed_2'", ("lip", "unnamed_2")),
         (",,lip,,,lip,,", "'lip' is now 'lip_2'", ("lip", "lip_2")),
@@ -73,14 +73,14 @@ def test_rows_that_end_early_and_frames_that_skip_are_told(written: Written) -> 
     ],
 )
 def test_names_that_lack_or_repeat_are_told(
-    written: Written, names: str, told: str, markers: tuple[str, ...]
+    written: Written, names: str, message: str, markers: tuple[str, ...]
 ) -> None:
-    with pytest.warns(UserWarning, match=told):
+    with pytest.warns(UserWarning, match=message):
         assert read_csv(written(vicon(line_3=names))).markers == markers
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (vicon(line_1="Model Outputs"), ": no section Trajectories; there is Model Outputs"),
         ("Trajectories\n100\n", ": the section Trajectories ends within its header"),
@@ -98,6 +98,6 @@ def test_names_that_lack_or_repeat_are_told(
         ("\n".join([*HEADER, "", "Devices", ""]), ": no frames follow line 5"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{told}"):
+def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(written(text))

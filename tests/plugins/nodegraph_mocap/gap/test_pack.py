@@ -123,8 +123,8 @@ def test_nothing_but_missing_samples_and_a_single_frame_can_be_packed() -> None:
     view = packed(GAP, {"a": {"estimate": nowhere, "truth": nowhere}})
     assert np.isnan(unpacked.truth(view)).all()
     assert np.isnan(unpacked.faces(view)).all()
-    one = replace(whole, positions=whole.positions[:1], origin=whole.origin[:1])
-    view = packed({"marker": "nose", "start": 0, "frames": 1}, {"a": {"estimate": one}})
+    single = replace(whole, positions=whole.positions[:1], origin=whole.origin[:1])
+    view = packed({"marker": "nose", "start": 0, "frames": 1}, {"a": {"estimate": single}})
     assert view["frames"] == 1
 
 

@@ -215,8 +215,8 @@ def nowhere() -> dict[str, dict[str, Any]]:
 
 def one_frame() -> dict[str, dict[str, Any]]:
     whole = made_face.truth()
-    one = replace(whole, positions=whole.positions[:1], origin=whole.origin[:1])
-    return {"a": {"estimate": one, "truth": one}}
+    single = replace(whole, positions=whole.positions[:1], origin=whole.origin[:1])
+    return {"a": {"estimate": single, "truth": single}}
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,9 @@ NUMBERS = arrays(np.float64, SHAPES, elements=st.floats(-REACH, REACH) | st.just
 @given(NUMBERS, st.sampled_from([0.01, 0.5, 1e-4]))
 def test_numbers_come_back_to_half_a_step(values: np.ndarray, step: float) -> None:
     blob = Blob()
-    told, steps = blob.steps(values, step)
+    packed, steps = blob.steps(values, step)
     read = Read(blob.packed({}))
-    back = read.steps(told)
+    back = read.steps(packed)
     assert np.array_equal(back, steps)
     known = ~np.isnan(values)
     assert np.all(np.abs(back * step - values)[known] <= step / 2 * (1 + 1e-6))
@@ -38,12 +38,12 @@ def test_the_farthest_numbers_come_back_beside_the_farthest_others(given: list[i
 def test_several_arrays_lie_where_the_head_says() -> None:
     blob = Blob()
     places = [blob.small(np.arange(count, dtype=np.uint8)) for count in (1, 2, 3, 5)]
-    told = blob.exact(np.array([0.5, np.pi]))
+    packed = blob.exact(np.array([0.5, np.pi]))
     read = Read(blob.packed({"label": "\u00e9</script>"}))
     for place, count in zip(places, (1, 2, 3, 5), strict=True):
         assert read.small(place, count).tolist() == list(range(count))
-    assert read.exact(told) == pytest.approx([0.5, np.pi], rel=1e-7)
-    assert all(place % 4 == 0 for place in (*places, told["at"]))
+    assert read.exact(packed) == pytest.approx([0.5, np.pi], rel=1e-7)
+    assert all(place % 4 == 0 for place in (*places, packed["at"]))
     assert read.head == {"label": "\u00e9</script>"}
 
 

@@ -66,13 +66,13 @@ def test_the_fragment_holds_the_packed_data_and_says_what_it_is() -> None:
 
 
 def test_all_of_the_player_comes_once_and_with_no_way_out() -> None:
-    one, other = (render_playback(playback(), title) for title in ("one", "other"))
-    assert one.scripts == other.scripts
-    assert one.styles == other.styles
+    first, other = (render_playback(playback(), title) for title in ("one", "other"))
+    assert first.scripts == other.scripts
+    assert first.styles == other.styles
     folder = Path(page.__file__).with_name("web")
     sources = {source.read_text(encoding="utf-8") for source in folder.glob("*.js")}
-    assert sources == set(one.scripts)
-    for text in (*one.scripts, *one.styles):
+    assert sources == set(first.scripts)
+    for text in (*first.scripts, *first.styles):
         assert not re.search(r"https?:|url\(|@import|fetch\(|innerHTML|eval\(", text)
 
 

@@ -21,7 +21,7 @@ def panel(shown: Any, label: str = "one", radius: float = 100.0) -> Panel:
 
 def playback(*shown: Any, truth: Any = None) -> Playback:
     known = None if truth is None else panel(truth, "truth")
-    return Playback(panels=tuple(panel(one) for one in shown), truth=known)
+    return Playback(panels=tuple(panel(single) for single in shown), truth=known)
 
 
 @pytest.mark.parametrize("name", recordings())
@@ -29,9 +29,9 @@ def test_every_sample_comes_back_to_a_hundredth_of_a_millimetre(name: str) -> No
     recording = recordings()[name]
     read = Read.of(playback(recordings()["complete"], recording, recording))
     for place in (1, 2):
-        told = read.head["panels"][place]
-        assert tuple(told["markers"]) == recording.markers
-        assert (told["frames"], told["rate"]) == (recording.frames, recording.rate)
+        expected = read.head["panels"][place]
+        assert tuple(expected["markers"]) == recording.markers
+        assert (expected["frames"], expected["rate"]) == (recording.frames, recording.rate)
         assert np.array_equal(read.origin(place), recording.origin)
         error = np.abs(read.positions(place) - recording.positions)
         assert np.array_equal(np.isnan(error), np.isnan(recording.positions))
@@ -58,7 +58,7 @@ def test_a_long_study_stays_small() -> None:
     paths = 150 * np.sin(
         np.linspace(0, 40, frames)[:, None, None] + rng.uniform(0, 6, (markers, 3))
     )
-    names = tuple(f"m{one}" for one in range(markers))
+    names = tuple(f"m{number}" for number in range(markers))
     noisy = [
         Trajectories(positions=paths + rng.normal(0, 0.1, paths.shape), markers=names, rate=60.0)
         for _ in range(10)
@@ -70,29 +70,29 @@ def test_a_head_that_several_share_is_told_once() -> None:
     first, second = animations()["complete"], animations()["gaps"]
     read = Read.of(playback(first, second))
     (head,) = read.head["heads"]
-    assert [one["head"] for one in read.head["panels"]] == [0, 0]
+    assert [panel["head"] for panel in read.head["panels"]] == [0, 0]
     vertices = read.steps(head["vertices"]).reshape(-1, 3) * head["vertices"]["step"]
     assert np.abs(vertices - first.head.vertices).max() <= 0.005 + 1e-9
     morphs = read.steps(head["morphs"]).reshape(first.head.morphs.shape) * head["morphs"]["step"]
     assert np.abs(morphs - first.head.morphs).max() <= 0.005 + 1e-9
     assert np.array_equal(read.steps(head["faces"]).reshape(-1, 3), first.head.faces)
     other = replace(second, head=replace(second.head, vertices=second.head.vertices + 1))
-    assert [one["head"] for one in Read.of(playback(first, other)).head["panels"]] == [0, 1]
+    assert [panel["head"] for panel in Read.of(playback(first, other)).head["panels"]] == [0, 1]
 
 
 @pytest.mark.parametrize("name", animations())
 def test_weights_and_motion_come_back(name: str) -> None:
     animation: Animation = animations()[name]
     read = Read.of(playback(animation))
-    (told,) = read.head["panels"]
+    (expected,) = read.head["panels"]
     known = np.isfinite(animation.morph_weights)
-    assert np.array_equal(read.small(told["known"], animation.frames), known.all(axis=1))
-    weights = read.steps(told["weights"]).T * told["weights"]["step"]
+    assert np.array_equal(read.small(expected["known"], animation.frames), known.all(axis=1))
+    weights = read.steps(expected["weights"]).T * expected["weights"]["step"]
     assert np.abs(weights - animation.morph_weights)[known].max() <= 5.1e-5
     motion = animation.head_motion
-    assert (told["motion"] is None) == (motion is None)
+    assert (expected["motion"] is None) == (motion is None)
     if motion is not None:
-        twelve = read.exact(told["motion"]).reshape(-1, 12)
+        twelve = read.exact(expected["motion"]).reshape(-1, 12)
         scaled = motion.scales[:, None, None] * motion.rotations
         assert twelve[:, :9] == pytest.approx(scaled.reshape(-1, 9), abs=1e-6)
         assert twelve[:, 9:] == pytest.approx(motion.translations, rel=1e-6)
@@ -103,11 +103,11 @@ def test_edges_and_the_truth_are_matched_by_name() -> None:
     shown = truth.keep(["lip_right", "nose", "lip_left"])
     renamed = replace(shown, markers=("lip_right", "new", "lip_left"), marker_set=None)
     read = Read.of(playback(shown, renamed, truth=truth))
-    known, one, other = read.head["panels"]
+    known, first, other = read.head["panels"]
     assert known["truth"] is None
-    assert [truth.markers[place] for place in one["truth"]] == list(shown.markers)
+    assert [truth.markers[place] for place in first["truth"]] == list(shown.markers)
     assert other["truth"][1] == -1
-    assert {tuple(sorted(shown.markers[end] for end in edge)) for edge in one["edges"]} == {
+    assert {tuple(sorted(shown.markers[end] for end in edge)) for edge in first["edges"]} == {
         ("lip_left", "lip_right")
     }
     assert other["edges"] == []
@@ -160,10 +160,10 @@ def test_a_head_alone_starts_where_it_moves_most() -> None:
 
 def test_the_colours_end_above_nearly_all_errors() -> None:
     truth = recordings()["complete"]
-    made = np.zeros(truth.origin.shape, bool)
-    made[5:25, 2] = True
-    moved = truth.positions + made[..., None] * np.array([0.0, 3.1, 0.0])
-    filled = truth.with_samples(moved, changed=made, origin=Origin.FILLED)
+    changed = np.zeros(truth.origin.shape, bool)
+    changed[5:25, 2] = True
+    moved = truth.positions + changed[..., None] * np.array([0.0, 3.1, 0.0])
+    filled = truth.with_samples(moved, changed=changed, origin=Origin.FILLED)
     assert error_scale(playback(filled, truth=truth)) == 5.0
     assert (
         error_scale(playback(replace(truth, positions=truth.positions + 0.3), truth=truth)) == 1.0

@@ -35,7 +35,9 @@ def panel(shown: Trajectories | Animation, label: str = "one") -> Panel:
 
 
 def written(folder: Path, *playbacks: Playback) -> Path:
-    sections = tuple(Section(str(n), render_playback(one, "x")) for n, one in enumerate(playbacks))
+    sections = tuple(
+        Section(str(n), render_playback(shown, "x")) for n, shown in enumerate(playbacks)
+    )
     file = folder / "report.html"
     file.write_text(page(Study("A title", sections=sections)), encoding="utf-8")
     return file
@@ -60,8 +62,8 @@ def projected(points: NDArray[np.float64], size: float, turn: float = 0.0) -> An
 
 
 def dots(state: dict[str, Any], place: int = 0) -> NDArray[np.float64]:
-    found = state["panels"][place]["dots"]
-    return np.array([np.nan if one is None else one for one in found], float).reshape(-1, 3)
+    result = state["panels"][place]["dots"]
+    return np.array([np.nan if value is None else value for value in result], float).reshape(-1, 3)
 
 
 def pixel(tab: Page, x: float, y: float, place: int = 0) -> tuple[int, ...]:
@@ -114,13 +116,13 @@ def test_edges_are_drawn_where_both_ends_are(tab: Page, tmp_path: Path) -> None:
 
 def test_the_truth_is_a_circle_and_errors_have_colours(tab: Page, tmp_path: Path) -> None:
     truth = replace(recordings()["complete"], marker_set=None)
-    made = np.zeros(truth.origin.shape, bool)
-    made[:, 6] = True
-    moved = truth.positions + made[..., None] * np.array([0.0, 12.0, 0.0])
-    filled = truth.with_samples(moved, changed=made, origin=Origin.FILLED)
+    changed = np.zeros(truth.origin.shape, bool)
+    changed[:, 6] = True
+    moved = truth.positions + changed[..., None] * np.array([0.0, 12.0, 0.0])
+    filled = truth.with_samples(moved, changed=changed, origin=Origin.FILLED)
     show(tab, tmp_path, panel(filled, "guess"), truth=panel(truth, "truth"))
     state = tab.evaluate(f"{FIRST}.state")
-    assert [one["label"] for one in state["panels"]] == ["truth", "guess"]
+    assert [panel["label"] for panel in state["panels"]] == ["truth", "guess"]
     there, guess = dots(state, 0)[6], dots(state, 1)[6]
     halfway = (there + guess) / 2
     assert pixel(tab, halfway[0], halfway[1], 1)[3] > 0  # the line from where it should be
@@ -135,8 +137,8 @@ def test_the_truth_is_a_circle_and_errors_have_colours(tab: Page, tmp_path: Path
     assert pixel(tab, guess[0], guess[1], 1) == (206, 86, 122, 255)
     assert pixel(tab, dots(state, 1)[0, 0], dots(state, 1)[0, 1], 1) == (42, 134, 200, 255)
     assert "20 mm and more" in tab.evaluate("document.querySelector('.legend').textContent")
-    told = tab.evaluate("document.querySelectorAll('.told')[1].textContent")
-    assert told == "9 captured, 1 recovered; 1 compared: mean error 12.00 mm, largest 12.00 mm"
+    text = tab.evaluate("document.querySelectorAll('.told')[1].textContent")
+    assert text == "9 captured, 1 recovered; 1 compared: mean error 12.00 mm, largest 12.00 mm"
 
 
 def test_trails_show_where_markers_came_from(tab: Page, tmp_path: Path) -> None:
@@ -295,9 +297,9 @@ def test_one_clock_drives_other_rates_and_lengths(tab: Page, tmp_path: Path) -> 
     for tick, frames in ((0, [0, 0, 0]), (1, [0, 1, 1]), (7, [3, 7, 1]), (39, [19, 39, 1])):
         tab.evaluate(f"{FIRST}.seek({tick})")
         state = tab.evaluate(f"{FIRST}.state")
-        assert [one["frame"] for one in state["panels"]] == frames
-    told = tab.evaluate("[...document.querySelectorAll('.told')].map((one) => one.textContent)")
-    assert told == ["10 captured", "10 captured", "ended after 0.03 s"]
+        assert [panel["frame"] for panel in state["panels"]] == frames
+    text = tab.evaluate("[...document.querySelectorAll('.told')].map((one) => one.textContent)")
+    assert text == ["10 captured", "10 captured", "ended after 0.03 s"]
 
 
 def test_the_frames_of_a_thinned_take_keep_their_numbers(tab: Page, tmp_path: Path) -> None:
@@ -313,10 +315,10 @@ def test_odd_recordings_are_shown(tab: Page, tmp_path: Path, name: str) -> None:
     show(tab, tmp_path, panel(recordings()[name]), panel(animations()["one frame"]))
     drawn = dots(tab.evaluate(f"{FIRST}.state"))
     assert np.array_equal(np.isfinite(drawn[:, 0]), recordings()[name].present[0])
-    told = tab.evaluate("document.querySelector('.told').textContent")
+    text = tab.evaluate("document.querySelector('.told').textContent")
     counts = np.bincount(recordings()[name].origin[0], minlength=2)
     expected = [(counts[1], "captured"), (counts[0], "missing")]
-    assert told == ", ".join(f"{count} {word}" for count, word in expected if count)
+    assert text == ", ".join(f"{count} {word}" for count, word in expected if count)
 
 
 def test_all_panels_turn_together_by_a_drag(tab: Page, tmp_path: Path) -> None:
@@ -406,9 +408,9 @@ def test_every_control_has_a_name(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(face), panel(head(), "head"), truth=panel(face, "truth"))
     tree = tab.context.new_cdp_session(tab).send("Accessibility.getFullAXTree")["nodes"]
     named = {
-        (one["role"]["value"], one["name"]["value"])
-        for one in tree
-        if "name" in one and not one.get("ignored")
+        (node["role"]["value"], node["name"]["value"])
+        for node in tree
+        if "name" in node and not node.get("ignored")
     }
     controls = {"button", "slider", "checkbox", "combobox"}
     assert {name for role, name in named if role in controls} >= {
@@ -515,8 +517,8 @@ def test_labels_with_markup_are_text(tab: Page, tmp_path: Path) -> None:
 
 
 def test_each_of_several_playbacks_plays_for_itself(tab: Page, tmp_path: Path) -> None:
-    one = Playback(panels=(panel(recordings()["complete"]),))
-    load(tab, written(tmp_path, one, one))
+    single = Playback(panels=(panel(recordings()["complete"]),))
+    load(tab, written(tmp_path, single, single))
     tab.evaluate(f"{PLAYER % 1}.seek(7)")
     ticks = [tab.evaluate(f"{PLAYER % place}.state.tick") for place in (0, 1)]
     assert ticks == [0, 7]
@@ -526,7 +528,7 @@ def test_each_of_several_playbacks_plays_for_itself(tab: Page, tmp_path: Path) -
 @pytest.mark.parametrize("width", [360, 1400])
 def test_nothing_is_wider_than_the_page(tab: Page, tmp_path: Path, width: int) -> None:
     face = recordings()["complete"]
-    shown = [panel(face, f"a rather long label of method {one}") for one in range(5)]
+    shown = [panel(face, f"a rather long label of method {number}") for number in range(5)]
     show(tab, tmp_path, *shown, truth=panel(face, "truth"), width=width, height=800)
     assert tab.evaluate("document.documentElement.scrollWidth") <= width
     figure = "document.querySelector('figure.playback')"
@@ -537,7 +539,13 @@ def test_nothing_is_wider_than_the_page(tab: Page, tmp_path: Path, width: int) -
 
 def test_the_clock_stays_in_reach_of_every_picture(tab: Page, tmp_path: Path) -> None:
     face = recordings()["complete"]
-    show(tab, tmp_path, *(panel(face, f"method {one}") for one in range(9)), width=390, height=600)
+    show(
+        tab,
+        tmp_path,
+        *(panel(face, f"method {number}") for number in range(9)),
+        width=390,
+        height=600,
+    )
     middle(tab, ".playback .panel:last-child canvas")
     assert tab.evaluate("scrollY") > 400
     assert 0 <= tab.evaluate("document.querySelector('.time').getBoundingClientRect().top") < 20
@@ -579,8 +587,8 @@ def test_data_that_cannot_be_read_say_so(tab: Page, tmp_path: Path) -> None:
     start = text.index("<template>") + len("<template>")
     file.write_text(text[:start] + "!" + text[start:], encoding="utf-8")
     load(tab, file)
-    told = tab.evaluate("document.querySelector('figure.playback').textContent")
-    assert told.startswith("This playback cannot be shown: ")
+    expected = tab.evaluate("document.querySelector('figure.playback').textContent")
+    assert expected.startswith("This playback cannot be shown: ")
 
 
 def test_the_page_beside_the_report_plays(tab: Page, tmp_path: Path) -> None:

@@ -26,20 +26,20 @@ class Read:
     def of(cls, playback: Playback) -> Read:
         return cls(packed(playback))
 
-    def steps(self, told: dict[str, Any], like: NDArray[np.int64] | None = None) -> Any:
+    def steps(self, expected: dict[str, Any], like: NDArray[np.int64] | None = None) -> Any:
         """Return (rows, length) whole steps."""
-        rows, length = told["rows"], told["length"]
-        content = self.body[told["at"] : told["at"] + 4 * rows * length]
+        rows, length = expected["rows"], expected["length"]
+        content = self.body[expected["at"] : expected["at"] + 4 * rows * length]
         planes = np.frombuffer(content, np.uint8).reshape(4, rows, length).astype(np.int64)
-        whole = sum(planes[one] << (8 * one) for one in range(4))
+        whole = sum(planes[number] << (8 * number) for number in range(4))
         summed = np.cumsum(whole, axis=1) + (0 if like is None else like)
         return (summed + 2**31) % 2**32 - 2**31
 
     def small(self, place: int, count: int) -> NDArray[np.uint8]:
         return np.frombuffer(self.body[place : place + count], np.uint8)
 
-    def exact(self, told: dict[str, int]) -> NDArray[np.float32]:
-        content = self.body[told["at"] : told["at"] + 4 * told["length"]]
+    def exact(self, expected: dict[str, int]) -> NDArray[np.float32]:
+        content = self.body[expected["at"] : expected["at"] + 4 * expected["length"]]
         return np.frombuffer(content, "<f4")
 
     def positions(self, place: int) -> NDArray[np.float64]:
