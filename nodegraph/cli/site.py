@@ -39,11 +39,11 @@ def site(arguments: Namespace) -> int:
         raise NodegraphError(f"{out} exists and is not a site; name another folder with --out")
     registry = Registry.installed(arguments.plugin)
     contents = site_files(registry, all_parsers(registry), arguments.runs)
-    for path, content in contents.made.items():
+    for path, content in contents.generated.items():
         write_file(out / path, content)
     for path, file in contents.copied.items():
         write_file(out / path, file.read_bytes())
-    pages = sum(path.endswith(".html") for path in contents.made)
+    pages = sum(path.endswith(".html") for path in contents.generated)
     size = sum(file.stat().st_size for file in out.rglob("*") if file.is_file())
     print(f"{out / 'index.html'} ({pages} pages, {size_text(size)})")
     return 0

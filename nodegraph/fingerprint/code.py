@@ -134,7 +134,7 @@ class Code:
         troubles |= set(edited_since(modules, function))
         for label, digests in live.units.items():
             digests_by_unit[label] |= digests
-        units = {label: _one(digests) for label, digests in sorted(digests_by_unit.items())}
+        units = {label: _combined(digests) for label, digests in sorted(digests_by_unit.items())}
         versions = {"python": _PYTHON}
         for top in sorted(versioned):
             versions.update(self._places.origin(top).versions)
@@ -149,17 +149,17 @@ class Code:
         """Return digests by label, modules whose version counts, troubles, and modules read."""
         digests: defaultdict[str, set[str]] = defaultdict(set)
         versioned, troubles = set(reach.versioned), set()
-        seen = set(reach.spots)
+        seen = set(reach.definitions)
         waiting = list(seen)
         while waiting:
             unit = self._links.unit(waiting.pop())
             digests[unit.label].add(unit.digest)
             versioned |= unit.reach.versioned
             troubles |= {unit.trouble} - {""}
-            new = unit.reach.spots - seen
+            new = unit.reach.definitions - seen
             seen |= new
             waiting.extend(new)
-        return digests, versioned, troubles, {spot.module for spot in seen}
+        return digests, versioned, troubles, {definition.module for definition in seen}
 
 
 @contextmanager
@@ -174,6 +174,6 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-def _one(digests: set[str]) -> str:
+def _combined(digests: set[str]) -> str:
     """Return the digest of a label; several units that have one name count together."""
     return next(iter(digests)) if len(digests) == 1 else short_digest(*sorted(digests))

@@ -28,7 +28,7 @@ from types import (
 from typing import Any
 
 from nodegraph.fingerprint.modules import UNKNOWN, Places
-from nodegraph.fingerprint.names import NOT_FOLLOWED, STATEMENTS, Links, Module, Reach, Spot
+from nodegraph.fingerprint.names import NOT_FOLLOWED, STATEMENTS, Definition, Links, Module, Reach
 from nodegraph.fingerprint.source import Marks, Part, part_of, short_digest
 
 _PLAIN = (NoneType, bool, int, float, complex, str, bytes, range, type(...))
@@ -127,11 +127,11 @@ _BOOKKEEPING = {
     "__firstlineno__", "__static_attributes__", "__annotate__", "__annotate_func__",
     "__annotations_cache__", "_abc_impl",
 }  # fmt: skip
-_MADE_BY_DATACLASS = {
+_OF_DATACLASS = {
     "__init__", "__repr__", "__eq__", "__lt__", "__le__", "__gt__", "__ge__", "__hash__",
     "__setattr__", "__delattr__", "__getstate__", "__setstate__", "__replace__",
 }  # fmt: skip
-_MADE_BY_NAMEDTUPLE = {
+_OF_NAMEDTUPLE = {
     "__new__", "_make", "_replace", "__replace__", "__repr__", "_asdict", "__getnewargs__",
     "__orig_bases__",
 }  # fmt: skip
@@ -149,7 +149,7 @@ def bare_members(kind: type) -> dict[str, Any]:
         name: _bare(member)
         for name, member in sorted(vars(kind).items())
         if name not in _BOOKKEEPING and not name.startswith("__dataclass")
-        if not isinstance(member, _SLOTS) and not _is_made(kind, name, member)
+        if not isinstance(member, _SLOTS) and not _is_generated(kind, name, member)
     }
     annotations = {
         name: str(annotation) for name, annotation in getattr(kind, "__annotations__", {}).items()
@@ -188,21 +188,21 @@ def _bare(member: Any) -> Any:
     return member
 
 
-def _is_made(kind: type, name: str, member: Any) -> bool:
+def _is_generated(kind: type, name: str, member: Any) -> bool:
     if hasattr(kind, "_fields") and issubclass(kind, tuple):
-        return name in _MADE_BY_NAMEDTUPLE
+        return name in _OF_NAMEDTUPLE
     generated = isinstance(member, FunctionType) and member.__code__.co_filename in _NOWHERE
-    return generated and name in _MADE_BY_DATACLASS and dataclasses.is_dataclass(kind)
+    return generated and name in _OF_DATACLASS and dataclasses.is_dataclass(kind)
 
 
-def made_with(function: FunctionType) -> Iterator[tuple[str, Any]]:
+def captured(function: FunctionType) -> Iterator[tuple[str, Any]]:
     """Yield by name what a function holds besides its code: cells, defaults, what it wraps."""
     code = function.__code__
     for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
         try:
             yield name, cell.cell_contents
         except ValueError:
-            continue  # never bound: nothing was made with it
+            continue  # never bound: nothing can depend on it
     defaults = function.__defaults__ or ()
     arguments = code.co_varnames[: code.co_argcount]
     yield from zip(arguments[len(arguments) - len(defaults) :], defaults, strict=True)
@@ -211,31 +211,35 @@ def made_with(function: FunctionType) -> Iterator[tuple[str, Any]]:
         yield "__wrapped__", vars(function)["__wrapped__"]
 
 
-def spot_of(module: Module, function: FunctionType) -> Spot | None:
+def definition_of(module: Module, function: FunctionType) -> Definition | None:
     """Return the name that a function has in its module; its line tells twins apart."""
     code, summary = function.__code__, module.summary
     if summary.trouble:
-        return Spot(module, STATEMENTS)
+        return Definition(module, STATEMENTS)
     name = code.co_qualname.partition(".")[0]
     named = summary.names.get(name, ())
     parts = enumerate(summary.parts)
     here = [at for at, part in parts if part.first <= code.co_firstlineno <= part.last]
     twins = [at for at in here if at in named]
     if len(named) > 1 and twins:
-        return Spot(module, name, twins[0])
+        return Definition(module, name, twins[0])
     if named:
-        return Spot(module, name)
-    return Spot(module, _bound_by(module, here[0]) or name, here[0]) if here else None
+        return Definition(module, name)
+    return Definition(module, _bound_by(module, here[0]) or name, here[0]) if here else None
 
 
 def _bound_by(module: Module, part: int) -> str:
     return next((name for name, parts in module.summary.names.items() if part in parts), "")
 
 
-def is_written_out(spot: Spot, function: FunctionType) -> bool:
+def is_written_out(definition: Definition, function: FunctionType) -> bool:
     """Whether the source says all that a function was made with: it was not made by another."""
-    parts = [spot.part] if spot.part >= 0 else spot.module.summary.names.get(spot.name, ())
-    defined = any(spot.module.summary.parts[part].defines for part in parts)
+    parts = (
+        [definition.part]
+        if definition.part >= 0
+        else definition.module.summary.names.get(definition.name, ())
+    )
+    defined = any(definition.module.summary.parts[part].defines for part in parts)
     return defined and "<" not in function.__code__.co_qualname
 
 
@@ -261,7 +265,7 @@ class Live:
         self._links = links
         self._places = places
         self._describer = Describer(self._code)
-        self._spots: set[Spot] = set()
+        self._definitions: set[Definition] = set()
         self._versioned: set[str] = set()
         self._waiting: list[tuple[str, Any]] = []
         self._seen: set[int] = set()
@@ -276,7 +280,7 @@ class Live:
             if id(value) not in self._seen:
                 self._seen.add(id(value))
                 self._look(label, value)
-        return Reach(frozenset(self._spots), frozenset(self._versioned))
+        return Reach(frozenset(self._definitions), frozenset(self._versioned))
 
     def _look(self, label: str, value: Any) -> None:
         if not isinstance(value, FunctionType):
@@ -319,31 +323,31 @@ class Live:
         module = self._module(kind.__module__)
         name = kind.__qualname__.partition(".")[0]
         if module is not None and name in module.summary.names:
-            self._spots.add(Spot(module, name))
+            self._definitions.add(Definition(module, name))
         return self._describer.all(kind.__bases__), self._describer.of(bare_members(kind))
 
     def _function(self, function: FunctionType) -> Iterator[tuple[str, Any]]:
-        """Note a function's code; return by name what it was made with besides."""
+        """Note a function's code; return by name what it captures besides."""
         if _is_renamed(function) and self._is_named(function):
             self._by_version(function.__module__, function)
             return iter(())
         file = function.__code__.co_filename
         if not os.path.isfile(file):
             if _is_in_module(function) and self._by_version(_module_name(function), function):
-                return _made_by_library(function)
+                return _closure_of_local(function)
             self._fileless(function)
-            return made_with(function)
+            return captured(function)
         module = self._home(function, os.path.abspath(file))
         if module is None:
-            return _made_by_library(function)
-        spot = spot_of(module, function)
-        if spot is None:
+            return _closure_of_local(function)
+        definition = definition_of(module, function)
+        if definition is None:
             self.troubles.append(
                 f"{_label(function)} is not in its file, which was edited after it was imported"
             )
             return iter(())
-        self._spots.add(spot)
-        return iter(()) if is_written_out(spot, function) else made_with(function)
+        self._definitions.add(definition)
+        return iter(()) if is_written_out(definition, function) else captured(function)
 
     def _home(self, function: FunctionType, file: str) -> Module | None:
         """Return the module that a function is in, or None where its version counts."""
@@ -409,12 +413,12 @@ class Live:
         return True
 
     def _add(self, reach: Reach) -> None:
-        self._spots |= reach.spots
+        self._definitions |= reach.definitions
         self._versioned |= reach.versioned
 
 
-def _made_by_library(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    return made_with(function) if "<locals>" in function.__code__.co_qualname else iter(())
+def _closure_of_local(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    return captured(function) if "<locals>" in function.__code__.co_qualname else iter(())
 
 
 def _is_in_module(function: FunctionType) -> bool:

@@ -108,15 +108,15 @@ def _files(distribution: metadata.Distribution) -> str:
 
 def _owners(remembered: Any) -> dict[str, list[Owner]]:
     """Return what is well formed of what was remembered."""
-    found: dict[str, list[Owner]] = {}
-    for top, owners in remembered.items() if isinstance(remembered, Mapping) else ():
+    owners: dict[str, list[Owner]] = {}
+    for top, items in remembered.items() if isinstance(remembered, Mapping) else ():
         try:
-            pairs = [(name, version) for name, version in owners]
+            pairs = [(name, version) for name, version in items]
         except (TypeError, ValueError):
             continue
         if all(isinstance(text, str) for pair in pairs for text in pair):
-            found[str(top)] = [Owner(*pair) for pair in pairs]
-    return found
+            owners[str(top)] = [Owner(*pair) for pair in pairs]
+    return owners
 
 
 UNKNOWN = "unknown"

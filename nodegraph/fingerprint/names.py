@@ -45,7 +45,7 @@ Step = tuple[Module | str, str]
 """A name with attributes, to be looked up in a module; an empty name stands for all of them."""
 
 
-class Spot(NamedTuple):
+class Definition(NamedTuple):
     """A name of a module, or one of several statements that bind it."""
 
     module: Module
@@ -56,12 +56,12 @@ class Spot(NamedTuple):
 class Reach(NamedTuple):
     """What a piece of code leads to: names of modules, and modules whose version counts."""
 
-    spots: frozenset[Spot]
+    definitions: frozenset[Definition]
     versioned: frozenset[str]
 
 
 class Unit(NamedTuple):
-    """What a spot is made of, and what it leads to."""
+    """What a definition is made of, and what it leads to."""
 
     label: str
     digest: str
@@ -72,24 +72,28 @@ class Unit(NamedTuple):
 class Meaning(NamedTuple):
     """What a name of a module stands for: its own, what it imports, modules with a version."""
 
-    own: frozenset[Spot]
+    own: frozenset[Definition]
     imported: tuple[tuple[str, str], ...]
     versioned: frozenset[str]
 
 
-def parts_of(spot: Spot) -> list[Part]:
-    """Return the statements that a spot is made of."""
-    summary = spot.module.summary
-    if spot.part >= 0:
-        return [summary.parts[spot.part]]
-    numbers = summary.statements if spot.name == STATEMENTS else summary.names.get(spot.name, ())
+def parts_of(definition: Definition) -> list[Part]:
+    """Return the statements that a definition is made of."""
+    summary = definition.module.summary
+    if definition.part >= 0:
+        return [summary.parts[definition.part]]
+    numbers = (
+        summary.statements
+        if definition.name == STATEMENTS
+        else summary.names.get(definition.name, ())
+    )
     return [summary.parts[number] for number in numbers]
 
 
-def label_of(spot: Spot) -> str:
+def label_of(definition: Definition) -> str:
     """Return ``module:name``, in which there is no path."""
-    compiled = spot.name == STATEMENTS and not is_source(spot.module.file)
-    return f"{spot.module.name}:{'<compiled>' if compiled else spot.name}"
+    compiled = definition.name == STATEMENTS and not is_source(definition.module.file)
+    return f"{definition.module.name}:{'<compiled>' if compiled else definition.name}"
 
 
 def runs(summary: Summary) -> bool:
@@ -120,7 +124,7 @@ class Search:
         self._links = links
         self._places = places
         self._here = here
-        self._spots: set[Spot] = set()
+        self._definitions: set[Definition] = set()
         self._versioned: set[str] = set()
         self._seen: set[Step] = set()
         self._stack: list[Step] = []
@@ -128,7 +132,7 @@ class Search:
     def run(self, references: Iterable[str]) -> Reach:
         """Return what references lead to."""
         if self._here is not None:
-            self._spots |= self._links.entered(self._here)
+            self._definitions |= self._links.entered(self._here)
         for reference in references:
             module, colon, name = reference.partition(":")
             if colon:
@@ -137,9 +141,9 @@ class Search:
                 self._look_up(self._here, *_split(reference))
         for step in set(self._stack):
             reach = self._links.step(step)
-            self._spots |= reach.spots
+            self._definitions |= reach.definitions
             self._versioned |= reach.versioned
-        return Reach(frozenset(self._spots), frozenset(self._versioned))
+        return Reach(frozenset(self._definitions), frozenset(self._versioned))
 
     def run_on(self, step: Step) -> Reach:
         """Return what a name of a module leads to."""
@@ -149,7 +153,7 @@ class Search:
             if step not in self._seen:
                 self._seen.add(step)
                 self._follow(*step)
-        return Reach(frozenset(self._spots), frozenset(self._versioned))
+        return Reach(frozenset(self._definitions), frozenset(self._versioned))
 
     def _follow(self, where: Module | str, name: str) -> None:
         if isinstance(where, Module):
@@ -159,7 +163,7 @@ class Search:
         if module is None:
             self._versioned |= self._links.versioned([where])
             return
-        self._spots |= self._links.entered(module)
+        self._definitions |= self._links.entered(module)
         self._stack.extend((module, each) for each in ([name] if name else _all_names(module)))
         if not name:
             for star in module.summary.stars:
@@ -170,7 +174,7 @@ class Search:
         if meaning is None:
             self._look_further(module, name, attributes)
             return
-        self._spots |= meaning.own
+        self._definitions |= meaning.own
         self._versioned |= meaning.versioned
         self._stack += [(place, _joined(taken, attributes)) for place, taken in meaning.imported]
 
@@ -184,7 +188,7 @@ class Search:
             if module.package and self._places.place(f"{module.name}.{name}"):
                 self._stack.append((f"{module.name}.{name}", attributes))
             elif _LATE in module.summary.names:
-                self._spots.add(Spot(module, _LATE))
+                self._definitions.add(Definition(module, _LATE))
 
     def _import(self, here: Module | None, target: str, name: str) -> None:
         full = absolute(here, target)
@@ -222,8 +226,8 @@ class Links:
         self._sources = sources
         self._by_name: dict[str, Module | None] = {}
         self._by_file: dict[tuple[str, str], Module] = {}
-        self._entered: dict[Module, frozenset[Spot]] = {}
-        self._units: dict[Spot, Unit] = {}
+        self._entered: dict[Module, frozenset[Definition]] = {}
+        self._units: dict[Definition, Unit] = {}
         self._steps: dict[Step, Reach] = {}
         self._meanings: dict[Module, dict[str, Meaning | None]] = {}
 
@@ -241,11 +245,11 @@ class Links:
             self._by_file[at] = Module(name, file, self._sources.summary(file), package=package)
         return self._by_file[at]
 
-    def entered(self, module: Module) -> frozenset[Spot]:
+    def entered(self, module: Module) -> frozenset[Definition]:
         """Return what runs when a module is imported: its statements, and its packages'."""
         if module not in self._entered:
             above = self.module(module.name.rpartition(".")[0]) if "." in module.name else None
-            own = {Spot(module, STATEMENTS)} if runs(module.summary) else set()
+            own = {Definition(module, STATEMENTS)} if runs(module.summary) else set()
             self._entered[module] = (self.entered(above) if above else frozenset()) | own
         return self._entered[module]
 
@@ -262,11 +266,11 @@ class Links:
             name.partition(".")[0] for name in names if self._places.origin(name).versions
         )
 
-    def unit(self, spot: Spot) -> Unit:
-        """Return what a spot is made of, and what it leads to."""
-        if spot not in self._units:
-            self._units[spot] = self._made(spot)
-        return self._units[spot]
+    def unit(self, definition: Definition) -> Unit:
+        """Return what a definition is made of, and what it leads to."""
+        if definition not in self._units:
+            self._units[definition] = self._unit(definition)
+        return self._units[definition]
 
     def reach(self, module: Module | None, references: Iterable[str]) -> Reach:
         """Return what references lead to, those without a module's name as seen in a module."""
@@ -287,7 +291,7 @@ class Links:
         targets = [target.partition(":") for target in summary.imports.get(name, ())]
         full = [(absolute(module, inside), taken) for inside, _, taken in targets]
         return Meaning(
-            frozenset({Spot(module, name)} if name in summary.names else ()),
+            frozenset({Definition(module, name)} if name in summary.names else ()),
             tuple(
                 target for target in full if target[0] and self._places.origin(target[0]).followed
             ),
@@ -306,16 +310,16 @@ class Links:
             else Module(name, "", Summary(), package=True)
         )
 
-    def _made(self, spot: Spot) -> Unit:
-        module, summary = spot.module, spot.module.summary
-        parts = parts_of(spot)
+    def _unit(self, definition: Definition) -> Unit:
+        module, summary = definition.module, definition.module.summary
+        parts = parts_of(definition)
         references = [reference for part in parts for reference in part.references]
-        if (module.name, spot.name) == FORMATS:
+        if (module.name, definition.name) == FORMATS:
             references = []
-        if spot.name == STATEMENTS:
+        if definition.name == STATEMENTS:
             references += summary.effects
         return Unit(
-            label_of(spot),
+            label_of(definition),
             short_digest(*(part.digest for part in parts)),
             self.reach(module, references),
             f"{module.name}: {summary.trouble}" if summary.trouble else "",

@@ -310,7 +310,7 @@ def references(statement: ast.stmt, marks: Marks) -> tuple[str, ...]:
 class _Reader:
     def __init__(self, marks: Marks) -> None:
         self._marks = marks
-        self._found: set[str] = set()
+        self._names: set[str] = set()
         self._scopes: list[_Scope] = []
         self._stack: list[tuple[ast.AST, _Scope | None]] = []
 
@@ -320,8 +320,8 @@ class _Reader:
             self._visit(*self._stack.pop())
         for scope in self._scopes:
             for name in scope.bound.imports.keys() - scope.used:
-                self._found.update(scope.bound.imports[name])
-        return tuple(sorted(self._found))
+                self._names.update(scope.bound.imports[name])
+        return tuple(sorted(self._names))
 
     def _visit(self, node: Any, scope: _Scope | None) -> None:
         kind = type(node)
@@ -347,12 +347,12 @@ class _Reader:
         """Read what opens no scope."""
         if isinstance(node, (ast.Import, ast.ImportFrom)):
             if scope is not None and scope.is_class:
-                self._found.update(target for _, target in import_targets(node))
+                self._names.update(target for _, target in import_targets(node))
             return
         if isinstance(node, ast.AnnAssign):
             self._push(_quoted(node.annotation), scope)
         elif isinstance(node, ast.Call):
-            self._found.update(_named_modules(node))
+            self._names.update(_named_modules(node))
         self._push(children(node), scope)
 
     def _push(self, some: Iterable[ast.AST], scope: _Scope | None) -> None:
@@ -375,10 +375,10 @@ class _Reader:
             if name in scope.bound.names:
                 scope.used.add(name)
                 targets = scope.bound.imports.get(name, ())
-                self._found.update(_joined(target, attributes) for target in targets)
+                self._names.update(_joined(target, attributes) for target in targets)
                 return
             scope = scope.outer
-        self._found.add(f"{name}.{attributes}" if attributes else name)
+        self._names.add(f"{name}.{attributes}" if attributes else name)
 
     def _function(
         self, function: ast.FunctionDef | ast.AsyncFunctionDef, scope: _Scope | None

@@ -95,7 +95,7 @@ class Registry:
         """
         plugin, colon, bare_name = name.rpartition(":")
         if colon and plugin in self.hooks.node_finders:
-            return self._found(plugin, bare_name)
+            return self._of_scheme(plugin, bare_name)
         nodes = self._by_name.get(bare_name, [])
         matches = [node for node in nodes if not colon or node.plugin == plugin]
         if len(matches) == 1:
@@ -139,7 +139,7 @@ class Registry:
         }
         return replace(self, _by_name={name: nodes for name, nodes in visible.items() if nodes})
 
-    def _found(self, scheme: str, name: str) -> Registered:
+    def _of_scheme(self, scheme: str, name: str) -> Registered:
         """Return the node that the plugin of a scheme makes of a name."""
         if (scheme, name) not in self._by_scheme:
             try:

@@ -47,9 +47,9 @@ _STYLE, _SCRIPT = "site.css", "search.js"
 
 
 class Contents(NamedTuple):
-    """The files of a site: those that are made, and those that are copied."""
+    """The files of a site: those that are generated, and those that are copied."""
 
-    made: dict[str, bytes]
+    generated: dict[str, bytes]
     copied: dict[str, Path]
 
 
@@ -90,13 +90,13 @@ def site_files(
         language_page(),
         plugin_page(),
     ]
-    made = {page.path: _html(page) for page in pages} | pictures
-    made["search.html"] = _html(Page("search.html", "Search", _SEARCH), script=True)
-    made[INDEX] = f"const ENTRIES = {json.dumps(list(_index(pages)))};\n".encode()
+    generated = {page.path: _html(page) for page in pages} | pictures
+    generated["search.html"] = _html(Page("search.html", "Search", _SEARCH), script=True)
+    generated[INDEX] = f"const ENTRIES = {json.dumps(list(_index(pages)))};\n".encode()
     for name in (_STYLE, _SCRIPT):
-        made[name] = files("nodegraph.site").joinpath("templates", name).read_bytes()
-    made[SCHEMA] = json.dumps(graph_schema(registry), separators=(",", ":")).encode()
-    return Contents(made, copied)
+        generated[name] = files("nodegraph.site").joinpath("templates", name).read_bytes()
+    generated[SCHEMA] = json.dumps(graph_schema(registry), separators=(",", ":")).encode()
+    return Contents(generated, copied)
 
 
 def _start(picture: str) -> Page:

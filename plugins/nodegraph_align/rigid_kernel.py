@@ -191,10 +191,10 @@ def _rotation(
     p, q, r = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     floor = ROUNDING * ROUNDING * (_dot(a, a) + _dot(b, b) + _dot(c, c))
     for _ in range(SWEEPS):
-        a, b, p, q, one = _orthogonal(a, b, p, q, floor)
-        a, c, p, r, two = _orthogonal(a, c, p, r, floor)
-        b, c, q, r, three = _orthogonal(b, c, q, r, floor)
-        if not (one or two or three):
+        a, b, p, q, turned_ab = _orthogonal(a, b, p, q, floor)
+        a, c, p, r, turned_ac = _orthogonal(a, c, p, r, floor)
+        b, c, q, r, turned_bc = _orthogonal(b, c, q, r, floor)
+        if not (turned_ab or turned_ac or turned_bc):
             break
     if _dot(b, b) > _dot(a, a):
         a, b, p, q = b, a, q, p

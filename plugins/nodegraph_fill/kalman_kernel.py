@@ -78,13 +78,13 @@ def smooth(information: Any, vectors: Any, first: Any) -> Any:
     covariances : (T, D, D) array
     """
     states, covariances = vectors.copy(), np.empty_like(information)
-    last, one = len(states) - 1, np.eye(len(first))
-    start = _symmetric(np.linalg.solve(one + first @ information[0], first))
-    covariances[0] = _symmetric(np.linalg.solve(one + start, start)) if last else start
+    last, identity = len(states) - 1, np.eye(len(first))
+    start = _symmetric(np.linalg.solve(identity + first @ information[0], first))
+    covariances[0] = _symmetric(np.linalg.solve(identity + start, start)) if last else start
     for t in range(1, last + 1):
         before = covariances[t - 1]
         states[t] += before @ states[t - 1]
-        ahead = 2.0 * one if t < last else one
+        ahead = 2.0 * identity if t < last else identity
         covariances[t] = _symmetric(np.linalg.inv(ahead + information[t] - before))
     states[last] = covariances[last] @ states[last]
     for t in range(last - 1, -1, -1):

@@ -78,7 +78,7 @@ def recordings() -> dict[str, Trajectories]:
             _without_marker_set(np.asfortranarray(positions)), [(4, 10, 16)]
         ),
         "made from float32": _without_marker_set(positions.astype(np.float32)[::2]),
-        "filled, repaired and with sigma": _partly_made(face),
+        "filled, repaired and with sigma": _partly_processed(face),
     }
 
 
@@ -207,7 +207,7 @@ def _without_marker_set(positions: NDArray[Any]) -> Trajectories:
     return Trajectories(positions=positions, markers=MARKERS, rate=RATE)
 
 
-def _partly_made(face: Trajectories) -> Trajectories:
+def _partly_processed(face: Trajectories) -> Trajectories:
     gappy = _cut(face, [(6, 20, 25), (1, 3, 6)])
     origin = gappy.origin.copy()
     origin[10:14, 2] = Origin.FILLED

@@ -112,19 +112,19 @@ def _nearest_into(out: Any, values: Any, stride: int, weight: float) -> None:
     tripled = 1 + 3 * (max(frames - 2, 0) // 3)
     for frame in range(1, tripled, 3):
         at = frame * stride
-        before, one = values[at - stride : at], values[at : at + stride]
-        two, three = (
+        before, first = values[at - stride : at], values[at : at + stride]
+        second, third = (
             values[at + stride : at + 2 * stride],
             values[at + 2 * stride : at + 3 * stride],
         )
         after = values[at + 3 * stride : at + 4 * stride]
-        made_one, made_two = out[at : at + stride], out[at + stride : at + 2 * stride]
-        made_three = out[at + 2 * stride : at + 3 * stride]
+        out_first, out_second = out[at : at + stride], out[at + stride : at + 2 * stride]
+        out_third = out[at + 2 * stride : at + 3 * stride]
         for i in range(stride):
-            a, b, c = one[i], two[i], three[i]
-            made_one[i] = a + weight * ((before[i] + b) - (a + a))
-            made_two[i] = b + weight * ((a + c) - (b + b))
-            made_three[i] = c + weight * ((b + after[i]) - (c + c))
+            a, b, c = first[i], second[i], third[i]
+            out_first[i] = a + weight * ((before[i] + b) - (a + a))
+            out_second[i] = b + weight * ((a + c) - (b + b))
+            out_third[i] = c + weight * ((b + after[i]) - (c + c))
     for i in range(tripled * stride, len(values) - stride):
         both = values[i - stride] + values[i + stride]
         out[i] = values[i] + weight * (both - (values[i] + values[i]))

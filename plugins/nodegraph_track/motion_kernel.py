@@ -29,8 +29,8 @@ def carried_by_velocity(place: Any, steps: Any, absent: Any, fade: float) -> Any
     for row in range(len(place)):
         left = fade ** float(absent[row])
         for axis in range(3):
-            one, two, three = steps[row, 0, axis], steps[row, 1, axis], steps[row, 2, axis]
-            median = max(min(one, two), min(max(one, two), three))
+            first, second, third = steps[row, 0, axis], steps[row, 1, axis], steps[row, 2, axis]
+            median = max(min(first, second), min(max(first, second), third))
             result[row, axis] = place[row, axis] + left * median
     return result
 

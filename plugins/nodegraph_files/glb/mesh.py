@@ -323,9 +323,9 @@ def vertex_normals(
     otherwise
         What a vertex gets that has no triangle with an area.
     """
-    one, two, three = (vertices[faces[:, corner]] for corner in range(3))
+    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
     # a cross product is as long as twice the triangle's area
-    across = np.repeat(np.cross(two - one, three - one), 3, axis=0)
+    across = np.repeat(np.cross(second - first, third - first), 3, axis=0)
     corners = faces.ravel()
     sums = np.stack(
         [np.bincount(corners, across[:, axis], len(vertices)) for axis in range(3)], axis=1

@@ -286,8 +286,8 @@ class _Packing:
 def _mean_error(recording: Trajectories, truth: Trajectories) -> float | None:
     """Return the mean distance of the samples that were made, of all where none was."""
     errors = _errors(recording, truth)
-    made = recording.origin > Origin.MEASURED
-    known = errors[np.isfinite(errors) & (made if made.any() else True)]
+    processed = recording.origin > Origin.MEASURED
+    known = errors[np.isfinite(errors) & (processed if processed.any() else True)]
     return float(known.mean()) if len(known) else None
 
 

@@ -30,7 +30,7 @@ def recordings(
     frames: tuple[int, int] = (1, 24),
     markers: tuple[int, int] = (1, 8),
     gaps: bool = True,
-    made: bool = True,
+    processed: bool = True,
     with_marker_set: bool = True,
 ) -> SearchStrategy[Trajectories]:
     """Return a strategy for recordings of a face.
@@ -44,7 +44,7 @@ def recordings(
     gaps
         Whether samples may be missing: runs of one marker, also at the ends or of the whole take,
         frames without any marker, or everything.
-    made
+    processed
         Whether samples may be filled or repaired, and have a sigma.
     with_marker_set
         Whether there may be a marker set.
@@ -59,7 +59,7 @@ def recordings(
             face = replace(face, marker_set=draw(marker_sets(names)))
         if gaps:
             face = _without(face, _events(draw, face))
-        return _partly_made(draw, face) if made else face
+        return _partly_processed(draw, face) if processed else face
 
     return recording()
 
@@ -170,7 +170,7 @@ def _without(recording: Trajectories, where: NDArray[np.bool_]) -> Trajectories:
     return recording.with_samples(positions, changed=where, origin=Origin.MISSING, sigma=sigma)
 
 
-def _partly_made(draw: DrawFn, recording: Trajectories) -> Trajectories:
+def _partly_processed(draw: DrawFn, recording: Trajectories) -> Trajectories:
     from hypothesis import strategies as st
 
     origin = recording.origin.copy()

@@ -45,7 +45,7 @@ def test_recordings_have_the_sizes_that_were_asked_for(recording: Trajectories) 
 
 
 @QUICK
-@given(testing.recordings(gaps=False, made=False, with_marker_set=False))
+@given(testing.recordings(gaps=False, processed=False, with_marker_set=False))
 def test_what_is_not_asked_for_does_not_come(recording: Trajectories) -> None:
     assert np.all(recording.origin == Origin.MEASURED)
     assert (recording.sigma, recording.marker_set) == (None, None)
