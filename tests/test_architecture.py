@@ -135,7 +135,8 @@ def test_plugins_import_public_names_only_and_never_each_other() -> None:
 def test_imported_libraries_are_declared() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     extras = project["optional-dependencies"]
-    optional = (*extras["archive"], *extras["testing"], *extras["dask"], *extras["open"])
+    users = ("archive", "testing", "dask", "open", "live")
+    optional = (requirement for extra in users for requirement in extras[extra])
     declared = library_names((*project["dependencies"], *optional))
     declared |= {name for library in declared for name in library_names(requires(library) or ())}
     distributions = packages_distributions()

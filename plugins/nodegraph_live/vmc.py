@@ -1,0 +1,144 @@
+"""Virtual Motion Capture Protocol: weights of blendshapes by OSC over UDP.
+
+``/VMC/Ext/Blend/Val name value`` says a weight, ``/VMC/Ext/Blend/Apply`` ends a frame, and
+``/VMC/Ext/T seconds`` tells the sender's time. Other messages, such as bones, are left out.
+Source: protocol.vmc.info.
+
+Tested against python-osc as sender and receiver, not against an avatar program.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from nodegraph import Frame, NodegraphError
+from nodegraph_live import osc
+from nodegraph_live.address import Settings
+from nodegraph_live.datagrams import LARGEST_UNSPLIT, TIMEOUT, DatagramSink, DatagramSource
+from nodegraph_live.payloads import weights_frame, weights_header, weights_only
+from nodegraph_mocap import Weights
+
+PORT = 39539
+_VALUE, _APPLY, _TIME = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/T"
+_MOST_SHAPES = 10_000
+
+
+class VmcSource(DatagramSource):
+    """Receives weights: ``vmc:[HOST:]PORT?rate=HZ``.
+
+    The protocol says neither rate nor frame numbers: the address gives the rate, and frames are
+    numbered as they come, so that a lost one is not noticed. The names are those of the first
+    complete frame; in a later frame, a weight that does not come is missing.
+    """
+
+    def __init__(self, address: str) -> None:
+        form = "vmc:[HOST:]PORT?rate=HZ[&timeout=SECONDS], such as vmc:39539?rate=60"
+        settings = Settings("vmc", address, form, {"rate": 0.0, "timeout": TIMEOUT})
+        if not settings["rate"]:
+            raise settings.error("the protocol does not tell its rate")
+        super().__init__(settings, PORT, "VMC frame")
+        self._rate = settings["rate"]
+        self._names: dict[str, None] = {}
+        self._is_whole = False
+        self._places: dict[str, int] = {}
+        self._values = np.empty(0)
+        self._index = 0
+        self._captured = 0
+
+    def open(self) -> Weights:
+        """Wait for a complete frame, from one ``Apply`` to the next."""
+        self._names, self._is_whole = {}, False
+        header: Weights = super().open()
+        return header
+
+    def describe(self, packet: bytes) -> Weights | None:
+        """Return the names of a frame when it is complete."""
+        for address, arguments in osc.decode(packet):
+            if address == _VALUE and self._is_whole and len(self._names) < _MOST_SHAPES:
+                self._names[_weight(arguments)[0]] = None
+            elif address == _APPLY and self._names:
+                return weights_header(tuple(self._names), self._rate)
+            elif address == _APPLY:
+                self._is_whole = True
+                self._first.clear()
+        return None
+
+    def frames(self, packet: bytes, arrived: int, header: Weights) -> Iterable[Frame]:
+        """Return the frames that a packet completes."""
+        if len(self._places) != len(header.names):
+            self._places = {name: place for place, name in enumerate(header.names)}
+            self._values = np.full(len(header.names), np.nan)
+        frames = []
+        for address, arguments in osc.decode(packet):
+            if address == _VALUE:
+                name, value = _weight(arguments)
+                if name not in self._places:
+                    raise ValueError(f"the weight {name!r} was not in the first frame")
+                self._values[self._places[name]] = value
+            elif address == _TIME and arguments and isinstance(arguments[0], float):
+                self._captured = _nanoseconds(arguments[0])
+            elif address == _APPLY:
+                payload = weights_frame(self._values)
+                frames.append(Frame(self._index, self._captured, arrived, payload))
+                self._index += 1
+                self._values = np.full(len(header.names), np.nan)
+        return frames
+
+
+def _weight(arguments: tuple[Any, ...]) -> tuple[str, float]:
+    match arguments:
+        case (str(name), float() | int() as value) if abs(value) < np.inf:
+            return name, float(value)
+    raise ValueError(f"{_VALUE} has a name and a finite number")
+
+
+def _nanoseconds(seconds: float) -> int:
+    if not abs(seconds) < 1e9:
+        raise ValueError(f"a time of {seconds} s")
+    return int(seconds * 1e9)
+
+
+class VmcSink:
+    """Sends weights: ``vmc:HOST:PORT``.
+
+    The messages of a frame are in bundles of at most 1472 bytes, which networks do not split. A
+    missing weight is not sent, so that the receiver keeps the last.
+    """
+
+    def __init__(self, address: str) -> None:
+        settings = Settings("vmc", address, "vmc:HOST[:PORT], such as vmc:127.0.0.1:39539", {})
+        self._datagrams = DatagramSink(settings, PORT)
+        self._address = settings.address
+
+    def open(self, header: Any) -> None:
+        """Prepare the messages."""
+        header = weights_only(self._address, header)
+        longest = max(map(len, header.names))
+        if longest > 255:
+            raise NodegraphError(f"{self._address}: a name of {longest} letters is too long")
+        # all but the value, which is the last four bytes
+        self._starts = [osc.message(_VALUE, name, 0.0)[:-4] for name in header.names]
+        self._apply = osc.message(_APPLY)
+        self._start_time = 0
+        self._datagrams.connect()
+
+    def write(self, frame: Frame) -> None:
+        """Send a frame."""
+        self._start_time = self._start_time or frame.arrived
+        time = osc.message(_TIME, (frame.arrived - self._start_time) / 1e9)
+        values = frame.payload.astype(">f4")
+        numbers = values.tobytes()
+        weights = [
+            start + numbers[4 * place : 4 * place + 4]
+            for place, start in enumerate(self._starts)
+            if not np.isnan(values[place])
+        ]
+        for packet in osc.bundles([time, *weights, self._apply], LARGEST_UNSPLIT):
+            self._datagrams.send(packet)
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._datagrams.close()
