@@ -7,10 +7,13 @@ from collections.abc import Container, Iterator
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_graph, add_store
+from nodegraph.cli.live import add_hold, cut_off_lines
 from nodegraph.cli.output import columns
 from nodegraph.errors import listed
 
 if TYPE_CHECKING:
+    from nodegraph.graph import Graph
+    from nodegraph.live.plan import LivePlan
     from nodegraph.plan import Plan
 
 _MOST_USES = 4
@@ -21,6 +24,19 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
     add_graph(parser)
     add_store(parser)
+    parser.add_argument(
+        "--live",
+        nargs="?",
+        type=float,
+        const=0.0,
+        metavar="HZ",
+        help="Show instead what runs on a stream, and how far behind it: in frames, and in ms if "
+        "the stream's rate is given.",
+    )
+    parser.add_argument(
+        "--source", default="", metavar="NAME", help="With --live: what the stream replaces."
+    )
+    add_hold(parser)
 
 
 def check(arguments: Namespace) -> int:
@@ -30,6 +46,8 @@ def check(arguments: Namespace) -> int:
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
+    if arguments.live is not None:
+        return _check_live(graph, arguments)
     planned = plan(graph)
     cache = StepCache(planned, store_of(arguments, graph))
     stored = {step.index for step in planned.steps if step.index in cache}
@@ -50,3 +68,31 @@ def _rows(plan: Plan, stored: Container[int]) -> Iterator[tuple[str, ...]]:
         along = " x ".join(f"{axis} ({len(plan.graph.axes[axis].labels)})" for axis in node.axes)
         steps = set(plan.cells[node.name].values())
         yield node.name, uses, along, str(len(steps)), str(sum(step in stored for step in steps))
+
+
+def _check_live(graph: Graph, arguments: Namespace) -> int:
+    """Print each way through the part of a graph that runs on a stream."""
+    from nodegraph.live.plan import live_plan
+
+    planned = live_plan(graph, arguments.source, hold=arguments.hold)
+    source = planned.plan.steps[planned.source.step]
+    outputs = source.method.node.outputs
+    port = f".{outputs[planned.source.position].name}" if len(outputs) > 1 else ""
+    print(f"{graph.title}\n\nstream in place of {source.node}{port}\n")
+    print(columns(list(_paths(planned, arguments.live))))
+    if held := dict.fromkeys(step.node for step in planned.held):
+        print(f"\ncomputed once: {', '.join(held)}")
+    for line in cut_off_lines(planned):
+        print(line)
+    return 0
+
+
+def _paths(planned: LivePlan, rate: float) -> Iterator[tuple[str, ...]]:
+    yield "path", "frames behind", *(["ms"] if rate else []), "most of it"
+    for path in planned.paths():
+        frames = path[-1].behind
+        slowest = max(path, key=lambda live: live.lookahead)
+        name = f"{slowest.step.name} ({slowest.lookahead})" if frames else ""
+        steps = " > ".join(live.step.node for live in path[:-1])
+        whole = f"{steps} > {path[-1].step.name}" if steps else path[-1].step.name
+        yield whole, str(frames), *([f"{1000 * frames / rate:.1f}"] if rate else []), name

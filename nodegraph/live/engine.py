@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice, repeat
+from operator import itemgetter
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
@@ -17,6 +17,11 @@ from nodegraph.plan import Output
 from nodegraph.plugin.streaming import Frame
 
 Receiver = Callable[[Frame], None]
+Step = Callable[[list[Any]], None]
+"""Computes one step in one frame: takes payloads from their places, and puts others there."""
+
+_SOURCE, _OPEN = 0, 1
+"""Where the payload of the source lies, and where there is never one: at a port left open."""
 
 
 @dataclass(frozen=True)
@@ -64,30 +69,39 @@ class Engine:
         refused: Counter[str],
     ) -> None:
         self.headers: dict[Output, Any] = {plan.source: header}
-        slots, behind = {plan.source: 0}, {plan.source: 0}
-        self._runners: list[_Runner] = []
+        self.count = 0
+        slots, behind = {plan.source: _SOURCE}, {plan.source: 0}
+        self._payloads: list[Any] = [None, None]
+        parts: list[_Delay | _Runner] = []
         for live in plan.steps:
             state = _state(live, self.headers, values)
-            latest = live.behind - live.lookahead
-            inputs = [
-                _Input(slots[output], latest - behind[output]) if output else None
-                for output in map(live.streams.get, live.step.method.node.streams)
-            ]
-            splits = live.step.method.node.splits
-            headers = state.header if splits else (state.header,)
-            outputs = [Output(live.step.index, position) for position in range(len(headers))]
-            for output, each in zip(outputs, headers, strict=True):
+            sources = []
+            for output in map(live.streams.get, live.step.method.node.streams):
+                source = _OPEN if output is None else slots[output]
+                delay = live.behind - live.lookahead - behind[output] if output else 0
+                if delay:
+                    delayed = self._new_slot()
+                    parts.append(_Delay(source, delayed, delay))
+                    source = delayed
+                sources.append(source)
+            headers = state.header if live.step.method.node.splits else (state.header,)
+            targets = []
+            for position, each in enumerate(headers):
+                output = Output(live.step.index, position)
                 self.headers[output], behind[output] = each, live.behind
-                slots[output] = len(slots)
-            targets = [slots[output] for output in outputs]
+                slots[output] = self._new_slot()
+                targets.append(slots[output])
             missing = tuple(streamable_of(type(each)).missing(each) for each in headers)
-            self._runners.append(_Runner(self, live, state, inputs, targets, missing, refused))
-        self._payloads: list[Any] = [None] * len(slots)
+            parts.append(_Runner(self, live, state, sources, targets, missing, refused))
+        self._parts = parts
+        self._steps = [part.step() for part in parts]
         self._taps = [(slots[tap.output], behind[tap.output], tap.receive) for tap in taps]
         longest = max((delay for _, delay, _ in self._taps), default=0)
         self._frames: deque[Frame] = deque(maxlen=longest + 1)
-        self._steps = [runner.step() for runner in self._runners]
-        self.count = 0
+
+    def _new_slot(self) -> int:
+        self._payloads.append(None)
+        return len(self._payloads) - 1
 
     def push(self, frame: Frame) -> None:
         """Compute a frame, which follows the one before without a gap.
@@ -98,7 +112,7 @@ class Engine:
             If a step fails.
         """
         payloads, frames = self._payloads, self._frames
-        payloads[0] = frame.payload
+        payloads[_SOURCE] = frame.payload
         frames.append(frame)
         for step in self._steps:
             step(payloads)
@@ -111,9 +125,9 @@ class Engine:
 
     def drain(self) -> None:
         """Compute what is left, now that no frame follows."""
-        rest: dict[int, list[Any]] = {0: []}
-        for runner in self._runners:
-            rest.update(runner.drain(rest))
+        rest: dict[int, list[Any]] = {_SOURCE: []}
+        for part in self._parts:
+            rest.update(part.drain(rest))
         frames = list(self._frames)
         for slot, _, receive in self._taps:
             last = frames[len(frames) - len(rest[slot]) :]
@@ -121,21 +135,31 @@ class Engine:
                 receive(Frame(index, captured, arrived, payload))
 
 
-class _Input:
-    """What a port takes: the newest payload of an output, or the one some frames before it."""
+class _Delay:
+    """Gives the payloads of an output some frames later, where a step waits for another."""
 
-    def __init__(self, slot: int, delay: int) -> None:
-        self.slot = slot
+    def __init__(self, source: int, target: int, delay: int) -> None:
+        self._source = source
+        self._target = target
         self._delay = delay
-        self.waiting: deque[Any] = deque()
+        self._waiting: deque[Any] = deque()
 
-    def take(self, payloads: list[Any]) -> Any:
-        """Return the payload that is due, or None if there is none yet."""
-        payload = payloads[self.slot]
-        if not self._delay or payload is None:
-            return payload
-        self.waiting.append(payload)
-        return self.waiting.popleft() if len(self.waiting) > self._delay else None
+    def step(self) -> Step:
+        """Return what does so in one frame."""
+        source, target, delay, waiting = self._source, self._target, self._delay, self._waiting
+
+        def step(payloads: list[Any]) -> None:
+            payload = payloads[source]
+            if payload is not None:
+                waiting.append(payload)
+                if len(waiting) > delay:
+                    payloads[target] = waiting.popleft()
+
+        return step
+
+    def drain(self, rest: Mapping[int, list[Any]]) -> dict[int, list[Any]]:
+        """Return the last payloads."""
+        return {self._target: [*self._waiting, *rest[self._source]]}
 
 
 class _Runner:
@@ -146,8 +170,8 @@ class _Runner:
     engine
         Counts the frames.
     live, state
-    inputs
-        For each port that takes frames; None for an open one.
+    sources
+        Where the payload of each port that takes frames lies.
     targets
         Where the payloads of the outputs are put.
     missing
@@ -160,7 +184,7 @@ class _Runner:
         engine: Engine,
         live: LiveStep,
         state: LiveState,
-        inputs: Sequence[_Input | None],
+        sources: Sequence[int],
         targets: Sequence[int],
         missing: tuple[Any, ...],
         refused: Counter[str],
@@ -168,59 +192,73 @@ class _Runner:
         self._engine = engine
         self._live = live
         self._state = state
-        self._inputs = inputs
+        self._sources = sources
         self._targets = targets
         self._missing = missing
         self._refused = refused
         self._splits = live.step.method.node.splits
+        self._first = next(source for source in sources if source != _OPEN)
 
-    def step(self) -> Callable[[list[Any]], None]:
-        """Return what computes the step in one frame; for one input and one output, without loops.
+    def step(self) -> Step:
+        """Return what computes the step in one frame.
 
-        It is made once: in a second's frames, each look-up of an attribute counts.
+        It is made once, since a look-up of an attribute counts in every frame.
         """
+        if self._splits:
+            return self._to_many()
+        return self._one_to_one() if len(self._sources) == 1 else self._many_to_one()
+
+    def _one_to_one(self) -> Step:
         push, failed = self._state.push, self._failed
-        inputs, targets = self._inputs, self._targets
-        fed = [each for each in inputs if each is not None]
-
-        if len(inputs) == len(targets) == 1 and not self._splits:
-            source, target = fed[0].slot, targets[0]
-
-            def straight(payloads: list[Any]) -> None:
-                payload = payloads[source]
-                if payload is not None:
-                    try:
-                        payloads[target] = push(payload)
-                    except Exception as error:
-                        payloads[target] = failed(error)
-
-            return straight
+        (source,), (target,) = self._sources, self._targets
 
         def step(payloads: list[Any]) -> None:
-            row = [None if each is None else each.take(payloads) for each in inputs]
-            if sum(payload is not None for payload in row) < len(fed):
-                return
-            try:
-                result = push(*row)
-            except Exception as error:
-                result = failed(error)
-            if result is not None:
-                for target, payload in zip(
-                    targets, result if self._splits else (result,), strict=True
-                ):
-                    payloads[target] = payload
+            payload = payloads[source]
+            if payload is not None:
+                try:
+                    payloads[target] = push(payload)
+                except Exception as error:
+                    payloads[target] = failed(error)
+
+        return step
+
+    def _many_to_one(self) -> Step:
+        push, failed, take = self._state.push, self._failed, itemgetter(*self._sources)
+        first, (target,) = self._first, self._targets
+
+        def step(payloads: list[Any]) -> None:
+            if payloads[first] is not None:  # then the others are there as well
+                try:
+                    payloads[target] = push(*take(payloads))
+                except Exception as error:
+                    payloads[target] = failed(error)
+
+        return step
+
+    def _to_many(self) -> Step:
+        push, failed, first = self._state.push, self._failed, self._first
+        sources, targets = self._sources, self._targets
+
+        def step(payloads: list[Any]) -> None:
+            if payloads[first] is not None:
+                try:
+                    results = push(*[payloads[source] for source in sources])
+                except Exception as error:
+                    results = failed(error)
+                if results is not None:
+                    for target, payload in zip(targets, results, strict=True):
+                        payloads[target] = payload
 
         return step
 
     def drain(self, rest: Mapping[int, list[Any]]) -> dict[int, list[Any]]:
         """Return the last payloads of each output, from those of the inputs."""
+        fed = [rest[source] for source in self._sources if source != _OPEN]
         columns = [
-            repeat(None) if each is None else [*each.waiting, *rest[each.slot]]
-            for each in self._inputs
+            [None] * len(fed[0]) if source == _OPEN else rest[source] for source in self._sources
         ]
-        count = min(len(column) for column in columns if isinstance(column, list))
         results = []
-        for row in islice(zip(*columns, strict=False), count):
+        for row in zip(*columns, strict=True):
             try:
                 result = self._state.push(*row)
             except Exception as error:

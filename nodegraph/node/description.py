@@ -68,7 +68,7 @@ def summary_of(node: Node) -> str:
 def describe_declaration(
     node: Node, settings: Iterable[Mapping[str, Any]] | None = None
 ) -> tuple[str, ...]:
-    """Return what a method declares, a phrase each: its source, its look-ahead, its ends.
+    """Return what a method declares, a phrase each: source, look-ahead, ends, live form.
 
     Parameters
     ----------
@@ -91,7 +91,19 @@ def describe_declaration(
         phrases += _phrase("look-ahead", frames, varies=varies)
         varies = by_default and callable(node.declaration.ends)
         phrases += _phrase("ends of gaps", ends, varies=varies)
+    if node.live is not None and settings is None:
+        phrases.append(_live_text(node))
     return tuple(phrases)
+
+
+def _live_text(node: Node) -> str:
+    defaults = node.defaults
+    if len(defaults) < len(node.settings):
+        return "runs on a stream"
+    frames = node.live_lookahead(defaults)
+    if frames is None:
+        return "runs on a stream with settings that bound its look-ahead"
+    return f"runs on a stream, {frames} frame{'' if frames == 1 else 's'} behind by default"
 
 
 def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:

@@ -359,6 +359,21 @@ def test_what_cannot_run_on_a_stream_is_said_before(
     assert all(word in str(caught.value) for word in words), caught.value
 
 
+def test_a_check_shows_how_far_behind_each_way_is(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["check", str(folder / "graph.yaml"), "--plugin", str(folder / "nodes.py")]
+    assert main([*command, "--live", "100"]) == 2
+    assert "17:18: endless: avg.mean looks ahead without bound" in capsys.readouterr().err
+    graph = (folder / "graph.yaml").read_text().replace("{width: null}", "{width: 5}")
+    (folder / "bounded.yaml").write_text(graph)
+    assert main(["check", str(folder / "bounded.yaml"), *command[2:], "--live", "100"]) == 0
+    output = " ".join(capsys.readouterr().out.split())
+    assert "avg > held > both > near(avg=wide) 4 40.0 avg(avg=wide) (4)" in output
+    assert "computed once: face" in output
+    assert "not on the stream: spectra: needs the whole take" in output
+
+
 def test_an_interruption_ends_the_stream_and_writes_what_there_is(
     folder: Path, tmp_path: Path
 ) -> None:
