@@ -54,7 +54,7 @@ def test_the_report_tells_which_number_is_better(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
     assert "Which tracker keeps the names of a face&#39;s markers?" in html
     assert "Lower is better." in html
-    best = r'(<dt>Lowest</dt><dd>|<p class="overview-winner">)<strong data-method="neighbours">'
+    best = r'(<dt>Lowest</dt><dd>|<p class="lead-winner">)<strong data-method="neighbours">'
     assert re.search(best, html)
     assert "<svg" in html
     assert 'src="http' not in html

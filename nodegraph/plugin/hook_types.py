@@ -195,6 +195,12 @@ class Origin(Protocol):
     def uses(self, axis: str) -> Mapping[Any, str]:
         """Return the full names of the methods by label of an axis: ``fill.ridge``."""
 
+    def unit(self, axis: str) -> str:
+        """Return the unit of an axis's labels, that of the settings that take them; or nothing."""
+
+    def meaning(self, axis: str) -> str:
+        """Return what the settings that take an axis's values say of themselves, or nothing."""
+
     def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
         """Return what the step behind a gathered value had read, by port.
 

@@ -23,6 +23,7 @@ from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.plugin.loading import error_text
+from nodegraph.report.axis_text import axis_text
 from nodegraph.report.methods import Methods
 from nodegraph.report.notes import step_notes, with_relevance
 from nodegraph.report.origin import RunOrigin, render_in_run
@@ -80,7 +81,8 @@ def compose(
         sections=numbered(_with_titles(shown.sections)),
         graph_svg=drawing_for_page(graph),
         axes=tuple(
-            AxisRow(name, tuple(map(str, axis.labels))) for name, axis in graph.axes.items()
+            AxisRow(name, tuple(map(str, axis.labels)), *axis_text(graph, name))
+            for name, axis in graph.axes.items()
         ),
         inputs=tuple(SettingRow(name, value_text(value)) for name, value in graph.inputs.items()),
         known=tuple(map(str, graph.spec.known)),

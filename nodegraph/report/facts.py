@@ -15,6 +15,9 @@ from nodegraph.report.study import Study
 _MOST_AXES = 4
 _LONGEST = 110
 _SHORTEST = 3
+_MASS = {"data", "noise", "damage"}
+"""Words without a plural."""
+
 _SENTENCE = re.compile(r".*?[.?!](?=\s|$)", re.DOTALL)
 _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 
@@ -22,7 +25,7 @@ _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 def head_facts(study: Study) -> list[str]:
     """Return the study's name, how much there is of what, and its date."""
     name = PurePath(study.graph_file).stem
-    sizes = sorted(_sizes(study), key=lambda text: not text.endswith(" methods"))[:_MOST_AXES]
+    sizes = sorted(_sizes(study), key=lambda text: " methods" not in text)[:_MOST_AXES]
     return [text for text in (name, ", ".join(sizes), _date(study.created)) if text]
 
 
@@ -55,18 +58,23 @@ def fold_facts(study: Study) -> dict[str, str]:
 def _sizes(study: Study) -> Iterator[str]:
     """Yield how many labels each axis has: ``18 methods``, ``8 recordings``."""
     of_methods = {row.node for row in study.methods if row.label}
+    nodes = of_methods & {axis.name for axis in study.axes if len(axis.labels) > 1}
     for axis in study.axes:
         count = len(axis.labels)
         if count < 2:
             continue
-        name = "method" if axis.name in of_methods and len(of_methods) == 1 else axis.name
-        name = name.rpartition(".")[2].replace("_", " ")
-        yield f"{count:,} {_plural(name)}"
+        name = axis.name.rpartition(".")[2].replace("_", " ")
+        if axis.name in nodes:
+            yield f"{count:,} methods{f' of {name}' if len(nodes) > 1 else ''}"
+        else:
+            yield f"{count:,} {_plural(name)}"
 
 
 def _plural(name: str) -> str:
     if len(name) < _SHORTEST:  # a symbol
         return f"values of {name}"
+    if name in _MASS:
+        return f"kinds of {name}"
     if name.endswith("s"):
         return name
     if name.endswith(("x", "ch", "sh")):

@@ -13,6 +13,7 @@ from nodegraph.execute import Run
 from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Step
 from nodegraph.plugin.hook_types import Detail, Rendered
+from nodegraph.report.axis_text import axis_text
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
@@ -60,6 +61,14 @@ class RunOrigin:
         if node is None or not node.has_alternatives:
             return {}
         return {label: method.node.name for label, method in node.methods.items()}
+
+    def unit(self, axis: str) -> str:
+        """Return the unit of an axis's labels; empty where they have none."""
+        return axis_text(self.run.plan.graph, axis).unit
+
+    def meaning(self, axis: str) -> str:
+        """Return what the settings say of themselves that take an axis's values."""
+        return axis_text(self.run.plan.graph, axis).meaning
 
     def inputs(self, labels: Mapping[str, Label]) -> dict[str, Any] | None:
         """Return what the step behind a gathered value had read, by port."""

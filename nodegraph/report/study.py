@@ -192,10 +192,12 @@ class WithoutResult:
 
 @dataclass(frozen=True, slots=True)
 class AxisRow:
-    """An axis with its labels."""
+    """An axis with its labels, their unit, and what they are."""
 
     name: str
     labels: tuple[str, ...]
+    unit: str = ""
+    meaning: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -121,6 +121,9 @@ def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
         yield f" in the table of {place}" if place else "", table
 
 
+EXTREME = {"lower": "lowest", "higher": "highest"}
+"""The best mean, by the better end."""
+
 Better = Literal["declared", "lower", "higher", "none"]
 
 
@@ -346,18 +349,29 @@ def _check_blocks(blocks: tuple[str, ...]) -> None:
 
 def _metric(scores: Across[Table], metric: str | None) -> str:
     first = scores.values()[0]
-    numbers = [str(name) for name in first.columns if first[name].dtype.kind in "iuf"]
-    floats = [name for name in numbers if first[name].dtype.kind == "f"]
+    floats = [str(name) for name in first.columns if first[name].dtype.kind == "f"]
     if metric is None and not floats:
         raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
     column = floats[0] if metric is None else metric
-    check_known(scores, column, what="metric")
-    for where, table in placed(scores):
-        if table[column].dtype.kind not in "iuf":
-            raise ValueError(
-                f"metric {column!r} is no column of numbers{where}; there are: {listed(numbers)}"
-            )
+    check_numbers(scores, column, "metric")
     return column
+
+
+def check_numbers(scores: Across[Table], name: str, what: str) -> None:
+    """Check that a name is a column of numbers of every table.
+
+    Raises
+    ------
+    ValueError
+        If it is not; the message says `what` it is to be, and what there is instead.
+    """
+    check_known(scores, name, what="metric")
+    for where, table in placed(scores):
+        if table[name].dtype.kind not in "iuf":
+            numbers = [column for column in table if table[column].dtype.kind in "iuf"]
+            raise ValueError(
+                f"{what} {name!r} is no column of numbers{where}; there are: {listed(numbers)}"
+            )
 
 
 def suited_margin(equivalent: float | str, question: Question, unit: str, *, ratio: bool) -> Margin:

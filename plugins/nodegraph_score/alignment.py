@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
 
-UNITS = {"sd": "mm"}
+UNITS = {"share": "share", "sd": "mm", "head motion": "share", "in all": "share"}
 CHANCE = 95.0
 """Percentile of what foreign head motion explains."""
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from nodegraph import listed
-from nodegraph_score.alignment_text import FACE, HEAD, named
+from nodegraph_score.alignment_text import named
 from nodegraph_tables.lead import Card, Lead, svg
 
 if TYPE_CHECKING:
@@ -27,38 +26,33 @@ def lead_of(parts: Sequence[Table], axes: tuple[str, ...]) -> Lead:
         Their columns with labels.
     """
     scope = (
-        "Scope: these recordings. Large: what the first principal component is. Bars: the share of "
-        "all variance that each component has; "
-        "filled, what head motion makes of it."
+        "Scope: these recordings. Large: the share of head motion in the first principal "
+        "component; the rest is the face's. Bars: the share of all variance that each component "
+        "has; filled, what head motion makes of it."
     )
     return Lead(_sentence(parts, axes), tuple(_card(part, axes) for part in parts), scope)
 
 
 def _sentence(parts: Sequence[Table], axes: tuple[str, ...]) -> tuple[str, ...]:
-    sentence = ["PCA finds "]
-    for finds, what in ((HEAD, HEAD), (FACE, "the face")):
-        names = [named(part, axes) for part in parts if _finds(part) == finds]
-        where = listed(names) if len(names) < len(parts) else f"all {len(names)} recordings"
-        if names:
-            joint = ", " if len(sentence) > 1 else ""
-            sentence[-1] += joint
-            sentence += [what, f" first in {where}" if len(parts) > 1 else " first"]
-    most = max(parts, key=_in_all)
-    rest = [_in_all(part) for part in parts if part is not most]
-    sentence[-1] += "; head motion makes "
-    sentence.append(f"{_percent(_in_all(most))} of all variance")
+    most = max(parts, key=_in_first)
+    rest = [part for part in parts if part is not most]
+    sentence = (
+        "The first principal component is ", f"{_percent(_in_first(most))} head motion",
+        f"{f' in {named(most, axes)}' if rest else ''}, as is ",
+        f"{_percent(_in_all(most))} of all variance",
+    )  # fmt: skip
     if not rest:
         return (*sentence, ".")
     others = "the other" if len(rest) == 1 else f"the {len(rest)} others"
-    return (*sentence, f" in {named(most, axes)}, and at most {_percent(max(rest))} in {others}.")
+    first, every = (_percent(max(map(share, rest))) for share in (_in_first, _in_all))
+    return (*sentence, f"; in {others} at most {first}, and {every}.")
 
 
 def _card(part: Table, axes: tuple[str, ...]) -> Card:
     return Card(
         title=named(part, axes) or "recording",
-        headline=_finds(part),
-        value=_percent(_in_all(part)),
-        aside="of all variance is head motion",
+        headline=_percent(_in_first(part)),
+        aside=f"head motion; {_percent(_in_all(part))} of all variance",
         picture=_picture(part),
     )
 
@@ -82,8 +76,8 @@ def _picture(part: Table) -> str:
     return svg("shares of the variance of the principal components", _TALL + 18.0, bars)
 
 
-def _finds(part: Table) -> str:
-    return str(part["finds"].iloc[0])
+def _in_first(part: Table) -> float:
+    return float(part["head motion"].iloc[0])
 
 
 def _in_all(part: Table) -> float:

@@ -18,7 +18,7 @@ UNITS = {
     "frame": "frame",
     "markers": "markers",
     "missing": "markers",
-    "squared": "mm^2",
+    "sum of squares": "mm^2",
     "rms": "mm",
     "mean": "mm",
     "max": "mm",
@@ -35,23 +35,23 @@ def distance(
     With ``d[m]`` the Euclidean distance between marker m of the estimate and marker m of the
     reference, over the n markers that both have in the frame:
 
-    ======== ============================================================================
-    frame    its index
-    markers  how many markers are compared, n
-    missing  how many of the markers that both recordings name are not, as one of them lacks
-             the sample
-    squared  mm^2, sum of ``d[m]^2``: the squared Procrustes distance where the estimate is
-             aligned to the reference
-    rms      mm, ``sqrt(squared / n)``
-    mean     mm, mean of ``d[m]``
-    max      mm, largest ``d[m]``
-    farthest name of the marker that is so far off, the first of equals; empty where n = 0
-    ======== ============================================================================
+    ============== ======================================================================
+    frame          its index
+    markers        how many markers are compared, n
+    missing        how many of the markers that both recordings name are not, as one of them
+                   lacks the sample
+    sum of squares mm^2, S = sum of ``d[m]^2``: the squared Procrustes distance where the
+                   estimate is aligned to the reference
+    rms            mm, ``sqrt(S / n)``
+    mean           mm, mean of ``d[m]``
+    max            mm, largest ``d[m]``
+    farthest       name of the marker that is so far off, the first of equals; empty where n = 0
+    ============== ======================================================================
 
     Markers are matched by name, never by column. Those that only one of the two has are left
     out, counted and named in a warning and in the table's notes. A reference of one frame is
     compared with every frame of the estimate. In a frame in which nothing can be compared the
-    numbers are NaN; as a sum over fewer markers is smaller, compare `rms` and not `squared`
+    numbers are NaN; as a sum over fewer markers is smaller, compare `rms` and not the sum
     where samples are missing.
 
     Parameters
@@ -117,7 +117,7 @@ def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:
             "frame": np.arange(len(apart)),
             "markers": count,
             "missing": len(markers) - count,
-            "squared": squared,
+            "sum of squares": squared,
             "rms": np.sqrt(squared / np.maximum(count, 1)),
             "mean": np.where(some, sums / np.maximum(count, 1), np.nan),
             "max": apart[np.arange(len(apart)), largest],

@@ -121,6 +121,7 @@ def steps(
         lead=lead_of(rows),
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
+        sequences=("step",),
     )
     return with_info(table, info)
 

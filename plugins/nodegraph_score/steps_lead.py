@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from nodegraph_score.steps_text import BETTER, WORSE
-from nodegraph_tables.lead import Card, Lead, Line, dot, line_of, number_text, svg
+from nodegraph_tables.lead import Card, Lead, Line, dot, line_of, svg
+from nodegraph_tables.numbers import number_text
 
 Row = Mapping[str, Any]
 _Y = 12.0

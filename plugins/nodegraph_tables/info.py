@@ -43,6 +43,9 @@ class TableInfo:
         The rows whose cells the data cannot tell from the best.
     highlights : tuple of int
         Further rows that a folded table shows, such as the nearest that is behind, or a baseline.
+    sequences : tuple of columns
+        Those whose labels follow one another, such as the steps of a chain, in the order of the
+        rows.
     compared : str
         The column of what is compared. A report marks its rows with what is selected in a chart.
     cells : mapping of column to mapping of {"low", "high", "p"} to column
@@ -65,6 +68,7 @@ class TableInfo:
     best: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     tied: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     highlights: tuple[int, ...] = ()
+    sequences: tuple[str, ...] = ()
     compared: str = ""
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
 

@@ -6,10 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from html import escape
 from importlib.resources import files
 
+from markupsafe import Markup, escape
+
 from nodegraph import Value
+from nodegraph_tables.numbers import LARGEST, MINUS, SMALLEST, number_text
+from nodegraph_tables.style import unit_text
 
 MOST_CARDS = 8
 """Cards that a reader sees at once."""
@@ -19,7 +22,9 @@ _ONE_ROW = 4
 _WIDE = 240.0
 """Of the picture on a card, in pixels."""
 
-_SMALLEST, _LARGEST = 1e-3, 1e6
+_TICKS = 5
+_LETTER = 6.0
+"""Across, in pixels."""
 
 Text = tuple[str, ...]
 """A text whose second, fourth, ... part stands out."""
@@ -27,7 +32,7 @@ Text = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Card(Value):
-    """A part of an answer.
+    """A part of an answer. Texts are escaped, unless they are `markupsafe.Markup`.
 
     Attributes
     ----------
@@ -38,7 +43,7 @@ class Card(Value):
     value, aside : str
         What stands below it, large and small.
     picture : str
-        An SVG element: see `svg`. The only field that is not escaped.
+        An SVG element: see `svg`. It is taken as it is.
     facts : tuple of (term, text)
     best : bool
         Whether the headline is in the colour of the best.
@@ -74,21 +79,31 @@ class Lead(Value):
 
 def lead_html(lead: Lead) -> str:
     """Return a lead as HTML; `lead_style` is its style sheet."""
-    sentence = "".join(
-        f"<strong>{escape(part)}</strong>" if place % 2 else escape(part)
+    sentence = Markup("").join(
+        Markup("<strong>{}</strong>").format(part) if place % 2 else part
         for place, part in enumerate(lead.sentence)
     )
-    cards = "".join(map(_card, lead.cards[:MOST_CARDS]))
-    count = min(len(lead.cards), MOST_CARDS)
-    columns = count if count <= _ONE_ROW else math.ceil(count / 2)
     more = len(lead.cards) - MOST_CARDS
     scope = f"{lead.scope} {more} more are in the table." if more > 0 else lead.scope
-    return (
-        f'<div class="lead"><p class="lead-sentence">{sentence}</p>'
-        + (f'<div class="lead-cards" style="--columns: {columns}">{cards}</div>' if cards else "")
-        + (f'<p class="lead-scope">{escape(scope)}</p>' if scope else "")
-        + "</div>"
-    )
+    return lead_of_parts(sentence_html(sentence), cards_html(lead.cards[:MOST_CARDS]), scope=scope)
+
+
+def lead_of_parts(*parts: str, scope: str = "") -> str:
+    """Return a lead of fragments of HTML, of which `scope`, where there is one, is the last."""
+    last = f'<p class="lead-scope">{escape(scope)}</p>' if scope else ""
+    return f'<div class="lead">{"".join(parts)}{last}</div>'
+
+
+def sentence_html(sentence: str) -> str:
+    """Return the sentence of a lead."""
+    return f'<p class="lead-sentence">{escape(sentence)}</p>'
+
+
+def cards_html(cards: Sequence[Card]) -> str:
+    """Return cards side by side; nothing where there are none."""
+    columns = len(cards) if len(cards) <= _ONE_ROW else math.ceil(len(cards) / 2)
+    inside = "".join(map(_card, cards))
+    return f'<div class="lead-cards" style="--columns: {columns}">{inside}</div>' if cards else ""
 
 
 @cache
@@ -99,35 +114,18 @@ def lead_style() -> str:
 
 def _card(card: Card) -> str:
     kind = "lead-winner" if card.best else "lead-winner lead-plain"
-    aside = f" <small>{escape(card.aside)}</small>" if card.aside else ""
+    value = f"<b>{escape(card.value)}</b> " if card.value else ""
+    value += f"<small>{escape(card.aside)}</small>" if card.aside else ""
     facts = "".join(f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in card.facts)
     return (
-        f'<article class="lead-card"><h3 aria-level="2">{escape(card.title)}</h3>'
-        f'<p class="{kind}">{escape(card.headline)}</p>'
-        + (f'<p class="lead-value"><b>{escape(card.value)}</b>{aside}</p>' if card.value else "")
+        '<article class="lead-card">'
+        + (f'<h3 aria-level="2">{escape(card.title)}</h3>' if card.title else "")
+        + f'<p class="{kind}">{escape(card.headline)}</p>'
+        + (f'<p class="lead-value">{value}</p>' if value else "")
         + card.picture
         + (f"<dl>{facts}</dl>" if facts else "")
         + "</article>"
     )
-
-
-def number_text(value: float, unit: str = "") -> str:
-    """Return a number as a card writes it: three digits below 10, fewer decimals above.
-
-    Examples
-    --------
-    >>> number_text(0.49712, "mm"), number_text(213.0), number_text(2.1e-5)
-    ('0.497 mm', '213', '2.1e-05')
-    """
-    if not math.isfinite(value):
-        return "no number"
-    size = abs(value)
-    if size and not _SMALLEST <= size < _LARGEST:
-        text = f"{value:.2g}"
-    else:
-        decimals = 2 - math.floor(math.log10(size)) if size else 0
-        text = f"{value:.{min(max(decimals, 0), 4)}f}"
-    return f"{text} {unit}".rstrip()
 
 
 def svg(name: str, height: float, parts: Iterable[str]) -> str:
@@ -173,13 +171,56 @@ class Line:
         return round(10.0 + (_WIDE - 20.0) * min(max(share, 0.0), 1.0), 1)
 
     def drawn(self, y: float, unit: str = "") -> str:
-        """Return the line with its ends named below it."""
-        low, high = number_text(self.low), number_text(self.high, unit)
-        return (
-            f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>'
-            f'<text x="4" y="{y + 14:g}">{escape(low)}</text>'
-            f'<text class="end" x="{_WIDE - 4:g}" y="{y + 14:g}">{escape(high)}</text>'
-        )
+        """Return the line with its ticks, whose numbers stand below it."""
+        ticks = self.ticks()
+        marks = []
+        for tick in ticks:
+            x = self.at(tick)
+            text = _tick_text(tick, unit, with_unit=tick == ticks[-1])
+            half = _LETTER * len(text) / 2
+            anchor = "start" if x < half else "end" if x > _WIDE - half else "middle"
+            marks.append(
+                f'<line x1="{x:g}" x2="{x:g}" y1="{y:g}" y2="{y + 4:g}"/>'
+                f'<text class="{anchor}" x="{x:g}" y="{y + 16:g}">{escape(text)}</text>'
+            )
+        return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(marks)}'
+
+    def ticks(self) -> list[float]:
+        """Return at most a handful of round values on the line, far enough from each other."""
+        if not self.high > self.low:
+            return [self.low]
+        for steps in ((1, 2, 5), (1, 3), (1,)):
+            values = self._rounds(steps) if self.log else self._steps()
+            if len(values) <= _TICKS:
+                break
+        values = values[:: math.ceil(len(values) / _TICKS) or 1]
+        if len(values) < 2:
+            values = [self.low, self.high]
+        kept: list[float] = []
+        for value in values:
+            room = _LETTER * len(_tick_text(value, "")) + 6
+            if not kept or self.at(value) - self.at(kept[-1]) >= room:
+                kept.append(value)
+        return kept
+
+    def _rounds(self, steps: Sequence[int]) -> list[float]:
+        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        values = (step * 10.0**decade for decade in decades for step in steps)
+        return [value for value in values if self.low <= value <= self.high]
+
+    def _steps(self) -> list[float]:
+        rough = (self.high - self.low) / (_TICKS - 1)
+        decade = 10.0 ** math.floor(math.log10(rough))
+        step = next(decade * each for each in (1, 2, 5, 10) if decade * each >= rough)
+        first, last = math.ceil(self.low / step), math.floor(self.high / step)
+        return [step * place for place in range(first, last + 1)]
+
+
+def _tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
+    shown = 100 * value if unit == "share" else value
+    is_plain = not shown or SMALLEST <= abs(shown) < LARGEST
+    text = f"{shown:.3g}".replace("-", MINUS) if is_plain else number_text(shown)
+    return f"{text} {'%' if unit == 'share' else unit_text(unit)}".rstrip() if with_unit else text
 
 
 def line_of(values: Sequence[float]) -> Line:
@@ -189,9 +230,21 @@ def line_of(values: Sequence[float]) -> Line:
     return Line(low, high, log=low > 0.0 and high > 10.0 * low)
 
 
-def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0) -> str:
-    """Return a dot, ``best``, ``tied``, ``before``, ``worse`` or ``rest``, with a name to hover."""
+def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0, method: str = "") -> str:
+    """Return a dot with a name to hover.
+
+    Parameters
+    ----------
+    x, y, radius
+        In pixels.
+    kind
+        ``best``, ``tied``, ``before``, ``worse`` or ``rest``.
+    name
+    method
+        Whose dot it is: a report marks it where this one is selected.
+    """
+    of = f' data-method="{escape(method)}"' if method else ""
     return (
-        f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}">'
+        f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}"{of}>'
         f"<title>{escape(name)}</title></circle>"
     )

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from nodegraph_compare.ties import at_most
-from nodegraph_tables.lead import Card, Lead, Text, dot, number_text, svg
+from nodegraph_tables.lead import Card, Lead, Text, dot, svg
+from nodegraph_tables.numbers import number_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -24,7 +24,7 @@ from nodegraph_compare.question import (
     OneName,
     check_clusters,
     check_known,
-    placed,
+    check_numbers,
     unit_of,
 )
 from nodegraph_compare.ties import at_most
@@ -97,7 +97,7 @@ def axes_of(
     for name in named:
         check_known(scores, name, what="metric" if name == metric else "axis or column")
     _check_x(scores, x)
-    _check_numbers(scores, metric, "metric")
+    check_numbers(scores, metric, "metric")
     rest = tuple(axis for axis in free if axis != compare)
     every = scores.labels(compare) if compare in scores.axes else ()
     return Axes(x, metric, compare, blocks, clusters, rest, apart, every)
@@ -112,7 +112,7 @@ def check_floor(floor: Across[Table], axes: Axes) -> None:
         If a table of it lacks the metric, or only some of them have the compared labels.
     """
     check_known(floor, axes.metric, what="metric")
-    _check_numbers(floor, axes.metric, "metric of the floor")
+    check_numbers(floor, axes.metric, "metric of the floor")
     if axes.compare and any(axes.compare in table for table in floor.values()):
         check_known(floor, axes.compare)
 
@@ -136,21 +136,12 @@ def _check_once(named: tuple[str, ...]) -> None:
 
 def _check_x(scores: Across[Table], x: str) -> None:
     if x not in scores.axes:
-        _check_numbers(scores, x, "x")
+        check_numbers(scores, x, "x")
         return
     labels = list(dict.fromkeys(at.get(x, "") for at, _ in scores))
     words = [str(label) for label in labels if not _is_number(label)]
     if words:
         raise ValueError(f"x {x!r} is no axis of finite numbers: it has {', '.join(words[:5])}")
-
-
-def _check_numbers(scores: Across[Table], name: str, what: str) -> None:
-    for where, table in placed(scores):
-        if table[name].dtype.kind not in "iuf":
-            numbers = [column for column in table if table[column].dtype.kind in "iuf"]
-            raise ValueError(
-                f"{what} {name!r} is no column of numbers{where}; there are: {listed(numbers)}"
-            )
 
 
 def _is_number(label: Any) -> bool:

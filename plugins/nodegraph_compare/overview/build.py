@@ -46,6 +46,7 @@ def build_overview(
     suspects: Sequence[Suspects],
     declared: Mapping[Label, Declared],
     baseline: Label | None,
+    beside: Sequence[str],
 ) -> Overview:
     """Return the overview of a comparison.
 
@@ -59,18 +60,22 @@ def build_overview(
         What the methods declare.
     baseline
         What methods are compared to in place of the best; by default, the fallback stands for it.
+    beside
+        Further columns of numbers that are shown with the metric.
     """
     scores, question = comparison.scores, comparison.question
     methods = comparison.methods
     metrics = (
         Metric(question.metric, comparison.unit, question.better),
-        *_more_metrics(scores, question),
+        *_more_metrics(scores, question, beside),
     )
     columns = columns_of(scores, identifying(scores, question))
     blocks = _Blocks(comparison, [metric.name for metric in metrics], columns)
     return Overview(
         metrics=metrics,
+        beside=len(beside),
         compare=question.compare or "",
+        is_sequence=blocks.is_sequence,
         within=question.within,
         blocks=comparison.blocks,
         units=cluster_text(question) if question.clusters else "",
@@ -93,10 +98,10 @@ def build_overview(
     )
 
 
-def _more_metrics(scores: Across[Table], question: Question) -> list[Metric]:
-    """Return further columns of floats that all tables have: those in the metric's unit first."""
+def _more_metrics(scores: Across[Table], question: Question, beside: Sequence[str]) -> list[Metric]:
+    """Return what is wanted, then columns of floats of all tables: first in the metric's unit."""
     tables = scores.values()
-    taken = {question.metric, *question.within, *question.compared, *question.identity}
+    taken = {question.metric, *question.within, *question.compared, *question.identity, *beside}
     first = info_of(tables[0])
     names = [
         str(name)
@@ -110,7 +115,7 @@ def _more_metrics(scores: Across[Table], question: Question) -> list[Metric]:
     names.sort(key=lambda name: (first.units.get(name) != unit, name not in first.better))
     return [
         Metric(name, first.units.get(name, ""), first.better.get(name, "lower"))
-        for name in names[:_MORE_METRICS]
+        for name in (*beside, *names[:_MORE_METRICS])
     ]
 
 
@@ -119,6 +124,8 @@ class _Blocks:
 
     def __init__(self, comparison: Comparison, metrics: Sequence[str], columns: Columns) -> None:
         self._comparison, self._columns = comparison, columns
+        first = info_of(comparison.scores.values()[0])
+        self.is_sequence = comparison.question.compare in first.sequences
         place = {method: at for at, method in enumerate(comparison.methods)}
         compared = columns_of(comparison.scores, comparison.question.compared)
         # of nothing compared, the only label is empty
@@ -166,6 +173,7 @@ class _Blocks:
                 name: spread(None if paired is None else getattr(paired, attribute))
                 for name, attribute in _PAIRED.items()
             },
+            p_of_step=spread(summary.p_of_step if self.is_sequence else None),
             missing=lacking.astype(np.int64),
             used=int(summary.blocks.max(initial=0)),
             unit=summary.units.place.astype(np.int64),

@@ -3,41 +3,50 @@
 from __future__ import annotations
 
 from collections import Counter
-from html import escape
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from markupsafe import Markup, escape
 
 from nodegraph_compare.overview.sentence import sentences
-from nodegraph_compare.overview.strip import axis_of, strip
 from nodegraph_compare.overview.words import (
     MOST_CARDS,
+    UNCLEAR,
+    beside_text,
     both,
+    change_text,
+    changes,
     count_text,
     few,
     has_panels,
     in_unit,
     method_names,
-    percent,
     signed,
     strong,
     title_html,
     title_parts,
+    unit_means,
     varying,
     why_none,
 )
+from nodegraph_compare.question import EXTREME
+from nodegraph_tables.lead import Card, Line, cards_html, dot, sentence_html, svg
+from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
-    from nodegraph_compare.overview.strip import Axis
     from nodegraph_compare.overview.value import GroupOverview, Overview
 
 _MOST_COLUMNS = 6
+_NAMED = 3
 _MOST_ROWS = 60
+_MOST_SPOKEN = 20
+_ORDER = ("rest", "before", "tied", "worse", "best")
 
 
-def verdicts(overview: Overview, name: str) -> str:
+def verdicts(overview: Overview, name: str, meanings: Mapping[str, str]) -> str:
     """Return the answer and the verdicts of all groups.
 
     Up to eight groups have a card each, of which a reader sees those of one label of the first
@@ -49,23 +58,29 @@ def verdicts(overview: Overview, name: str) -> str:
         Of the comparison.
     name
         By which its parts are told from those of another on one page.
+    meanings
+        What the labels of an axis are.
     """
-    axis = axis_of(overview)
+    line = _line_of(overview)
     groups = overview.groups
-    answers = [
-        f'<p class="overview-sentence">{answer}</p>' for answer in sentences(overview).values()
-    ]
-    if axis is None:
+    answers = [sentence_html(Markup(answer)) for answer in sentences(overview).values()]
+    if line is None:
         return answers[0]
     if len(groups) > MOST_CARDS:
         return answers[0] + _grid(overview)
-    cards = [_card(overview, group, at, axis) for at, group in enumerate(groups)]
+    cards = [_card(overview, group, line) for group in groups]
     if has_panels(overview):
-        return _tabs(overview, cards, answers, name)
-    return f'{answers[0]}<div class="overview-cards">{"".join(cards)}</div>'
+        return _tabs(overview, cards, answers, name, meanings)
+    return answers[0] + cards_html(cards)
 
 
-def _tabs(overview: Overview, cards: Sequence[str], answers: Sequence[str], name: str) -> str:
+def _tabs(
+    overview: Overview,
+    cards: Sequence[Card],
+    answers: Sequence[str],
+    name: str,
+    meanings: Mapping[str, str],
+) -> str:
     """Return cards behind a radio button per label, which needs no script."""
     axis = varying(overview)[0]
     labels = list(dict.fromkeys(group.labels[axis] for group in overview.groups))
@@ -79,67 +94,137 @@ def _tabs(overview: Overview, cards: Sequence[str], answers: Sequence[str], name
             f'<input type="radio" name="{escape(name)}-{axis_name}" id="{tab}"{checked}>'
             f'<label for="{tab}">{text}</label>'
         )
-        inside = "".join(
-            card
-            for card, group in zip(cards, overview.groups, strict=True)
-            if group.labels[axis] == label
+        inside = cards_html(
+            [
+                card
+                for card, group in zip(cards, overview.groups, strict=True)
+                if group.labels[axis] == label
+            ]
         )
         panels.append(
-            f'<div class="overview-panel"><p class="overview-label">{axis_name} {text}</p>'
-            f'{answers[at]}<div class="overview-cards">{inside}</div></div>'
+            f'<div class="lead-panel"><p class="lead-label">{axis_name} {text}</p>'
+            f"{answers[at]}{inside}</div>"
         )
+    meaning = meanings.get(overview.within[axis], "")
+    title = f' title="{escape(meaning)}"' if meaning else ""
     return (
-        f'<div class="overview-tabs" role="group" aria-label="{axis_name}">'
-        f'<span class="overview-axis">{axis_name}</span>{"".join(buttons)}{"".join(panels)}</div>'
+        f'<div class="lead-tabs" role="group" aria-label="{axis_name}">'
+        f'<span class="lead-axis"{title}>{axis_name}</span>'
+        f"{''.join(buttons)}{''.join(panels)}</div>"
     )
 
 
-def _card(overview: Overview, group: GroupOverview, at: int, axis: Axis) -> str:
-    title = escape(", ".join(title_parts(overview, group, skip=int(has_panels(overview)))))
-    head = f'<h3 aria-level="2">{title}</h3>' if title else ""
-    rows = [*_rows(overview, group), *_suspect_row(overview, group)]
-    facts = "".join(f"<dt>{term}</dt><dd>{text}</dd>" for term, text in rows)
+def _card(overview: Overview, group: GroupOverview, line: Line) -> Card:
+    title = ", ".join(title_parts(overview, group, skip=int(has_panels(overview))))
     several = np.count_nonzero(np.isfinite(group.mean)) > 1
-    return (
-        f'<article class="overview-card" data-group="{at}">{head}{_winner(overview, group)}'
-        f"{strip(overview, group, axis) if several else ''}"
-        f"{f'<dl>{facts}</dl>' if facts else ''}</article>"
+    picture = _strip(overview, group, line) if several else ""
+    facts = [*_beside(overview, group), *_rows(overview, group), *_suspect_row(overview, group)]
+    return replace(
+        _winner(overview, group),
+        title=title,
+        picture=picture,
+        facts=tuple((term, Markup(text)) for term, text in facts),
     )
 
 
-def _winner(overview: Overview, group: GroupOverview) -> str:
-    """Return what heads a card: the best with its mean, or why there is none."""
+def _winner(overview: Overview, group: GroupOverview) -> Card:
+    """Return the head of a card: the best with its mean, or why there is none."""
     known = np.flatnonzero(np.isfinite(group.mean))
+    if overview.is_sequence and len(known) > 1:
+        unit = overview.metric.unit
+        first, last = (number_text(float(group.mean[known[at]]), unit) for at in (0, -1))
+        begin, end = (overview.methods[known[at]] for at in (0, -1))
+        return Card("", last, aside=f"{end}, from {first} {begin}")
     if not len(known):
-        return _headline("no numbers", "no block has a number for every method")
+        return Card("", "no numbers", "", "no block has a number for every method")
     if len(known) == 1:
-        return _headline(
-            " ".join(method_names(overview, known[:1].tolist())),
-            _value(overview, group, int(known[0])),
-            best=True,
-        )
+        names = " ".join(method_names(overview, known[:1].tolist()))
+        value, interval = _value(overview, group, int(known[0]))
+        return Card("", Markup(names), value, interval, best=True)
     if overview.metric.better == "none":
         ends = [int(known[np.argmin(group.mean[known])]), int(known[np.argmax(group.mean[known])])]
         low, high = method_names(overview, ends)
         span = in_unit([group.mean[end] for end in ends], overview.metric.unit)
-        return _headline("no better end", f"{span}, from {low} to {high}")
+        return Card("", "no better end", aside=Markup(f"{span}, from {low} to {high}"))
     if not group.stands:
-        return _headline("no verdict", escape(why_none(group)))
+        return Card("", "no verdict", aside=why_none(group))
     best = both(method_names(overview, group.best))
-    return _headline(best, _value(overview, group, group.best[0]), best=True)
+    value, interval = _value(overview, group, group.best[0])
+    return Card("", Markup(best), value, interval, best=True)
 
 
-def _headline(text: str, below: str, *, best: bool = False) -> str:
-    kind = "overview-winner" if best else "overview-winner overview-none"
-    return f'<p class="{kind}">{text}</p><p class="overview-value">{below}</p>'
-
-
-def _value(overview: Overview, group: GroupOverview, place: int) -> str:
+def _value(overview: Overview, group: GroupOverview, place: int) -> tuple[str, str]:
+    """Return the mean of a method, and its interval."""
     unit = overview.metric.unit
     low, high = float(group.low[place]), float(group.high[place])
-    between = in_unit([low, high], "share" if unit == "share" else "")
-    interval = f" <small>95 %: {between}</small>" if np.isfinite(low) else ""
-    return f"<b>{in_unit([group.mean[place]], unit)}</b>{interval}"
+    between = span_text([low, high], "share" if unit == "share" else "")
+    interval = f"95 %: {between}" if np.isfinite(low) else ""
+    return number_text(float(group.mean[place]), unit), interval
+
+
+def _line_of(overview: Overview) -> Line | None:
+    """Return the line that all cards share; None where no mean is known."""
+    means = np.concatenate([group.mean for group in overview.groups] or [np.empty(0)])
+    means = means[np.isfinite(means)]
+    if not len(means):
+        return None
+    low, high = float(means.min()), float(means.max())
+    # shares of 0 have no logarithm; with them the line is an ordinary one
+    return Line(low, high, log=low > 0 and overview.metric.better != "none")
+
+
+def _strip(overview: Overview, group: GroupOverview, line: Line) -> str:
+    """Return the dots of one group: the best filled, ringed what is not clearly apart from it."""
+    metric = overview.metric
+    known = np.flatnonzero(np.isfinite(group.mean)).tolist()
+    kinds = dict.fromkeys(known, "rest") | _kinds(overview, group)
+    # the best is drawn last, above what it covers
+    order = sorted(known, key=lambda place: _ORDER.index(kinds[place]))
+    dots = [
+        dot(
+            line.at(mean := float(group.mean[place])), 10.0, kinds[place],
+            f"{overview.methods[place]} {number_text(mean, metric.unit)}",
+            4.0 if kinds[place] == "rest" else 5.0, str(overview.methods[place]),
+        )
+        for place in order
+    ]  # fmt: skip
+    names = ", ".join(
+        f"{overview.methods[place]} {number_text(float(group.mean[place]))}"
+        for place in sorted(known, key=lambda place: group.mean[place])[:_MOST_SPOKEN]
+    )
+    name = f"mean {metric.name} of {len(known)} methods: {names}"
+    return svg(name, 40.0, (line.drawn(22.0, metric.unit), *dots))
+
+
+def _kinds(overview: Overview, group: GroupOverview) -> dict[int, str]:
+    """Return what the dots of a group are, apart from the rest."""
+    if not group.stands:
+        return {}
+    if not overview.is_sequence:
+        return dict.fromkeys(group.tied, "tied") | dict.fromkeys(group.best, "best")
+    better = "raises" if overview.metric.better == "higher" else "lowers"
+    steps = changes(group)
+    return {min(each for each, _ in steps.values()): "before"} | {
+        step: "best" if verb == better else "worse"
+        for step, (_, verb) in steps.items()
+        if verb != UNCLEAR
+    }
+
+
+def _beside(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
+    """Return what else is asked of the best: its mean of other columns, and those of the rest."""
+    if not group.stands:
+        return []
+    rows = []
+    for metric in overview.metrics[1 : 1 + overview.beside]:
+        means = unit_means(group, metric.name)
+        others = np.delete(means, group.best[0])
+        others = others[np.isfinite(others)]
+        text = beside_text([means[group.best[0]]], metric)
+        if len(others):
+            text += f" (others {beside_text([others.min(), others.max()], metric)})"
+        rows.append((metric.name, text))
+    return rows
 
 
 def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
@@ -149,17 +234,33 @@ def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
         return []
     if not group.stands:
         best = both(method_names(overview, group.best))
-        end = "Highest" if overview.metric.better == "higher" else "Lowest"
-        return [(end, f"{best} {_value(overview, group, group.best[0])}")]
-    mean = float(group.mean[group.best[0]])
+        value, interval = _value(overview, group, group.best[0])
+        end = EXTREME[overview.metric.better].capitalize()
+        return [(end, f"{best} {', '.join(filter(None, [escape(value), escape(interval)]))}")]
+    if overview.is_sequence:
+        return _step_rows(overview, group)
     order = sorted(group.tied, key=lambda place: abs(group.difference[place]))
-    tied = [
-        f"{name} {signed(group.difference[place], overview.metric.unit, mean)}"
-        for name, place in zip(method_names(overview, order), order, strict=True)
-    ]
-    rows = [("Tied", few(tied) if tied else "none")]
+    tied = ", ".join(method_names(overview, order[:_NAMED]))
+    if order:
+        more = f" and {len(order) - _NAMED} more" if len(order) > _NAMED else ""
+        mean, farthest = float(group.mean[group.best[0]]), abs(float(group.difference[order[-1]]))
+        reach = signed(farthest, overview.metric.unit, mean).removeprefix("+")
+        tied += f"{more}, within {reach.removeprefix('under ')}"
+    rows = [("Tied", tied or "none")]
     if group.behind:
         rows.append(("Behind", _behind(overview, group)))
+    return rows
+
+
+def _step_rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
+    """Return what each step does to the mean."""
+    rows = []
+    for step, (before, verb) in changes(group).items():
+        mean = in_unit([group.mean[step]], overview.metric.unit)
+        by = change_text(overview, group, before, step)
+        sign = MINUS if group.mean[step] < group.mean[before] else "+"
+        clear = ", not clearly" * (verb == UNCLEAR)
+        rows.append((str(overview.methods[step]), f"{mean}, {sign}{by}{clear}"))
     return rows
 
 
@@ -179,8 +280,8 @@ def _suspect_row(overview: Overview, group: GroupOverview) -> list[tuple[str, st
         return []
     several = count_text(len(group.suspect), overview.blocks)
     text = (
-        f'<span class="overview-suspect">\N{WHITE DIAMOND} {len(group.suspect):,} of '
-        f"{count_text(len(group.unit), overview.blocks)}</span>"
+        f'<strong class="suspect">\N{WHITE DIAMOND} {len(group.suspect):,} of '
+        f"{count_text(len(group.unit), overview.blocks)}</strong>"
     )
     if not other.best:
         return [("Suspect", f"{text}; nothing can be said without {several}")]
@@ -249,15 +350,15 @@ def _cell(overview: Overview, group: GroupOverview | None) -> str:
 def _table(heads: str, rows: Sequence[str]) -> str:
     body = "".join(f"<tr>{row}</tr>" for row in rows[:_MOST_ROWS])
     more = len(rows) - _MOST_ROWS
-    rest = f'<p class="overview-scope">{more} more rows are in the table.</p>' if more > 0 else ""
+    rest = f'<p class="lead-scope">{more} more rows are in the table.</p>' if more > 0 else ""
     return (
-        f'<figure class="table overview-grid"><table><thead><tr>{heads}</tr></thead>'
+        f'<figure class="table lead-grid"><table><thead><tr>{heads}</tr></thead>'
         f"<tbody>{body}</tbody></table></figure>{rest}"
     )
 
 
 def scope_line(overview: Overview) -> str:
-    """Return what the verdicts hold for, and what the numbers are."""
+    """Return what the verdicts hold for, what the numbers are, and how the cards are read."""
     scopes = list(dict.fromkeys(group.scope for group in overview.groups if group.scope))
     metric = overview.metric
     first = scopes[0] if scopes else ""
@@ -281,4 +382,23 @@ def scope_line(overview: Overview) -> str:
     unit = f" ({in_unit([], metric.unit).strip()})" if metric.unit else ""
     over = overview.units if first.startswith("over ") else overview.blocks
     numbers = f"Mean {escape(metric.name)}{unit} over {escape(over)}, {end}."
-    return f'<p class="overview-scope">{holds}{few} {numbers}</p>'
+    return Markup(f"{holds}{few} {numbers}{_legend(overview)}")
+
+
+def _legend(overview: Overview) -> str:
+    """Return what the dots of the cards are, and what tied means."""
+    stands = [group for group in overview.groups if group.stands]
+    if not stands or len(overview.groups) > MOST_CARDS or len(overview.methods) < 2:
+        return ""
+    if overview.is_sequence:
+        return (
+            f" Percentages: to the {escape(overview.compare)} before; dots: hollow where it begins,"
+            " blue clearly better than before, orange clearly worse, grey not clearly changed."
+        )
+    tied = (
+        f"; ringed: {strong('tied')}, the data cannot tell it from the best"
+        if any(group.tied for group in stands)
+        else ""
+    )
+    behind = "; grey: clearly behind" if any(group.behind for group in stands) else ""
+    return f" Dots: a method each; filled: the best{tied}{behind}."

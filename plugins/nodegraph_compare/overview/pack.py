@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_compare.overview.findings import shown_group
-from nodegraph_compare.overview.words import title_parts
+from nodegraph_compare.overview.words import title_parts, varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,13 +72,17 @@ def excerpt_of(overview: Overview) -> Excerpt:
     return Excerpt(metrics, tuple(blocks))
 
 
-def packed(overview: Overview, excerpt: Excerpt, title: str, origin: Origin) -> dict[str, Any]:
+def packed(
+    overview: Overview, named: Overview, excerpt: Excerpt, title: str, origin: Origin
+) -> dict[str, Any]:
     """Return the overview as JSON has it.
 
     Parameters
     ----------
     overview
         The comparison.
+    named
+        The same with labels as a reader sees them; see `with_units`.
     excerpt
         What of it the page holds.
     title
@@ -104,6 +107,8 @@ def packed(overview: Overview, excerpt: Excerpt, title: str, origin: Origin) -> 
             {
                 "name": name,
                 "labels": list(dict.fromkeys(group.labels[axis] for group in overview.groups)),
+                "texts": list(dict.fromkeys(group.labels[axis] for group in named.groups)),
+                "meaning": origin.meaning(name),
             }
             for axis, name in enumerate(overview.within)
         ],
@@ -124,15 +129,33 @@ def packed(overview: Overview, excerpt: Excerpt, title: str, origin: Origin) -> 
             for metric in overview.metrics[: excerpt.metrics]
         ],
         "groups": [
-            _group(overview, group, excerpt.metrics, blocks, columns)
-            for group, blocks in zip(overview.groups, excerpt.blocks, strict=True)
+            {
+                **_group(overview, group, excerpt.metrics, blocks, columns),
+                "texts": list(shown.labels),
+                "title": ", ".join(title_parts(named, shown)),
+            }
+            for group, shown, blocks in zip(
+                overview.groups, named.groups, excerpt.blocks, strict=True
+            )
         ],
-        "shown_group": shown_group(overview),
+        "shown_group": _shown_group(overview),
         "columns": {
             name: {"labels": [str(overview.columns[name][code]) for code in used.tolist()]}
             for name, used in columns.items()
         },
     }
+
+
+def _shown_group(overview: Overview) -> int:
+    """Return the group that charts of one group begin with: the last in sight with numbers."""
+    axes, first = varying(overview)[:-1], overview.groups[0].labels
+    along = [
+        at
+        for at, group in enumerate(overview.groups)
+        if all(group.labels[axis] == first[axis] for axis in axes)
+    ]
+    known = [at for at in along if np.isfinite(overview.groups[at].mean).any()]
+    return (known or along)[-1]
 
 
 def _group(
@@ -153,7 +176,6 @@ def _group(
     }
     return {
         "labels": list(group.labels),
-        "title": ", ".join(title_parts(overview, group)),
         "blocks": group.used,
         "all_blocks": len(group.unit),
         "scope": group.scope,

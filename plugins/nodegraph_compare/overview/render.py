@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
-from html import escape, unescape
 from importlib.resources import files
 from typing import TYPE_CHECKING
+
+from markupsafe import Markup, escape
 
 from nodegraph import Rendered, json_script
 from nodegraph_compare.left_out import start_text
 from nodegraph_compare.overview.cards import scope_line, verdicts
 from nodegraph_compare.overview.details import details_of
-from nodegraph_compare.overview.findings import (
-    block_finding,
-    cost_finding,
-    place_finding,
-    ranking_finding,
-)
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.sentence import sentences
-from nodegraph_compare.overview.words import varying
-from nodegraph_tables.lead import MOST_CARDS
+from nodegraph_compare.overview.words import varying, with_units
+from nodegraph_compare.table.lead import is_described
+from nodegraph_tables.lead import lead_of_parts, lead_style
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from nodegraph import Origin
     from nodegraph_compare.overview.value import Overview
@@ -32,8 +27,8 @@ if TYPE_CHECKING:
 
 def render_overview(overview: Overview, title: str) -> Rendered:
     """Return the verdicts alone, as a notebook shows them."""
-    answer = _answer(overview)
-    return Rendered(lead_of(overview, title), styles=(_text("cards.css"),), answer=answer)
+    lead = _lead(overview, title, {})
+    return Rendered(lead, styles=(lead_style(),), answer=_answer(overview))
 
 
 def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Rendered:
@@ -46,35 +41,31 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     title
         Of the section.
     origin
-        Of the run, which knows the times of methods and the inputs of scores.
+        Of the run, which knows the times of methods, the inputs of scores and what axes are.
     """
     name = f"overview-{origin.node}"
+    named = with_units(overview, origin)
     # of a metric without a better end, the table's own lead says more
-    described = overview.metric.better == "none" and len(overview.groups) == 1
-    lead = "" if described and 1 < len(overview.methods) <= MOST_CARDS else lead_of(overview, name)
-    styles = (_text("cards.css"), *_web(".css"))
-    answer = _answer(overview) if lead else ()
+    is_lead = not is_described(overview.metric.better, len(overview.methods), len(overview.groups))
+    meanings = {axis: origin.meaning(axis) for axis in overview.within}
+    lead = _lead(named, name, meanings) if is_lead else ""
+    answer = _answer(named) if is_lead else ()
+    styles = (lead_style(), *_web(".css"))
     if not overview.groups:
         return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)
     excerpt = excerpt_of(overview)
     details = details_of(overview, excerpt, origin)
-    data = {**packed(overview, excerpt, title, origin), **details.data}
-    seconds = origin.seconds(overview.compare)
+    data = {**packed(overview, named, excerpt, title, origin), **details.data}
     layout = data["layout"]
-    charts = [("controls", "", "")]
+    charts = {"controls": ""}
     if any(group.best for group in overview.groups) and len(overview.methods) > 1:
-        charts += [
-            ("ranking", _ranking_heading(overview), ranking_finding(overview)),
-        ]
-        if len(seconds) > 1:
-            charts.append(("cost", "What does accuracy cost?", cost_finding(overview, seconds)))
+        charts["ranking"] = _ranking_heading(overview)
+        if len(origin.seconds(overview.compare)) > 1:
+            charts["cost"] = "What does accuracy cost?"
     if layout is not None:
-        heading = f"Where {layout['title']} is it hard?"
-        charts.append(("layout", heading, place_finding(overview, layout["column"])))
-    charts.append(
-        ("blocks", f"Is it a few {overview.blocks}, or all of them?", block_finding(overview))
-    )
-    html = "".join(_chart(*chart) for chart in charts)
+        charts["layout"] = f"Where {layout['title']} is it hard?"
+    charts["blocks"] = f"Is it a few {overview.blocks}, or all of them?"
+    html = "".join(_chart(*chart) for chart in charts.items())
     return Rendered(
         f'<div class="overview" data-overview="{escape(name)}">{html}</div>'
         f"{json_script(data, name)}{details.html}",
@@ -86,31 +77,32 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     )
 
 
-def lead_of(overview: Overview, name: str) -> str:
+def _lead(overview: Overview, name: str, meanings: Mapping[str, str]) -> str:
     """Return the answer at a glance: its sentences, the verdicts of the groups, the scope."""
-    return f'<div class="overview-lead">{verdicts(overview, name)}{scope_line(overview)}</div>'
+    return lead_of_parts(verdicts(overview, name, meanings), scope=scope_line(overview))
 
 
 def _answer(overview: Overview) -> tuple[str, ...]:
     """Return the sentences as text, as a terminal shows them."""
     return tuple(
-        f"{start_text(label)}{unescape(re.sub(r'<[^>]*>', '', html))}"
+        f"{start_text(label)}{Markup(html).striptags()}"
         for label, html in sentences(overview).items()
     )
 
 
 def _ranking_heading(overview: Overview) -> str:
     names = [overview.within[axis] for axis in varying(overview)]
+    if overview.is_sequence:
+        return f"What does each {overview.compare} do?"
     if len(overview.groups) < 2:
         return "How far are they apart?"
     return f"How does the ranking change with {' and '.join(names)}?"
 
 
-def _chart(name: str, heading: str, finding: str) -> str:
-    """Return the place of a chart, with what can be said without it."""
+def _chart(name: str, heading: str) -> str:
+    """Return the place of a chart; its script draws it, and says what it shows."""
     head = f"<h3>{escape(heading)}</h3>" if heading else ""
-    text = f'<p class="finding">{finding[:1].upper()}{finding[1:]}</p>' if finding else ""
-    return f'{head}{text}<div data-chart="{name}"></div>'
+    return f'{head}<div data-chart="{name}"></div>'
 
 
 def _web(suffix: str) -> Iterator[str]:

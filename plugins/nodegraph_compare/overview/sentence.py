@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
+from markupsafe import escape
 
 from nodegraph_compare.overview.words import (
+    UNCLEAR,
+    beside_text,
     both,
+    change_text,
+    changes,
     either,
     few,
     has_panels,
     in_unit,
     method_names,
+    unit_means,
     varying,
     why_none,
 )
+from nodegraph_compare.question import EXTREME
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,13 +67,47 @@ def _sentence(overview: Overview) -> str:
         more = f" (and {len(reasons) - 1} more reasons)" if len(reasons) > 1 else ""
         first = f"The data cannot tell which is best: {escape(reasons[0])}{more}."
         return f"{first}{_extreme_everywhere(overview, known)}"
+    if overview.is_sequence:
+        return _steps(overview, stands)
     rest = len(known) - len(stands)
     verb = "have" if rest > 1 else "has"
     without = f" {rest} of {len(known)} groups {verb} no verdict." if rest else ""
     leaders = set.intersection(*(set(group.best) for group in stands))
     if leaders:
-        return _throughout(overview, stands, sorted(leaders)) + without
-    return f"{_depends(overview, stands)}{_compromise(overview, stands)}{without}"
+        answer = _throughout(overview, stands, sorted(leaders))
+    else:
+        answer = f"{_depends(overview, stands)}{_compromise(overview, stands)}"
+    return f"{answer}{_besides(overview, stands)}{without}"
+
+
+def _steps(overview: Overview, stands: Sequence[GroupOverview]) -> str:
+    """Return what each step does to the mean, in the groups where it does so."""
+    clauses: list[str] = []
+    for step in sorted({step for group in stands for step in changes(group)}):
+        does: dict[str, list[str]] = {}
+        for group in stands:
+            if step in (made := changes(group)):
+                before, verb = made[step]
+                by = f"by {change_text(overview, group, before, step)} " * (verb != UNCLEAR)
+                where = _where(overview, [group])
+                does.setdefault(verb, []).append(f"{by}({where})" if where else by.strip())
+        (name,) = method_names(overview, [step])
+        metric = "it" if clauses else escape(overview.metric.name)
+        parts = [
+            f"{verb} {f'{metric} ' * (verb != UNCLEAR)}{both(sizes)}"
+            for verb, sizes in sorted(does.items())
+        ]
+        clauses.append(f"{name} {', '.join(parts)}")
+    return f"{'; '.join(clauses)}."
+
+
+def _besides(overview: Overview, stands: Sequence[GroupOverview]) -> str:
+    """Return what else the best methods do."""
+    texts = []
+    for metric in overview.metrics[1 : 1 + overview.beside]:
+        means = [unit_means(group, metric.name)[group.best[0]] for group in stands]
+        texts.append(f"{escape(metric.name)} {beside_text([min(means), max(means)], metric)}")
+    return f" Of the best: {both(texts)}." if texts else ""
 
 
 def _extreme_everywhere(overview: Overview, known: Sequence[GroupOverview]) -> str:
@@ -77,7 +117,7 @@ def _extreme_everywhere(overview: Overview, known: Sequence[GroupOverview]) -> s
         return ""
     names = both(method_names(overview, sorted(leaders)))
     verb = "share" if len(leaders) > 1 else "has"
-    end = "highest" if overview.metric.better == "higher" else "lowest"
+    end = EXTREME[overview.metric.better]
     return f" {names} {verb} the {end} mean in all {len(known)} groups."
 
 
@@ -163,7 +203,8 @@ def _where(overview: Overview, groups: Sequence[GroupOverview]) -> str:
             first = [f"{overview.within[axis]} {group.labels[axis]}" for axis in axes[:-1]]
             name = ", ".join([*first, overview.within[axes[-1]]])
             texts.setdefault(name, []).append(str(group.labels[axes[-1]]))
-    return both([f"{escape(name)} {escape(both(labels))}" for name, labels in texts.items()])
+    named = [f"{escape(name)} {escape(both(labels))}" for name, labels in texts.items()]
+    return " and for ".join(filter(None, [", ".join(named[:-1]), *named[-1:]]))
 
 
 def _compromise(overview: Overview, stands: Sequence[GroupOverview]) -> str:

@@ -56,6 +56,8 @@ class GroupOverview(Value):
         Of means to that of the best, in the metric's unit.
     p : (K,) array of float64
         Of the difference to the best.
+    p_of_step : (K,) array of float64
+        Of the difference to the one before, where they follow one another.
     missing : (K,) array of int
         Blocks in which the method has no number of its own.
     used : int
@@ -93,6 +95,7 @@ class GroupOverview(Value):
     difference_low: NDArray[np.float64]
     difference_high: NDArray[np.float64]
     p: NDArray[np.float64]
+    p_of_step: NDArray[np.float64]
     missing: NDArray[np.int64]
     used: int
     unit: NDArray[np.int64]
@@ -117,9 +120,14 @@ class Overview(Value):
     Attributes
     ----------
     metrics : tuple of Metric
-        What is compared, then up to three more numbers of the same blocks.
+        What is compared, then what stands beside it, then up to three more numbers of the same
+        blocks.
+    beside : int
+        How many of the metrics stand beside it.
     compare : str
         What the methods are labels of; empty where nothing is compared.
+    is_sequence : bool
+        Whether they follow one another, such as the steps of a chain, in this order.
     within : tuple of str
         What the groups are combinations of.
     blocks, units : str
@@ -139,7 +147,9 @@ class Overview(Value):
     """
 
     metrics: tuple[Metric, ...]
+    beside: int
     compare: str
+    is_sequence: bool
     within: tuple[str, ...]
     blocks: str
     units: str

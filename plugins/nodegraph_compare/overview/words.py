@@ -2,71 +2,50 @@
 
 from __future__ import annotations
 
-import math
-from html import escape
+from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import numpy as np
+from markupsafe import escape
+
+from nodegraph_compare.inference import LEVEL
+from nodegraph_tables.numbers import SMALLEST, SPACE, percent, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from nodegraph_compare.overview.value import GroupOverview, Overview
+    from numpy.typing import NDArray
+
+    from nodegraph import Label, Origin
+    from nodegraph_compare.overview.value import GroupOverview, Metric, Overview
 
 MOST_CARDS = 8
 """Groups with a card each."""
 
+UNCLEAR = "with no clear change"
+
 _MOST_IN_SIGHT = 4
 _NAMED = 3
-_SMALLEST = 1e-3
-_LARGEST = 1e6
-MINUS = "\N{MINUS SIGN}"
-SPACE = "\N{NO-BREAK SPACE}"
-
-
-def number(value: float) -> str:
-    """Return a number as the charts do: three decimals below 1, two below 10, fewer above."""
-    size = abs(value)
-    if not math.isfinite(value):
-        return "\N{EN DASH}" if math.isnan(value) else "\N{INFINITY}"
-    if not size:
-        return "0"
-    if not _SMALLEST <= size < _LARGEST:
-        digits, _, power = f"{value:.1e}".partition("e")
-        return f"{digits}e{int(power):+d}".replace("-", MINUS)
-    decimals = 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
-    return f"{value:.{decimals}f}".replace("-", MINUS)
 
 
 def in_unit(values: Sequence[float], unit: str) -> str:
     """Return numbers from first to last with their unit, escaped; shares in percent."""
-    if unit == "share":
-        values, unit = [100 * value for value in values], "%"
-    texts = dict.fromkeys(map(number, values))
-    text = f"{' to '.join(texts)}{SPACE}{unit_text(unit)}"
-    return escape(text.rstrip(SPACE))
+    return str(escape(span_text(values, unit)))
 
 
 def signed(value: float, unit: str, mean: float) -> str:
     """Return a difference with its sign, to the digits of the mean that it is to."""
-    shown = round(value, 3) if abs(mean) >= _SMALLEST else value
+    shown = round(value, 3) if abs(mean) >= SMALLEST else value
     if value and not shown:
-        return f"under {in_unit([_SMALLEST], unit)}"
+        return f"under {in_unit([SMALLEST], unit)}"
     return f"{'+' if shown >= 0 else ''}{in_unit([shown], unit)}"
 
 
-def percent(share: float) -> str:
-    """Return a share: ``8 %``, ``0.4 %``, and ``less than 0.1 %``."""
-    if 0 < share < 1e-3:
-        return f"less than 0.1{SPACE}%"
-    return f"{100 * share:.{0 if share >= 0.0095 or not share else 1}f}{SPACE}%"
-
-
-def duration(seconds: float) -> str:
-    """Return a time: ``1.1 ms``, ``140 ms``, ``2.3 s``."""
-    if seconds < 1:
-        return f"{1000 * seconds:.{1 if seconds < 0.01 else 0}f}{SPACE}ms"
-    return f"{seconds:.1f}{SPACE}s"
+def beside_text(values: Sequence[float], metric: Metric) -> str:
+    """Return means of what stands beside the metric, from first to last, in few digits."""
+    return shares_text(values) if metric.unit == "share" else in_unit(values, metric.unit)
 
 
 def strong(text: object) -> str:
@@ -96,6 +75,58 @@ def either(texts: Sequence[str]) -> str:
 def both(texts: Sequence[str]) -> str:
     """Return texts as a list: ``a, b and c``."""
     return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
+
+
+def with_units(overview: Overview, origin: Origin) -> Overview:
+    """Return an overview whose labels are texts with their units: ``5 frames``, ``2 %``."""
+    units = [origin.unit(axis) for axis in overview.within]
+    return replace(
+        overview,
+        groups=tuple(
+            replace(group, labels=tuple(map(label_text, group.labels, units)))
+            for group in overview.groups
+        ),
+    )
+
+
+def label_text(label: Label, unit: str = "") -> str:
+    """Return a label as a reader sees it: numbers without useless digits, with their unit."""
+    if isinstance(label, bool) or not isinstance(label, (int, float)):
+        return str(label)
+    if unit == "share":
+        return f"{100 * label:.10g}{SPACE}%"
+    return f"{label:.12g}{SPACE}{unit_text(unit)}".rstrip(SPACE)
+
+
+def unit_means(group: GroupOverview, metric: str) -> NDArray[np.float64]:
+    """Return (K,) the means over units of the means of their blocks; NaN where there is none."""
+    errors = group.errors[metric].astype(np.float64)
+    means = np.full(errors.shape[1], np.nan)
+    for method, values in enumerate(errors.T):
+        used = np.isfinite(values) & (group.unit >= 0)
+        if used.any():
+            count = np.bincount(group.unit[used])
+            sums = np.bincount(group.unit[used], values[used])
+            means[method] = (sums[count > 0] / count[count > 0]).mean()
+    return means
+
+
+def changes(group: GroupOverview) -> dict[int, tuple[int, str]]:
+    """Return the step before each step, and whether this one lowers or raises the mean."""
+    known = np.flatnonzero(np.isfinite(group.mean)).tolist()
+    return {
+        step: (before, ("lowers" if group.mean[step] < group.mean[before] else "raises")
+               if group.stands and group.p_of_step[step] <= LEVEL else UNCLEAR)
+        for before, step in pairwise(known)
+    }  # fmt: skip
+
+
+def change_text(overview: Overview, group: GroupOverview, before: int, step: int) -> str:
+    """Return how far the means of two steps are apart: ``36 %``, or ``0.12 mm``."""
+    first, second = float(group.mean[before]), float(group.mean[step])
+    if overview.ratio and first > 0:
+        return percent(abs(second / first - 1))
+    return in_unit([abs(second - first)], overview.metric.unit)
 
 
 def count_text(count: int, several: str) -> str:

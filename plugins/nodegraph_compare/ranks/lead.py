@@ -11,7 +11,8 @@ from nodegraph import listed
 from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import group_text
 from nodegraph_compare.scope import caution, scope
-from nodegraph_tables.lead import Card, Lead, Line, Text, dot, number_text, svg
+from nodegraph_tables.lead import Card, Lead, Line, Text, dot, svg
+from nodegraph_tables.numbers import number_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

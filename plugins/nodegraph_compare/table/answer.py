@@ -18,7 +18,7 @@ from nodegraph_compare.left_out import (
     narrowed,
     start_text,
 )
-from nodegraph_compare.question import sign_of
+from nodegraph_compare.question import EXTREME, sign_of
 from nodegraph_compare.scope import few_blocks, rules, scope
 from nodegraph_compare.table.overall import ALL
 from nodegraph_compare.table.sensitivity import (
@@ -53,8 +53,6 @@ _FILLED = (
 )
 _MOST_BLOCKS = 0.55
 """Share of the blocks in which another method than the best is better for a remark."""
-
-_EXTREME = {"lower": "lowest", "higher": "highest"}
 
 
 def answers(
@@ -93,7 +91,7 @@ def _of_groups(comparison: Comparison, summaries: Sequence[Summary]) -> list[str
 
 def _over_groups(comparison: Comparison, summaries: Sequence[Summary], overall: Summary) -> str:
     verb = "share" if np.count_nonzero(overall.bests) > 1 else "has"
-    best = f"{_best_names(overall)} {verb} the {_EXTREME[overall.end]} mean"
+    best = f"{_best_names(overall)} {verb} the {EXTREME[overall.end]} mean"
     metric = comparison.question.metric
     return f"all {len(summaries)} groups: {best} {metric}{_verdict(overall, comparison)}."
 
@@ -257,7 +255,7 @@ def _means(same: Sequence[Summary], comparison: Comparison) -> str:
         low, high = (f"{_name(summary, at)} ({_numbers(summary, at, comparison)})" for at in ends)
         return f"the mean {metric} is lowest for {low} and highest for {high}"
     verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
-    best = f"{_best_names(summary)} {verb} the {_EXTREME[summary.end]} mean {metric}"
+    best = f"{_best_names(summary)} {verb} the {EXTREME[summary.end]} mean {metric}"
     if len(same) == 1:
         return f"{best} ({_numbers(summary, summary.best, comparison)})"
     means = [float(each.mean[each.best]) for each in same if each.best is not None]
@@ -327,7 +325,7 @@ def _counted(summaries: Sequence[Summary], question: Question, blocks: str) -> s
     held = {scope(summary.units, question, blocks) for summary in summaries if summary.units.count}
     return (
         f"Of {len(summaries)} groups ({', '.join(question.within)}), {first} has the "
-        f"{_EXTREME[question.better]} mean {question.metric} in {most}{rest}"
+        f"{EXTREME[question.better]} mean {question.metric} in {most}{rest}"
         f"{f' {listed(sorted(held))}' if held else ''}; all others are clearly behind in {alone}."
     )
 

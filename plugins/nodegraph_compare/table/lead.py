@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_compare.left_out import group_text
 from nodegraph_compare.scope import scope
-from nodegraph_tables.lead import MOST_CARDS, Card, Lead, number_text
+from nodegraph_tables.lead import MOST_CARDS, Card, Lead
+from nodegraph_tables.numbers import number_text, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -15,12 +17,20 @@ if TYPE_CHECKING:
 
     from nodegraph_compare.question import Question
     from nodegraph_compare.table.summary import Summary
+    from nodegraph_tables import BetterEnd
+
+_MOST_GROUPS = 4
+
+
+def is_described(end: BetterEnd, methods: int, groups: int) -> bool:
+    """Whether a comparison has the lead of this module: of few labels without a better end."""
+    return end == "none" and 1 < methods <= MOST_CARDS and 0 < groups <= _MOST_GROUPS
 
 
 def lead_of(
     summaries: Sequence[Summary], question: Question, unit: str, blocks: str
 ) -> Lead | None:
-    """Return the lead of a single group of a few labels; None for other comparisons.
+    """Return the lead of a few groups of a few labels; None for other comparisons.
 
     Parameters
     ----------
@@ -31,35 +41,75 @@ def lead_of(
     blocks
         What several blocks are called.
     """
-    if question.better != "none" or len(summaries) != 1:
+    labels = list(dict.fromkeys(each for s in summaries for each in s.group.methods))
+    if not is_described(question.better, len(labels), len(summaries)):
         return None
-    (summary,) = summaries
+    first = summaries[0]
+    held = f"Scope: {scope(first.units, question, blocks)}." if first.units.count > 1 else ""
+    # the only row of a label is no mean
+    is_mean = any(len(s.group.rows) > len(s.group.methods) for s in summaries)
+    metric = f"Mean {question.metric}" if is_mean else question.metric.capitalize()
+    if len(summaries) == 1:
+        return _of_one(first, metric, unit, held)
+    spans = [[_mean(summary, label) for summary in summaries] for label in labels]
+    cards = tuple(
+        Card(
+            str(label), _span(values, unit),
+            facts=tuple(
+                (group_text(summary.group, question), _span([value], unit))
+                for summary, value in zip(summaries, values, strict=True)
+            ),
+        )
+        for label, values in zip(labels, spans, strict=True)
+    )  # fmt: skip
+    most = max(range(len(labels)), key=lambda place: np.nansum(spans[place]))
+    rest = [value for place, values in enumerate(spans) if place != most for value in values]
+    others = f"the {len(labels) - 1} others" if len(labels) > 2 else "the other"
+    return Lead(
+        (
+            f"{metric} is ", cards[most].headline,
+            f" for {labels[most]}, and {_span(rest, unit)} for {others}.",
+        ),
+        cards,
+        held,
+    )  # fmt: skip
+
+
+def _of_one(summary: Summary, metric: str, unit: str, held: str) -> Lead | None:
+    """Return the lead of a single group, with the intervals of its means."""
     known = np.flatnonzero(np.isfinite(summary.mean)).tolist()
-    if not 1 < len(known) <= MOST_CARDS:
+    if len(known) < 2:
         return None
     labels = [str(summary.group.methods[place]) for place in known]
     values = [float(summary.mean[place]) for place in known]
     # what is left of a number by rounding is none
     largest = max(map(abs, values))
-    texts = [number_text(0.0 if abs(each) < 1e-12 * largest else each) for each in values]
+    values = [0.0 if abs(each) < 1e-12 * largest else each for each in values]
+    texts = [number_text(each) for each in values]
     cards = tuple(
-        Card(label, text, _interval(summary, place))
-        for label, text, place in zip(labels, texts, known, strict=True)
+        Card(label, number_text(value, unit), _interval(summary, place))
+        for label, value, place in zip(labels, values, known, strict=True)
     )
     in_unit = f" in {unit_text(unit)}" if unit else ""
-    held = f"Scope: {scope(summary.units, question, blocks)}. " if summary.units.count > 1 else ""
     steps = np.sign(np.diff(values))
     verb = " falls from " if (steps < 0).all() else " rises from " if (steps > 0).all() else ": "
     rest = [f"{text} ({label})" for text, label in zip(texts[1:], labels[1:], strict=True)]
     to = ", " if verb == ": " else " to "
     return Lead(
-        (
-            f"Mean {question.metric}{in_unit}{verb}", texts[0],
-            f" ({labels[0]}){to}{_listed(rest)}.",
-        ),
+        (f"{metric}{in_unit}{verb}", texts[0], f" ({labels[0]}){to}{_listed(rest)}."),
         cards,
-        held.strip(),
-    )  # fmt: skip
+        held,
+    )
+
+
+def _span(values: Sequence[float], unit: str) -> str:
+    ends = [min(values), max(values)]
+    return shares_text(ends) if unit == "share" else span_text(ends, unit)
+
+
+def _mean(summary: Summary, label: object) -> float:
+    methods = summary.group.methods
+    return float(summary.mean[methods.index(label)]) if label in methods else float("nan")
 
 
 def _listed(texts: Sequence[str]) -> str:
@@ -69,4 +119,4 @@ def _listed(texts: Sequence[str]) -> str:
 
 def _interval(summary: Summary, place: int) -> str:
     low, high = float(summary.low[place]), float(summary.high[place])
-    return f"95 %: {number_text(low)} to {number_text(high)}" if low < high else ""
+    return f"95 %: {span_text([low, high])}" if low < high else ""

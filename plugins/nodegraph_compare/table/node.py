@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
-from nodegraph import Across, Label, node
+from nodegraph import Across, ColumnOf, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.comparison import Comparison, prepare
 from nodegraph_compare.left_out import left_out
@@ -23,6 +23,7 @@ from nodegraph_compare.question import (
     OneLabel,
     OneName,
     Question,
+    check_numbers,
     suited_margin,
 )
 from nodegraph_compare.suspects import suspects
@@ -90,6 +91,7 @@ def table(
     fallback: OneLabel = None,
     rows: Names = (),
     columns: Names = (),
+    beside: Annotated[tuple[str, ...], ColumnOf("scores")] = (),
 ) -> Compared:
     """Compare methods by one number: means over independent units, with one verdict.
 
@@ -161,6 +163,9 @@ def table(
     columns
         Axes, or columns, whose labels stand along its top. What neither names stands in the rows
         (in the columns, if only rows are named). Without both, every mean has a row.
+    beside
+        Further columns of numbers of which a report shows the best method's means with those of
+        the metric, without a verdict: what it does besides.
 
     Returns
     -------
@@ -217,6 +222,8 @@ def table(
         fallback=fallback,
     )
     question, gathered, unit = comparison.question, comparison.groups, comparison.unit
+    for name in beside:
+        check_numbers(scores, name, "beside")
     against, instead = comparison.baseline(baseline), comparison.fallback
     doubted = [suspects(scores, question, group) for group in gathered]
     doubtful = np.concatenate([*(each.rows for each in doubted), np.empty(0, dtype=np.intp)])
@@ -267,7 +274,7 @@ def table(
     return Compared(
         with_info(means, info),
         draw(question, summaries, order, unit, declared),
-        build_overview(comparison, summaries, doubted, declared, against),
+        build_overview(comparison, summaries, doubted, declared, against, beside),
     )
 
 

@@ -177,6 +177,15 @@ class Summary:
         return self.to_best if self.against is None else self._paired(self.against)
 
     @property
+    def p_of_step(self) -> NDArray[np.float64]:
+        """(K,), p of each method against the one before it; NaN for the first."""
+        p = np.full(self.level.shape, np.nan)
+        for place in range(1, len(p)):
+            paired = self._paired(place - 1)
+            p[place] = np.nan if paired is None else paired.p[place]
+        return p
+
+    @property
     def behind(self) -> NDArray[np.bool_]:
         """(K,), clearly worse than the best."""
         none = np.zeros(self.level.shape, dtype=bool)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 
-from nodegraph import Across, Origin, Rendered, Renderer, hookimpl, node
+from nodegraph import Across, Origin, Rendered, Renderer, Unit, hookimpl, node
 from nodegraph.execute import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
@@ -18,12 +19,14 @@ from nodegraph.runs.settings import RunSettings
 
 GRAPH = """\
 nodegraph: 1
-axes: {trial: [1, 2]}
+axes: {trial: [1, 2], length: [5, 15], reach: {near: 1.0, far: 2.0}}
 nodes:
   source: {use: origin.source, with: {value: $trial}}
   fill: {in: source, alternatives: {up: {use: origin.up}, down: {use: origin.down}}}
+  cut: {use: origin.cut, in: fill, with: {length: $length, reach: $reach}}
   score: {use: origin.score, in: {estimate: fill, truth: source}}
   table: {use: origin.gather, in: score}
+report: [table]
 """
 
 
@@ -44,6 +47,23 @@ def up(value: float) -> float:
 @node("origin.down")
 def down(value: float) -> float:
     return value - 1.0
+
+
+@node("origin.cut")
+def cut(
+    value: float, *, length: Annotated[float, Unit("frames")], reach: Annotated[float, Unit("mm")]
+) -> float:
+    """Cut a value.
+
+    Parameters
+    ----------
+    value
+    length
+        How much.
+    reach
+        How far.
+    """
+    return value - length - reach
 
 
 @node("origin.score")
@@ -74,7 +94,7 @@ class Plugin:
 @pytest.fixture
 def origin() -> Origin:
     plugin = Plugin()
-    registry = Registry.of([source, up, down, score, gather])
+    registry = Registry.of([source, up, down, cut, score, gather])
     registry.loaded.append(Loaded("origins", plugin))
     graph = build(read_graph_text(GRAPH, "origin.yaml", Path()), registry)
     study = compose(execute(plan(graph), keep=list(graph.nodes)), RunSettings("origin.yaml")).study
@@ -98,3 +118,13 @@ def test_methods_have_times_names_and_commands(origin: Origin) -> None:
     command = origin.command({"trial": 2, "fill": "up"})
     assert "--until score" in command
     assert "trial=2" in command
+
+
+def test_labels_have_the_unit_and_the_meaning_of_the_setting_that_takes_them(
+    origin: Origin,
+) -> None:
+    assert (origin.unit("length"), origin.meaning("length")) == ("frames", "How much.")
+    assert (origin.unit("trial"), origin.meaning("trial")) == ("", "")
+    # labels that are names stand for values with a unit
+    assert (origin.unit("reach"), origin.meaning("reach")) == ("", "How far.")
+    assert (origin.unit("fill"), origin.meaning("fill")) == ("", "")

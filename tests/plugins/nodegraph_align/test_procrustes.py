@@ -75,7 +75,8 @@ nodes:
     )
     done = run(graph, executor="serial", cache=False)
     squared = {
-        labels["stage"]: float(table["squared"].sum()) for labels, table in done["difference"]
+        labels["stage"]: float(table["sum of squares"].sum())
+        for labels, table in done["difference"]
     }
     assert squared == pytest.approx({0: 213.0, 1: 30.0, 2: 12.0, 3: 0.0}, abs=1e-12)
 

@@ -54,7 +54,7 @@ def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
         ("actor ME", "20 markers", "knee"), ("actor JZ", "20 markers", "knee"),
     ]  # fmt: skip
     assert "0.100" in found.cards[0].aside
-    assert found.cards[0].facts == (("Noise", "0.0700, reached at 40"),)
+    assert found.cards[0].facts == (("Noise", "0.070, reached at 40"),)
     assert "20 markers" in text(found)
     assert "noise is reached at 40" in text(found)
     assert "<rect" in found.cards[0].picture
@@ -108,9 +108,10 @@ def test_ranks_that_chance_explains_are_no_verdict() -> None:
 
 def test_means_of_steps_stand_in_a_row() -> None:
     steps = {"original": 213.0, "shifted": 30.0, "scaled": 12.0, "turned": 1e-31}
-    tables = {name: pd.DataFrame({"squared": [value]}) for name, value in steps.items()}
-    found = lead(table(Across.of(tables, axis="align"), metric="squared", better="none"))
+    tables = {name: pd.DataFrame({"sum of squares": [value]}) for name, value in steps.items()}
+    found = lead(table(Across.of(tables, axis="align"), metric="sum of squares", better="none"))
     assert [card.headline for card in found.cards] == ["213", "30.0", "12.0", "0"]
+    assert text(found).startswith("Sum of squares falls")
     assert "falls from 213 (original) to 30.0 (shifted)" in text(found)
 
 

@@ -17,7 +17,7 @@ from nodegraph_mocap import Trajectories
 from nodegraph_score.distance import UNITS, distance
 from nodegraph_tables import info_of
 
-NUMBERS = ["squared", "rms", "mean", "max"]
+NUMBERS = ["sum of squares", "rms", "mean", "max"]
 
 
 def recording(frames: int = 12, markers: int = 4, *, seed: int = 0) -> Trajectories:
@@ -44,7 +44,7 @@ def test_the_squared_distances_of_the_worked_example() -> None:
     centred = [points - points.mean(axis=0) for points in (x, y)]
     p, q = (points / np.sqrt(np.square(points).sum() / 3) for points in centred)
     table = distance(flat(y, centred[1], q, -q), flat(x, centred[0], p, p))
-    np.testing.assert_allclose(table["squared"], [213, 30, 12, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(table["sum of squares"], [213, 30, 12, 0], rtol=0, atol=1e-12)
     assert table["markers"].tolist() == [3, 3, 3, 3]
     np.testing.assert_allclose(table["rms"], np.sqrt([71, 10, 4, 0]), rtol=0, atol=1e-12)
     # by hand: (1, 1) to (-3, -2) is 5, (1, 2) to (-3, -4) sqrt(52), (3, 2) to (-7, -4) sqrt(136)
@@ -82,7 +82,7 @@ def test_every_number_is_the_documented_formula(
             assert all(np.isnan(row[name]) for name in NUMBERS)
             assert row["farthest"] == ""
             continue
-        assert row["squared"] == pytest.approx(sum(value**2 for value in apart.values()))
+        assert row["sum of squares"] == pytest.approx(sum(value**2 for value in apart.values()))
         assert row["rms"] == pytest.approx(
             math.sqrt(sum(value**2 for value in apart.values()) / len(apart))
         )
@@ -97,7 +97,7 @@ def test_markers_are_matched_by_name() -> None:
     np.testing.assert_array_equal(
         distance(estimate, shuffled)[NUMBERS], distance(estimate, reference)[NUMBERS]
     )
-    assert (distance(estimate, estimate.keep("cdab"))["squared"] == 0).all()
+    assert (distance(estimate, estimate.keep("cdab"))["sum of squares"] == 0).all()
 
 
 def test_markers_of_one_side_only_are_named() -> None:

@@ -39,12 +39,12 @@ def test_a_step_has_a_card_with_before_and_after() -> None:
     assert [card.best for card in found.cards] == [False, False, True, True]
     despike = found.cards[2]
     assert dict(despike.facts)["Step"] == "changes 5 samples; 100% come nearer"
-    assert "before 4.00 mm" in despike.picture
-    assert "after 1.00 mm" in despike.picture
+    assert "before 4.00\N{NO-BREAK SPACE}mm" in despike.picture
+    assert "after 1.00\N{NO-BREAK SPACE}mm" in despike.picture
     assert "adds 1 at" in dict(found.cards[1].facts)["Step"]
     assert "".join(found.sentence) == (
-        "despike does most: 4.00 to 1.00 mm over the 5 samples that it changes. No step makes it "
-        "worse."
+        "despike does most: 4.00 to 1.00\N{NO-BREAK SPACE}mm over the 5 samples that it changes. "
+        "No step makes it worse."
     )
 
 
@@ -67,11 +67,13 @@ def part(name: str, head: float, in_all: float) -> DataFrame:
 def test_head_motion_is_told_of_the_recording_with_most_of_it() -> None:
     found = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
     assert "".join(found.sentence) == (
-        "PCA finds head motion first in captured, the face first in stable; head motion makes "
-        "56 % of all variance in captured, and at most 0 % in the other."
+        "The first principal component is 80 % head motion in captured, as is 56 % of all "
+        "variance; in the other at most 0 %, and 0 %."
     )
-    assert [card.headline for card in found.cards] == ["face", "head motion"]
-    assert [card.value for card in found.cards] == ["0 %", "56 %"]
+    assert [card.headline for card in found.cards] == ["0 %", "80 %"]
+    assert found.cards[1].aside == "head motion; 56 % of all variance"
     assert lead_html(found).count("<rect") == 8
-    alike = lead_of([part("a", 0.1, 0.2), part("b", 0.0, 0.0)], ("align",))
-    assert "".join(alike.sentence).startswith("PCA finds the face first in all 2 recordings")
+    alone = lead_of([part("", 0.1, 0.2)], ())
+    assert "".join(alone.sentence) == (
+        "The first principal component is 10 % head motion, as is 20 % of all variance."
+    )

@@ -20,7 +20,7 @@ LEAD = Lead(
 def test_what_users_write_is_escaped() -> None:
     shown = lead_html(LEAD)
     assert "<b " not in shown
-    assert shown.count("&lt;b onclick=&quot;x&quot;&gt;&amp;") == 8
+    assert shown.count("&lt;b onclick=&#34;x&#34;&gt;&amp;") == 8
     assert "<strong>&lt;b" in shown
 
 

@@ -45,7 +45,7 @@ nodegraph.define("compare/charts", [
   });
 
   // methods in the verdicts follow the selection
-  const named = [...document.querySelectorAll(".overview-lead [data-method]")];
+  const named = [...document.querySelectorAll(".lead [data-method]")];
   const mark = (name, value) => {
     for (const each of named) each.classList.toggle(name, each.dataset.method === value);
   };

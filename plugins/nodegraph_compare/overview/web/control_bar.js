@@ -108,8 +108,8 @@ nodegraph.define("compare/control_bar", ["page", "compare/view"], (page, { STATI
       const focus = host.contains(document.activeElement) ? document.activeElement.dataset.key : null;
       const unfolded = host.querySelector(".methods-menu")?.open;
       const { group, filter } = view;
-      const groups = overview.within.flatMap(({ name, labels }, axis) => (labels.length < 2 ? [] : [
-        segments(name, `within ${name}`, labels, labels.indexOf(group.labels[axis]), (at) => view.set({ group: groupWith(view, axis, labels[at]), block: null }))]));
+      const groups = overview.within.flatMap(({ name, labels, texts }, axis) => (labels.length < 2 ? [] : [
+        segments(name, `within ${name}`, texts, labels.indexOf(group.labels[axis]), (at) => view.set({ group: groupWith(view, axis, labels[at]), block: null }))]));
       const filters = [
         overview.metrics.length > 1 && select("Metric", "metric", overview.metrics.map(({ name, unit }) => [name, unit ? `${name}, ${unit}` : name]), view.metric.name, (metric) => view.set({ metric })),
         select("Statistic", "statistic", Object.entries(STATISTICS).map(([value, name]) => [value, name]), view.statistic, (statistic) => view.set({ statistic })),

@@ -103,7 +103,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       const table = element("table", { class: "heat", style: `--name-width: ${nameWidth}px` },
         element("thead", {}, panelRow, element("tr", {},
           head("name", "Method", "name"),
-          ...groups.map((group, at) => head(group.index, at || narrow || !axis ? String(group.labels.at(-1) ?? view.what) : view.groupText(group), group === view.group ? "here" : "")),
+          ...groups.map((group, at) => head(group.index, at || narrow || !axis ? group.texts.at(-1) ?? view.what : view.groupText(group), group === view.group ? "here" : "")),
           ...asides.map(({ key, title }) => head(key, title, "aside")))),
         element("tbody", {}, rows.map((method, at) => {
           const label = view.overview.methods[method];

@@ -33,7 +33,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     groups.forEach((group, at) => {
       all.append(line(x(at), TOP - 6, x(at), bottom, `axis${group === view.group ? " here" : ""}`));
       if (!heads.has(group)) return;
-      const label = at === 0 && groups.length > 1 ? view.groupText(group) : String(group.labels.at(-1) ?? "");
+      const label = at === 0 && groups.length > 1 ? view.groupText(group) : group.texts.at(-1) ?? "";
       all.append(text(x(at), TOP - 14, label, { class: `head${group === view.group ? " here" : ""}`, "text-anchor": "middle" }));
     });
     const [first, last] = [groups[0], groups.at(-1)];
@@ -150,7 +150,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       const [up, down] = [moves[0], moves.at(-1)];
       const word = (move) => [strong(view.overview.methods[move.method]), ` ${move.to < move.from ? "climbs" : "falls"} from place ${move.from} to ${move.to}`];
       if (up.to < up.from) {
-        parts.push(`${panel.length ? "from" : "From"} ${view.groupText(first)} to ${last.labels.at(-1)}, `, ...word(up));
+        parts.push(`${panel.length ? "from" : "From"} ${view.groupText(first)} to ${last.texts.at(-1)}, `, ...word(up));
         parts.push(...(down.to > down.from ? [", ", ...word(down)] : []), ". ");
       }
     }

@@ -58,6 +58,7 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       this.overview = overview;
       this.json = json;
       this.labels = json.labels;
+      this.texts = json.texts;
       this.title = json.title;
       this.reasons = json.suspect ?? {};
       this.codes = cached((metric) => codesOf(json.errors[metric]));
@@ -243,11 +244,11 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       for (const group of this.groups) {
         const labels = group.labels.slice(0, -1);
         const key = JSON.stringify(labels);
-        if (!panels.has(key)) panels.set(key, { labels, groups: [] });
+        if (!panels.has(key)) panels.set(key, { groups: [] });
         panels.get(key).groups.push(group);
       }
-      return [...panels.values()].map(({ labels, groups }) => ({
-        title: labels.map((label, at) => `${this.within[at].name} ${label}`).join(", "), groups,
+      return [...panels.values()].map(({ groups }) => ({
+        title: groups[0].texts.slice(0, -1).map((text, at) => `${this.within[at].name} ${text}`).join(", "), groups,
       }));
     }
   }

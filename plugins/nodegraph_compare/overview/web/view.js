@@ -197,7 +197,7 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
     // The last label of a group with its axis: "length 45".
     groupText(group) {
       const axis = this.overview.within.at(-1);
-      return axis ? `${axis.name} ${group.labels.at(-1)}` : "all";
+      return axis ? `${axis.name} ${group.texts.at(-1)}` : "all";
     }
   }
 

@@ -53,6 +53,12 @@ class Bakery:
     def uses(self, axis: str) -> Mapping[Any, str]:
         return {}
 
+    def unit(self, axis: str) -> str:
+        return "K" if axis == "heat" else ""
+
+    def meaning(self, axis: str) -> str:
+        return "Of the <oven>." if axis == "heat" else ""
+
     def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
         return {"oven": 1.0}
 
@@ -205,7 +211,7 @@ def test_a_method_is_selected_everywhere_and_cleared_by_a_second_click(
         assert ("rye" in tab.evaluate("location.hash")) is (clicks == 1)
     tab.evaluate("location.hash = '#select:method=nut&group=0'")
     assert tab.evaluate(f"document.querySelector({LINE % 'nut'!r}).matches('.selected')")
-    assert text(tab, ".segments [aria-checked=true]") == "180"
+    assert text(tab, ".segments [aria-checked=true]") == "180\N{NO-BREAK SPACE}K"
 
 
 def test_pointing_changes_no_number(tab: Page, bakery: Path) -> None:
@@ -224,7 +230,7 @@ def test_a_filter_recomputes_what_is_described_and_says_so(
     tab: Page, bakery: Path, statistic: str
 ) -> None:
     load(tab, bakery, width=1280)
-    lead = tab.evaluate("document.querySelector('.overview-lead').innerHTML")
+    lead = tab.evaluate("document.querySelector('.lead').innerHTML")
     choose(tab, "Statistic", statistic)
     tab.click(".map-chart circle[data-marker=L1]")
     kept = [1, 7]
@@ -240,7 +246,7 @@ def test_a_filter_recomputes_what_is_described_and_says_so(
     assert tab.evaluate(COUNT % ".heat td.tied") == 0
     tab.click(".chip")
     assert text(tab, ".filter-note") == ""
-    assert tab.evaluate("document.querySelector('.overview-lead').innerHTML") == lead
+    assert tab.evaluate("document.querySelector('.lead').innerHTML") == lead
 
 
 def test_suspects_are_left_out(tab: Page, bakery: Path) -> None:
@@ -483,7 +489,8 @@ def data_of(
         ]  # fmt: skip
         entries.append(
             {
-                "labels": [at], "title": f"heat {at}", "blocks": int(whole.sum()),
+                "labels": [at], "texts": [f"{at} K"], "title": f"heat {at} K",
+                "blocks": int(whole.sum()),
                 "all_blocks": len(errors), "mean": listed, "median": listed, "rank": listed,
                 "best": best, "tied": [], "behind": [], "suspects": 0, "without_suspects": None,
                 "unit": packed(np.where(whole, np.arange(len(errors)) % 9, 65535)),
@@ -496,7 +503,13 @@ def data_of(
         "node": "odd", "metric": "waste", "unit": "g", "better": better, "compare": "recipe",
         "baseline": None, "blocks_name": "cakes", "units_name": "", "metrics": [metric],
         "groups": entries,
-        "within": [{"name": "heat", "labels": [*range(len(groups))]}],
+        "within": [
+            {
+                "name": "heat",
+                "labels": [*range(len(groups))],
+                "texts": [f"{at} K" for at in range(len(groups))],
+            }
+        ],
         "methods": [{"label": each, "seconds": 0.01 + at} for at, each in enumerate(methods)],
         "shown_group": len(groups) - 1, "layout": None, "detail": None, "suggested": [],
         "command": None, "columns": {"cake": {"labels": [*map(str, range(max(map(len, groups))))]}},
@@ -601,9 +614,9 @@ def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: 
         "[...document.querySelectorAll('.segments [aria-checked=true]')]"
         ".map((button) => button.textContent)"
     )
-    assert tab.evaluate(checked) == ["1", "1"]
+    assert tab.evaluate(checked) == ["1 K", "1 K"]
     tab.click("[data-overview=odd-1] .segments button")
-    assert tab.evaluate(checked) == ["1", "0"]
+    assert tab.evaluate(checked) == ["1 K", "0 K"]
     assert tab.evaluate("location.hash") == ""
     tab.click("[data-overview=odd-1] .heat tbody th button")
     assert tab.evaluate(COUNT % ".heat tr.selected") == 2
@@ -615,6 +628,6 @@ def test_the_tabs_of_the_verdicts_choose_the_group(tab: Page, tmp_path: Path) ->
     chosen = "[...document.querySelectorAll('[name=odd-0-heat]')].map((each) => each.checked)"
     assert tab.evaluate(chosen) == [False, True]
     tab.click("#tab-0")
-    assert text(tab, ".segments [aria-checked=true]") == "0"
+    assert text(tab, ".segments [aria-checked=true]") == "0 K"
     tab.click(".segments button:last-child")
     assert tab.evaluate(chosen) == [False, True]

@@ -1,0 +1,56 @@
+"""What the labels of an axis are: the unit and the meaning of the settings that take them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from nodegraph.graph import Graph, Method
+from nodegraph.node.decorator import Setting
+from nodegraph.node.description import meanings
+
+
+class AxisText(NamedTuple):
+    """An axis in words.
+
+    Attributes
+    ----------
+    unit : str
+        Of its labels; empty where they are names, or settings with several units take them.
+    meaning : str
+        What most of the settings that take its values say of themselves.
+    """
+
+    unit: str = ""
+    meaning: str = ""
+
+
+def axis_text(graph: Graph, name: str) -> AxisText:
+    """Return what the settings that take the values of an axis as they are say of it."""
+    axis = graph.axes.get(name)
+    if axis is None or not axis.values:
+        return AxisText()
+    taken = list(_settings(graph, name))
+    units = {setting.unit for _, setting in taken}
+    own = units.pop() if len(units) == 1 else ""
+    texts = Counter(meanings(method.node).get(setting.name, "") for method, setting in taken)
+    are_values = all(axis.values[label] == label for label in axis.labels)
+    return AxisText(own if are_values else "", texts.most_common(1)[0][0] if texts else "")
+
+
+def _settings(graph: Graph, name: str) -> Iterator[tuple[Method, Setting]]:
+    """Yield each setting whose value is that of the axis in every combination."""
+    axis = graph.axes[name]
+    for node in graph.nodes.values():
+        for method in node.methods.values():
+            if name not in method.settings.axes:
+                continue
+            place = method.settings.axes.index(name)
+            for setting in method.node.settings.values():
+                pairs = method.settings.shown.items()
+                # of a single label, another setting may have the value by chance
+                if (len(axis.labels) > 1 or setting.name == name) and all(
+                    shown.get(setting.name) == axis.values[at[place]] for at, shown in pairs
+                ):
+                    yield method, setting

@@ -1,0 +1,64 @@
+"""Numbers as a reader sees them outside of tables: on cards, in sentences, as in charts."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from nodegraph_tables.style import unit_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MINUS = "\N{MINUS SIGN}"
+SPACE = "\N{NO-BREAK SPACE}"
+SMALLEST, LARGEST = 1e-3, 1e6
+"""Smaller and larger numbers are shown with a power of ten."""
+
+
+def number_text(value: float, unit: str = "") -> str:
+    """Return a number: three decimals below 1, two below 10, fewer above; shares in percent.
+
+    `page.number` of the scripts of a report writes numbers by the same rule.
+
+    Examples
+    --------
+    >>> number_text(213.0), number_text(12.34), number_text(0.49712)
+    ('213', '12.3', '0.497')
+    """
+    return span_text([value], unit)
+
+
+def span_text(values: Sequence[float], unit: str = "") -> str:
+    """Return numbers from first to last with their unit; equal ones once, shares in percent."""
+    if unit == "share":
+        values, unit = [100 * value for value in values], "%"
+    texts = dict.fromkeys(map(_digits, values))
+    return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
+
+
+def percent(share: float) -> str:
+    """Return a share in few digits: ``8 %``, ``0.4 %``, and ``under 0.1 %``."""
+    size = abs(share)
+    if 0 < size < 5e-4:
+        return f"under 0.1{SPACE}%"
+    return f"{100 * share:.{0 if size >= 0.0095 or not size else 1}f}{SPACE}%".replace("-", MINUS)
+
+
+def shares_text(shares: Sequence[float]) -> str:
+    """Return shares from first to last in few digits: ``0 to 0.3 %``."""
+    first, *rest = dict.fromkeys(map(percent, shares))
+    return " to ".join([first.removesuffix(f"{SPACE}%") if rest else first, *rest])
+
+
+def _digits(value: float) -> str:
+    size = abs(value)
+    if not math.isfinite(value):
+        return "\N{EN DASH}" if math.isnan(value) else "\N{INFINITY}"
+    if not size:
+        return "0"
+    if not SMALLEST <= size < LARGEST:
+        digits, _, power = f"{value:.1e}".partition("e")
+        return f"{digits}e{int(power):+d}".replace("-", MINUS)
+    decimals = 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
+    return f"{value:.{decimals}f}".replace("-", MINUS)
