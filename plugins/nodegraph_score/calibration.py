@@ -27,6 +27,11 @@ _LENGTHS = {
     "1 to 5": (1, 5), "6 to 15": (6, 15), "16 to 45": (16, 45), "over 45": (46, np.inf),
 }  # fmt: skip
 _ALL = "all"
+_MEANING = (
+    "50 % to 95 %: share of errors within that interval of a normal distribution; best is the "
+    "level itself. Fills calibrate sigma at 95 %: as errors have heavier tails, the lower levels are "
+    "conservative (too wide)."
+)
 UNITS = {"samples": "samples", **dict.fromkeys(_REACH, "share"), "width": "mm"}
 BETTER: dict[str, BetterEnd] = dict.fromkeys(UNITS, "none")
 
@@ -48,7 +53,8 @@ def calibration(estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask
     estimate that is calibrated, a share p of the errors does. All three coordinates of a sample
     count, and all samples alike; a gap's are not independent of one another. Errors with heavier
     tails than a normal distribution cannot be calibrated at all levels at once: a sigma that is
-    right at 95 %, as that of `fill.subspace_kalman`, is too wide at 50 %.
+    right at 95 %, as that of `fill.subspace_kalman`, is conservative below, its 50 % interval
+    too wide.
 
     ======= ===============================================================================
     frames  length of the gaps: 1 to 5, 6 to 15, 16 to 45, over 45, as far as there are such;
@@ -116,7 +122,10 @@ def _table(
         records.append({"frames": name, "samples": len(off), **within, "width": width})
     table = DataFrame.from_records(records, columns=["frames", *UNITS])
     info = TableInfo(
-        title="Errors within the stated intervals", notes=notes, units=UNITS, better=BETTER
+        title="Errors within the stated intervals",
+        notes=(_MEANING, *notes),
+        units=UNITS,
+        better=BETTER,
     )
     return with_info(table, info)
 
