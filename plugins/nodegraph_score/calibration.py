@@ -29,8 +29,8 @@ _LENGTHS = {
 _ALL = "all"
 _MEANING = (
     "50 % to 95 %: share of errors within that interval of a normal distribution; best is the "
-    "level itself. Fills calibrate sigma at 95 %: as errors have heavier tails, the lower levels are "
-    "conservative (too wide)."
+    "level itself. Fills calibrate sigma at 95 %: as errors have heavier tails, the lower levels "
+    "are conservative (too wide)."
 )
 UNITS = {"samples": "samples", **dict.fromkeys(_REACH, "share"), "width": "mm"}
 BETTER: dict[str, BetterEnd] = dict.fromkeys(UNITS, "none")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from nodegraph_compare.table.summary import Summary
 
 SIDES = ("better", "equivalent", "worse")
+CLEAR = 0.95
+"""From this probability on, a method is called better, equivalent or worse."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,9 @@ class Beliefs:
         The other methods that have numbers.
     mean, new : (3, len(places)) arrays of float64
         That the mean over clusters, and that a further cluster, is better, equivalent, or worse.
+    by_rule : tuple of Beliefs or None
+        Of the same methods by the other rules for missing blocks; None where these have too few
+        clusters.
     """
 
     summary: Summary
@@ -41,11 +46,61 @@ class Beliefs:
     places: tuple[int, ...]
     mean: NDArray[np.float64]
     new: NDArray[np.float64]
+    by_rule: tuple[Beliefs | None, ...] = ()
+
+    @property
+    def clear(self) -> tuple[str, ...]:
+        """For each method, the side that is clear; empty where none is."""
+        largest = np.argmax(self.mean, axis=0)
+        chance = self.mean.max(axis=0)
+        return tuple(
+            SIDES[side] if p >= CLEAR else "" for side, p in zip(largest, chance, strict=True)
+        )
+
+    @property
+    def agreed(self) -> tuple[str, ...]:
+        """For each method, the side that is clear by every rule for missing blocks."""
+        others = [("",) * len(self.places) if each is None else each.clear for each in self.by_rule]
+        return tuple(
+            side if all(other == side for other in rest) else ""
+            for side, *rest in zip(self.clear, *others, strict=True)
+        )
 
     @property
     def group(self) -> Group:
         """What is compared."""
         return self.summary.group
+
+
+def beliefs_by_rules(
+    group: Group,
+    fallback: Label | None,
+    question: Question,
+    against: Label | None,
+    margin: Margin,
+) -> Beliefs | None:
+    """Return the probabilities of a group with a fallback, those by the other rules beside them.
+
+    Parameters
+    ----------
+    group
+        As it was scored.
+    fallback
+        The method whose value stands where another has none.
+    question, against, margin
+        See `beliefs`.
+    """
+    if fallback not in group.methods or group.complete.all():
+        return beliefs(group, question, against, margin)
+    belief = beliefs(group.filled(fallback), question, against, margin)
+    if belief is None:
+        return None
+    reference = group.methods[belief.reference]
+    others = (group, group.with_worst(question.better))
+    return replace(
+        belief,
+        by_rule=tuple(beliefs(other, question, reference, margin) for other in others),
+    )
 
 
 def beliefs(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from nodegraph import Across, Refusal, listed, node
-from nodegraph_compare.bayes.beliefs import SIDES, Beliefs, beliefs
+from nodegraph_compare.bayes.beliefs import CLEAR, SIDES, Beliefs, beliefs_by_rules
 from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import FEWEST_JUDGED
 from nodegraph_compare.left_out import (
@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
     from nodegraph_compare.comparison import Comparison
     from nodegraph_compare.question import Margin
-
-CLEAR = 0.95
 
 
 class Believed(NamedTuple):
@@ -105,7 +103,9 @@ def bayes(
         Within which methods count as practically equal: a ratio, such as 1.1, or a difference
         with the metric's unit, such as ``0.05 mm``.
     fallback
-        A label of `compare`, whose value stands where another method has none in a block.
+        A label of `compare`, whose value stands where another method has none in a block. A method
+        is called better, equivalent or worse only if it is so over the blocks that all methods
+        have, and with the worst value of the block in place of a missing one, too.
 
     Returns
     -------
@@ -139,12 +139,13 @@ def bayes(
     if question.better == "none":
         raise ValueError(f"{question.metric} has no better end; give `better`")
     against = comparison.baseline(baseline)
-    ratio = by_ratio(gathered, question.better)
+    ratio = by_ratio([*gathered, *comparison.groups], question.better)
     margin = suited_margin(equivalent, question, comparison.unit, ratio=ratio)
     known = [
         belief
-        for group in gathered
-        if (belief := beliefs(group, question, against, margin)) is not None
+        for group in comparison.groups
+        if (belief := beliefs_by_rules(group, comparison.fallback, question, against, margin))
+        is not None
     ]
     if not known:
         of = cluster_text(question) if question.clusters else "clusters, such as actors"
@@ -200,9 +201,10 @@ def _answer(belief: Beliefs, comparison: Comparison, margin: Margin) -> str:
     sides: dict[str, list[str]] = {side: [] for side in (*SIDES, "undecided")}
     for at, place in enumerate(belief.places):
         largest = int(np.argmax(belief.mean[:, at]))
-        p = belief.mean[largest, at]
-        side = SIDES[largest] if p >= CLEAR else "undecided"
-        sides[side].append(f"{group.methods[place]} ({SIDES[largest]}: {p:.2f})")
+        text = f"{SIDES[largest]}: {belief.mean[largest, at]:.2f}"
+        if belief.clear[at] != belief.agreed[at]:
+            text += f", only with {comparison.fallback} in place of missing {blocks}"
+        sides[belief.agreed[at] or "undecided"].append(f"{group.methods[place]} ({text})")
     texts = [f"{side}: {listed(names)}" for side, names in sides.items() if names]
     over, taken = narrowed(group, blocks), filled(group, comparison.fallback, blocks)
     few = caution(units, question)

@@ -70,12 +70,12 @@ def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
     several = f"{blocks} {name}" if blocks > 1 else f"one {singular}"
     several = narrowed(ranking.group, name) or several
     held = f" {scope(units, question, name)}" if units.count else f" within {name}"
-    first = _firsts(ranking)
-    names = listed([str(ranking.methods[place]) for place in first])
+    first: list[int] = np.flatnonzero(ranking.first).tolist()
     taken = filled(ranking.group, comparison.fallback, name)
     missing = f", {taken}" if taken else ""
+    verb = "has" if len(first) == 1 else "share"
     sentence = (
-        f"{start}{names} {'has' if len(first) == 1 else 'share'} the lowest mean rank "
+        f"{start}{ranking.first_names} {verb} the lowest mean rank "
         f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}{missing}"
     )
     few = caution(units, question)
@@ -84,6 +84,8 @@ def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
         return f"{sentence}; nothing can be said of chance: {why}"
     if units.speech == "described":
         return f"{sentence}; {few}"
+    if objection := ranking.objections(name):
+        return f"{sentence}; no verdict stands: {objection}{f'; {few}' if few else ''}"
     tested = _two(ranking) if count == 2 else _many(ranking, first, test)
     return f"{sentence}; {tested}{f'; {few}' if few else ''}"
 
@@ -91,12 +93,6 @@ def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
 def chance(p: float) -> str:
     """Return a p for a sentence: ``p = 0.034``, ``p < 0.001``."""
     return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
-
-
-def _firsts(ranking: Ranking) -> list[int]:
-    """Return the places of the methods with the lowest mean rank."""
-    places: list[int] = np.flatnonzero(ranking.ranks == ranking.ranks.min()).tolist()
-    return places
 
 
 def _two(ranking: Ranking) -> str:
@@ -108,12 +104,12 @@ def _two(ranking: Ranking) -> str:
 def _many(ranking: Ranking, first: list[int], test: PairTest) -> str:
     overall, pairs = ranking.overall, ranking.pairs
     numbers = f"F = {overall.f:.3g}, {chance(overall.p_f)}; Kendall's W = {overall.w:.2f}"
-    if overall.p_f >= LEVEL:
+    if not ranking.differ:
         return f"Friedman's test does not tell the methods apart ({numbers})"
     near = [
         {int(a), int(b)}
-        for a, b, p in zip(pairs.first, pairs.second, pairs.p, strict=True)
-        if p >= LEVEL
+        for a, b, apart in zip(pairs.first, pairs.second, ranking.apart, strict=True)
+        if not apart
     ]
     alike = {other for pair in near if pair & {*first} for other in pair - {*first}}
     order = sorted(sorted(alike), key=lambda at: ranking.ranks[at])
@@ -127,11 +123,16 @@ def _many(ranking: Ranking, first: list[int], test: PairTest) -> str:
 
 def _counted(rankings: Sequence[Ranking], question: Question) -> str:
     ranked = [ranking for ranking in rankings if len(ranking.values)]
-    firsts = (ranking.methods[place] for ranking in ranked for place in _firsts(ranking))
+    firsts = (
+        ranking.methods[place] for ranking in ranked for place in np.flatnonzero(ranking.first)
+    )
     wins = Counter(str(name) for name in firsts).most_common()
     counts = listed([f"{name} in {count}" for name, count in wins])
-    differ = sum(ranking.overall.p_f < LEVEL for ranking in ranked)
+    differ = sum(ranking.differ for ranking in ranked)
+    against = sum(bool(ranking.objections("")) for ranking in ranked)
+    unsteady = f"; in {against} another rule for missing blocks says otherwise" if against else ""
     return (
         f"Of {len(rankings)} groups ({', '.join(question.within)}), the lowest mean rank has "
-        f"{counts}; in {differ} of them Friedman's test tells the methods apart."
+        f"{counts}; in {differ} of them Friedman's test tells the methods "
+        f"apart{unsteady}."
     )

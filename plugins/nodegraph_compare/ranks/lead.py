@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import listed
-from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import group_text
 from nodegraph_compare.scope import caution, scope
 from nodegraph_tables.lead import Card, Lead, Line, Text, dot, svg
@@ -38,7 +36,7 @@ def lead_of(rankings: Sequence[Ranking], question: Question, blocks: str) -> Lea
     ranked = [each for each in rankings if len(each.values) and len(each.methods) > 1]
     if not ranked:
         return Lead(("There is nothing to rank.",))
-    told = [each for each in ranked if _tested(each)]
+    told = [each for each in ranked if each.differ and not each.objections(blocks)]
     scopes = dict.fromkeys(
         scope(each.units, question, blocks) for each in ranked if each.units.count
     )
@@ -46,7 +44,7 @@ def lead_of(rankings: Sequence[Ranking], question: Question, blocks: str) -> Lea
     end = "the lowest value" if question.better == "none" else "the best"
     return Lead(
         _sentence(ranked, told, question),
-        tuple(_card(each, question) for each in ranked),
+        tuple(_card(each, question, blocks) for each in ranked),
         f"{held}Mean ranks of {question.metric}: 1 is {end} in every unit.",
     )
 
@@ -54,7 +52,7 @@ def lead_of(rankings: Sequence[Ranking], question: Question, blocks: str) -> Lea
 def _sentence(ranked: Sequence[Ranking], told: Sequence[Ranking], question: Question) -> Text:
     if not told:
         return ("Ranks do not tell the methods apart.",)
-    firsts = dict.fromkeys(_firsts(each) for each in told)
+    firsts = dict.fromkeys(each.first_names for each in told)
     where = "" if len(told) == len(ranked) else f" in {len(told)} of {len(ranked)} groups"
     if len(firsts) == 1:
         return (
@@ -64,23 +62,26 @@ def _sentence(ranked: Sequence[Ranking], told: Sequence[Ranking], question: Ques
         )
     parts: list[str] = [f"It depends on {' and '.join(question.within)}: "]
     for first in firsts:
-        groups = [group_text(each.group, question) for each in told if _firsts(each) == first]
+        groups = [group_text(each.group, question) for each in told if each.first_names == first]
         joint = "." if first == [*firsts][-1] else "; "
         parts += [first, f" ranks first for {listed(groups, _NAMED)}{joint}"]
     return tuple(parts)
 
 
-def _card(ranking: Ranking, question: Question) -> Card:
+def _card(ranking: Ranking, question: Question, blocks: str) -> Card:
     title = group_text(ranking.group, question) or question.metric
-    first = ranking.ranks == ranking.ranks.min()
+    first = ranking.first
     value = f"mean rank {ranking.ranks.min():.2f} of {len(ranking.methods)}"
-    if not _tested(ranking):
-        why = caution(ranking.units, question) or "Friedman's test does not tell the methods apart"
-        facts = (("Lowest", f"{_firsts(ranking)}, {value}"), ("Why", why))
+    objection = ranking.objections(blocks)
+    if objection or not ranking.differ:
+        alike = (
+            caution(ranking.units, question) or "Friedman's test does not tell the methods apart"
+        )
+        facts = (("Lowest", f"{ranking.first_names}, {value}"), ("Why", objection or alike))
         return Card(title, "no verdict", picture=_picture(ranking, first, first), facts=facts)
     pairs = ranking.pairs
     near = np.zeros(len(first), dtype=bool)
-    close = (pairs.p >= LEVEL) & (first[pairs.first] | first[pairs.second])
+    close = ~ranking.apart & (first[pairs.first] | first[pairs.second])
     near[pairs.first[close]] = near[pairs.second[close]] = True
     names = [
         str(ranking.methods[place])
@@ -93,19 +94,9 @@ def _card(ranking: Ranking, question: Question) -> Card:
     )
     p = ranking.overall.p_f if len(first) > 2 else float(pairs.p[0])
     chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
-    return Card(title, _firsts(ranking), value, chance, _picture(ranking, first, near), facts, True)
-
-
-def _tested(ranking: Ranking) -> bool:
-    """Return whether the methods of a group differ by more than chance."""
-    if len(ranking.methods) == 2:
-        return bool(ranking.pairs.p[0] < LEVEL)
-    return math.isfinite(ranking.overall.p_f) and ranking.overall.p_f < LEVEL
-
-
-def _firsts(ranking: Ranking) -> str:
-    places = np.flatnonzero(ranking.ranks == ranking.ranks.min())
-    return listed([str(ranking.methods[place]) for place in places])
+    return Card(
+        title, ranking.first_names, value, chance, _picture(ranking, first, near), facts, True
+    )
 
 
 def _picture(ranking: Ranking, first: NDArray[np.bool_], near: NDArray[np.bool_]) -> str:

@@ -21,7 +21,7 @@ from nodegraph_compare.question import (
 )
 from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.lead import lead_of
-from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank
+from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank_by_rules
 from nodegraph_compare.scope import rules
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
@@ -109,7 +109,9 @@ def ranks(
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
         rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.
     fallback
-        A label of `compare`, whose value stands where another method has none in a block.
+        A label of `compare`, whose value stands where another method has none in a block. A
+        verdict stands only if it is the same over the blocks that all methods have, and with the
+        worst value of the block in place of a missing one.
     test
         Of the pairs: ``nemenyi`` or ``wilcoxon_holm``.
 
@@ -148,7 +150,10 @@ def ranks(
         fallback=fallback,
     )
     question, gathered = comparison.question, comparison.filled
-    rankings = [rank(group, question.better, test) for group in gathered]
+    rankings = [
+        rank_by_rules(group, comparison.fallback, question.better, test)
+        for group in comparison.groups
+    ]
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=f"Mean ranks of {question.metric}{question.by}",

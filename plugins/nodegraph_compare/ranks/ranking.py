@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from nodegraph import listed
 from nodegraph_compare.inference import LEVEL, range_quantile
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.statistics import holm, rank_biserial, signed_rank
+from nodegraph_compare.table.sensitivity import COMMON, WORST, rule_text
 from nodegraph_compare.ties import apart
 from nodegraph_compare.units import units_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from nodegraph import Label
@@ -39,6 +43,8 @@ class Ranking:
         Mean over the units; 1 is the best in every unit. NaN without one.
     overall : Overall
     pairs : Pairs
+    by_rule : mapping of str to Ranking
+        The same by the other rules for missing blocks, `COMMON` and `WORST`.
     """
 
     group: Group
@@ -48,6 +54,52 @@ class Ranking:
     ranks: NDArray[np.float64]
     overall: Overall
     pairs: Pairs
+    by_rule: Mapping[str, Ranking] = field(default_factory=dict)
+
+    @property
+    def first(self) -> NDArray[np.bool_]:
+        """(K,), True for the lowest mean rank."""
+        return np.asarray(self.ranks == self.ranks.min(initial=np.inf))
+
+    @property
+    def first_names(self) -> str:
+        """The methods with the lowest mean rank."""
+        return listed([str(self.methods[place]) for place in np.flatnonzero(self.first)])
+
+    @property
+    def differ(self) -> bool:
+        """Whether the methods differ by more than chance."""
+        if len(self.methods) == 2:
+            return bool(self.pairs.p[0] < LEVEL)
+        return bool(self.overall.p_f < LEVEL)
+
+    @property
+    def apart(self) -> NDArray[np.bool_]:
+        """(P,), True for pairs that are apart by every rule for missing blocks."""
+        rules = [each.pairs.p < LEVEL for each in (self, *self.by_rule.values())]
+        return np.asarray(np.logical_and.reduce(rules))
+
+    def objections(self, blocks: str) -> str:
+        """Return what the other rules say instead; empty where they say the same.
+
+        Parameters
+        ----------
+        blocks
+            What several blocks are called.
+        """
+        return " and ".join(
+            f"{rule_text(rule, blocks)} {text}"
+            for rule, other in self.by_rule.items()
+            if self.differ and (text := self._instead(other))
+        )
+
+    def _instead(self, other: Ranking) -> str:
+        if not len(other.values):
+            return "nothing can be ranked"
+        if other.first_names != self.first_names:
+            verb = "has" if np.count_nonzero(other.first) == 1 else "share"
+            return f"{other.first_names} {verb} the lowest mean rank"
+        return "" if other.differ else "the methods are not told apart"
 
 
 @dataclass(frozen=True)
@@ -90,6 +142,24 @@ class Pairs:
     second: NDArray[np.intp]
     p: NDArray[np.float64]
     effect: NDArray[np.float64]
+
+
+def rank_by_rules(group: Group, fallback: Label | None, end: BetterEnd, test: PairTest) -> Ranking:
+    """Return the ranking of a group with a fallback, and those by the other rules beside it.
+
+    Parameters
+    ----------
+    group
+        As it was scored.
+    fallback
+        The method whose value stands where another has none.
+    end, test
+        See `rank`.
+    """
+    if fallback not in group.methods or group.complete.all():
+        return rank(group, end, test)
+    others = {COMMON: rank(group, end, test), WORST: rank(group.with_worst(end), end, test)}
+    return replace(rank(group.filled(fallback), end, test), by_rule=others)
 
 
 def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:

@@ -23,7 +23,9 @@ from nodegraph_compare.scope import few_blocks, rules, scope
 from nodegraph_compare.table.overall import ALL
 from nodegraph_compare.table.sensitivity import (
     PLAIN,
+    apart_by_all_rules,
     change_to,
+    equal_by_all_rules,
     other_best,
     tied_with_best,
     without_suspects,
@@ -305,7 +307,7 @@ def _numbers(summary: Summary, place: int, comparison: Comparison) -> str:
 
 def _equal(summary: Summary, paired: Paired) -> str:
     """Return which methods are practically equal to the reference."""
-    names = _names(summary, summary.equal)
+    names = _names(summary, equal_by_all_rules(summary))
     to = _name(summary, paired.reference)
     if names:
         return f"equal to {to} within {summary.margin}: {listed(names)}"
@@ -360,9 +362,8 @@ def _to_baseline(summary: Summary, question: Question) -> list[str]:
     paired = summary.paired
     if summary.against is None or paired is None or not summary.judged:
         return []
-    middle = 1.0 if summary.ratio else 0.0
-    sides = (("lower", paired.value < middle), ("higher", paired.value > middle))
-    named = {side: _names(summary, paired.apart & where) for side, where in sides}
+    sides = zip(("lower", "higher"), apart_by_all_rules(summary), strict=True)
+    named = {side: _names(summary, where) for side, where in sides}
     differing = [f"{side}: {listed(names)}" for side, names in named.items() if names]
     to = _name(summary, summary.against)
     start = f"{_start([summary], question)}against {to}, {question.metric} is "

@@ -70,13 +70,18 @@ def objections(summary: Summary, blocks: str) -> str:
     blocks
         What several blocks are called.
     """
-    variants = _variants(summary)
-    named = {COMMON: f"over common {blocks}", WORST: f"with the worst error of {blocks} instead"}
     return " and ".join(
-        f"{text} {other}"
-        for rule, text in named.items()
-        if rule in variants and (other := other_best(summary, variants[rule]))
+        f"{rule_text(rule, blocks)} {text}"
+        for rule, other in _by_other_rules(summary).items()
+        if (text := other_best(summary, other))
     )
+
+
+def rule_text(rule: str, blocks: str) -> str:
+    """Return a rule for missing blocks as a sentence has it: ``over common gaps``."""
+    if rule == COMMON:
+        return f"over common {blocks}"
+    return f"with the worst error of {blocks} instead"
 
 
 def stands(summary: Summary) -> bool:
@@ -88,9 +93,33 @@ def behind_by_all_rules(summary: Summary) -> NDArray[np.bool_]:
     """Return (K,), the methods clearly behind by every rule for missing blocks."""
     if not stands(summary):
         return np.zeros(summary.level.shape, dtype=bool)
-    variants = _variants(summary)
-    rules = [variants[rule].behind for rule in (COMMON, WORST) if rule in variants]
+    rules = [other.behind for other in _by_other_rules(summary).values()]
     return np.asarray(np.logical_and.reduce([summary.behind, *rules]))
+
+
+def equal_by_all_rules(summary: Summary) -> NDArray[np.bool_]:
+    """Return (K,), the methods shown to be equal to the reference by every rule."""
+    rules = [other.equal for other in _by_other_rules(summary).values()]
+    return np.asarray(np.logical_and.reduce([summary.equal, *rules]))
+
+
+def apart_by_all_rules(summary: Summary) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return two (K,), the methods that are lower and those higher than the reference by p.
+
+    By every rule for missing blocks.
+    """
+    sides = [_sides(each) for each in (summary, *_by_other_rules(summary).values())]
+    lower, higher = (np.logical_and.reduce(side) for side in zip(*sides, strict=True))
+    return lower, higher
+
+
+def _sides(summary: Summary) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    paired = summary.paired
+    if paired is None:
+        none = np.zeros(summary.level.shape, dtype=bool)
+        return none, none
+    middle = 1.0 if summary.ratio else 0.0
+    return paired.apart & (paired.value < middle), paired.apart & (paired.value > middle)
 
 
 def tied_with_best(summary: Summary) -> NDArray[np.bool_]:
@@ -107,6 +136,12 @@ def without_suspects(summary: Summary) -> Summary | None:
 
 def _variants(summary: Summary) -> dict[str, Summary]:
     return {variant.rule: variant.summary for variant in summary.variants}
+
+
+def _by_other_rules(summary: Summary) -> dict[str, Summary]:
+    """Return the summaries by the other rules for missing blocks."""
+    variants = _variants(summary)
+    return {rule: variants[rule] for rule in (COMMON, WORST) if rule in variants}
 
 
 def change_to(summary: Summary, other: Summary) -> str:

@@ -129,7 +129,12 @@ def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
     assert re.search(r"plain +.* whole take", text)
     assert re.search(r"shy +.* 3 frames", text)
     assert run("fallback: other", use="compare.ranks") == 0
-    assert "missing gaps as by other (shy" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert "missing gaps as by other (shy" in text
+    assert "no verdict stands: over common gaps shy has the lowest mean rank" in text
+    assert run("fallback: other, equivalent: 1.05", use="compare.bayes") == 0
+    only = r"undecided: .*shy \(worse: \d.\d+, only with other in place of missing gaps\)"
+    assert re.search(only, capsys.readouterr().out)
 
 
 def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
