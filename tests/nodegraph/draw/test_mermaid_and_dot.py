@@ -1,15 +1,26 @@
+"""Mermaid and DOT say what a picture shows, and the libraries of both draw it.
+
+Set ``NODEGRAPH_MERMAID`` and ``NODEGRAPH_VIZ`` to the folders of the packages ``mermaid`` and
+``@viz-js/viz``, as ``npm pack`` gives them.
+"""
+
 from __future__ import annotations
 
 import json
+import os
 import re
-import shutil
-import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Page
 
+import nodegraph as ng
 from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
+from nodegraph.draw.from_graph import picture_of
 from nodegraph.draw.shape import clean
+from tests.browser import load
+from tests.studies import ROOT
 
 HOSTILE = 'x"]\n click "javascript:alert(1)" <b>&#34; `a` \\" \\N --> y;'
 PORT = (Socket("out", "Table"),)
@@ -126,19 +137,53 @@ def test_names_with_dots_stand_in_dot_clusters() -> None:
     assert 'graph [label="fine", labelloc=t, labeljust=l' in dot(nested())
 
 
-@pytest.mark.parametrize("picture", [two(gathers=True, fixed="k=3"), hostile(), nested()])
-def test_the_tools_render_it(picture: Picture, tmp_path: Path) -> None:
-    tools = {
-        "dot": (dot, ["-Tsvg", "-o", "a.svg", "in"]),
-        "mmdc": (mermaid, ["-i", "in", "-o", "a.svg"]),
-    }
-    installed = [(shutil.which(name), *how) for name, how in tools.items() if shutil.which(name)]
-    if not installed:
-        pytest.skip("neither Graphviz nor mermaid-cli is installed")
-    for tool, draw, words in installed:
-        (tmp_path / "in").write_text(draw(picture), encoding="utf-8")
-        subprocess.run([str(tool), *words], cwd=tmp_path, check=True, capture_output=True)
-        assert "<svg" in (tmp_path / "a.svg").read_text(encoding="utf-8")
+# what of a library is loaded, and what draws a text with it, without a complaint
+MERMAID = (
+    "dist/mermaid.min.js",
+    """async (text) => { document.body.innerHTML = (await mermaid.render("drawn", text)).svg; }""",
+)
+VIZ = (
+    "dist/viz-global.js",
+    """async (text) => {
+      document.body.innerHTML = (await Viz.instance()).renderString(text, { format: "svg" });
+    }""",
+)
+TEXTS = """[...document.querySelectorAll("svg text, svg foreignObject p")]
+  .map((text) => text.textContent).join(" ").replace(/\\s+/g, " ")"""
+
+
+def pictures() -> list[Picture]:
+    shipped = picture_of(ng.load(ROOT / "graphs" / "fill.yaml"))
+    return [two(gathers=True, fixed="k=3"), hostile(), nested(), shipped]
+
+
+@pytest.mark.parametrize(
+    ("write", "variable", "library"),
+    [(mermaid, "NODEGRAPH_MERMAID", MERMAID), (dot, "NODEGRAPH_VIZ", VIZ)],
+    ids=["mermaid", "dot"],
+)
+def test_every_name_is_seen_where_a_picture_is_rendered(
+    tab: Page,
+    tmp_path: Path,
+    write: Callable[[Picture], str],
+    variable: str,
+    library: tuple[str, str],
+) -> None:
+    folder = os.environ.get(variable, "")
+    if not folder:
+        pytest.skip(f"{variable} names no folder of the npm package")
+    script, draw = library
+    page = tmp_path / "page.html"
+    source = Path(folder, script).as_uri()
+    page.write_text(f'<!DOCTYPE html><meta charset="utf-8"><body><script src="{source}"></script>')
+    load(tab, page)
+    for picture in pictures():
+        tab.evaluate(draw, write(picture))
+        shown = tab.evaluate(TEXTS)
+        for box in picture.boxes:
+            name = box.name if box.name == HOSTILE else box.name.rpartition(".")[2]
+            assert " ".join(clean(name).split()) in shown, picture.title
+        assert tab.locator("svg :is(a, b, script, image)").count() == 0
 
 
 def test_no_frame_ends_its_label() -> None:
