@@ -23,7 +23,7 @@ from nodegraph.plugin.hook_types import Format
 def edited_since(modules: Iterable[Module], function: Callable[..., Any]) -> Iterator[str]:
     """Yield what was edited since the program began, or since the module was last read.
 
-    A module that was imported later may be up to date all the same; nothing tells.
+    A module that was imported later may be up to date all the same; that is not known.
     """
     own = getattr(function, "__globals__", {})
     for module in modules:

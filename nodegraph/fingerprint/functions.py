@@ -1,4 +1,4 @@
-"""Functions as they are in memory: where their source lies, and what they were made with."""
+"""Functions as they are in memory: where their source lies, and what they capture."""
 
 from __future__ import annotations
 
@@ -212,7 +212,7 @@ def captured(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def definition_of(module: Module, function: FunctionType) -> Definition | None:
-    """Return the name that a function has in its module; its line tells twins apart."""
+    """Return what a function is in its module: a name, and which one if several have it."""
     code, summary = function.__code__, module.summary
     if summary.trouble:
         return Definition(module, STATEMENTS)

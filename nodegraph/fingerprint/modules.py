@@ -36,7 +36,7 @@ class Distributions:
     ----------
     remembered
         What `remembered` returned in an earlier process. A distribution of the same name and
-        version brings the same modules, so its list of files need not be read again.
+        version has the same modules, so its list of files need not be read again.
     """
 
     def __init__(self, remembered: Any = None) -> None:
@@ -139,7 +139,7 @@ class Place(NamedTuple):
 
 
 class Origin(NamedTuple):
-    """What tells of a change in a top-level module and all below it.
+    """What changes with a top-level module and all below it.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class Places:
         return self._places[name]
 
     def origin(self, name: str) -> Origin:
-        """Return what tells of a change in a module."""
+        """Return what changes with a module."""
         top = name.partition(".")[0]
         if top not in self._origins:
             self._origins[top] = self._judge(top)
@@ -209,7 +209,7 @@ class Places:
 
     @cached_property
     def _with_plugins(self) -> frozenset[Owner]:
-        """The distributions that brought what is followed, with whatever else they brought."""
+        """The distributions of what is followed, and of what else they install."""
         owners: set[Owner] = set()
         for top in self._followed:
             place = self.place(top)
@@ -238,7 +238,7 @@ def _search(name: str, folders: list[str] | None) -> Any:
         try:
             spec = finder.find_spec(name, folders)
         except Exception:
-            # somebody else's finder: Python itself would go no further, we need not be told
+            # a third-party finder failed, as it would for Python
             continue
         if spec is not None:
             return spec

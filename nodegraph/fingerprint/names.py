@@ -97,7 +97,7 @@ def label_of(definition: Definition) -> str:
 
 
 def runs(summary: Summary) -> bool:
-    """Whether importing a module does more than to bind names, or cannot be told."""
+    """Whether importing a module does more than to bind names, or that is not known."""
     return bool(summary.statements or summary.effects or summary.trouble)
 
 

@@ -54,7 +54,7 @@ class Summary(NamedTuple):
     stars : tuple of str
         Modules of which every name is imported.
     statements : tuple of int
-        Parts that do something when the module is imported, whatever name is asked for.
+        Parts that do something when the module is imported, whichever name is used.
     effects : tuple of str
         What else is run when the module is imported, as references.
     trouble : str
@@ -146,7 +146,7 @@ def syntax_digest(tree: ast.AST, marks: Marks) -> str:
         kind = type(node)
         if kind is list:
             parts = [child for child in node if not is_idle(child)]
-            # tells where the list ends: else two trees could have the same tokens
+            # marks the end of the list: else two trees could have the same tokens
             tokens.append(len(parts))
             stack += parts
         elif kind in _LEAVES:
@@ -219,7 +219,7 @@ class Bindings:
     imports : dict of name to targets
         Those of the names that an import binds, each with ``module:name`` or ``module:``.
     elsewhere : set of str
-        Names that belong to the module, because ``global`` says so.
+        Names that belong to the module, because they are declared ``global``.
     """
 
     def __init__(self) -> None:
@@ -501,7 +501,7 @@ def summarise(source: bytes) -> Summary:
         If the source cannot be parsed.
     """
     with warnings.catch_warnings():
-        # whoever imports the module has been told of its doubtful escapes
+        # the doubtful escapes were reported when the module was imported
         warnings.simplefilter("ignore")
         tree = ast.parse(source)
     return _Module(tree).summary()

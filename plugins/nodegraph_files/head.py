@@ -35,7 +35,7 @@ class RawHead:
     unit : str
         Of length.
     unit_stated : bool
-        Whether this file says so, and not only its form or a habit.
+        Whether this file states the unit, so that it is not guessed.
     marker_vertices : mapping of marker to vertex
     """
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNIT = "mm"
-"""An OBJ file tells none; this one is assumed."""
+"""Assumed, because an OBJ file states none."""
 
 _CORNER = re.compile(r"(-?[0-9]{1,18})(/.*)?")
 

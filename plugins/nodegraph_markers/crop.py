@@ -39,7 +39,7 @@ def crop(recording: Trajectories, *, first: Frame = 0, last: Frame | None = None
     end = recording.frames - 1 if last is None else last
     if max(first, end) >= recording.frames:
         raise ValueError(
-            f"frames {first} to {end} asked; the take has {recording.frames} frames, "
+            f"frames {first} to {end} do not exist; the take has {recording.frames} frames, "
             f"0 to {recording.frames - 1}"
         )
     if end < first:

@@ -225,7 +225,7 @@ def _sided(
     messages = []
     if couples and not vote:
         messages.append(
-            "no name tells left from right: guessed from shape and movement, look at it"
+            "the names do not distinguish left and right: they are guessed from shape and movement"
         )
     crossed = [names[left] for (left, _), bad in zip(pairs, sign != by_place, strict=True) if bad]
     if crossed:

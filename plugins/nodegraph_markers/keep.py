@@ -26,7 +26,7 @@ def keep(
     selection
         Whose chosen markers are kept.
     names
-        Which markers are kept, where no selection says so.
+        Which markers are kept, unless a selection is given.
 
     Returns
     -------

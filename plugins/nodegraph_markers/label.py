@@ -40,7 +40,7 @@ def label(
     """Give tracks the names of a reference's markers: rigid fit, best assignment of whole tracks.
 
     The names that the tracks have mean nothing, nor does the head's pose. The fullest frame is
-    brought onto the reference's shape by trying rotations all around (never a mirror image) and
+    aligned with the reference's shape by trying rotations all around (never a mirror image) and
     iterative closest points (Besl & McKay); the tracks lead from there to the frame that looks
     most like the reference, where the first names are given. Then in turns, until no name
     changes:
@@ -59,7 +59,7 @@ def label(
     twice as near to that one) it is cut, and all is named anew. What is left keeps its samples
     under t000, t001, ..., behind the named markers, in the order of the tracks. A marker of the
     reference that no track is stays in the recording, wholly missing. Both are counted in a
-    warning, and another says so when the take hardly looks like the reference.
+    warning, and a take that hardly looks like the reference in another.
 
     Looks at the whole take.
 

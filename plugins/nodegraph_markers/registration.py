@@ -45,8 +45,8 @@ def register(points: NDArray[np.float64], shape: NDArray[np.float64], width: flo
     of those that are fewer, points or places, to the nearest of the others, none counting more
     than ``width^2``. The sixteen best are refined by `closest`, from a width twice as large; the
     best of those is returned. Points that are no place, and places without a point, do not
-    matter as long as some triangle is free of them. A mirror image is never tried: what tells a
-    face from its mirror image is its depth.
+    matter as long as some triangle is free of them. A mirror image is never tried: a
+    face differs from its mirror image in depth only.
 
     Parameters
     ----------

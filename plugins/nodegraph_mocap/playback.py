@@ -62,7 +62,7 @@ class Panel(Value):
 
     @property
     def seconds(self) -> float:
-        """How long it plays: each frame is shown until the next one is due."""
+        """How long it plays: each frame is shown until the next one begins."""
         return self.shown.frames / self.shown.rate
 
 

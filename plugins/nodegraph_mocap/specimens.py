@@ -98,7 +98,7 @@ def marker_sets() -> dict[str, MarkerSet]:
 
 
 def selections() -> dict[str, Selection]:
-    """Return some of the face's markers with all that a search tells, and one marker alone."""
+    """Return some of the face's markers with all numbers of a search, and one marker alone."""
     marker_set = _marker_set()
     pairs = (*marker_set.pairs, *((name,) for name in marker_set.midline))
     selection = Selection(

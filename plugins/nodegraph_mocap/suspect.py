@@ -23,7 +23,7 @@ def impulses(positions: NDArray[np.float64]) -> NDArray[np.float64]:
     one where ``|m[t]|`` exceeds 8 times the marker's median of ``|m|``, and both
     ``m[t-1] . m[t]`` and ``m[t+1] . m[t]`` lie below ``-|m[t]|^2 / 4``: fast movement is large in
     m over several frames in one direction, and an impulse is not. Of the two neighbours, one that
-    has no m, beside a gap or at an end of the take, is not asked.
+    has no m, beside a gap or at an end of the take, does not count.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ def playback(
     frame when it is shorter than others. The recordings have one scale, and so have the heads;
     each panel is centred on what was measured of it. The reader plays, slows down, steps, goes from
     gap to gap, drags to turn, enlarges, and shows trails or errors ten times as large; nothing
-    moves before it is asked to. It opens at the frame with most samples that a method has made,
+    moves by itself. It opens at the frame with most samples that a method has made,
     and whose truth is known if there is one, else at the first. Up to six panels are shown at a
     time: of more these are at first the truth and the three of least error, and the reader chooses
     others.

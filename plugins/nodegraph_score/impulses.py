@@ -70,7 +70,7 @@ def impulses(
     Of rmse, error, missed, false positive rate and change less is better. A share or mean of
     nothing is NaN: error, missed and recall without a hit, precision without a repaired sample,
     change without a false positive. A sample is judged where the truth and the estimate have
-    it, unless it was called repaired in the truth already, where nothing tells who repaired it.
+    it, unless it was called repaired in the truth already, where it is not known what repaired it.
     Rows without a hit, and samples left out, are counted in a warning and in the table's notes.
 
     Markers are matched by name.

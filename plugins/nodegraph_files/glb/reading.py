@@ -20,7 +20,7 @@ def read_glb(path: Path) -> RawHead:
     Vertices are numbered through. Morph targets of one name are one, and those that the file does
     not name (``targetNames`` in the extras of the mesh) are ``morph_1``, ...; warnings count these
     and the meshes that are left out. What is at rest is the mesh without its morph targets; a
-    warning tells where the file would show it otherwise.
+    warning says where the file would show it otherwise.
 
     Raises
     ------

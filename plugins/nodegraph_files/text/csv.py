@@ -249,7 +249,7 @@ def read_long(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
 
     A row that is not there is a missing sample, and so are those of frames that are skipped; a
     warning counts these. Where steps from frame to frame are no whole multiples of the usual
-    one, the frames count as evenly spaced, which a warning tells.
+    one, the frames count as evenly spaced, with a warning.
 
     Raises
     ------
@@ -389,7 +389,7 @@ def read_levels(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
 
     Levels in which all columns share a name, such as a scorer, are left out of the markers'
     names; others are joined by ``:``. The index holds frame numbers, unless it is named
-    ``time``. Columns that say how likely a position is are left out, which a warning tells.
+    ``time``. Columns that say how likely a position is are left out, with a warning.
 
     Raises
     ------

@@ -180,7 +180,7 @@ def _places(times: _Times) -> tuple[float, NDArray[np.int64]]:
     """Return the rate, and which frame each row is."""
     per_second = _counts_per_second(times)
     if len(times.lines) == 1:
-        warnings.warn(f"a single frame tells no rate; {per_second} Hz is assumed", stacklevel=3)
+        warnings.warn(f"a single frame has no rate; {per_second} Hz is assumed", stacklevel=3)
         return float(per_second), np.zeros(1, dtype=np.int64)
     steps = _steps(times.seconds, _DAY) * per_second + np.diff(times.counts)
     if steps.min() < 0:
@@ -192,7 +192,7 @@ def _places(times: _Times) -> tuple[float, NDArray[np.int64]]:
     # Two digits: clocks drift by some thousandths of a count.
     usual = round(float(np.median(steps)), 2)
     if not usual:
-        raise ValueError(f"{times.path}: the timecode stands still; it tells no rate")
+        raise ValueError(f"{times.path}: the timecode stands still and has no rate")
     frames = np.rint(steps / usual).astype(np.int64)
     _tell_steps(times, frames, per_second / usual)
     places = np.concatenate([[0], np.cumsum(np.maximum(frames, 1))])

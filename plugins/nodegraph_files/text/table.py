@@ -53,7 +53,7 @@ def split_cells(line: str, separator: str) -> list[str]:
     try:
         return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
     except csv.Error:
-        return line.split(separator)  # what is wrong in it is told with its place
+        return line.split(separator)  # the error is reported later, with its place
 
 
 def cell_numbers(
@@ -204,7 +204,7 @@ def _parsed(rows: Rows, columns: list[int] | None) -> NDArray[np.float64] | None
     import pandas
     from packaging.version import Version
 
-    # From 3.1 on, pandas rounds correctly anyway, and warns where it is asked to.
+    # From 3.1 on, pandas rounds correctly anyway, and warns about the option.
     is_old = Version(pandas.__version__) < Version("3.1")
     exact: dict[str, Any] = {"float_precision": "round_trip"} if is_old else {}
     stream = BytesIO(rows.text.content)
@@ -289,7 +289,7 @@ def _make_wide(rows: Rows, table: list[tuple[int, list[str]]]) -> None:
 
 
 def _commas_are_points(rows: Rows, table: list[tuple[int, list[str]]]) -> bool:
-    """Return whether commas in cells separate decimals, which a warning tells.
+    """Return whether commas in cells separate decimals, and warn if they do.
 
     Raises
     ------

@@ -220,7 +220,7 @@ def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
     Raises
     ------
     ValueError
-        If neither tells one.
+        If neither states one.
     """
     rate = stated_rate(table)
     even = times is not None and whole_steps(times) is not None

@@ -125,7 +125,7 @@ def step_of(panels: Iterable[Panel]) -> float:
 
 
 def beyond(recording: Trajectories, step: float) -> NDArray[np.bool_]:
-    """Return (T, M), True for samples that are too far away to be told in steps."""
+    """Return (T, M), True for samples that are too far away to be stored in steps."""
     far = np.abs(recording.positions) > MOST_STEPS * step
     return np.asarray(far.any(axis=2))
 
@@ -315,7 +315,7 @@ def _gaps(playback: Playback) -> list[list[Any]]:
 def _telling_second(playback: Playback) -> float:
     """Return when most samples are seen that a method has made, with a known truth if any has.
 
-    Where none was made, the frame in which the heads are moved most: their rest tells nothing.
+    Where none was made, the frame in which the heads move most: at rest they show nothing.
     """
     seconds, most = 0.0, (0, 0)
     truth = _truth_of(playback)

@@ -106,7 +106,7 @@ def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
         "from nodegraph.fingerprint import Code\n"
         "from nodegraph.plugin.registry import default_registry\n"
         "registry = default_registry()\n"
-        "names = {'nodegraph'} | {one.module.__name__ for one in registry.loaded}\n"
+        "names = {'nodegraph'} | {plugin.module.__name__ for plugin in registry.loaded}\n"
         "print(Code(names).of(registry.find('compare.table').node.function).digest)"
     )
     result = {

@@ -34,7 +34,7 @@ def test_by_default_it_reaches_from_the_first_to_the_last_frame() -> None:
 @pytest.mark.parametrize(
     ("first", "last", "what"),
     [
-        (0, 40, "frames 0 to 40 asked; the take has 40 frames, 0 to 39"),
+        (0, 40, "frames 0 to 40 do not exist; the take has 40 frames, 0 to 39"),
         (40, None, "the take has 40 frames"),
         (12, 11, "the last frame, 11, comes before the first, 12"),
     ],

@@ -20,7 +20,7 @@ from nodegraph_synthesize.face import SyntheticFace
 Face = Callable[..., SyntheticFace]
 Unnamed = Callable[..., Trajectories]
 Take = Callable[[str], tuple[Trajectories, MarkerSet]]
-GUESSED = "no name tells left from right"
+GUESSED = "names do not distinguish left and right"
 
 
 def found_again(

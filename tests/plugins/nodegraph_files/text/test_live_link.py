@@ -153,7 +153,7 @@ def test_frames_too_close_are_told(write: Write) -> None:
 
 
 def test_a_single_frame_tells_no_rate(write: Write) -> None:
-    with pytest.warns(UserWarning, match="a single frame tells no rate; 60 Hz is assumed"):
+    with pytest.warns(UserWarning, match="a single frame has no rate; 60 Hz is assumed"):
         read = read_live_link(write(table([5])))
     assert (read.frames, read.rate) == (1, 60)
 
