@@ -47,7 +47,8 @@ class LiveState(Protocol):
     Attributes
     ----------
     header : value, or tuple of values
-        Of the output; of a node with several outputs, of each.
+        Of the output; of a node with several outputs, of each, None for one that has no frames
+        (a table, say) and is not given.
     """
 
     header: Any
@@ -63,7 +64,8 @@ class LiveState(Protocol):
         Returns
         -------
         payload, tuple of payloads, or None
-            One for each output; None for each of the first `lookahead` frames.
+            One for each output, None for one without a header; None alone for each of the first
+            `lookahead` frames.
         """
 
     def drain(self) -> Iterable[Any]:
@@ -128,11 +130,19 @@ class StateForm:
         Ports that take frames; by default the first. All others take whole values.
     lookahead : LookAhead
         How many frames later the class gives a frame; by default what the node declares, or 0.
+    leaves : str
+        What it leaves missing though the function, which has the whole take, does not: ``"gaps
+        at the start of the take"``.
+    tolerance : float
+        By how much a number may differ from the function's, which computes many frames at once
+        in another order of operations.
     """
 
     state: Callable[..., LiveState]
     streams: tuple[str, ...] = ()
     lookahead: LookAhead = UNDECLARED
+    leaves: str = ""
+    tolerance: float = 0.0
 
 
 LiveForm = FrameForm | WindowForm | StateForm

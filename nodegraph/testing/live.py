@@ -10,9 +10,12 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from nodegraph.equality import difference
+from nodegraph.errors import Refusal
 from nodegraph.live.forms import header_of, live_state, rows_of, streamable_of
-from nodegraph.node.live_form import FrameForm, LiveState
+from nodegraph.node.live_form import FrameForm, LiveState, StateForm
 from nodegraph.testing.trial import Trial
 
 Row = tuple[Any, ...]
@@ -110,6 +113,8 @@ class _Stream:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 streamed = self._outputs(rows, what)
+        except Refusal:  # as a function may decline, so may a live form
+            return True
         except Exception as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
             where = f"{Path(last.filename).name}:{last.lineno}"
@@ -118,7 +123,12 @@ class _Stream:
         if streamed is None:
             return False
         for port, value in zip(node.outputs, streamed, strict=True):
-            if changed := difference(value, outputs[port.name], name=port.name):
+            if value is None:
+                continue
+            whole = outputs[port.name]
+            if isinstance(node.live, StateForm) and (node.live.leaves or node.live.tolerance):
+                whole = _departing(value, whole, node.live)
+            if changed := difference(value, whole, name=port.name):
                 self._trial.add_fault(_DIFFERS, f"{what}: {changed}")
                 return False
         return True
@@ -158,7 +168,10 @@ class _Stream:
         if not self._trial.node.splits:
             return [streamable_of(type(state.header)).join(state.header, results)]
         columns = zip_longest(state.header, zip(*results, strict=True), fillvalue=())
-        return [streamable_of(type(header)).join(header, column) for header, column in columns]
+        return [
+            None if header is None else streamable_of(type(header)).join(header, column)
+            for header, column in columns
+        ]
 
     def _is_alone(self, rows: Sequence[Row], results: Sequence[Any], what: str) -> bool:
         """Return whether a new instance gives the same, now that no other one is in use."""
@@ -172,3 +185,29 @@ class _Stream:
 
     def _state(self) -> LiveState:
         return live_state(self._trial.node, self._headers, self._rest, self._settings)
+
+
+def _departing(streamed: Any, whole: Any, form: StateForm) -> Any:
+    """Return the whole take's result with the stream's numbers where the form lets them differ."""
+    kind = streamable_of(type(whole))
+    header = kind.header(whole)
+    missing = kind.missing(header)
+    payloads = [
+        _departing_payload(*both, missing, form)
+        for both in zip_longest(kind.split(streamed), kind.split(whole), fillvalue=missing)
+    ]
+    return kind.join(header, payloads)
+
+
+def _departing_payload(streamed: Any, whole: Any, missing: Any, form: StateForm) -> Any:
+    if isinstance(missing, tuple):
+        parts = zip(streamed, whole, missing, strict=True)
+        return type(missing)(*(_departing_payload(*part, form) for part in parts))
+    if streamed is None or whole is None:
+        return whole
+    free = np.zeros(np.shape(whole), dtype=np.bool_)
+    if form.leaves:
+        free |= (streamed == missing) | (np.isnan(streamed) & np.isnan(missing))
+    if whole.dtype.kind == "f":
+        free |= np.abs(streamed - whole) <= form.tolerance
+    return np.where(free, streamed, whole)

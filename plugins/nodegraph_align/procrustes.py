@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
-from nodegraph import node
+from nodegraph import Refusal, StateForm, node
 from nodegraph_align.landmarks import Landmarks
 from nodegraph_align.poses import Aligned, Poses, Scale, fitted, warn
 from nodegraph_align.reference import Reference, reference_of
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +32,54 @@ def _as_pydantic_says_it(steps: tuple[Step, ...]) -> tuple[Step, ...]:
 Steps = Annotated[tuple[Step, ...], AfterValidator(_as_pydantic_says_it)]
 
 
-@node("align.procrustes", cite=("krzanowski2000", "kabsch1978"), lookahead=0)
+class _Stream:
+    """The alignment frame by frame, to a reference that is given."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        reference: Trajectories | None = None,
+        *,
+        landmarks: Landmarks | None,
+        steps: Steps,
+        scale: Scale,
+        restore: bool,
+        reflection: bool,
+    ) -> None:
+        if reference is None:
+            raise Refusal(
+                "frame by frame, it needs a reference: its own is the first frame of the take "
+                "that has all landmarks"
+            )
+        self._onto, _ = reference_of(recording, reference, landmarks)
+        self._recording = recording
+        self._steps, self._scale = tuple(steps), scale
+        self._restore, self._reflection = restore, reflection
+        self.header = (recording, HeadMotion.still(0), None)
+
+    def push(self, frame: MarkerFrame) -> tuple[MarkerFrame, HeadPose, None]:
+        recording = frame.recording(self._recording)
+        poses = fitted(recording, self._onto, self._scale, reflection=self._reflection)
+        aligned, motion, _ = _moved(
+            recording, poses, self._onto, self._steps, self._scale, restore=self._restore
+        )
+        sigma = None if aligned.sigma is None else aligned.sigma[0]
+        return (
+            MarkerFrame(aligned.positions[0], aligned.origin[0], sigma),
+            HeadPose(motion.rotations[0], motion.translations[0], motion.scales[0]),
+            None,
+        )
+
+    def drain(self) -> Iterable[Any]:
+        return ()
+
+
+@node(
+    "align.procrustes",
+    cite=("krzanowski2000", "kabsch1978"),
+    lookahead=0,
+    live=StateForm(_Stream),
+)
 def procrustes(
     recording: Trajectories,
     reference: Trajectories | None = None,
@@ -61,7 +109,7 @@ def procrustes(
     is the same shape turned over.
 
     Weights of a blendshape model are those of a face aligned to the model's neutral, not to a
-    recording's own first frame. Looks ahead no frame.
+    recording's own first frame. Looks ahead no frame; frame by frame, a reference must be given.
 
     Parameters
     ----------
@@ -115,9 +163,21 @@ def procrustes(
     onto, notes = reference_of(recording, reference, landmarks)
     poses = fitted(recording, onto, scale, reflection=reflection)
     warn(poses, recording, onto, notes)
-    poses, target = _carried_out(poses, requested, scale), onto.frame
-    if not restore and requested:
-        unit = onto.size if "scale" in requested and scale != "none" else 1.0
+    return _moved(recording, poses, onto, requested, scale, restore=restore)
+
+
+def _moved(
+    recording: Trajectories,
+    poses: Poses,
+    onto: Reference,
+    steps: Steps,
+    scale: Scale,
+    *,
+    restore: bool,
+) -> Aligned:
+    poses, target = _carried_out(poses, steps, scale), onto.frame
+    if not restore and steps:
+        unit = onto.size if "scale" in steps and scale != "none" else 1.0
         poses, target = _about_the_origin(poses, onto, unit)
     return Aligned(*poses.move(recording), target)
 

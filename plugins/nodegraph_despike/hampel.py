@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import node
-from nodegraph_despike.repair import repaired
-from nodegraph_despike.vector_median import Reach, running_median, running_spread
-from nodegraph_mocap import Trajectories
+from nodegraph import Window, WindowForm, node
+from nodegraph_despike.repair import repaired, repaired_frame
+from nodegraph_despike.vector_median import Reach, reach_of, running_median, running_spread
+from nodegraph_mocap import MarkerFrame, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _NORMAL = 1.4826
 """The standard deviation of a normal variable over its median absolute deviation."""
+
+
+def _repair(positions: NDArray[np.float64], reach: int, threshold: float) -> NDArray[np.float64]:
+    median, distance = running_median(positions, reach)
+    spread = running_spread(positions, median, reach)
+    judged = np.isfinite(spread)
+    bar = threshold * _NORMAL * np.where(judged, spread, 0.0)
+    bad = judged & (distance > bar)
+    return np.where(bad[..., None], median, positions)
+
+
+def _repaired_at(
+    window: Window[MarkerFrame, Trajectories], *, reach: int, threshold: float
+) -> MarkerFrame:
+    positions = _repair(window.frames.positions, reach, threshold)
+    return repaired_frame(window.frames.at(window.now), positions[window.now])
 
 
 @node(
@@ -23,7 +42,8 @@ _NORMAL = 1.4826
         "from Pearson et al. 2016: the vector median and Euclidean lengths take the place of "
         "the median and absolute values"
     ),
-    lookahead=lambda settings: settings["reach"],
+    lookahead=reach_of,
+    live=WindowForm(_repaired_at, before=reach_of, after=reach_of),
 )
 def hampel(
     recording: Trajectories,
@@ -65,9 +85,4 @@ def hampel(
     Trajectories
         The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
-    median, distance = running_median(recording, reach)
-    spread = running_spread(recording, median, reach)
-    judged = np.isfinite(spread)
-    bar = threshold * _NORMAL * np.where(judged, spread, 0.0)
-    bad = judged & (distance > bar)
-    return repaired(recording, np.where(bad[..., None], median, recording.positions))
+    return repaired(recording, _repair(recording.positions, reach, threshold))

@@ -2,24 +2,102 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import node
-from nodegraph_despike.repair import repaired
-from nodegraph_mocap import Trajectories
+from nodegraph import StateForm, Unit, node
+from nodegraph_despike.repair import repaired, repaired_frame
+from nodegraph_mocap import MarkerFrame, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 Order = Literal["simultaneous", "in_place", "redetect"]
 
 
-@node("despike.impulse", cite="zhang_scattered", lookahead=None)
+def _lookahead(settings: Mapping[str, Any]) -> int | None:
+    # the mean step of the whole take; the worst sample of the whole take
+    unbounded = settings["mean_step"] is None and settings["calibration"] is None
+    return None if unbounded or settings["order"] == "redetect" else 1
+
+
+class _Stream:
+    """The filter frame by frame: a frame is judged when the next one is there."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        *,
+        factor: float,
+        order: Order,
+        mean_step: float | None,
+        calibration: int | None,
+    ) -> None:
+        from nodegraph_despike import impulse_kernel
+
+        _check(order, mean_step, calibration)
+        self.header = recording
+        self._repair = getattr(impulse_kernel, order)
+        self._in_place = order == "in_place"
+        self._factor = factor
+        self._bar = np.full(len(recording.markers), factor * (mean_step or np.inf))
+        self._calibration = calibration or 0
+        self._first: list[NDArray[np.float64]] = []
+        """Frames of the calibration."""
+        self._before: MarkerFrame | None = None
+        self._now: MarkerFrame | None = None
+
+    def push(self, frame: MarkerFrame) -> MarkerFrame | None:
+        before, now = self._before, self._now
+        self._before, self._now = now, frame
+        if now is not None and len(self._first) < self._calibration:
+            self._calibrate(now)
+            return now
+        if before is None or now is None:
+            return now
+        positions = np.stack([before.positions, now.positions, frame.positions])
+        repaired = repaired_frame(now, self._repair(positions, self._bar, 1)[1])
+        if self._in_place:
+            self._before = repaired
+        return repaired
+
+    def drain(self) -> Iterable[MarkerFrame]:
+        return () if self._now is None else (self._now,)
+
+    def _calibrate(self, frame: MarkerFrame) -> None:
+        from nodegraph_despike import impulse_kernel
+
+        self._first.append(frame.positions)
+        if len(self._first) == self._calibration:
+            self._bar = impulse_kernel.bars(np.stack(self._first), self._factor)
+
+
+def _check(order: Order, mean_step: float | None, calibration: int | None) -> None:
+    if order not in get_args(Order):
+        raise ValueError(f"order must be simultaneous, in_place or redetect, got {order!r}")
+    if mean_step is not None and calibration is not None:
+        raise ValueError(
+            f"mean_step ({mean_step} mm) and calibration ({calibration} frames) both give the "
+            "mean step; set one of them"
+        )
+
+
+@node(
+    "despike.impulse",
+    cite="zhang_scattered",
+    lookahead=_lookahead,
+    live=StateForm(_Stream),
+)
 def impulse(
     recording: Trajectories,
     *,
     factor: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.5,
     order: Order = "simultaneous",
+    mean_step: Annotated[float | None, Field(gt=0.0, allow_inf_nan=False), Unit("mm")] = None,
+    calibration: Annotated[int | None, Field(ge=2), Unit("frames")] = None,
 ) -> Trajectories:
     """Repair samples between two long steps (Zhang et al.).
 
@@ -35,7 +113,8 @@ def impulse(
     How many samples were repaired, and by how much, is in a warning; what an earlier method has
     filled or repaired counts as present.
 
-    Looks ahead 1 frame to judge and repair a sample, and to the take's end for k.
+    Looks ahead 1 frame to judge and repair a sample, and to the take's end for k unless it is set
+    or made from the first frames; `order` redetect to the take's end as well.
 
     Parameters
     ----------
@@ -50,6 +129,10 @@ def impulse(
         the one before it. redetect: the worst sample, with the largest distance from its
         midpoint, the earliest of equals, is repaired and everything judged again, until none is
         bad; each is repaired at most once.
+    mean_step
+        k of every marker. None: that of the marker, from the take or the `calibration`.
+    calibration
+        Take k from the first so many frames, which stay as they are. None: from the whole take.
 
     Returns
     -------
@@ -59,11 +142,15 @@ def impulse(
     Raises
     ------
     ValueError
-        If the order is none of its choices.
+        If the order is none of its choices, or both `mean_step` and `calibration` are set.
     """
     from nodegraph_despike import impulse_kernel
 
-    if order not in get_args(Order):
-        raise ValueError(f"order must be simultaneous, in_place or redetect, got {order!r}")
+    _check(order, mean_step, calibration)
     positions = np.ascontiguousarray(recording.positions)
-    return repaired(recording, getattr(impulse_kernel, order)(positions, float(factor)))
+    if mean_step is None:
+        bar = impulse_kernel.bars(positions[:calibration], float(factor))
+    else:
+        bar = np.full(len(recording.markers), factor * mean_step)
+    repair = getattr(impulse_kernel, order)
+    return repaired(recording, repair(positions, bar, max(calibration or 0, 1)))

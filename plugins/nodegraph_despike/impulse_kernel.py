@@ -20,61 +20,63 @@ inlined = kernel(forceinline=True)
 
 
 @compiled
-def simultaneous(positions: Any, factor: float) -> Any:
+def simultaneous(positions: Any, bar: Any, first: int) -> Any:
     """Find bad samples and put each at the midpoint of its neighbours as they came.
 
     Parameters
     ----------
     positions : (T, M, 3) array of float64
         NaN where missing.
-    factor
-        How many times the mean step is a long one.
+    bar : (M,) array of float64
+        The length from which a marker's step is long.
+    first
+        The first frame that is judged, 1 or later.
 
     Returns
     -------
     (T, M, 3) array of float64
     """
-    repaired, bar = positions.copy(), _bars(positions, factor)
-    _sweep(repaired, positions, bar)
+    repaired = positions.copy()
+    _sweep(repaired, positions, bar, first)
     return repaired
 
 
 @compiled
-def in_place(positions: Any, factor: float) -> Any:
+def in_place(positions: Any, bar: Any, first: int) -> Any:
     """Go through the frames once, each judged and repaired after the one before it."""
-    repaired, bar = positions.copy(), _bars(positions, factor)
-    _sweep(repaired, repaired, bar)
+    repaired = positions.copy()
+    _sweep(repaired, repaired, bar, first)
     return repaired
 
 
 @compiled
-def redetect(positions: Any, factor: float) -> Any:
+def redetect(positions: Any, bar: Any, first: int) -> Any:
     """Repair a marker's worst sample, detect again, until none is left; each at most once."""
-    repaired, bar = positions.copy(), _bars(positions, factor)
+    repaired = positions.copy()
     for marker in range(positions.shape[1]):
         track = positions[:, marker : marker + 1].copy()
-        _repair_worst_first(track, bar[marker])
+        _repair_worst_first(track, bar[marker], first)
         repaired[:, marker] = track[:, 0]
     return repaired
 
 
 @inlined
-def _sweep(repaired: Any, source: Any, bar: Any) -> None:
-    for now in range(1, len(source) - 1):
+def _sweep(repaired: Any, source: Any, bar: Any, first: int) -> None:
+    for now in range(first, len(source) - 1):
         for marker in range(len(bar)):
             if _is_bad(source, bar[marker], now, marker):
                 _to_midpoint(repaired, source, now, marker)
 
 
 @inlined
-def _repair_worst_first(track: Any, bar: float) -> None:
+def _repair_worst_first(track: Any, bar: float, first: int) -> None:
     """Repair one marker, (T, 1, 3), in place."""
     frames = len(track)
     done = np.zeros(frames, np.bool_)
     # The largest deviation first, of equals the earliest. What waits may be out of date: it
     # counts if it still holds when its turn comes, and what has changed waits once more.
     waiting = [(0.0, 0) for _ in range(0)]
-    for now in range(1, frames - 1):
+    for now in range(first, frames - 1):
         if _is_bad(track, bar, now, 0):
             heappush(waiting, (-_deviation(track, now), now))
     while len(waiting):
@@ -83,14 +85,21 @@ def _repair_worst_first(track: Any, bar: float) -> None:
             continue
         _to_midpoint(track, track, now, 0)
         done[now] = True
-        for beside in range(max(now - 1, 1), min(now + 2, frames - 1)):
+        for beside in range(max(now - 1, first), min(now + 2, frames - 1)):
             if not done[beside] and _is_bad(track, bar, beside, 0):
                 heappush(waiting, (-_deviation(track, beside), beside))
 
 
-@inlined
-def _bars(positions: Any, factor: float) -> Any:
-    """Return (M,), the length from which a marker's step is long; infinite where none is."""
+@compiled
+def bars(positions: Any, factor: float) -> Any:
+    """Return (M,), the length from which a marker's step is long; infinite where none is.
+
+    Parameters
+    ----------
+    positions : (T, M, 3) array of float64
+    factor
+        How many times the mean step is a long one.
+    """
     frames, markers = positions.shape[:2]
     total, count = np.zeros(markers), np.zeros(markers)
     for now in range(1, frames):

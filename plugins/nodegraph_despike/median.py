@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Unit, node
-from nodegraph_despike.repair import repaired
-from nodegraph_despike.vector_median import Reach, running_median
-from nodegraph_mocap import Trajectories
+from nodegraph import Unit, Window, WindowForm, node
+from nodegraph_despike.repair import repaired, repaired_frame
+from nodegraph_despike.vector_median import Reach, reach_of, running_median
+from nodegraph_mocap import MarkerFrame, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def _repair(positions: NDArray[np.float64], reach: int, threshold: float) -> NDArray[np.float64]:
+    middle, distance = running_median(positions, reach)
+    bad = distance > threshold
+    return np.where(bad[..., None], middle, positions)
+
+
+def _repaired_at(
+    window: Window[MarkerFrame, Trajectories], *, reach: int, threshold: float
+) -> MarkerFrame:
+    positions = _repair(window.frames.positions, reach, threshold)
+    return repaired_frame(window.frames.at(window.now), positions[window.now])
 
 
 @node(
     "despike.median",
     cite="astola1990",
     adapted="from Astola et al. 1990: only samples beyond a threshold are replaced",
-    lookahead=lambda settings: settings["reach"],
+    lookahead=reach_of,
+    live=WindowForm(_repaired_at, before=reach_of, after=reach_of),
 )
 def median(
     recording: Trajectories,
@@ -58,6 +75,4 @@ def median(
     Trajectories
         The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
-    middle, distance = running_median(recording, reach)
-    bad = distance > threshold
-    return repaired(recording, np.where(bad[..., None], middle, recording.positions))
+    return repaired(recording, _repair(recording.positions, reach, threshold))

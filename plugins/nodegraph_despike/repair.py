@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,3 +48,22 @@ def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
     )
     sigma = None if recording.sigma is None else np.where(changed, np.nan, recording.sigma)
     return recording.with_samples(positions, changed=changed, origin=Origin.REPAIRED, sigma=sigma)
+
+
+def repaired_frame(frame: MarkerFrame, positions: NDArray[np.float64]) -> MarkerFrame:
+    """Return one frame with repaired samples, marked as `repaired` marks them.
+
+    Parameters
+    ----------
+    frame
+        As it came.
+    positions
+        (M, 3) millimetres, with other values where samples were repaired.
+    """
+    present = frame.origin != Origin.MISSING
+    changed = present & np.any(positions != frame.positions, axis=1)
+    return MarkerFrame(
+        positions.copy(),
+        np.where(changed, np.uint8(Origin.REPAIRED), frame.origin),
+        None if frame.sigma is None else np.where(changed, np.nan, frame.sigma),
+    )

@@ -11,7 +11,8 @@ a movement.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -21,20 +22,23 @@ from nodegraph import Unit
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_mocap import Trajectories
-
 Reach = Annotated[int, Field(ge=1), Unit("frames")]
 
 
+def reach_of(settings: Mapping[str, Any]) -> int:
+    """Return the look-ahead of a filter by a window."""
+    return int(settings["reach"])
+
+
 def running_median(
-    recording: Trajectories, reach: int
+    positions: NDArray[np.float64], reach: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the vector median of each sample's window.
 
     Parameters
     ----------
-    recording
-        T frames of M markers.
+    positions
+        (T, M, 3) mm; NaN where missing.
     reach
         Frames on each side.
 
@@ -48,19 +52,19 @@ def running_median(
     from nodegraph_despike import median_kernel
 
     medians: tuple[NDArray[np.float64], NDArray[np.float64]]
-    medians = median_kernel.medians(_contiguous(recording), _within(reach, recording))
+    medians = median_kernel.medians(np.ascontiguousarray(positions), _within(reach, positions))
     return medians
 
 
 def running_spread(
-    recording: Trajectories, median: NDArray[np.float64], reach: int
+    positions: NDArray[np.float64], median: NDArray[np.float64], reach: int
 ) -> NDArray[np.float64]:
     """Return the median of the distances from the samples of each window to its vector median.
 
     Parameters
     ----------
-    recording
-        T frames of M markers.
+    positions
+        (T, M, 3) mm; NaN where missing.
     median
         (T, M, 3) mm, as from `running_median`.
     reach
@@ -74,14 +78,11 @@ def running_spread(
     from nodegraph_despike import median_kernel
 
     spread: NDArray[np.float64]
-    spread = median_kernel.spreads(_contiguous(recording), median, _within(reach, recording))
+    positions = np.ascontiguousarray(positions)
+    spread = median_kernel.spreads(positions, median, _within(reach, positions))
     return spread
 
 
-def _contiguous(recording: Trajectories) -> NDArray[np.float64]:
-    return np.ascontiguousarray(recording.positions)
-
-
-def _within(reach: int, recording: Trajectories) -> int:
+def _within(reach: int, positions: NDArray[np.float64]) -> int:
     """Return a reach that is not beyond the take, where the window is the same as the take."""
-    return min(reach, recording.frames)
+    return min(reach, len(positions))

@@ -9,11 +9,28 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
 from nodegraph_fill.meet_ends import Ends
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
+from nodegraph_fill.stepwise import (
+    CloseGap,
+    Rule,
+    fill_stepwise,
+    live_form,
+    lookahead,
+    meets_ends,
+)
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.guenter", cite=("guenter1998", "zhang_scattered"), lookahead=lookahead, ends=meets_ends)
+def _rule(recording: Trajectories, *, neighbours: int, ring: int, use_filled: bool) -> Rule:
+    return Rule(weights="mean", neighbours=neighbours, use_filled=use_filled, ring=ring)
+
+
+@node(
+    "fill.guenter",
+    cite=("guenter1998", "zhang_scattered"),
+    lookahead=lookahead,
+    ends=meets_ends,
+    live=live_form(_rule),
+)
 def guenter(
     recording: Trajectories,
     *,
@@ -39,7 +56,9 @@ def guenter(
     Samples that are present come out bit for bit; those an earlier fill made count as filled.
 
     Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
-    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
+    that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
+    without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
+    take stay missing.
 
     Parameters
     ----------
@@ -67,5 +86,5 @@ def guenter(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    rule = Rule(weights="mean", neighbours=neighbours, use_filled=use_filled, ring=ring)
+    rule = _rule(recording, neighbours=neighbours, ring=ring, use_filled=use_filled)
     return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

@@ -11,7 +11,14 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
 from nodegraph_fill.meet_ends import Ends
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
+from nodegraph_fill.stepwise import (
+    CloseGap,
+    Rule,
+    fill_stepwise,
+    live_form,
+    lookahead,
+    meets_ends,
+)
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
@@ -24,6 +31,16 @@ def _lookahead(settings: Mapping[str, Any]) -> int | None:
     return None if settings["neighbours"] == "one_ring" else lookahead(settings)
 
 
+def _rule(
+    recording: Trajectories, *, neighbours: int | Literal["one_ring"], use_filled: bool
+) -> Rule:
+    if neighbours != "one_ring":
+        return Rule(weights="cosine", neighbours=neighbours, use_filled=use_filled)
+    allowed = one_ring(recording)
+    count = max(1, int(allowed.sum(axis=1).max(initial=1)))
+    return Rule(weights="cosine", neighbours=count, use_filled=use_filled, allowed=allowed)
+
+
 @node(
     "fill.lin_ouhyoung",
     cite=("lin_ouhyoung2005", "zhang_scattered"),
@@ -33,6 +50,7 @@ def _lookahead(settings: Mapping[str, Any]) -> int | None:
     ),
     lookahead=_lookahead,
     ends=meets_ends,
+    live=live_form(_rule, _lookahead),
 )
 def lin_ouhyoung(
     recording: Trajectories,
@@ -57,7 +75,9 @@ def lin_ouhyoung(
     for bit; those an earlier fill made count as filled.
 
     Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
-    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
+    that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
+    without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
+    take stay missing.
     The one ring is found once, in the most complete frame of the take.
 
     Parameters
@@ -87,12 +107,7 @@ def lin_ouhyoung(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    if neighbours == "one_ring":
-        allowed = one_ring(recording)
-        count = max(1, int(allowed.sum(axis=1).max(initial=1)))
-        rule = Rule(weights="cosine", neighbours=count, use_filled=use_filled, allowed=allowed)
-    else:
-        rule = Rule(weights="cosine", neighbours=neighbours, use_filled=use_filled)
+    rule = _rule(recording, neighbours=neighbours, use_filled=use_filled)
     return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)
 
 

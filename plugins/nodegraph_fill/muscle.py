@@ -5,11 +5,29 @@ from __future__ import annotations
 from nodegraph import node
 from nodegraph_fill.gaps import MaxGap
 from nodegraph_fill.meet_ends import Ends
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
+from nodegraph_fill.stepwise import (
+    CloseGap,
+    Rule,
+    fill_stepwise,
+    live_form,
+    lookahead,
+    meets_ends,
+)
 from nodegraph_mocap import Trajectories
 
 
-@node("fill.muscle", cite="zhang_scattered", lookahead=lookahead, ends=meets_ends)
+def _rule(recording: Trajectories, *, normalize: bool, use_filled: bool) -> Rule:
+    weights = "muscle_normalized" if normalize else "muscle"
+    return Rule(weights=weights, neighbours=3, use_filled=use_filled)
+
+
+@node(
+    "fill.muscle",
+    cite="zhang_scattered",
+    lookahead=lookahead,
+    ends=meets_ends,
+    live=live_form(_rule),
+)
 def muscle(
     recording: Trajectories,
     *,
@@ -36,7 +54,9 @@ def muscle(
     for bit; those an earlier fill made count as filled.
 
     Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
-    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
+    that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
+    without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
+    take stay missing.
 
     Parameters
     ----------
@@ -62,6 +82,5 @@ def muscle(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
-    weights = "muscle_normalized" if normalize else "muscle"
-    rule = Rule(weights=weights, neighbours=3, use_filled=use_filled)
+    rule = _rule(recording, normalize=normalize, use_filled=use_filled)
     return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

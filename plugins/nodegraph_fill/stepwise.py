@@ -15,15 +15,17 @@ filled by the same rule backward in time, from the marker's first sample.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, to_gap_end, to_limit, warn_left
+from nodegraph import StateForm
+from nodegraph_fill.gaps import LONG, NEVER, Gaps, to_limit, warn_left
 from nodegraph_fill.meet_ends import Ends, are_met, check_ends, meet_ends
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,7 +42,14 @@ linearly; where one is missing, the other.
 
 def lookahead(settings: Mapping[str, Any]) -> int | None:
     """Return the look-ahead of a step-wise fill."""
-    return to_gap_end(settings) if meets_ends(settings) else to_limit(settings)
+    max_gap: int | None = settings["max_gap"]
+    if settings["close_gap"] == "blend":
+        # backward, a gap goes on from gaps that end later, if filled samples are neighbours
+        return None if settings["use_filled"] else max_gap
+    if not meets_ends(settings):
+        return to_limit(settings)
+    # until a gap's end, the neighbours are filled, whose gaps may be too long
+    return None if max_gap is None else 2 * max_gap
 
 
 def meets_ends(settings: Mapping[str, Any]) -> bool:
@@ -100,6 +109,12 @@ class Rule:
         )
 
 
+_STATES = np.zeros(len(Origin), dtype=np.uint8)
+_STATES[[Origin.MEASURED, Origin.REPAIRED]] = 1
+_STATES[Origin.FILLED] = 2
+"""The kernel's state of a sample, by its origin."""
+
+
 @dataclass
 class _Pass:
     """Positions and states of samples while a pass writes them."""
@@ -111,10 +126,7 @@ class _Pass:
 
     @staticmethod
     def over(recording: Trajectories) -> _Pass:
-        states = np.zeros(len(Origin), dtype=np.uint8)
-        states[[Origin.MEASURED, Origin.REPAIRED]] = 1
-        states[Origin.FILLED] = 2
-        return _Pass(recording.positions.copy(), states[recording.origin])
+        return _Pass(recording.positions.copy(), _STATES[recording.origin])
 
     def run(self, gaps: Gaps, rule: Rule, *, backward: bool) -> None:
         from nodegraph_fill import stepwise_kernel
@@ -211,3 +223,134 @@ def _ramp(chain: _Pass, gaps: Gaps, rule: Rule) -> None:
     chain.positions[frame, marker] = meet_ends(
         gaps, chain.positions[frame, marker], np.zeros_like(mismatch), mismatch
     )
+
+
+def live_form(
+    rule: Callable[..., Rule], lookahead: Callable[[Mapping[str, Any]], int | None] = lookahead
+) -> StateForm:
+    """Return how a step-wise fill computes frame by frame.
+
+    Parameters
+    ----------
+    rule
+        ``rule(recording, **settings)`` returns how a sample is predicted; the recording has no
+        frames.
+    lookahead
+        That of the fill.
+    """
+
+    def state(
+        recording: Trajectories,
+        *,
+        close_gap: CloseGap,
+        ends: Ends,
+        max_gap: int | None,
+        **settings: Any,
+    ) -> _Stream:
+        ramps = close_gap == "ramp" or ends == "met"
+        return _Stream(recording, rule(recording, **settings), max_gap, ramps=ramps)
+
+    return StateForm(
+        state,
+        lookahead=lambda settings: (
+            None if settings["close_gap"] == "blend" else lookahead(settings)
+        ),
+        leaves="gaps at the start of the take",
+    )
+
+
+class _Stream:
+    """A step-wise fill forward in time, frame by frame.
+
+    Each frame is predicted as soon as it is known which of its gaps are too long, `max_gap`
+    frames later. Where gaps are closed by a ramp, it is returned `max_gap` frames after that.
+    """
+
+    def __init__(
+        self, recording: Trajectories, rule: Rule, max_gap: int | None, *, ramps: bool
+    ) -> None:
+        markers = len(recording.markers)
+        self.header = recording
+        self._arguments, self._ring = rule.arguments(markers), min(rule.ring, markers)
+        self._max_gap = max_gap
+        self._delay = max_gap or 0
+        self._ramps = ramps
+        self._missing = np.zeros(markers, dtype=np.intp)
+        """Frames since each marker was last present, at the newest frame."""
+        self._gap = np.zeros(markers, dtype=np.intp)
+        """The same at the newest predicted frame, in gaps that are to be filled."""
+        self._known: deque[tuple[MarkerFrame, NDArray[np.bool_]]] = deque()
+        """Frames yet to be predicted, and which of their samples are."""
+        self._predicted: deque[MarkerFrame] = deque()
+        # the newest predicted frame and the one before it, which the kernel takes
+        self._positions = np.full((2, markers, 3), np.nan)
+        self._state = np.zeros((2, markers), dtype=np.uint8)
+        self._wanted = np.zeros((2, markers), dtype=np.bool_)
+        self._frames = 0
+
+    def push(self, frame: MarkerFrame) -> MarkerFrame | None:
+        missing = frame.origin == Origin.MISSING
+        self._missing = np.where(missing, self._missing + 1, 0)
+        wanted = missing.copy()
+        if self._max_gap is not None:
+            wanted &= self._missing <= self._max_gap
+            for marker in np.flatnonzero(self._missing == self._max_gap + 1):
+                for _, earlier in self._known:
+                    earlier[marker] = False
+        self._known.append((frame, wanted))
+        if len(self._known) <= self._delay:
+            return None
+        self._predict()
+        return self._next() if len(self._predicted) > self._delay * self._ramps else None
+
+    def drain(self) -> Iterable[MarkerFrame]:
+        while self._known:
+            self._predict()
+            if len(self._predicted) > self._delay * self._ramps:
+                yield self._next()
+        while self._predicted:
+            yield self._next()
+
+    def _next(self) -> MarkerFrame:
+        return self._predicted.popleft()
+
+    def _predict(self) -> None:
+        """Predict a frame from the one before it."""
+        from nodegraph_fill import stepwise_kernel
+
+        frame, wanted = self._known.popleft()
+        positions, state = self._positions, self._state
+        positions[0], state[0] = positions[1], state[1]
+        positions[1], state[1], self._wanted[1] = frame.positions, _STATES[frame.origin], wanted
+        stepwise_kernel.run(positions, state, self._wanted, False, *self._arguments, self._ring)
+        filled = wanted & (state[1] != stepwise_kernel.MISSING)
+        origin = np.where(filled, np.uint8(Origin.FILLED), frame.origin)
+        self._predicted.append(MarkerFrame(positions[1].copy(), origin, frame.sigma))
+        if self._ramps:
+            self._close(wanted, np.flatnonzero((self._gap > 0) & ~wanted))
+        self._frames += 1
+
+    def _close(self, wanted: NDArray[np.bool_], returned: NDArray[np.intp]) -> None:
+        """Spread the mismatch of the gaps that end here, all from what was predicted."""
+        from nodegraph_fill import stepwise_kernel
+
+        lengths = self._gap[returned]
+        self._gap = np.where(wanted, self._gap + 1, 0)
+        # a gap that the stream begins with has one end
+        inner = lengths < self._frames
+        returned, lengths = returned[inner], lengths[inner]
+        if not len(returned):
+            return
+        here = np.ones(len(returned), dtype=np.intp)
+        predicted = stepwise_kernel.predict_returns(
+            self._positions, self._state, here, returned, *self._arguments
+        )
+        mismatch = self._positions[1, returned] - predicted
+        newest = len(self._predicted) - 1
+        gaps = Gaps(returned, newest - lengths, here * newest, (newest + 1, len(self._gap)))
+        _, step, marker, _ = gaps.samples
+        places = list(zip(step, marker, strict=True))
+        estimate = np.array([self._predicted[frame].positions[of] for frame, of in places])
+        closed = meet_ends(gaps, estimate, np.zeros_like(mismatch), mismatch)
+        for (frame, of), position in zip(places, closed, strict=True):
+            self._predicted[frame].positions[of] = position

@@ -9,8 +9,32 @@ from pydantic import Field
 from nodegraph import Unit, node
 from nodegraph_fill.gaps import MaxGap
 from nodegraph_fill.meet_ends import Ends
-from nodegraph_fill.stepwise import CloseGap, Rule, fill_stepwise, lookahead, meets_ends
+from nodegraph_fill.stepwise import (
+    CloseGap,
+    Rule,
+    fill_stepwise,
+    live_form,
+    lookahead,
+    meets_ends,
+)
 from nodegraph_mocap import Trajectories
+
+
+def _rule(
+    recording: Trajectories, *, full_radius: float, falloff_radius: float, use_filled: bool
+) -> Rule:
+    if not full_radius < falloff_radius:
+        raise ValueError(
+            f"full_radius must be smaller than falloff_radius, got {full_radius} and "
+            f"{falloff_radius} mm"
+        )
+    return Rule(
+        weights="waters",
+        neighbours=1,
+        use_filled=use_filled,
+        full_radius=full_radius,
+        falloff_radius=falloff_radius,
+    )
 
 
 @node(
@@ -22,6 +46,7 @@ from nodegraph_mocap import Trajectories
     ),
     lookahead=lookahead,
     ends=meets_ends,
+    live=live_form(_rule),
 )
 def waters(
     recording: Trajectories,
@@ -50,7 +75,9 @@ def waters(
     for bit; those an earlier fill made count as filled.
 
     Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
-    that a gap is no longer; up to the gap's end with `close_gap` ramp or blend or `ends` met.
+    that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
+    without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
+    take stay missing.
 
     Parameters
     ----------
@@ -83,16 +110,7 @@ def waters(
     ValueError
         If `full_radius` is not smaller than `falloff_radius`.
     """
-    if not full_radius < falloff_radius:
-        raise ValueError(
-            f"full_radius must be smaller than falloff_radius, got {full_radius} and "
-            f"{falloff_radius} mm"
-        )
-    rule = Rule(
-        weights="waters",
-        neighbours=1,
-        use_filled=use_filled,
-        full_radius=full_radius,
-        falloff_radius=falloff_radius,
+    rule = _rule(
+        recording, full_radius=full_radius, falloff_radius=falloff_radius, use_filled=use_filled
     )
     return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)

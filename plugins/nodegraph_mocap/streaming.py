@@ -35,6 +35,20 @@ class MarkerFrame(NamedTuple):
     origin: NDArray[np.uint8]
     sigma: NDArray[np.float64] | None = None
 
+    def at(self, frame: int) -> MarkerFrame:
+        """Return one frame of a window, of whose arrays the first axis is the frames."""
+        sigma = None if self.sigma is None else self.sigma[frame]
+        return MarkerFrame(self.positions[frame], self.origin[frame], sigma)
+
+    def recording(self, header: Trajectories) -> Trajectories:
+        """Return the frame as a recording of one frame; `header` has its markers and rate."""
+        return replace(
+            header,
+            positions=self.positions[None],
+            origin=self.origin[None],
+            sigma=None if self.sigma is None else self.sigma[None],
+        )
+
 
 class HeadPose(NamedTuple):
     """One frame of a head motion: ``captured = s R aligned + t``.

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import numpy as np
 from pydantic import Field
 
-from nodegraph import node, read_only
-from nodegraph_mocap import Trajectories
-from nodegraph_smooth.bspline_weights import Ends, all_rows, first_rows, middle
+from nodegraph import Window, WindowForm, node, read_only
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
+from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_smooth.bspline_weights import Ends, all_rows, first_rows, irregular, middle
 from nodegraph_smooth.present_runs import Runs, long_enough, smoothed
 
 if TYPE_CHECKING:
@@ -24,7 +25,29 @@ def _lookahead(settings: Mapping[str, Any]) -> int:
     return 2 * order - 2 if settings["ends"] == "clamped" else order // 2
 
 
-@node("smooth.bspline", cite="zhang_scattered", lookahead=_lookahead)
+def _frames_before(settings: Mapping[str, Any]) -> int:
+    # a run of so many frames and one more is long, and past its irregular start
+    return 2 * irregular(settings["order"], settings["ends"])
+
+
+def _curve_at(window: Window[MarkerFrame, Trajectories], *, order: int, ends: Ends) -> MarkerFrame:
+    """Return a frame of the curve through the window: what is beyond it changes nothing there."""
+    frames, now = window.frames, window.frames.at(window.now)
+    curve = np.empty_like(frames.positions)
+    runs = Runs(*runs_of(frames.origin != Origin.MISSING))
+    curve_into(curve, frames.positions, runs, order, ends)
+    smoothed, sigma = curve[window.now].copy(), now.sigma
+    if sigma is not None:
+        sigma = np.where(np.any(smoothed != now.positions, axis=1), np.nan, sigma)
+    return MarkerFrame(smoothed, now.origin.copy(), sigma)
+
+
+@node(
+    "smooth.bspline",
+    cite="zhang_scattered",
+    lookahead=_lookahead,
+    live=WindowForm(_curve_at, before=_frames_before, after=_lookahead),
+)
 def bspline(
     recording: Trajectories,
     *,

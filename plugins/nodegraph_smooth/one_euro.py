@@ -2,19 +2,66 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Unit, node
-from nodegraph_mocap import Trajectories
+from nodegraph import StateForm, Unit, node
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 from nodegraph_smooth.present_runs import smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Frequency = Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("Hz")]
+
+
+class _Stream:
+    """The filter frame by frame."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        *,
+        min_cutoff: float,
+        beta: float,
+        derivative_cutoff: float,
+    ) -> None:
+        _check(min_cutoff, beta, derivative_cutoff)
+        self.header = recording
+        self._settings = recording.rate, min_cutoff, beta, derivative_cutoff
+        shape = (len(recording.markers), 3)
+        # of each marker's run its first sample, from which the others are counted, the output and
+        # the velocity; NaN where it is missing
+        self._origin, self._smoothed, self._velocity = np.full((3, *shape), np.nan)
+
+    def push(self, frame: MarkerFrame) -> MarkerFrame:
+        from nodegraph_smooth import one_euro_kernel
+
+        present = frame.origin != Origin.MISSING
+        begins = present & np.isnan(self._origin[:, 0])
+        self._origin[~present] = np.nan
+        self._origin[begins] = frame.positions[begins]
+        relative = frame.positions - self._origin
+        one_euro_kernel.advance(self._smoothed, self._velocity, relative, *self._settings)
+        self._smoothed[begins] = self._velocity[begins] = 0.0
+        positions, sigma = self._origin + self._smoothed, frame.sigma
+        if sigma is not None:
+            sigma = np.where(np.any(positions != frame.positions, axis=1), np.nan, sigma)
+        return MarkerFrame(positions, frame.origin.copy(), sigma)
+
+    def drain(self) -> Iterable[MarkerFrame]:
+        return ()
+
+
+def _check(min_cutoff: float, beta: float, derivative_cutoff: float) -> None:
+    if not (min_cutoff > 0.0 and derivative_cutoff > 0.0 and beta >= 0.0):
+        raise ValueError(
+            "cut-offs must be positive and beta not negative, got "
+            f"{min_cutoff}, {derivative_cutoff} Hz and {beta}"
+        )
 
 
 @node(
@@ -25,6 +72,7 @@ Frequency = Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("Hz")]
         "velocity"
     ),
     lookahead=0,
+    live=StateForm(_Stream),
 )
 def one_euro(
     recording: Trajectories,
@@ -69,11 +117,7 @@ def one_euro(
     ValueError
         If a cut-off is not positive, or `beta` is negative.
     """
-    if not (min_cutoff > 0.0 and derivative_cutoff > 0.0 and beta >= 0.0):
-        raise ValueError(
-            "cut-offs must be positive and beta not negative, got "
-            f"{min_cutoff}, {derivative_cutoff} Hz and {beta}"
-        )
+    _check(min_cutoff, beta, derivative_cutoff)
 
     def filtered(block: NDArray[np.float64]) -> NDArray[np.float64]:
         from nodegraph_smooth import one_euro_kernel

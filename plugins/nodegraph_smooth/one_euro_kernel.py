@@ -10,6 +10,7 @@ import numpy as np
 from nodegraph import kernel
 
 compiled = kernel()
+inlined = kernel(forceinline=True)
 
 
 @compiled
@@ -30,14 +31,55 @@ def smooth(values: Any, rate: float, least: float, slope: float, derivative: flo
     for run in range(values.shape[1]):
         velocity[:] = 0.0
         for t in range(1, len(values)):
-            speed = 0.0
-            for axis in range(3):
-                step = (values[t, run, axis] - smoothed[t - 1, run, axis]) * rate
-                velocity[axis] += steady * (step - velocity[axis])
-                speed += velocity[axis] ** 2
-            cutoff = least + slope * math.sqrt(speed)
-            share = 1.0 / (1.0 + rate / (2.0 * math.pi * cutoff))
-            for axis in range(3):
-                before = smoothed[t - 1, run, axis]
-                smoothed[t, run, axis] = before + share * (values[t, run, axis] - before)
+            before = smoothed[t - 1, run]
+            _follow(smoothed[t, run], values[t, run], before, velocity, rate, least, slope, steady)
     return smoothed
+
+
+@compiled
+def advance(
+    smoothed: Any,
+    velocity: Any,
+    values: Any,
+    rate: float,
+    least: float,
+    slope: float,
+    derivative: float,
+) -> None:
+    """Filter the next frame of some runs, as `smooth` does.
+
+    Parameters
+    ----------
+    smoothed, velocity : (R, 3) arrays of float64
+        Of the frame before; those of this one are written there.
+    values : (R, 3) array of float64
+    rate, least, slope, derivative
+        As for `smooth`.
+    """
+    steady = 1.0 / (1.0 + rate / (2.0 * math.pi * derivative))
+    for run in range(len(values)):
+        at = smoothed[run]
+        _follow(at, values[run], at, velocity[run], rate, least, slope, steady)
+
+
+@inlined
+def _follow(
+    out: Any,
+    value: Any,
+    before: Any,
+    velocity: Any,
+    rate: float,
+    least: float,
+    slope: float,
+    steady: float,
+) -> None:
+    """Write a sample's output and velocity from those before it."""
+    speed = 0.0
+    for axis in range(3):
+        step = (value[axis] - before[axis]) * rate
+        velocity[axis] += steady * (step - velocity[axis])
+        speed += velocity[axis] ** 2
+    cutoff = least + slope * math.sqrt(speed)
+    share = 1.0 / (1.0 + rate / (2.0 * math.pi * cutoff))
+    for axis in range(3):
+        out[axis] = before[axis] + share * (value[axis] - before[axis])

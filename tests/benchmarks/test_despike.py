@@ -68,7 +68,8 @@ def kernel(order: str) -> Callable[[Positions], Positions]:
     from nodegraph_despike import impulse_kernel
 
     def run(positions: Positions) -> Positions:
-        return np.asarray(getattr(impulse_kernel, order)(positions, 1.5))
+        bar = impulse_kernel.bars(positions, 1.5)
+        return np.asarray(getattr(impulse_kernel, order)(positions, bar, 1))
 
     return run
 

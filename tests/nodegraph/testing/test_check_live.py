@@ -71,8 +71,9 @@ class Delayed:
         return self.waiting
 
 
-def hold_with(state: Function, lookahead: int | None = None) -> Function:
-    form = StateForm(state, lookahead=lambda settings: settings["frames"] + (lookahead or 0))
+def hold_with(state: Function, lookahead: int | None = None, **departs: Any) -> Function:
+    later = lookahead or 0
+    form = StateForm(state, lookahead=lambda settings: settings["frames"] + later, **departs)
 
     @node("live.hold", lookahead=0, live=form)
     def hold(recording: Trajectories, *, frames: int = 2) -> Trajectories:
@@ -159,6 +160,47 @@ def test_a_live_form_that_cheats_is_told_how(
 ) -> None:
     with pytest.raises(AssertionError, match=complaint):
         check_node(hold_with(cheat, lookahead))
+
+
+class Leaves(Delayed):
+    """Does not hold what is missing twice in a row."""
+
+    def push(self, frame: Frame) -> Frame | None:
+        missing = np.isnan(frame.positions)
+        before = getattr(self, "missing", missing)
+        self.missing = missing
+        self.last = np.where(missing & before, np.nan, self.last)
+        return super().push(frame)
+
+
+class Moves(Delayed):
+    """Is a little off."""
+
+    def push(self, frame: Frame) -> Frame | None:
+        result = super().push(frame)
+        return result and _moved(result)
+
+    def drain(self) -> Iterable[Frame]:
+        return map(_moved, self.waiting)
+
+
+def _moved(frame: Frame) -> Frame:
+    return frame._replace(positions=frame.positions + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("departing", "declared", "other"),
+    [
+        (Leaves, {"leaves": "samples missing twice"}, {"tolerance": 1e-6}),
+        (Moves, {"tolerance": 1e-8}, {"leaves": "samples missing twice"}),
+    ],
+)
+def test_a_live_form_may_depart_as_it_declares(
+    departing: Function, declared: Mapping[str, Any], other: Mapping[str, Any]
+) -> None:
+    check_node(hold_with(departing, **declared))
+    with pytest.raises(AssertionError, match="another result than of the whole take"):
+        check_node(hold_with(departing, **other))
 
 
 def test_a_whole_take_rule_is_no_frame_form() -> None:

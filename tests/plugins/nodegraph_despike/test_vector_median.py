@@ -38,8 +38,8 @@ def test_equals_a_plain_statement(
     gappy: Callable[[int], Trajectories], seed: int, reach: int
 ) -> None:
     recording = gappy(seed)
-    median, distance = running_median(recording, reach)
-    spread = running_spread(recording, median, reach)
+    median, distance = running_median(recording.positions, reach)
+    spread = running_spread(recording.positions, median, reach)
     for now, marker in np.ndindex(recording.origin.shape):
         track = recording.positions[:, marker]
         window = plain_window(recording, marker, now, reach)
@@ -57,8 +57,8 @@ def test_equals_a_plain_statement(
 def test_along_a_line_it_is_the_median(recorded: Callable[..., Trajectories]) -> None:
     values = np.random.default_rng(4).normal(size=50)
     recording = recorded(values)
-    median, _ = running_median(recording, 3)
-    spread = running_spread(recording, median, 3)
+    median, _ = running_median(recording.positions, 3)
+    spread = running_spread(recording.positions, median, 3)
     along = np.array([2.0, -1.0, 2.0]) / 3.0
     for now in range(3, 47):
         window = values[now - 3 : now + 4]
@@ -72,19 +72,19 @@ def test_of_two_middle_ones_the_nearer_is_taken_and_then_the_earlier(
 ) -> None:
     # At frame 1 the window is cut off to 0 .. 3: frames 1 and 2 lie equally in the middle.
     line = recorded(np.arange(8.0) * 0.1)
-    median, distance = running_median(line, 2)
+    median, distance = running_median(line.positions, 2)
     assert np.array_equal(median, line.positions)
     assert np.all(distance == 0)
     lacking = recorded([0.0, 1.0, 5.0, 2.0, 3.0, 4.0, 4.5])
-    middle, _ = running_median(lacking, 1)
+    middle, _ = running_median(lacking.positions, 1)
     assert np.array_equal(middle[2, 0], lacking.positions[3, 0])
 
 
 def test_a_window_longer_than_the_take_is_the_take(recorded: Callable[..., Trajectories]) -> None:
     recording = recorded(np.random.default_rng(5).normal(size=9))
-    median, distance = running_median(recording, 8)
-    farther, far = running_median(recording, 2**62)
+    median, distance = running_median(recording.positions, 8)
+    farther, far = running_median(recording.positions, 2**62)
     assert np.array_equal(farther, median)
     assert np.array_equal(far, distance)
-    spread = running_spread(recording, median, 8)
-    assert np.array_equal(running_spread(recording, median, 2**62), spread)
+    spread = running_spread(recording.positions, median, 8)
+    assert np.array_equal(running_spread(recording.positions, median, 2**62), spread)

@@ -1,0 +1,44 @@
+"""Frame by frame, shipped nodes give what they give of a whole take, with other settings too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+
+from nodegraph import get_node
+from nodegraph.node.decorator import node_of
+from nodegraph.testing import check_node
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("fill.guenter", {"max_gap": 3, "close_gap": "ramp"}),
+        ("fill.lin_ouhyoung", {"max_gap": 3, "ends": "met", "use_filled": False}),
+        ("fill.muscle", {"max_gap": 2}),
+        ("despike.impulse", {"mean_step": 0.3}),
+        ("despike.impulse", {"calibration": 5, "order": "in_place"}),
+        ("smooth.bspline", {"order": 6, "ends": "clamped"}),
+        ("align.procrustes", {"scale": "rms", "restore": False}),
+    ],
+)
+def test_a_stream_gives_what_the_take_gives(name: str, settings: Mapping[str, Any]) -> None:
+    check_node(get_node(name), settings=settings)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("fill.guenter", {"close_gap": "blend", "max_gap": 5}),
+        ("fill.waters", {"ends": "met"}),
+        ("fill.lin_ouhyoung", {"neighbours": "one_ring"}),
+        ("despike.impulse", {}),
+        ("despike.impulse", {"mean_step": 0.3, "order": "redetect"}),
+    ],
+)
+def test_what_needs_the_take_has_no_bound(name: str, settings: Mapping[str, Any]) -> None:
+    node = node_of(get_node(name))
+    assert node is not None
+    assert node.live_lookahead({**node.defaults, **settings}) is None
