@@ -22,6 +22,7 @@ from nodegraph.testing import check_node
         ("despike.impulse", {"calibration": 5, "order": "in_place"}),
         ("smooth.bspline", {"order": 6, "ends": "clamped"}),
         ("align.procrustes", {"scale": "rms", "restore": False}),
+        ("solve.weights", {"ridge": 0.5}),
     ],
 )
 def test_a_stream_gives_what_the_take_gives(name: str, settings: Mapping[str, Any]) -> None:

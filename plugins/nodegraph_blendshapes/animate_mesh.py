@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nodegraph import node
+from nodegraph import FrameForm, node
 from nodegraph_blendshapes.shape_matches import shapes_of
 from nodegraph_mocap import Animation, Head, HeadMotion, Weights
 
 
-@node("animate.mesh", cite=("curio2006",))
+@node(
+    "animate.mesh",
+    cite=("curio2006",),
+    live=FrameForm(streams=("weights", "head_motion")),
+)
 def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) -> Animation:
     """Animate a head's mesh by weights, which may come from another face.
 

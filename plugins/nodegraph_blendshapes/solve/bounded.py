@@ -8,7 +8,8 @@ least of them are taken. What either finds is held against the conditions for a 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -66,20 +67,98 @@ def least_squares(columns: Matrix, targets: Matrix, low: float, high: float) -> 
     low, high
         Both infinite, or `low` finite, and 0 not outside of them.
     """
-    none = np.zeros(len(targets), dtype=np.bool_)
-    if not len(columns):
-        return Answer(np.zeros((len(targets), 0)), none, none)
-    if np.isinf(low):
-        projector, sizes, coordinates = _singular_vectors(columns)
-        return Answer((targets @ coordinates.T / sizes) @ projector.T, none, none)
-    if not _is_plain(columns):
-        return _searched(columns, targets, low, high)
-    weights, solved = _by_normal_equations(columns, targets, low, high)
-    if solved.all():
-        return Answer(weights, none, none)
-    left = _searched(columns, targets[~solved], low, high)
-    weights[~solved] = left.weights
-    return Answer(weights, none, unsolved=np.asarray(np.isnan(weights).any(axis=1)))
+    return System(columns, low, high).solve(targets)
+
+
+class System:
+    """Columns and bounds, and what follows from them whatever the targets; see `least_squares`."""
+
+    def __init__(self, columns: Matrix, low: float, high: float) -> None:
+        self._columns = np.ascontiguousarray(columns)
+        self._low, self._high = low, high
+
+    def solve(self, targets: Matrix) -> Answer:
+        """Return the weights of (N, R) targets."""
+        columns = self._columns
+        none = np.zeros(len(targets), dtype=np.bool_)
+        if not len(columns):
+            return Answer(np.zeros((len(targets), 0)), none, none)
+        if np.isinf(self._low):
+            projector, sizes, coordinates = self._singular_vectors
+            return Answer((targets @ coordinates.T / sizes) @ projector.T, none, none)
+        if not self._plain:
+            return self._searched(targets)
+        weights, solved = self._by_normal_equations(targets)
+        if solved.all():
+            return Answer(weights, none, none)
+        left = self._searched(targets[~solved])
+        weights[~solved] = left.weights
+        return Answer(weights, none, unsolved=np.asarray(np.isnan(weights).any(axis=1)))
+
+    @cached_property
+    def _plain(self) -> bool:
+        """Whether each column is well apart from all before it."""
+        unit = self._columns / np.linalg.norm(self._columns, axis=1, keepdims=True)
+        try:
+            factor = np.linalg.cholesky(unit @ unit.T)
+        except np.linalg.LinAlgError:
+            return False
+        return bool(np.diag(factor).min() ** 2 > _PLAIN)
+
+    @cached_property
+    def _singular_vectors(self) -> tuple[Matrix, Matrix, Matrix]:
+        return _singular_vectors(self._columns)
+
+    @cached_property
+    def _squares(self) -> Any:
+        return _squares(self._columns, self._low, self._high)
+
+    def _by_normal_equations(self, targets: Matrix) -> tuple[Matrix, Flags]:
+        """Return weights, and which of them are those of least squares."""
+        from nodegraph_blendshapes.solve import kernel
+
+        columns, squares = self._columns, None
+        if len(targets) > columns.shape[1] > len(columns):
+            # no more coordinates than columns: what is at right angles to them all plays no part
+            directions, triangle = np.linalg.qr(columns.T)
+            columns, targets = np.ascontiguousarray(triangle.T), targets @ directions
+            squares = _squares(columns, self._low, self._high)
+        targets = np.ascontiguousarray(targets)
+        weights = np.empty((len(targets), len(columns)))
+        kernel.bounded(squares or self._squares, targets, targets @ columns.T, _ROUNDS, weights)
+        return weights, are_least(columns, targets, weights, self._low, self._high)
+
+    def _searched(self, targets: Matrix) -> Answer:
+        from nodegraph_blendshapes.solve import search_kernel
+
+        low, high = self._low, self._high
+        projector, sizes, coordinates = self._singular_vectors
+        system = search_kernel.System(
+            *(np.ascontiguousarray(array) for array in (self._columns, targets, coordinates))
+        )
+        columns = np.ascontiguousarray(projector * sizes)
+        targets = np.ascontiguousarray(targets @ coordinates.T)
+        lengths = np.linalg.norm(columns, axis=1)
+        squares = search_kernel.Squares(columns, lengths, low, high)
+        weights = np.empty((len(targets), len(columns)))
+        free = np.empty(weights.shape, dtype=np.bool_)
+        search_kernel.search(squares, targets, system, _FREED * len(columns), weights, free)
+        unsolved = ~are_least(columns, targets, weights, low, high)
+        lows, highs = _between(columns, targets, weights, low, high)
+        several = np.any((lows < highs) & ~free, axis=1) & ~unsolved
+        least, exact = _least(projector, weights[several], lows[several], highs[several])
+        exact &= are_least(columns, targets[several], least, low, high)
+        weights[np.flatnonzero(several)[exact]] = least[exact]
+        weights[unsolved] = np.nan
+        several[np.flatnonzero(several)[exact]] = False
+        return Answer(weights, unshared=several, unsolved=unsolved)
+
+
+def _squares(columns: Matrix, low: float, high: float) -> Any:
+    from nodegraph_blendshapes.solve import kernel
+
+    lengths = np.linalg.norm(columns, axis=1)
+    return kernel.Squares(columns, columns @ columns.T, lengths, low, high)
 
 
 def inwards(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> Matrix:
@@ -108,60 +187,6 @@ def _singular_vectors(columns: Matrix) -> tuple[Matrix, Matrix, Matrix]:
     projector, sizes, coordinates = np.linalg.svd(columns, full_matrices=False)
     rank = int(np.count_nonzero(sizes > RANK * sizes[0]))
     return np.ascontiguousarray(projector[:, :rank]), sizes[:rank], coordinates[:rank]
-
-
-def _is_plain(columns: Matrix) -> bool:
-    """Return whether each column is well apart from all before it."""
-    unit = columns / np.linalg.norm(columns, axis=1, keepdims=True)
-    try:
-        factor = np.linalg.cholesky(unit @ unit.T)
-    except np.linalg.LinAlgError:
-        return False
-    return bool(np.diag(factor).min() ** 2 > _PLAIN)
-
-
-def _by_normal_equations(
-    columns: Matrix, targets: Matrix, low: float, high: float
-) -> tuple[Matrix, Flags]:
-    """Return weights, and which of them are those of least squares."""
-    from nodegraph_blendshapes.solve import kernel
-
-    if len(targets) > columns.shape[1] > len(columns):
-        # no more coordinates than columns: what is at right angles to them all plays no part
-        directions, triangle = np.linalg.qr(columns.T)
-        columns, targets = triangle.T, targets @ directions
-    columns, targets = np.ascontiguousarray(columns), np.ascontiguousarray(targets)
-    gram, linears = columns @ columns.T, targets @ columns.T
-    lengths = np.linalg.norm(columns, axis=1)
-    squares = kernel.Squares(columns, gram, lengths, low, high)
-    weights = np.empty((len(targets), len(columns)))
-    kernel.bounded(squares, targets, linears, _ROUNDS, weights)
-    return weights, are_least(columns, targets, weights, low, high)
-
-
-def _searched(columns: Matrix, targets: Matrix, low: float, high: float) -> Answer:
-    from nodegraph_blendshapes.solve import search_kernel
-
-    projector, sizes, coordinates = _singular_vectors(columns)
-    system = search_kernel.System(
-        *(np.ascontiguousarray(array) for array in (columns, targets, coordinates))
-    )
-    columns = np.ascontiguousarray(projector * sizes)
-    targets = np.ascontiguousarray(targets @ coordinates.T)
-    lengths = np.linalg.norm(columns, axis=1)
-    squares = search_kernel.Squares(columns, lengths, low, high)
-    weights = np.empty((len(targets), len(columns)))
-    free = np.empty(weights.shape, dtype=np.bool_)
-    search_kernel.search(squares, targets, system, _FREED * len(columns), weights, free)
-    unsolved = ~are_least(columns, targets, weights, low, high)
-    lows, highs = _between(columns, targets, weights, low, high)
-    several = np.any((lows < highs) & ~free, axis=1) & ~unsolved
-    least, exact = _least(projector, weights[several], lows[several], highs[several])
-    exact &= are_least(columns, targets[several], least, low, high)
-    weights[np.flatnonzero(several)[exact]] = least[exact]
-    weights[unsolved] = np.nan
-    several[np.flatnonzero(several)[exact]] = False
-    return Answer(weights, unshared=several, unsolved=unsolved)
 
 
 def _between(

@@ -69,10 +69,7 @@ class Pattern:
 
 
 def patterns(problem: Problem, ridge: float) -> Iterator[Pattern]:
-    """Yield the frames by which markers they have, the earliest first; none of empty frames.
-
-    A ridge is so many coordinates more, one for each shape, that its weight moves away from 0.
-    """
+    """Yield the frames by which markers they have, the earliest first; none of empty frames."""
     packed = np.packbits(problem.present, axis=1)
     _, first, which = np.unique(packed, axis=0, return_index=True, return_inverse=True)
     by_pattern = np.split(
@@ -83,13 +80,22 @@ def patterns(problem: Problem, ridge: float) -> Iterator[Pattern]:
         there = problem.present[frames[0]]
         if not there.any():
             continue
-        shapes = np.flatnonzero(moves(problem.shapes[:, there]) & problem.seen)
-        columns = problem.shapes[np.ix_(shapes, there)].reshape(len(shapes), 3 * there.sum())
+        shapes, columns = columns_of(problem, there, ridge)
         targets = problem.offsets[np.ix_(frames, there)].reshape(len(frames), -1)
-        if ridge:
-            columns = np.hstack([columns, np.sqrt(ridge) * np.eye(len(shapes))])
-            targets = np.pad(targets, ((0, 0), (0, len(shapes))))
+        targets = np.pad(targets, ((0, 0), (0, columns.shape[1] - targets.shape[1])))
         yield Pattern(frames, columns, targets, shapes)
+
+
+def columns_of(problem: Problem, there: Flags, ridge: float) -> tuple[NDArray[np.intp], Matrix]:
+    """Return which shapes (M,) markers show, and what each does to their coordinates, (K, R).
+
+    A ridge is so many coordinates more, one for each shape, that its weight moves away from 0.
+    """
+    shapes = np.flatnonzero(moves(problem.shapes[:, there]))
+    columns = problem.shapes[np.ix_(shapes, there)].reshape(len(shapes), 3 * there.sum())
+    if ridge:
+        columns = np.hstack([columns, np.sqrt(ridge) * np.eye(len(shapes))])
+    return shapes, columns
 
 
 def solve_frames(problem: Problem, low: float, high: float, ridge: float) -> Solved:

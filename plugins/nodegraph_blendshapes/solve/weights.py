@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from nodegraph import Unit, node
-from nodegraph_blendshapes.solve.frames import solve_frames
+from nodegraph import StateForm, Unit, node
+from nodegraph_blendshapes.solve.bounded import System
+from nodegraph_blendshapes.solve.frames import columns_of, solve_frames
 from nodegraph_blendshapes.solve.problem import SEEN, Problem
 from nodegraph_blendshapes.solve.smooth import solve_take
-from nodegraph_mocap import BlendshapeModel, Table, Trajectories, Weights
+from nodegraph_mocap import BlendshapeModel, MarkerFrame, Origin, Table, Trajectories, Weights
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -180,6 +181,61 @@ class Explained(NamedTuple):
     residuals: Table
 
 
+_MOST_PATTERNS = 256
+"""Sets of markers whose columns are kept ready."""
+
+
+class _Stream:
+    """The weights frame by frame."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        model: BlendshapeModel,
+        *,
+        bounds: Bounds,
+        ridge: float,
+        smoothness: float,
+    ) -> None:
+        self._low, self._high = limits(bounds)
+        self._ridge = ridge
+        self._problem = problem = Problem.of(recording, model)
+        self._markers = [recording.markers.index(name) for name in problem.markers]
+        self._neutral = model.neutral[[model.markers.index(name) for name in problem.markers]]
+        self._systems: dict[bytes, tuple[NDArray[np.intp], int, System]] = {}
+        values = np.empty((0, len(model.names)))
+        self.header = (Weights(values=values, names=model.names, rate=recording.rate), None)
+
+    def push(self, frame: MarkerFrame) -> tuple[NDArray[np.float64], None]:
+        values = np.zeros(len(self._problem.shapes))
+        there = frame.origin[self._markers] != Origin.MISSING
+        if not there.any():
+            values[:] = np.nan
+            return values, None
+        shapes, columns, system = self._system(there)
+        target = np.zeros((1, columns))
+        offsets = (frame.positions[self._markers] - self._neutral)[there]
+        target[0, : offsets.size] = offsets.ravel()
+        answer = system.solve(target)
+        values[shapes] = answer.weights[0]
+        if answer.unsolved[0]:
+            values[:] = np.nan
+        return values, None
+
+    def drain(self) -> Iterable[Any]:
+        return ()
+
+    def _system(self, there: NDArray[np.bool_]) -> tuple[NDArray[np.intp], int, System]:
+        key = there.tobytes()
+        if key not in self._systems:
+            if len(self._systems) == _MOST_PATTERNS:
+                self._systems.clear()
+            shapes, columns = columns_of(self._problem, there, self._ridge)
+            system = System(columns, self._low, self._high)
+            self._systems[key] = shapes, columns.shape[1], system
+        return self._systems[key]
+
+
 @node(
     "solve.weights",
     cite=(
@@ -189,6 +245,11 @@ class Explained(NamedTuple):
         "lawson1974",
         "rockafellar1976",
         "mehrotra1992",
+    ),
+    live=StateForm(
+        _Stream,
+        lookahead=lambda settings: None if settings["smoothness"] else 0,
+        tolerance=1e-9,
     ),
 )
 def solve_weights(
