@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 from nodegraph.plugin.hooks import hookimpl
@@ -33,3 +34,14 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
     from nodegraph.live.files import FileSink
 
     return {"file": FileSink}
+
+
+@hookimpl
+def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:
+    """Return what finds the file of an address."""
+    from nodegraph.remote import SCHEMES, remote_file
+
+    def finder(scheme: str) -> Callable[[str], Path]:
+        return lambda name: remote_file(f"{scheme}:{name}")
+
+    return {scheme: finder(scheme) for scheme in SCHEMES}

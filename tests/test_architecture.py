@@ -33,7 +33,7 @@ FLOORS = (  # from the top
     {"fingerprint"},
     {"draw", "plan"},
     {"graph"},
-    {"graphfile", "store"},
+    {"graphfile", "remote", "store"},
     {"plugin"},
     {"node"},
     {

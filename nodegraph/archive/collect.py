@@ -74,7 +74,7 @@ class _Collector:
             record.steps,
             self._origin.folders(),
             reserved,
-            lambda written: bool(registry.hooks.place(written)),
+            registry.hooks.is_place,
         )
         self._contents = Contents(self._graph.name, study, record, inputs=self._inputs)
 

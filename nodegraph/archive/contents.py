@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from nodegraph.archive.inputs import ReadFile
 from nodegraph.archive.relocate import Relocation
+from nodegraph.remote import is_remote
 from nodegraph.report.study import Study
 from nodegraph.runs.record import Record
 
@@ -85,6 +86,7 @@ def readme(contents: Contents) -> str:
         "",
         f"Run it again here, with the same versions of the packages below{missing}:",
         "",
+        *_fetch(contents),
         f"    {contents.command}",
         "",
         *_verify(contents),
@@ -96,6 +98,11 @@ def readme(contents: Contents) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _fetch(contents: Contents) -> Iterator[str]:
+    if any(is_remote(file.written) for file in contents.inputs):
+        yield f"    nodegraph fetch {contents.command.removeprefix('nodegraph run ')}"
 
 
 def _verify(contents: Contents) -> Iterator[str]:
@@ -110,9 +117,14 @@ def _inputs(contents: Contents) -> Iterator[str]:
         yield "Input files, with the SHA-256 of their content and their suffix:"
         yield ""
         for file in contents.inputs:
-            shipped = ", part of its package" if file.is_shipped else ""
-            yield f"- `{file.name}`{shipped}: {file.digest}"
+            yield f"- `{file.name}`{_whence(file)}: {file.digest}"
         yield ""
+
+
+def _whence(file: ReadFile) -> str:
+    if is_remote(file.written):
+        return ", to be fetched from there"
+    return ", part of its package" if file.is_shipped else ""
 
 
 def _missing(contents: Contents) -> Iterator[str]:

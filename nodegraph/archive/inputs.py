@@ -27,11 +27,11 @@ class ReadFile:
         That of the content during the run: the SHA-256 and the suffix of a file; the SHA-256 of
         those of all files for a folder.
     name : str
-        In the archive; the written path if a plugin ships the file.
+        In the archive; the written path for ``scheme:name``.
     path : Path or None
         Where it is, if the content is the same.
     is_shipped : bool
-        Whether a plugin ships it.
+        Whether it is not in the archive, since ``scheme:name`` finds it anywhere.
     """
 
     written: str
@@ -74,7 +74,7 @@ def files_read(
     reserved
         Names in the archive that are not free.
     is_shipped
-        Whether a plugin ships the file of a path.
+        Whether a path is ``scheme:name``.
     """
     named = dict.fromkeys(
         (str(step.settings.get(setting)), digest)

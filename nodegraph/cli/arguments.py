@@ -18,9 +18,9 @@ _METAVARS = {
 }
 
 
-def add_graph(parser: ArgumentParser) -> None:
+def add_graph(parser: ArgumentParser, text: str = "Graph file.") -> None:
     """Add a graph file and the options that choose among its inputs and labels."""
-    parser.add_argument("graph", type=Path, metavar="GRAPH", help="Graph file.")
+    parser.add_argument("graph", type=Path, metavar="GRAPH", help=text)
     add_pairs(parser, "set", "Value of an input: --set recording=mine.c3d, --set factor=1.5.")
     add_pairs(
         parser,

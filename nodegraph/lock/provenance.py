@@ -90,7 +90,7 @@ class FileNames:
 
     def of(self, written: str, path: Path) -> str:
         """Return the name of a file with this path, which is written like this in the graph."""
-        return written if self._registry.hooks.place(written) else relative(path, self._folder)
+        return written if self._registry.hooks.is_place(written) else relative(path, self._folder)
 
     def portable(self, value: Any) -> Any:
         """Return plain data with the paths of files replaced by their names."""

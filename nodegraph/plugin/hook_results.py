@@ -147,6 +147,11 @@ class HookResults:
         find = self._places.get(scheme) if name else None
         return find(name) if find else None
 
+    def is_place(self, path: str) -> bool:
+        """Return whether a path is ``scheme:name`` with the scheme of a plugin."""
+        scheme, _, name = path.partition(":")
+        return bool(name) and scheme in self._places
+
     def contracts(self, family: str) -> Iterator[tuple[Contract, Source]]:
         """Yield the promises of a family, the last plugin's first."""
         for name, promises, source in self._items("nodegraph_contracts"):
