@@ -110,6 +110,9 @@ class Schedule:
             if self._observer is not None:
                 self._observer.started(step)
             inputs = {port: self._input(source) for port, source in step.inputs.items()}
+            for needed in step.needed:  # a copy takes the place of what nothing else reads
+                if self._unread[needed] == 1 and needed not in self._keep:
+                    self._drop(needed)
             method = step.method
             return Call(
                 index, method.node, method.plugin, inputs, step.settings, key, self.registry
@@ -117,7 +120,18 @@ class Schedule:
         return None
 
     def perform(self, call: Call) -> Outcome:
-        """Make a call in this process, in any thread, and return its outcome."""
+        """Make a call in this process, in any thread, and return its outcome.
+
+        A node that does not come with this package gets copies: whatever it does with them, other
+        steps read what was stored.
+        """
+        if call.plugin not in self.registry.shipped:
+            try:
+                call.inputs = {port: self._copy(value) for port, value in call.inputs.items()}
+                call.settings = {name: self.packer.copy(at) for name, at in call.settings.items()}
+            except Exception as error:
+                failed = failure(call.node, error, "its inputs cannot be copied")
+                return replace(failed, key=call.key)
         return self.keep(call, perform(call))
 
     def keep(self, call: Call, outcome: Outcome) -> Outcome:
@@ -286,6 +300,12 @@ class Schedule:
             tuple(unused),
             source.methods,
         )
+
+    def _copy(self, value: Any) -> Any:
+        if not isinstance(value, Across):
+            return self.packer.copy(value)
+        entries = tuple((labels, self.packer.copy(entry)) for labels, entry in value)
+        return replace(value, entries=entries)
 
     def _lend(self, output: Output) -> Any:
         return self.packer.lend(self.values[output.step][output.position])

@@ -81,6 +81,13 @@ class Registry:
         """What this package and the loaded plugins add besides nodes."""
         return HookResults([loading.built_in(), *self.loaded])
 
+    @cached_property
+    def shipped(self) -> frozenset[str]:
+        """The names of the plugins of this package's own distribution, and of itself."""
+        own = loading.built_in().name
+        names = (each.name for each in self.loaded if each.distribution.split(" ")[0] == own)
+        return frozenset([own, *names])
+
     def __iter__(self) -> Iterator[Registered]:
         for name in sorted(self._by_name):
             yield from self._by_name[name]

@@ -905,6 +905,26 @@ class Packer:
         lender = self._lenders[type(value)]
         return value if lender is None else lender(value)
 
+    def copy(self, value: Any) -> Any:
+        """Return a copy that shares no memory with a value, with the same order in memory.
+
+        Values that cannot be packed, such as a figure, are lent.
+
+        Raises
+        ------
+        Unreadable
+            If it cannot be put together again.
+        """
+        if isinstance(value, (float, int, str)):
+            return value
+        try:
+            packed = self.pack(value)
+        except Unstorable:
+            return self.lend(value)
+        if not packed.faithful:
+            return self.lend(value)
+        return self.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
+
     def _storage_of(self, kind: type) -> Storage | None:
         return next((storage for storage in self._storages if issubclass(kind, storage.type)), None)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ctypes
 import textwrap
 import threading
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from nodegraph import NodegraphError, node
@@ -42,6 +44,37 @@ def stop_thread(x: float) -> float:
 @node("stop.interrupt")
 def interrupt(x: float) -> float:
     raise KeyboardInterrupt
+
+
+@node("array.make")
+def make_array() -> np.ndarray:
+    return np.ones(1000)
+
+
+@node("array.spoil")
+def spoil(x: np.ndarray, *, scales: list[float]) -> float:
+    """Write past the lock of its input, and to a setting."""
+    ctypes.memset(x.ctypes.data, 0, x.nbytes)
+    scales.append(2.0)
+    return float(x.sum())
+
+
+@node("array.sum")
+def sum_array(x: np.ndarray, *, scales: list[float]) -> float:
+    return float(x.sum()) * sum(scales)
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_what_a_node_writes_past_a_lock_reaches_no_other_step(
+    run_of: Callable[..., Run], how: HowToRun
+) -> None:
+    text = """
+        nodes:
+          a: {use: array.make}
+          b: {in: a, with: {scales: [1.0]}, alternatives: [array.spoil, array.sum]}
+    """
+    run = run_of(text, more=[make_array, spoil, sum_array], how=how)
+    assert {labels["b"]: value for labels, value in run["b"]} == {"spoil": 0.0, "sum": 1000.0}
 
 
 @pytest.mark.parametrize("how", WAYS)

@@ -114,6 +114,7 @@ def make(*, number: float = 0.0) -> Big:
 
 @node("big.next")
 def following(big: Big, *, add: float = 1.0) -> Big:
+    ALIVE.add(big)  # which is a copy
     return counted(big.number + add)
 
 
