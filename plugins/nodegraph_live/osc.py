@@ -13,6 +13,7 @@ from nodegraph_live.packet_reader import PacketReader
 
 _BUNDLE = b"#bundle\0"
 _AT_ONCE = struct.pack(">Q", 1)
+_SIZE = struct.Struct(">i")
 _DEEPEST = 4
 _NUMBERS = {"i": "i", "f": "f", "d": "d", "h": "q", "t": "Q", "c": "i", "r": "I", "m": "I"}
 _CONSTANTS = {"T": True, "F": False, "N": None, "I": float("inf")}
@@ -21,31 +22,48 @@ Message = tuple[str, tuple[Any, ...]]
 """Address and arguments."""
 
 
-def decode(packet: bytes) -> Iterator[Message]:
-    """Yield the messages of a packet, those of bundles in their order.
+def elements(packet: bytes) -> Iterator[bytes]:
+    """Yield the messages of a packet, as they are, those of bundles in their order.
 
     Raises
     ------
     ValueError
         If the packet is damaged; messages before that place have been yielded.
     """
-    yield from _decode(packet, 0)
-
-
-def _decode(packet: bytes, depth: int) -> Iterator[Message]:
-    reader = PacketReader(packet, ">")
     if packet[:8] != _BUNDLE:
-        yield _message(reader)
+        yield packet
         return
-    if depth > _DEEPEST:
-        raise ValueError("bundles lie too deep within each other")
-    reader.skip(16)
-    while reader.left:
-        (size,) = reader.numbers("i")
-        yield from _decode(reader.bytes(size), depth + 1)
+    starts = [16]
+    ends = [len(packet)]
+    while starts:
+        start, end = starts[-1], ends[-1]
+        if start == end:
+            starts.pop()
+            ends.pop()
+            continue
+        place = start + 4
+        if place > end or len(starts) > _DEEPEST:
+            raise ValueError("a bundle ends in the middle of a message, or lies too deep")
+        (size,) = _SIZE.unpack_from(packet, start)
+        if not 0 <= size <= end - place:
+            raise ValueError(f"a message of {size} bytes, but {end - place} are left")
+        starts[-1] = place + size
+        if packet[place : place + 8] == _BUNDLE and size >= 16:
+            starts.append(place + 16)
+            ends.append(place + size)
+        else:
+            yield packet[place : place + size]
 
 
-def _message(reader: PacketReader) -> Message:
+def decode(element: bytes) -> Message:
+    """Return address and arguments of a message.
+
+    Raises
+    ------
+    ValueError
+        If it is damaged.
+    """
+    reader = PacketReader(element, ">")
     address, tags = _text(reader), _text(reader)
     if not (address.startswith("/") and tags.startswith(",")):
         raise ValueError("it is no OSC message")
@@ -92,7 +110,7 @@ def bundles(messages: Iterable[bytes], largest: int) -> Sequence[bytes]:
     for each in messages:
         if len(packets[-1]) + 4 + len(each) > largest:
             packets.append(bytearray(_BUNDLE + _AT_ONCE))
-        packets[-1] += struct.pack(">i", len(each)) + each
+        packets[-1] += _SIZE.pack(len(each)) + each
     return [bytes(packet) for packet in packets]
 
 

@@ -9,6 +9,7 @@ Tested against python-osc as sender and receiver, not against an avatar program.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterable
 from typing import Any
 
@@ -18,12 +19,13 @@ from nodegraph import Frame, NodegraphError
 from nodegraph_live import osc
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import LARGEST_UNSPLIT, TIMEOUT, DatagramSink, DatagramSource
-from nodegraph_live.payloads import weights_frame, weights_header, weights_only
+from nodegraph_live.payloads import weights_header, weights_only
 from nodegraph_mocap import Weights
 
 PORT = 39539
 _VALUE, _APPLY, _TIME = "/VMC/Ext/Blend/Val", "/VMC/Ext/Blend/Apply", "/VMC/Ext/T"
 _MOST_SHAPES = 10_000
+_FLOAT = struct.Struct(">f")
 
 
 class VmcSource(DatagramSource):
@@ -31,7 +33,7 @@ class VmcSource(DatagramSource):
 
     The protocol says neither rate nor frame numbers: the address gives the rate, and frames are
     numbered as they come, so that a lost one is not noticed. The names are those of the first
-    complete frame; in a later frame, a weight that does not come is missing.
+    complete frames, until one has no new name; a weight that does not come is missing from a frame.
     """
 
     def __init__(self, address: str) -> None:
@@ -42,28 +44,32 @@ class VmcSource(DatagramSource):
         super().__init__(settings, PORT, "VMC frame")
         self._rate = settings["rate"]
         self._names: dict[str, None] = {}
-        self._is_whole = False
+        self._count = -1
+        """Of names, after the last complete frame; -1 before it."""
         self._places: dict[str, int] = {}
+        self._starts: dict[bytes, int] = {}
+        """Of messages as they come in every frame: all but the value, which is the last."""
         self._values = np.empty(0)
         self._index = 0
         self._captured = 0
 
     def open(self) -> Weights:
-        """Wait for a complete frame, from one ``Apply`` to the next."""
-        self._names, self._is_whole = {}, False
+        """Wait for complete frames, from one ``Apply`` to the next."""
+        self._names, self._count = {}, -1
         header: Weights = super().open()
         return header
 
     def describe(self, packet: bytes) -> Weights | None:
-        """Return the names of a frame when it is complete."""
-        for address, arguments in osc.decode(packet):
-            if address == _VALUE and self._is_whole and len(self._names) < _MOST_SHAPES:
+        """Return the names as soon as a frame has no new one."""
+        for address, arguments in map(osc.decode, osc.elements(packet)):
+            if address == _VALUE and self._count >= 0 and len(self._names) < _MOST_SHAPES:
                 self._names[_weight(arguments)[0]] = None
-            elif address == _APPLY and self._names:
+            elif address == _APPLY and 0 < self._count == len(self._names):
                 return weights_header(tuple(self._names), self._rate)
             elif address == _APPLY:
-                self._is_whole = True
-                self._first.clear()
+                if self._count < 0:
+                    self._first.clear()  # the end of a frame of which the start is not known
+                self._count = len(self._names)
         return None
 
     def frames(self, packet: bytes, arrived: int, header: Weights) -> Iterable[Frame]:
@@ -72,17 +78,23 @@ class VmcSource(DatagramSource):
             self._places = {name: place for place, name in enumerate(header.names)}
             self._values = np.full(len(header.names), np.nan)
         frames = []
-        for address, arguments in osc.decode(packet):
+        for element in osc.elements(packet):
+            place = self._starts.get(element[:-4])
+            if place is not None:
+                self._values[place] = _finite(_FLOAT.unpack(element[-4:])[0])
+                continue
+            address, arguments = osc.decode(element)
             if address == _VALUE:
                 name, value = _weight(arguments)
                 if name not in self._places:
-                    raise ValueError(f"the weight {name!r} was not in the first frame")
+                    raise ValueError(f"the weight {name!r} was not in the first frames")
                 self._values[self._places[name]] = value
+                if element == osc.message(_VALUE, name, value):
+                    self._starts[element[:-4]] = self._places[name]
             elif address == _TIME and arguments and isinstance(arguments[0], float):
                 self._captured = _nanoseconds(arguments[0])
             elif address == _APPLY:
-                payload = weights_frame(self._values)
-                frames.append(Frame(self._index, self._captured, arrived, payload))
+                frames.append(Frame(self._index, self._captured, arrived, self._values))
                 self._index += 1
                 self._values = np.full(len(header.names), np.nan)
         return frames
@@ -90,9 +102,15 @@ class VmcSource(DatagramSource):
 
 def _weight(arguments: tuple[Any, ...]) -> tuple[str, float]:
     match arguments:
-        case (str(name), float() | int() as value) if abs(value) < np.inf:
-            return name, float(value)
-    raise ValueError(f"{_VALUE} has a name and a finite number")
+        case (str(name), float() | int() as value):
+            return name, _finite(float(value))
+    raise ValueError(f"{_VALUE} has a name and a number")
+
+
+def _finite(value: float) -> float:
+    if not -np.inf < value < np.inf:
+        raise ValueError(f"a weight of {value}")
+    return value
 
 
 def _nanoseconds(seconds: float) -> int:

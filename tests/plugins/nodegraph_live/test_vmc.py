@@ -105,7 +105,7 @@ def test_lost_and_unknown_weights() -> None:
     assert not np.isnan(first.payload).any()
     (second,) = [frame for each in lacking for frame in source.frames(each, 1, header)]
     assert np.flatnonzero(np.isnan(second.payload)).tolist() == [0]
-    for packet, reason in ((other, "'other' was not in the"), (not_finite, "a finite number")):
+    for packet, reason in ((other, "'other' was not in the"), (not_finite, "a weight of nan")):
         with pytest.raises(ValueError, match=reason):
             source.frames(packet, 1, header)
 
