@@ -137,6 +137,8 @@ def run(
     executor: str = "threads",
     jobs: int | None = None,
     scheduler: str = "",
+    timeout: float | None = None,
+    memory: float | None = None,
     cache: bool = True,
     store: str | Path | None = None,
     listeners: Iterable[Listener] = (),
@@ -157,6 +159,11 @@ def run(
         Number of steps at a time; by default the number of processors.
     scheduler
         Address of a Dask cluster.
+    timeout
+        Seconds after which a step has failed. Only the executor ``processes`` ends it then; in
+        threads it goes on until the program ends.
+    memory
+        Gigabytes that a step may take beside its inputs, with the executor ``processes`` on Linux.
     cache
         Whether to use stored results and to store new ones.
     store
@@ -176,7 +183,7 @@ def run(
         choices = graph.choices.updated(_choices(set, axis, only))
         graph = build(graph.spec, _registry(plugins) or graph.registry, choices)
     opened = open_store(graph.registry, Path(store) if store else None, _warn) if cache else None
-    how = HowToRun(executor, jobs, scheduler)
+    how = HowToRun(executor, jobs, scheduler, timeout, memory)
     return run_graph(graph, how, store=opened, until=until, listeners=listeners)
 
 

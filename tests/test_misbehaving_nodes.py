@@ -52,6 +52,15 @@ def sleeps(x: np.ndarray, *, sign: str) -> float:
     while True:
         time.sleep(1)
 
+@node("bad.hangs", timeout=0.2)
+def hangs(x: np.ndarray) -> float:
+    while True:
+        time.sleep(1)
+
+@node("bad.grows")
+def grows(x: np.ndarray) -> float:
+    return float(np.ones(10**9).sum())
+
 @node("good.sum")
 def good(x: np.ndarray) -> float:
     return float(x.sum())
@@ -118,6 +127,27 @@ def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path
     [failed] = (step for step in record["steps"] if step["state"] == "failed")
     assert failed["use"] == "bad.dies"
     assert "exit status 7" in failed["reason"]
+    assert record["counts"]["done"] == 2
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+def test_a_node_that_takes_too_long_fails_alone(tmp_path: Path, executor: str) -> None:
+    record = record_of(tmp_path, "bad.hangs", "--executor", executor, "--timeout", "60")
+    [failed] = (step for step in record["steps"] if step["state"] == "failed")
+    assert (failed["use"], failed["reason"]) == (
+        "bad.hangs",
+        "it takes longer than 0.2 s, which is the limit",
+    )
+    assert record["counts"]["done"] == 2
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit needs Linux")
+def test_a_node_that_takes_too_much_memory_fails_alone(tmp_path: Path) -> None:
+    words = ("--executor", "processes", "--jobs", "1", "--memory", "1")
+    record = record_of(tmp_path, "bad.grows", *words)
+    [failed] = (step for step in record["steps"] if step["state"] == "failed")
+    assert failed["use"] == "bad.grows"
+    assert "Unable to allocate 7.45 GiB" in failed["reason"]
     assert record["counts"]["done"] == 2
 
 

@@ -79,6 +79,18 @@ def add_executor(parser: ArgumentParser, default: str = "threads") -> None:
     parser.add_argument(
         "--scheduler", default="", metavar="ADDRESS", help="Address of a Dask scheduler."
     )
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        metavar="SECONDS",
+        help="A step that takes longer fails, and the others go on.",
+    )
+    parser.add_argument(
+        "--memory",
+        type=float,
+        metavar="GB",
+        help="A step that takes more memory fails; with --executor processes, on Linux.",
+    )
 
 
 def add_store(parser: ArgumentParser) -> None:

@@ -71,7 +71,13 @@ def left_out_lines(graph: Graph) -> list[str]:
 
 def how_of(arguments: Namespace) -> HowToRun:
     """Return where steps are computed."""
-    return HowToRun(arguments.executor, arguments.jobs, arguments.scheduler)
+    return HowToRun(
+        arguments.executor,
+        arguments.jobs,
+        arguments.scheduler,
+        arguments.timeout,
+        arguments.memory,
+    )
 
 
 def run_of(

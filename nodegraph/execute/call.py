@@ -46,6 +46,8 @@ class Call:
         Under which the result is stored; empty if it cannot be.
     registry : Registry or None
         The plugins of the run, if the node is to read the formats of their files.
+    timeout : float or None
+        Seconds that it may take: the limit of the run or of the node, whichever is shorter.
     """
 
     step: int
@@ -55,6 +57,7 @@ class Call:
     settings: Mapping[str, Any]
     key: str = ""
     registry: Registry | None = None
+    timeout: float | None = None
 
 
 @dataclass(slots=True)
@@ -136,6 +139,13 @@ def perform(call: Call) -> Outcome:
     if messages:
         outcome.warnings = tuple(dict.fromkeys(map(printable, messages)))
     return outcome
+
+
+def timed_out(call: Call) -> Outcome:
+    """Return the outcome of a call that has taken longer than it may."""
+    seconds = call.timeout or 0.0
+    reason = f"it takes longer than {seconds:g} s, which is the limit"
+    return Outcome(State.FAILED, reason=reason, seconds=seconds, key=call.key)
 
 
 def failure(node: Node, error: BaseException, what: str = "") -> Outcome:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -24,11 +26,17 @@ class HowToRun:
         Calls at a time; by default as many as there are processors.
     scheduler : str
         Address of a cluster, for an executor that uses one.
+    timeout : float or None
+        Seconds that a step may take; see `nodegraph.executors.Call` for nodes with a shorter limit.
+    memory : float or None
+        Gigabytes that a step may take beside its inputs, for worker processes of this machine.
     """
 
     executor: str = "threads"
     jobs: int | None = None
     scheduler: str = ""
+    timeout: float | None = None
+    memory: float | None = None
 
     @property
     def at_a_time(self) -> int:
@@ -81,12 +89,20 @@ def executor_of(how: HowToRun, registry: Registry) -> Executor:
     Raises
     ------
     NodegraphError
-        If there is none of that name, or the number of calls at a time is below one.
+        If there is none of that name, a number is out of its range, or it cannot limit memory.
     """
     executors = registry.hooks.executors
     if how.executor not in executors:
         raise NodegraphError(f"no executor {how.executor!r}; {nearest(how.executor, executors)}")
     if how.at_a_time < 1:
         raise NodegraphError(f"jobs must be 1 or more, got {how.jobs}")
+    for name, limit in (("timeout", how.timeout), ("memory", how.memory)):
+        if limit is not None and not 0 < limit < math.inf:
+            raise NodegraphError(f"{name} must be above 0, got {limit:g}")
+    if how.memory is not None and (how.executor, sys.platform) != ("processes", "linux"):
+        raise NodegraphError(
+            f"memory cannot be limited with executor {how.executor!r} on {sys.platform}; "
+            "it can with 'processes' on linux"
+        )
     executor: Executor = executors[how.executor]
     return executor

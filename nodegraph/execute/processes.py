@@ -6,9 +6,9 @@ import threading
 from collections.abc import Iterator
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.call import Call, Outcome
+from nodegraph.execute.call import Call, Outcome, timed_out
 from nodegraph.execute.executor import HowToRun, Schedule
-from nodegraph.execute.threads import Calls, Results, distribute, make_calls
+from nodegraph.execute.threads import Calls, Results, distribute, in_time, make_calls
 from nodegraph.execute.worker.client import CallCodec, Worker, WorkerEndedError
 from nodegraph.execute.worker.protocol import Request, Response, ResponseKind
 from nodegraph.state import State
@@ -29,7 +29,7 @@ def processes(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]
         yield from distribute(
             schedule,
             how.at_a_time,
-            lambda calls, results: slots.append(_Slot(schedule, codec, calls, results)),
+            lambda calls, results: slots.append(_Slot(schedule, codec, how.memory, calls, results)),
         )
     except BaseException:
         for slot in slots:
@@ -44,9 +44,15 @@ class _Slot:
     """A thread with a worker process; calls that cannot be sent there are made in the thread."""
 
     def __init__(
-        self, schedule: Schedule, codec: CallCodec, calls: Calls, results: Results
+        self,
+        schedule: Schedule,
+        codec: CallCodec,
+        memory: float | None,
+        calls: Calls,
+        results: Results,
     ) -> None:
         self._schedule = schedule
+        self._memory = memory
         self._codec = codec
         self._worker: Worker | None = None
         self._lock = threading.Lock()
@@ -80,7 +86,9 @@ class _Slot:
         if request is None:
             return self._call_here(call)
         try:
-            response = self._send(request)
+            response = self._send(request, call.timeout)
+        except TimeoutError:
+            return timed_out(call)
         except WorkerEndedError as error:
             failed = Outcome(State.FAILED, reason=f"the process that computed it {error}")
             return self._schedule.keep(call, failed)
@@ -92,15 +100,15 @@ class _Slot:
     def _call_here(self, call: Call) -> Outcome:
         self._is_calling = True
         try:
-            return self._schedule.perform(call)
+            return in_time(self._schedule.perform, call)
         finally:
             self._is_calling = False
 
-    def _send(self, request: Request) -> Response:
+    def _send(self, request: Request, timeout: float | None) -> Response:
         for start in range(1, _MOST_STARTS + 1):
             worker = self._living_worker()
             try:
-                return worker.send(request)
+                return worker.send(request, timeout)
             except WorkerEndedError as error:
                 self._worker = None
                 worker.close()
@@ -120,5 +128,5 @@ class _Slot:
                 self._worker.close()
                 self._worker = None
             if self._worker is None:
-                self._worker = Worker()
+                self._worker = Worker(self._memory)
             return self._worker

@@ -67,6 +67,7 @@ def execute(
             else Packer(plan.graph.registry.hooks.storages),
             keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
             observer=log,
+            timeout=how.timeout,
         )
         earlier = store.recall(_SECONDS) if store is not None and schedule.left else {}
         log.begin(lambda: len(schedule.left), map(plan.steps.__getitem__, schedule.left), earlier)

@@ -47,6 +47,8 @@ class Schedule:
         Steps that are computed even if they are stored; by default, those that nothing reads, and
         those to keep, are computed unless they are stored.
     observer
+    timeout
+        Seconds that a step may take.
 
     Attributes
     ----------
@@ -67,6 +69,7 @@ class Schedule:
         keep: Iterable[int] = (),
         wanted: Iterable[int] | None = None,
         observer: Observer | None = None,
+        timeout: float | None = None,
     ) -> None:
         self.plan = plan
         self.packer = packer or Packer()
@@ -74,6 +77,7 @@ class Schedule:
         self.values: dict[int, tuple[Any, ...]] = {}
         self._cache = cache
         self._observer = observer
+        self._timeout = timeout
         self._keep = frozenset(keep)
         # a heap of steps with their keys: calls are handed out in the order of the plan,
         # whichever of them became possible first
@@ -115,7 +119,14 @@ class Schedule:
                     self._drop(needed)
             method = step.method
             return Call(
-                index, method.node, method.plugin, inputs, step.settings, key, self.registry
+                index,
+                method.node,
+                method.plugin,
+                inputs,
+                step.settings,
+                key,
+                self.registry,
+                method.node.limit(self._timeout),
             )
         return None
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from queue import SimpleQueue
+from functools import partial
+from queue import Empty, SimpleQueue
 
-from nodegraph.execute.call import Call, Outcome
+from nodegraph.execute.call import Call, Outcome, timed_out
 from nodegraph.execute.executor import HowToRun, Schedule
 from nodegraph.execute.numeric_threads import one_thread_here
 
@@ -15,9 +16,30 @@ Results = SimpleQueue[tuple[int, Outcome] | BaseException]
 
 
 def serial(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
-    """Make one call after the other, in this thread."""
+    """Make one call after the other, in this thread; those with a time limit in another."""
     while (call := schedule.next()) is not None:
-        yield call.step, schedule.perform(call)
+        yield call.step, in_time(schedule.perform, call)
+
+
+def in_time(perform: Callable[[Call], Outcome], call: Call) -> Outcome:
+    """Make a call, and return its outcome, or that it takes too long.
+
+    A thread cannot be ended: a call that takes too long goes on until the program ends.
+    """
+    if call.timeout is None:
+        return perform(call)
+    calls: Calls = SimpleQueue()
+    results: Results = SimpleQueue()
+    calls.put(call)
+    calls.put(None)
+    threading.Thread(target=_work, args=(perform, calls, results), daemon=True).start()
+    try:
+        result = results.get(timeout=call.timeout)
+    except Empty:
+        return timed_out(call)
+    if isinstance(result, BaseException):
+        raise result
+    return result[1]
 
 
 def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
@@ -25,7 +47,7 @@ def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
 
     def start(calls: Calls, results: Results) -> None:
         # daemons: a node that never returns must not keep the program alive
-        arguments = (schedule.perform, calls, results)
+        arguments = (partial(in_time, schedule.perform), calls, results)
         threading.Thread(target=_work, args=arguments, daemon=True).start()
 
     return distribute(schedule, how.at_a_time, start)

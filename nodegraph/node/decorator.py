@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -57,6 +58,7 @@ def node(
     ends: Ends = None,
     live: Literal["frame"] | LiveForm | None = None,
     deprecated: str = "",
+    timeout: float | None = None,
 ) -> Callable[[F], F]:
     """Make a function a node; it stays callable as it is.
 
@@ -87,6 +89,8 @@ def node(
     deprecated
         What to use instead, for a node that another replaces: ``"use fill.new"``. The node works
         as before; graphs that use it get a notice, and ``family.*`` leaves it out.
+    timeout
+        Seconds after which a call has failed, for a node that may never return.
 
     Raises
     ------
@@ -116,6 +120,7 @@ def node(
             declaration=declaration,
             live=FrameForm() if live == "frame" else live,
             deprecated=deprecated,
+            timeout=timeout,
         )
         setattr(function, _ATTRIBUTE, described)
         return function
@@ -181,6 +186,8 @@ class Node:
         How it computes frame by frame; None if it needs the whole take.
     deprecated : str
         What to use instead, for a node that another replaces.
+    timeout : float or None
+        Seconds that a call may take.
     """
 
     name: str
@@ -189,6 +196,7 @@ class Node:
     declaration: Declaration = field(default=Declaration(), kw_only=True)
     live: LiveForm | None = field(default=None, kw_only=True)
     deprecated: str = field(default="", kw_only=True)
+    timeout: float | None = field(default=None, kw_only=True)
 
     @property
     def family(self) -> str:
@@ -284,12 +292,19 @@ class Node:
                 f"{self.name}: its live form streams {', '.join(unknown) or 'its first port'}; "
                 f"its ports are {ports}"
             )
+        if self.timeout is not None and not 0 < self.timeout < math.inf:
+            raise NodeError(f"{self.name}: timeout is {self.timeout!r}; it must be seconds above 0")
         defaults = self.defaults
         if len(defaults) == len(self.settings):
             self.lookahead(defaults)
             self.live_lookahead(defaults)
             self.meets_ends(defaults)
         return self
+
+    def limit(self, timeout: float | None) -> float | None:
+        """Return the seconds that a call may take in a run with that limit: the shorter of both."""
+        limits = (self.timeout, timeout)
+        return min((limit for limit in limits if limit is not None), default=None)
 
     @property
     def defaults(self) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from nodegraph.executors import (
     Response,
     Schedule,
     State,
+    in_time,
     one_thread_here,
 )
 from nodegraph_dask.cluster import SECONDS_BETWEEN_COUNTS, Cluster, cluster_for
@@ -170,7 +171,7 @@ class _Submissions:
         buffers = self._scattered.arguments(request.buffers)
         submission.key = f"{submission.call.node.name}-{uuid.uuid4().hex}"
         submission.future = self._cluster.client.submit(
-            work, *texts, *buffers, key=submission.key, pure=False
+            work, submission.call.timeout, *texts, *buffers, key=submission.key, pure=False
         )
         self._by_key[submission.key] = submission
         submission.future.add_done_callback(lambda future: self._reports.put(future.key))
@@ -231,7 +232,7 @@ class _Submissions:
 
     def _call_here(self, call: Call) -> None:
         with one_thread_here():
-            self._reports.put((call.step, self._schedule.perform(call)))
+            self._reports.put((call.step, in_time(self._schedule.perform, call)))
 
 
 class _Threads(Generic[T]):

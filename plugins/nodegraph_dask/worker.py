@@ -21,10 +21,10 @@ Sent = tuple[Any, ...]
 """The worker's address, then the frames of the response; large ones as arrays of bytes."""
 
 
-def work(*frames: Any) -> Sent:
+def work(timeout: float | None, *frames: Any) -> Sent:
     """Return the response to a request; both are given as frames."""
     request = Request.from_frames([as_frame(frame) for frame in frames])
-    text, head, *buffers = respond(request).frames()
+    text, head, *buffers = respond(request, timeout).frames()
     return get_worker().address, text, head, *map(as_array, buffers)
 
 

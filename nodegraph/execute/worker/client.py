@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import warnings
 from contextlib import suppress
 from dataclasses import replace
@@ -16,6 +17,7 @@ from typing import cast
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.execute.worker.protocol import (
     Environment,
+    Frame,
     NodeAddress,
     Request,
     Response,
@@ -171,12 +173,19 @@ class WorkerEndedError(Exception):
 
 
 class Worker:
-    """A process that makes calls. It starts at once, and is ready when it first responds."""
+    """A process that makes calls. It starts at once, and is ready when it first responds.
+
+    Parameters
+    ----------
+    memory
+        Gigabytes that a call may take beside its inputs.
+    """
 
     _SECONDS_TO_END = 5.0
 
-    def __init__(self) -> None:
-        self._process = start("nodegraph.execute.worker.server", pipe_output=True)
+    def __init__(self, memory: float | None = None) -> None:
+        limit = () if memory is None else (str(memory),)
+        self._process = start("nodegraph.execute.worker.server", *limit, pipe_output=True)
         self._requests = cast(BufferedWriter, self._process.stdin)
         self._responses = cast(BufferedReader, self._process.stdout)
         self._is_ready = False
@@ -186,11 +195,13 @@ class Worker:
         """Whether it can take a request."""
         return self._process.poll() is None
 
-    def send(self, request: Request) -> Response:
-        """Send a request and wait for the response.
+    def send(self, request: Request, timeout: float | None = None) -> Response:
+        """Send a request and wait for the response, for which the process has so many seconds.
 
         Raises
         ------
+        TimeoutError
+            If it takes longer; the process has been ended.
         WorkerEndedError
             If the process ends first.
         """
@@ -199,7 +210,9 @@ class Worker:
             write_frames(self._requests, request.frames())
             if not self._is_ready:
                 self._is_ready = bool(read_frames(self._responses))
-            return Response.from_frames(read_frames(self._responses))
+            return Response.from_frames(self._read(timeout))
+        except TimeoutError:
+            raise
         except (EOFError, OSError) as error:
             raise WorkerEndedError(self._end(), was_ready=self._is_ready) from error
 
@@ -217,6 +230,26 @@ class Worker:
         """End the process at once; from any thread."""
         kill(self._process)
         self._process.wait()
+
+    def _read(self, timeout: float | None) -> list[Frame]:
+        if timeout is None:
+            return read_frames(self._responses)
+        is_late = threading.Event()
+
+        def end() -> None:
+            is_late.set()
+            self.kill()
+
+        timer = threading.Timer(timeout, end)
+        timer.start()
+        try:
+            return read_frames(self._responses)
+        except (EOFError, OSError):
+            if is_late.is_set():
+                raise TimeoutError from None
+            raise
+        finally:
+            timer.cancel()
 
     def _end(self) -> str:
         """Return how the process ended, which has closed its pipes."""

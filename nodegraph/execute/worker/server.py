@@ -8,7 +8,10 @@ import signal
 import sys
 import threading
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from functools import partial
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
 from queue import SimpleQueue
@@ -17,6 +20,7 @@ from typing import Any
 from nodegraph.errors import NodegraphError, UnknownNodeError
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import SharedContext, one_thread_each
+from nodegraph.execute.threads import in_time
 from nodegraph.execute.worker.protocol import (
     Environment,
     NodeAddress,
@@ -147,16 +151,23 @@ class NodeFinder:
         return f"has no node {address.node} in its {plugin}{versions if distribution else ''}"
 
 
-def respond(request: Request) -> Response:
-    """Find the node of a request, call it, and return the response."""
+def respond(request: Request, timeout: float | None = None) -> Response:
+    """Find the node of a request, call it, and return the response.
+
+    Parameters
+    ----------
+    request
+    timeout
+        Seconds that the call may take; one that takes longer goes on until this process ends.
+    """
     try:
         finder = finder_for(request.environment)
     except Exception as error:  # a plugin file does not import here
         return _failure(ResponseKind.MISSING, f"cannot use a plugin file: {error}")
-    return replace(_response(finder, request), differences=finder.differences)
+    return replace(_response(finder, request, timeout), differences=finder.differences)
 
 
-def _response(finder: NodeFinder, request: Request) -> Response:
+def _response(finder: NodeFinder, request: Request, timeout: float | None) -> Response:
     try:
         node = finder.find(request.address)
         inputs, settings = finder.packer.unpack(request.head.decode(), request.buffers)
@@ -165,8 +176,9 @@ def _response(finder: NodeFinder, request: Request) -> Response:
     except Unreadable as error:
         return _failure(ResponseKind.UNSENDABLE, str(error))
     try:
+        call = Call(0, node, "", inputs, settings, registry=finder.registry, timeout=timeout)
         with _warnings.entered(), one_thread_each():
-            outcome = perform(Call(0, node, "", inputs, settings, registry=finder.registry))
+            outcome = in_time(perform, call)
     except KeyboardInterrupt:
         return _failure(ResponseKind.INTERRUPTED, "")
     try:
@@ -193,6 +205,8 @@ _warnings = SharedContext(collecting_warnings)
 def main() -> None:
     """Respond on standard output to requests from standard input."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    limit = float(sys.argv[1]) if sys.argv[1:] else None
+    limited_memory = nullcontext if limit is None else partial(_limited_memory, limit)
     requests, responses = _pipes()
     try:
         write_frames(responses, [b"ready"])
@@ -202,14 +216,33 @@ def main() -> None:
     threading.Thread(target=reader.read, daemon=True).start()
     with one_thread_each():  # also of libraries that plugins load
         while (request := reader.requests.get()) is not None:
-            frames = respond(request).frames()
+            with limited_memory():
+                response = respond(request)
+            frames = response.frames()
             sys.stdout.flush()
             reader.is_busy = False
             try:
                 write_frames(responses, frames)
             except BrokenPipeError:  # the run has ended
                 os._exit(1)
-            del request, frames
+            del request, response, frames
+
+
+@contextmanager
+def _limited_memory(gigabytes: float) -> Iterator[None]:
+    """Have this process take no more memory than it has and so many gigabytes."""
+    import resource
+
+    _, most = resource.getrlimit(resource.RLIMIT_DATA)
+    pages = int(Path("/proc/self/statm").read_text().split()[5])  # of data and stack
+    limit = pages * resource.getpagesize() + int(gigabytes * 1e9)
+    if most != resource.RLIM_INFINITY:
+        limit = min(limit, most)
+    resource.setrlimit(resource.RLIMIT_DATA, (limit, most))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 class _Reader:

@@ -175,6 +175,8 @@ def test_warnings_of_nodes_land_in_outcomes_and_events(
     ("how", "message"),
     [
         (HowToRun("thread"), "no executor 'thread'; did you mean 'threads'"),
+        (HowToRun(timeout=0), "timeout must be above 0, got 0"),
+        (HowToRun("serial", memory=1), "memory cannot be limited with executor 'serial'"),
         (HowToRun(jobs=0), "jobs must be 1 or more, got 0"),
     ],
 )
