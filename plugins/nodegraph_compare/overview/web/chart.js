@@ -88,11 +88,12 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
     const figure = element("figure", { class: `chart ${className}` }, plot, caption);
     host.append(figure);
     if (finding !== before) figure.before(finding);
-    let lastWidth = 0;
+    let width = 0;
+    const measure = () => Math.floor(plot.getBoundingClientRect().width);
+    // a width is measured again only when it changes: that costs a layout of what was drawn before
     const redraw = () => {
-      const width = Math.floor(plot.getBoundingClientRect().width);
+      width ||= measure();
       if (!width) return;
-      lastWidth = width;
       keepFocus(host, () => {
         const texts = draw(plot, width);
         if (texts.finding) finding.replaceChildren(...texts.finding);
@@ -103,7 +104,9 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
       hideNote();
     };
     new ResizeObserver(() => {
-      if (Math.abs(Math.floor(plot.getBoundingClientRect().width) - lastWidth) > 1) redraw();
+      if (Math.abs(measure() - width) <= 1) return;
+      width = measure();
+      redraw();
     }).observe(plot);
     view.on((changed) => {
       if ([...changed].some((name) => name !== "block")) redraw();

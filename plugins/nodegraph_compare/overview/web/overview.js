@@ -35,15 +35,15 @@ nodegraph.define("compare/overview", ["page"], (page) => {
   };
 
   // Mean over units of the mean over each unit's blocks.
-  const unitMean = (blocks, unit, value) => {
-    const sums = new Float64Array(NONE);
-    const counts = new Uint32Array(NONE);
+  const unitMean = (blocks, unit, most, value) => {
+    const sums = new Float64Array(most);
+    const counts = new Uint32Array(most);
     for (const block of blocks) {
       sums[unit[block]] += value(block);
       counts[unit[block]] += 1;
     }
     let [total, units] = [0, 0];
-    for (let at = 0; at < NONE; at += 1) {
+    for (let at = 0; at < most; at += 1) {
       if (!counts[at]) continue;
       total += sums[at] / counts[at];
       units += 1;
@@ -74,8 +74,13 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     }
 
     get unit() {
-      this.units ??= codesOf(this.json.unit);
-      return this.units;
+      this.unitCodes ??= codesOf(this.json.unit);
+      return this.unitCodes;
+    }
+
+    get units() {
+      this.unitCount ??= this.unit.reduce((most, unit) => (unit === NONE ? most : Math.max(most, unit + 1)), 0);
+      return this.unitCount;
     }
 
     isSuspect(block) {
@@ -182,7 +187,7 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       return Float64Array.from({ length: count }, (_, method) => {
         const value = (block) => numbers[block * count + method];
         if (!blocks.length) return NaN;
-        return statistic === "median" ? medianOf(blocks.map(value)) : unitMean(blocks, this.unit, value);
+        return statistic === "median" ? medianOf(blocks.map(value)) : unitMean(blocks, this.unit, this.units, value);
       });
     }
 
