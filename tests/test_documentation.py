@@ -10,18 +10,21 @@ import tomllib
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import nodegraph as ng
 from nodegraph.cli.main import main
 from nodegraph.plugin import hooks, loading
 from nodegraph.plugin.registry import Registry
+from nodegraph.testing import check_node, same
 from tests import readmes
 from tests.readmes import ROOT, blocks
 
 README = (ROOT / "README.md").read_text()
 PAGES = ROOT / "nodegraph" / "site" / "pages"
 GRAPHS = (PAGES / "language.md").read_text() + (ROOT / "graphs" / "README.md").read_text()
+LIVE = (PAGES / "live.md").read_text()
 NODES = (ROOT / "plugins" / "nodes.md").read_text()
 PLUGINS = (PAGES / "plugins.md").read_text() + (ROOT / "plugins" / "README.md").read_text()
 OTHER_COMMANDS = {
@@ -95,6 +98,36 @@ def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixt
         [*command, str(tmp_path)], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert result.returncode == 0, result.stdout
+
+
+def test_the_live_forms_that_are_shown_keep_their_promises(tmp_path: Path) -> None:
+    for code in blocks(LIVE, "python"):
+        path = tmp_path / code.partition("\n")[0].removeprefix("# ")
+        path.write_text(code)
+        registry = Registry.installed([path])
+        for entry in registry:
+            if entry.plugin == path.stem:
+                check_node(entry.node.function, registry=registry)
+
+
+def test_the_commands_for_streams_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (graph,) = blocks(LIVE, "yaml")
+    (tmp_path / "face.yaml").write_text(graph)
+    for words in readmes.commands(LIVE):
+        readmes.run_command(words)
+    assert "fill(fill=muscle): leaves gaps at the start of the take missing" in (
+        capsys.readouterr().out.replace("fill(fill=guenter), ", "")
+    )
+    run = ng.run(tmp_path / "face.yaml", only={"fill": ["muscle"]}, store=tmp_path / "store")
+    begun = np.maximum.accumulate(run["despike"].value.present, axis=0).all(axis=1)
+    for name, node in (("muscle", "smooth"), ("still", "still"), ("again", "still")):
+        streamed = ng.get_node("read.recording")(path=tmp_path / f"{name}.npz")
+        start = int(np.argmax(begun)) + 2  # a spline of order 3 sees one frame before
+        assert same(streamed.positions[start:], run[node].value.positions[start:]), name
+        assert same(streamed.origin[start:], run[node].value.origin[start:]), name
 
 
 def test_every_hook_and_every_package_is_listed() -> None:

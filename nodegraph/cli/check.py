@@ -7,7 +7,7 @@ from collections.abc import Container, Iterator
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_graph, add_store
-from nodegraph.cli.live import add_hold, cut_off_lines
+from nodegraph.cli.live import add_hold, lines_on
 from nodegraph.cli.output import columns
 from nodegraph.errors import listed
 
@@ -82,7 +82,7 @@ def _check_live(graph: Graph, arguments: Namespace) -> int:
     print(columns(list(_paths(planned, arguments.live))))
     if held := dict.fromkeys(step.node for step in planned.held):
         print(f"\ncomputed once: {', '.join(held)}")
-    for line in cut_off_lines(planned):
+    for line in lines_on(planned):
         print(line)
     return 0
 

@@ -83,7 +83,7 @@ def live(arguments: Namespace) -> int:
         store=store_of(arguments, graph),
         announce=say,
     )
-    for line in cut_off_lines(session.plan):
+    for line in lines_on(session.plan):
         say(line)
     counts = session.run()
     content = json.dumps(
@@ -104,13 +104,18 @@ def live(arguments: Namespace) -> int:
     return 0
 
 
-def cut_off_lines(plan: LivePlan) -> Iterator[str]:
-    """Yield which nodes do not run on the stream, by the reason."""
-    by_reason: dict[str, list[str]] = {}
+def lines_on(plan: LivePlan) -> Iterator[str]:
+    """Yield which nodes do not run on the stream, and which differ there from the whole take."""
+    from nodegraph.node.description import describe_departure
+
+    by_reason: dict[str, dict[str, None]] = {}
     for node, reason in plan.cut_off.items():
-        by_reason.setdefault(reason, []).append(node)
+        by_reason.setdefault(f"not on the stream: {{}}: {reason}", {})[node] = None
+    for live in plan.steps:
+        if departure := describe_departure(live.step.method.node):
+            by_reason.setdefault(f"on a stream, {{}}: {departure}", {})[live.step.name] = None
     for reason, nodes in by_reason.items():
-        yield f"not on the stream: {', '.join(nodes)}: {reason}"
+        yield reason.replace("{}", ", ".join(nodes), 1)
 
 
 def _summary(counts: Counts) -> Iterator[str]:

@@ -91,7 +91,10 @@ class Engine:
                 self.headers[output], behind[output] = each, live.behind
                 slots[output] = self._new_slot()
                 targets.append(slots[output])
-            missing = tuple(streamable_of(type(each)).missing(each) for each in headers)
+            missing = tuple(
+                None if each is None else streamable_of(type(each)).missing(each)
+                for each in headers
+            )
             parts.append(_Runner(self, live, state, sources, targets, missing, refused))
         self._parts = parts
         self._steps = [part.step() for part in parts]

@@ -266,6 +266,8 @@ class _Planner:
         self._hold = hold
         self._sinks = sinks
         self._problems = Problems()
+        hooks = planned.graph.registry.hooks
+        self._streamable = tuple(streamable.type for streamable in hooks.streamables)
         step = planned.steps[next(iter(planned.cells[node].values()))]
         self._source = Output(step.index, _position(step, port))
         self._node = node
@@ -305,6 +307,23 @@ class _Planner:
 
     def _add(self, step: Step, ports: Collection[str]) -> str:
         """Add a step that depends on the stream, or return why it cannot run there."""
+        obstacle = self._obstacle(step, ports)
+        if obstacle:
+            return obstacle
+        node = step.method.node
+        lookahead = node.live_lookahead(step.settings)
+        if lookahead is None:
+            self._refuse(step)
+            return _UNBOUNDED
+        feeds = {port: feed for port, feed in step.inputs.items() if isinstance(feed, Output)}
+        streams = {port: feed for port, feed in feeds.items() if port in ports}
+        values = {port: feed for port, feed in feeds.items() if port not in ports}
+        behind = max(map(self._behind, streams.values()))
+        self._live[step.index] = LiveStep(step, lookahead, behind + lookahead, streams, values)
+        return ""
+
+    def _obstacle(self, step: Step, ports: Collection[str]) -> str:
+        """Return why a step with these ports on the stream cannot run there, or nothing."""
         node = step.method.node
         for port in ports:
             for output in _read(step.inputs[port]):
@@ -312,25 +331,29 @@ class _Planner:
                     return f"needs {self._plan.steps[output.step].node}"
         if node.live is None:
             return _WHOLE_TAKE
+        gathering = [port for port, feed in step.inputs.items() if isinstance(feed, Gathered)]
         whole = [port for port in ports if port not in node.streams]
-        if whole:
-            return f"{whole[0]!r} takes a whole take"
         still = [port for port in node.streams if port in step.inputs and port not in ports]
-        if still:
-            return f"{still[0]!r} is not on the stream"
-        lookahead = node.live_lookahead(step.settings)
-        if lookahead is None:
-            self._refuse(step)
-            return _UNBOUNDED
-        streams: dict[str, Output] = {}
-        values: dict[str, Output] = {}
-        for port, feed in step.inputs.items():
-            if isinstance(feed, Gathered):
-                return f"{port!r} gathers"
-            (streams if port in ports else values)[port] = feed
-        behind = max(map(self._behind, streams.values()))
-        self._live[step.index] = LiveStep(step, lookahead, behind + lookahead, streams, values)
+        without_frames = [port for port in ports if not self._has_frames(step.inputs[port])]
+        for affected, why in (
+            (gathering, "gathers"),
+            (whole, "takes a whole take"),
+            (still, "is not on the stream"),
+            (without_frames, "takes what is not given frame by frame"),
+        ):
+            if affected:
+                return f"{affected[0]!r} {why}"
         return ""
+
+    def _has_frames(self, feed: Output | Gathered) -> bool:
+        """Whether what feeds a port is of a type that is split into frames."""
+        return all(
+            issubclass(
+                self._plan.steps[output.step].method.node.outputs[output.position].type,
+                self._streamable,
+            )
+            for output in _read(feed)
+        )
 
     def _behind(self, output: Output) -> int:
         return 0 if output == self._source else self._live[output.step].behind

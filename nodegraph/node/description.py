@@ -12,6 +12,7 @@ from typing import Any
 from nodegraph.errors import NodeError
 from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, Setting
+from nodegraph.node.live_form import StateForm
 
 FILE, COLUMN, TEXT, NAME = "FILE", "COLUMN", "TEXT", "NAME"
 """Values in an example that only the reader can know."""
@@ -96,14 +97,27 @@ def describe_declaration(
     return tuple(phrases)
 
 
+def describe_departure(node: Node) -> str:
+    """Return how a stream's result differs from that of the whole take; empty if it does not."""
+    form = node.live
+    if not isinstance(form, StateForm):
+        return ""
+    phrases = [f"leaves {form.leaves} missing"] if form.leaves else []
+    if form.tolerance:
+        phrases.append(f"numbers within {form.tolerance:g} of those of the whole take")
+    return ", ".join(phrases)
+
+
 def _live_text(node: Node) -> str:
+    departure = describe_departure(node)
+    text = f"runs on a stream{f' ({departure})' if departure else ''}"
     defaults = node.defaults
     if len(defaults) < len(node.settings):
-        return "runs on a stream"
+        return text
     frames = node.live_lookahead(defaults)
     if frames is None:
-        return "runs on a stream with settings that bound its look-ahead"
-    return f"runs on a stream, {frames} frame{'' if frames == 1 else 's'} behind by default"
+        return f"{text}, with settings that bound its look-ahead"
+    return f"{text}, {frames} frame{'' if frames == 1 else 's'} behind by default"
 
 
 def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:

@@ -170,7 +170,7 @@ def nodegraph_sources() -> Mapping[str, Callable[[str], Source]]:  # type: ignor
     --------
     >>> @hookimpl
     ... def nodegraph_sources():
-    ...     return {"lips": LipsSource}
+    ...     return {"lips": lips_source}
     """
 
 
@@ -185,7 +185,7 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:  # type: ignore[em
     --------
     >>> @hookimpl
     ... def nodegraph_sinks():
-    ...     return {"lips": LipsSink}
+    ...     return {"lips": lips_sink}
     """
 
 

@@ -8,7 +8,8 @@ from dataclasses import is_dataclass, replace
 from html import escape
 from typing import Any
 
-from nodegraph.plugin import hook_types, hooks
+from nodegraph.node import live_form
+from nodegraph.plugin import hook_types, hooks, streaming
 from nodegraph.site.page import Entry, Page
 from nodegraph.site.prose import docstring_html, markdown_page
 
@@ -35,9 +36,11 @@ def _hooks() -> Iterator[tuple[str, Callable[..., Any]]]:
 
 
 def _types() -> Iterator[tuple[str, type]]:
-    for name, thing in vars(hook_types).items():
-        if is_dataclass(thing) and thing.__module__ == hook_types.__name__:
-            yield name, thing  # type: ignore[misc]
+    for module in (hook_types, streaming, live_form):
+        for name, thing in vars(module).items():
+            is_ours = isinstance(thing, type) and thing.__module__ == module.__name__
+            if is_ours and (module is not hook_types or is_dataclass(thing)):
+                yield name, thing
 
 
 def _summary(thing: Any) -> str:
