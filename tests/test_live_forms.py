@@ -18,6 +18,7 @@ from nodegraph.testing import check_node
         ("fill.guenter", {"max_gap": 3, "close_gap": "ramp"}),
         ("fill.lin_ouhyoung", {"max_gap": 3, "ends": "met", "use_filled": False}),
         ("fill.muscle", {"max_gap": 2}),
+        ("fill.linear", {"max_gap": 3}),
         ("despike.impulse", {"mean_step": 0.3}),
         ("despike.impulse", {"calibration": 5, "order": "in_place"}),
         ("smooth.bspline", {"order": 6, "ends": "clamped"}),

@@ -173,23 +173,26 @@ class FileSink:
         if self._path.exists():
             raise NodegraphError(f"{address} already exists; name another file")
         self._payloads: list[Any] = []
+        self._header: Any = None
 
     def open(self, header: Any) -> None:
         """Check that the value can be written in that format."""
-        self._header = header
         formats = exporters_of(header, current_registry())
         if self._path.suffix.lower() not in formats:
             raise NodegraphError(
                 f"{self._path}: a value of type {type(header).__name__} can be written as "
                 f"{listed(sorted(formats))}"
             )
+        self._header = header
 
     def write(self, frame: Frame) -> None:
         """Keep a frame."""
         self._payloads.append(frame.payload)
 
     def close(self) -> None:
-        """Write the file."""
+        """Write the file, unless it could not be opened."""
+        if self._header is None:
+            return
         value = streamable_of(type(self._header)).join(self._header, self._payloads)
         export = exporters_of(value, current_registry())[self._path.suffix.lower()]
         try:

@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args, get_origin
 from nodegraph.errors import NodegraphError, Place, Problems, listed, nearest
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.node.decorator import Node
+from nodegraph.node.live_form import StateForm
 from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Plan, Step, plan
 
@@ -111,10 +112,14 @@ class LivePlan:
         varying = [
             axis for axis in steps[0].labels if len({step.labels.get(axis) for step in steps}) > 1
         ]
-        return {
+        outputs = {
             Output(step.index, _position(step, port)): {axis: step.labels[axis] for axis in varying}
             for step in steps
         }
+        for output in outputs:
+            if reason := not_given(self.plan, output):
+                raise NodegraphError(f"a sink cannot take {reason}")
+        return outputs
 
 
 def live_plan(
@@ -177,6 +182,15 @@ def split_name(graph: Graph, name: str) -> tuple[str, str]:
     if port and port not in outputs:
         raise NodegraphError(f"{node!r} has no output {port!r}; {nearest(port, outputs)}")
     return node, port
+
+
+def not_given(planned: Plan, output: Output) -> str:
+    """Return which output of a live form is not given, or an empty text for one that is."""
+    step = planned.steps[output.step]
+    form, port = step.method.node.live, step.method.node.outputs[output.position].name
+    if isinstance(form, StateForm) and form.outputs and port not in form.outputs:
+        return f"{step.node}.{port}, which only a whole take has"
+    return ""
 
 
 def bounding_settings(node: Node, settings: Mapping[str, Any]) -> str:
@@ -327,8 +341,8 @@ class _Planner:
         node = step.method.node
         for port in ports:
             for output in _read(step.inputs[port]):
-                if output.step in self._cut:
-                    return f"needs {self._plan.steps[output.step].node}"
+                if reason := self._unavailable(output):
+                    return f"needs {reason}"
         if node.live is None:
             return _WHOLE_TAKE
         gathering = [port for port, feed in step.inputs.items() if isinstance(feed, Gathered)]
@@ -354,6 +368,12 @@ class _Planner:
             )
             for output in _read(feed)
         )
+
+    def _unavailable(self, output: Output) -> str:
+        """Return what an output is that has no frames; empty if it has, or is no stream."""
+        if output.step in self._cut:
+            return self._plan.steps[output.step].node
+        return not_given(self._plan, output) if output.step in self._live else ""
 
     def _behind(self, output: Output) -> int:
         return 0 if output == self._source else self._live[output.step].behind

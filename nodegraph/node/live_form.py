@@ -47,8 +47,7 @@ class LiveState(Protocol):
     Attributes
     ----------
     header : value, or tuple of values
-        Of the output; of a node with several outputs, of each, None for one that has no frames
-        (a table, say) and is not given.
+        Of the output; of a node with several outputs, of each, None for one that is not given.
     """
 
     header: Any
@@ -64,7 +63,7 @@ class LiveState(Protocol):
         Returns
         -------
         payload, tuple of payloads, or None
-            One for each output, None for one without a header; None alone for each of the first
+            One for each output, None for one that is not given; None alone for each of the first
             `lookahead` frames.
         """
 
@@ -133,6 +132,8 @@ class StateForm:
     leaves : str
         What it leaves missing though the function, which has the whole take, does not: ``"gaps
         at the start of the take"``.
+    outputs : tuple of str
+        Outputs that it gives; by default all. Others need the whole take: a table, say.
     tolerance : float
         By how much a number may differ from the function's, which computes many frames at once
         in another order of operations.
@@ -141,6 +142,7 @@ class StateForm:
     state: Callable[..., LiveState]
     streams: tuple[str, ...] = ()
     lookahead: LookAhead = UNDECLARED
+    outputs: tuple[str, ...] = ()
     leaves: str = ""
     tolerance: float = 0.0
 

@@ -78,7 +78,7 @@ class _Stream:
     "align.procrustes",
     cite=("krzanowski2000", "kabsch1978"),
     lookahead=0,
-    live=StateForm(_Stream),
+    live=StateForm(_Stream, outputs=("aligned", "head_motion")),
 )
 def procrustes(
     recording: Trajectories,

@@ -6,17 +6,42 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import node
+from nodegraph import Window, WindowForm, node
 from nodegraph_fill.along_time import bridge
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("fill.linear", lookahead=to_gap_end, ends=True)
+def _straight_at(
+    window: Window[MarkerFrame, Trajectories], *, ends: Ends, max_gap: int
+) -> MarkerFrame:
+    """Return the frame in the middle of a window that has both ends of a gap of `max_gap`."""
+    frames, now = window.frames, window.now
+    present = frames.origin != Origin.MISSING
+    back = np.argmax(present[now::-1], axis=0)
+    ahead = np.argmax(present[now:], axis=0)
+    inside = (back > 0) & (ahead > 0) & (back + ahead <= max_gap + 1)
+    (marker,) = np.nonzero(inside)
+    before = frames.positions[now - back[marker], marker]
+    after = frames.positions[now + ahead[marker], marker]
+    here = frames.at(now)
+    positions = here.positions.copy()
+    share = back[marker] / (back + ahead)[marker]
+    positions[marker] = before + (after - before) * share[:, None]
+    origin = np.where(inside, np.uint8(Origin.FILLED), here.origin)
+    return MarkerFrame(positions, origin, None if here.sigma is None else here.sigma.copy())
+
+
+@node(
+    "fill.linear",
+    lookahead=to_gap_end,
+    ends=True,
+    live=WindowForm(_straight_at, before=to_gap_end, after=to_gap_end),
+)
 def linear(
     recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
 ) -> Trajectories:

@@ -12,8 +12,9 @@ from nodegraph import Contract, hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     """Return the nodes that make gaps."""
     from nodegraph_gaps.cut import cut
+    from nodegraph_gaps.dropout import dropout
 
-    return (cut,)
+    return (cut, dropout)
 
 
 @hookimpl

@@ -249,6 +249,7 @@ class _Stream:
     live=StateForm(
         _Stream,
         lookahead=lambda settings: None if settings["smoothness"] else 0,
+        outputs=("weights",),
         tolerance=1e-9,
     ),
 )
