@@ -10,14 +10,16 @@ import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from platformdirs import user_cache_path
 
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
-def kernel(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+
+def kernel(**options: Any) -> Callable[[_Function], _Function]:
     """Return a decorator that compiles a function with numba, to run without the GIL.
 
     The machine code is kept in ``nodegraph/kernels`` in the user's cache folder, or in
@@ -32,8 +34,8 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]
         Options of `numba.njit`, such as ``fastmath``.
     """
 
-    def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-        dispatcher: Callable[..., Any] = numba.njit(nogil=True, **options)(function)
+    def compiled(function: _Function) -> _Function:
+        dispatcher: _Function = numba.njit(nogil=True, **options)(function)
         if not numba.config.DISABLE_JIT:
             _keep(dispatcher)
         return dispatcher

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from nodegraph_align.reference import Reference
 
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 Scale = Literal["none", "rms", "least_squares"]
 FITTED, MIRRORED, FEW, LINE = 0, 1, 2, 3
 _CODES: dict[Scale, int] = {"none": 0, "rms": 1, "least_squares": 2}
@@ -147,8 +148,16 @@ def fit(
 
     if scale not in _CODES:
         raise ValueError(f"no scale {scale!r}; {nearest(scale, _CODES)}")
-    arrays = (for_kernel(array) for array in (positions, columns, shape, weights))
-    return Poses(*rigid_kernel.fit(*arrays, _CODES[scale], reflection))
+    return Poses(
+        *rigid_kernel.fit(
+            for_kernel(positions),
+            for_kernel(columns),
+            for_kernel(shape),
+            for_kernel(weights),
+            _CODES[scale],
+            reflection,
+        )
+    )
 
 
 def moved(
@@ -163,7 +172,7 @@ def moved(
     return out
 
 
-def for_kernel(array: NDArray[Any]) -> NDArray[Any]:
+def for_kernel(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
     """Return a view that cannot be written to, contiguous: one kind, compiled once."""
     view = np.ascontiguousarray(array).view()
     view.flags.writeable = False

@@ -7,11 +7,18 @@ helper in another one. A missing sample is NaN, and does not equal itself.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Codes = NDArray[np.uint8]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
 
 compiled = kernel(fastmath={"contract"})
 inlined = kernel(fastmath={"contract"}, forceinline=True)
@@ -32,8 +39,13 @@ SWEEPS = 10
 
 @compiled
 def fit(
-    positions: Any, columns: Any, shape: Any, weights: Any, scaling: int, reflection: bool
-) -> Any:
+    positions: Floats,
+    columns: Integers,
+    shape: Floats,
+    weights: Floats,
+    scaling: int,
+    reflection: bool,
+) -> tuple[Floats, Floats, Floats, Floats, Codes]:
     """Fit each frame's landmarks to a shape, by weighted least squares over those that are there.
 
     Parameters
@@ -74,7 +86,7 @@ def fit(
 
 
 @compiled
-def move_into(out: Any, positions: Any, matrices: Any, offsets: Any) -> None:
+def move_into(out: Floats, positions: Floats, matrices: Floats, offsets: Floats) -> None:
     """Write ``matrix x + offset`` for every point x of a frame.
 
     Parameters
@@ -93,7 +105,7 @@ def move_into(out: Any, positions: Any, matrices: Any, offsets: Any) -> None:
 
 
 @inlined
-def _gather(points: Any, weights: Any, frame: Any, columns: Any, own: Any) -> None:
+def _gather(points: Floats, weights: Floats, frame: Floats, columns: Integers, own: Floats) -> None:
     """Write a frame's landmarks and their weights; a missing one is at 0 with weight 0."""
     for landmark in range(len(columns)):
         x, y, z = frame[columns[landmark]]
@@ -106,12 +118,12 @@ def _gather(points: Any, weights: Any, frame: Any, columns: Any, own: Any) -> No
 
 @inlined
 def _pose(
-    rotation: Any,
-    centre: Any,
-    goal: Any,
-    points: Any,
-    shape: Any,
-    weights: Any,
+    rotation: Floats,
+    centre: Floats,
+    goal: Floats,
+    points: Floats,
+    shape: Floats,
+    weights: Floats,
     scaling: int,
     reflection: bool,
 ) -> tuple[float, int]:
@@ -143,7 +155,7 @@ def _pose(
 
 
 @inlined
-def _mean(points: Any, weights: Any, total: float) -> Vector:
+def _mean(points: Floats, weights: Floats, total: float) -> Vector:
     x, y, z = 0.0, 0.0, 0.0
     for i in range(len(weights)):
         x += weights[i] * points[i, 0]
@@ -154,7 +166,7 @@ def _mean(points: Any, weights: Any, total: float) -> Vector:
 
 @inlined
 def _covariance(
-    points: Any, shape: Any, weights: Any, centre: Vector, goal: Vector
+    points: Floats, shape: Floats, weights: Floats, centre: Vector, goal: Vector
 ) -> tuple[Vector, Vector, Vector, float, float]:
     """Return the columns of ``sum(w (p - centre) (q - goal)^T)``, and the squared sizes of both."""
     xu, yu, zu, xv, yv, zv, xw, yw, zw = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -179,7 +191,7 @@ def _is_small(size: float, total: float, middle: Vector) -> bool:
 
 @inlined
 def _rotation(
-    rotation: Any, a: Vector, b: Vector, c: Vector, reflection: bool
+    rotation: Floats, a: Vector, b: Vector, c: Vector, reflection: bool
 ) -> tuple[float, float, float]:
     """Write ``V diag(1, 1, d) U^T`` of ``(a b c) = U S V^T``, d = det(V U^T); return S, with d.
 

@@ -9,18 +9,23 @@ from __future__ import annotations
 
 import math
 from heapq import heappop, heappush
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 compiled = kernel()
 inlined = kernel(forceinline=True)
 
 
 @compiled
-def simultaneous(positions: Any, bar: Any, first: int) -> Any:
+def simultaneous(positions: Floats, bar: Floats, first: int) -> Floats:
     """Find bad samples and put each at the midpoint of its neighbours as they came.
 
     Parameters
@@ -42,7 +47,7 @@ def simultaneous(positions: Any, bar: Any, first: int) -> Any:
 
 
 @compiled
-def in_place(positions: Any, bar: Any, first: int) -> Any:
+def in_place(positions: Floats, bar: Floats, first: int) -> Floats:
     """Go through the frames once, each judged and repaired after the one before it."""
     repaired = positions.copy()
     _sweep(repaired, repaired, bar, first)
@@ -50,7 +55,7 @@ def in_place(positions: Any, bar: Any, first: int) -> Any:
 
 
 @compiled
-def redetect(positions: Any, bar: Any, first: int) -> Any:
+def redetect(positions: Floats, bar: Floats, first: int) -> Floats:
     """Repair a marker's worst sample, detect again, until none is left; each at most once."""
     repaired = positions.copy()
     for marker in range(positions.shape[1]):
@@ -61,7 +66,7 @@ def redetect(positions: Any, bar: Any, first: int) -> Any:
 
 
 @inlined
-def _sweep(repaired: Any, source: Any, bar: Any, first: int) -> None:
+def _sweep(repaired: Floats, source: Floats, bar: Floats, first: int) -> None:
     for now in range(first, len(source) - 1):
         for marker in range(len(bar)):
             if _is_bad(source, bar[marker], now, marker):
@@ -69,7 +74,7 @@ def _sweep(repaired: Any, source: Any, bar: Any, first: int) -> None:
 
 
 @inlined
-def _repair_worst_first(track: Any, bar: float, first: int) -> None:
+def _repair_worst_first(track: Floats, bar: float, first: int) -> None:
     """Repair one marker, (T, 1, 3), in place."""
     frames = len(track)
     done = np.zeros(frames, np.bool_)
@@ -91,7 +96,7 @@ def _repair_worst_first(track: Any, bar: float, first: int) -> None:
 
 
 @compiled
-def bars(positions: Any, factor: float) -> Any:
+def bars(positions: Floats, factor: float) -> Floats:
     """Return (M,), the length from which a marker's step is long; infinite where none is.
 
     Parameters
@@ -116,13 +121,13 @@ def bars(positions: Any, factor: float) -> Any:
 
 
 @inlined
-def _is_bad(positions: Any, bar: float, now: int, marker: int) -> bool:
+def _is_bad(positions: Floats, bar: float, now: int, marker: int) -> bool:
     long: bool = _step(positions, now, marker) >= bar and _step(positions, now + 1, marker) >= bar
     return long
 
 
 @inlined
-def _step(positions: Any, now: int, marker: int) -> float:
+def _step(positions: Floats, now: int, marker: int) -> float:
     """Return how far a sample is from the one before it; NaN where one is missing."""
     x = positions[now, marker, 0] - positions[now - 1, marker, 0]
     y = positions[now, marker, 1] - positions[now - 1, marker, 1]
@@ -131,14 +136,14 @@ def _step(positions: Any, now: int, marker: int) -> float:
 
 
 @inlined
-def _to_midpoint(repaired: Any, positions: Any, now: int, marker: int) -> None:
+def _to_midpoint(repaired: Floats, positions: Floats, now: int, marker: int) -> None:
     for axis in range(3):
         before, after = positions[now - 1, marker, axis], positions[now + 1, marker, axis]
         repaired[now, marker, axis] = (before + after) / 2.0
 
 
 @inlined
-def _deviation(track: Any, now: int) -> float:
+def _deviation(track: Floats, now: int) -> float:
     """Return how far a sample is from the midpoint of its neighbours."""
     x = track[now, 0, 0] - (track[now - 1, 0, 0] + track[now + 1, 0, 0]) / 2.0
     y = track[now, 0, 1] - (track[now - 1, 0, 1] + track[now + 1, 0, 1]) / 2.0

@@ -7,11 +7,17 @@ helper in another one.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
 
 compiled = kernel()
 inlined = kernel(forceinline=True)
@@ -21,7 +27,7 @@ _TIE = 1.0 + 1e-9
 
 
 @compiled
-def medians(positions: Any, reach: int) -> Any:
+def medians(positions: Floats, reach: int) -> tuple[Floats, Floats]:
     """Return the vector median of each sample's window, and the sample's distance from it.
 
     Parameters
@@ -64,7 +70,7 @@ def medians(positions: Any, reach: int) -> Any:
 
 
 @compiled
-def spreads(positions: Any, medians: Any, reach: int) -> Any:
+def spreads(positions: Floats, medians: Floats, reach: int) -> Floats:
     """Return the median distance of each window's samples from the window's vector median.
 
     Parameters
@@ -94,7 +100,7 @@ def spreads(positions: Any, medians: Any, reach: int) -> Any:
 
 
 @inlined
-def _enter(apart: Any, track: Any, slots: Any, frame: int) -> None:
+def _enter(apart: Floats, track: Floats, slots: Integers, frame: int) -> None:
     """Write the distances of a frame from itself and from those before it in its windows."""
     slot = slots[frame]
     for other in range(max(0, frame - len(apart) + 1), frame + 1):
@@ -103,7 +109,7 @@ def _enter(apart: Any, track: Any, slots: Any, frame: int) -> None:
 
 
 @inlined
-def _gather(inside: Any, track: Any, now: int, reach: int) -> int:
+def _gather(inside: Integers, track: Floats, now: int, reach: int) -> int:
     """Collect the present frames of a window; none if there is none before or after its middle."""
     frames = len(track)
     count = before = after = 0
@@ -119,7 +125,7 @@ def _gather(inside: Any, track: Any, now: int, reach: int) -> int:
 
 
 @inlined
-def _sum_distances(total: Any, apart: Any, slots: Any, inside: Any) -> None:
+def _sum_distances(total: Floats, apart: Floats, slots: Integers, inside: Integers) -> None:
     for row in range(len(inside)):
         line, length = apart[slots[inside[row]]], 0.0
         for other in range(len(inside)):
@@ -128,7 +134,7 @@ def _sum_distances(total: Any, apart: Any, slots: Any, inside: Any) -> None:
 
 
 @inlined
-def _least(total: Any, inside: Any, now: int) -> int:
+def _least(total: Floats, inside: Integers, now: int) -> int:
     """Return the frame with the least sum; of equal ones the nearest to `now`, the earlier one."""
     bar, best = total.min() * _TIE, -1
     for index in range(len(inside)):
@@ -139,7 +145,7 @@ def _least(total: Any, inside: Any, now: int) -> int:
 
 
 @inlined
-def _middle(values: Any) -> float:
+def _middle(values: Floats) -> float:
     """Return the median of a few values, which are sorted in place."""
     for index in range(1, len(values)):
         value, place = values[index], index
@@ -153,6 +159,6 @@ def _middle(values: Any) -> float:
 
 
 @inlined
-def _apart(point: Any, other: Any) -> float:
+def _apart(point: Floats, other: Floats) -> float:
     x, y, z = point[0] - other[0], point[1] - other[1], point[2] - other[2]
     return math.sqrt(x * x + y * y + z * z)

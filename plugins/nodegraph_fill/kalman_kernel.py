@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
+
 compiled = kernel(fastmath={"reassoc", "contract"})
 
 
 @compiled
-def information(basis: Any, noise: Any, missing: Any) -> Any:
+def information(basis: Floats, noise: Floats, missing: Flags) -> Floats:
     """Return ``I = sum_j c_j c_j' / r_j`` of every frame, over the coordinates that it has.
 
     Parameters
@@ -52,7 +59,7 @@ def information(basis: Any, noise: Any, missing: Any) -> Any:
 
 
 @compiled
-def smooth(information: Any, vectors: Any, first: Any) -> Any:
+def smooth(information: Floats, vectors: Floats, first: Floats) -> tuple[Floats, Floats]:
     """Return the state in every frame, all frames being known, and its covariance.
 
     The state is ``x[t+1] = x[t] + w``, w of covariance 1. What is measured in a frame has the
@@ -95,7 +102,7 @@ def smooth(information: Any, vectors: Any, first: Any) -> Any:
 
 
 @compiled
-def spread(rows: Any, columns: Any, covariances: Any, basis: Any) -> Any:
+def spread(rows: Integers, columns: Integers, covariances: Floats, basis: Floats) -> Floats:
     """Return ``c' P c`` of entries, (E,), P being the covariance of the row's state."""
     spread = np.empty(len(rows))
     for entry in range(len(rows)):
@@ -110,7 +117,14 @@ def spread(rows: Any, columns: Any, covariances: Any, basis: Any) -> Any:
 
 
 @compiled
-def without(lacking: Any, rows: Any, states: Any, covariances: Any, basis: Any, noise: Any) -> Any:
+def without(
+    lacking: Flags,
+    rows: Floats,
+    states: Floats,
+    covariances: Floats,
+    basis: Floats,
+    noise: Floats,
+) -> Floats:
     """Return states, (E, D), that some of the coordinates that they were made of are taken from.
 
     With c the coordinates' rows of the basis, r their noise and y their values, that is
@@ -141,6 +155,6 @@ def without(lacking: Any, rows: Any, states: Any, covariances: Any, basis: Any, 
 
 
 @compiled
-def _symmetric(matrix: Any) -> Any:
+def _symmetric(matrix: NDArray[np.floating]) -> NDArray[np.floating]:
     """Return a matrix without what rounding makes it differ from its transpose by."""
     return (matrix + matrix.T) / 2.0

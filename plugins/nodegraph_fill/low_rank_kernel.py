@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
+
 compiled = kernel(fastmath={"reassoc", "contract"})
 
 
 @compiled
-def factorize(start: Any, columns: Any, precision: Any) -> Any:
+def factorize(start: Integers, columns: Integers, precision: Floats) -> tuple[Floats, Integers]:
     """Return Cholesky's factors of ``K_mm`` row by row, m being the row's missing entries.
 
     Parameters
@@ -52,7 +58,7 @@ def factorize(start: Any, columns: Any, precision: Any) -> Any:
 
 
 @compiled
-def _factorize(precision: Any, places: Any, factor: Any) -> None:
+def _factorize(precision: Floats, places: Integers, factor: Floats) -> None:
     for i in range(len(places)):
         line, first = precision[places[i]], i * (i + 1) // 2
         for j in range(i + 1):
@@ -64,7 +70,7 @@ def _factorize(precision: Any, places: Any, factor: Any) -> None:
 
 
 @compiled
-def solve(start: Any, factors: Any, where: Any, values: Any) -> Any:
+def solve(start: Integers, factors: Floats, where: Integers, values: Floats) -> Floats:
     """Return ``inv(K_mm) v`` row by row, from the factors of all K_mm and v, (E,)."""
     solution = np.empty_like(values)
     for row in range(len(where)):
@@ -74,7 +80,7 @@ def solve(start: Any, factors: Any, where: Any, values: Any) -> Any:
 
 
 @compiled
-def _solve(factor: Any, values: Any, solution: Any) -> None:
+def _solve(factor: Floats, values: Floats, solution: Floats) -> None:
     size = len(values)
     for i in range(size):
         rest, first = values[i], i * (i + 1) // 2
@@ -89,7 +95,13 @@ def _solve(factor: Any, values: Any, solution: Any) -> None:
 
 
 @compiled
-def gather(sources: Any, targets: Any, values: Any, lines: Any, size: Any) -> Any:
+def gather(
+    sources: Integers,
+    targets: Integers,
+    values: NDArray[np.floating],
+    lines: NDArray[np.floating],
+    size: int,
+) -> NDArray[np.floating]:
     """Return so many lines, each the sum of value times source line over what has it as target.
 
     Parameters
@@ -108,7 +120,9 @@ def gather(sources: Any, targets: Any, values: Any, lines: Any, size: Any) -> An
 
 
 @compiled
-def product(rows: Any, columns: Any, scores: Any, matrix: Any) -> Any:
+def product(
+    rows: Integers, columns: Integers, scores: NDArray[np.floating], matrix: NDArray[np.floating]
+) -> NDArray[np.floating]:
     """Return the entries of ``Y D'``, Y being the scores, (N, K), and D the matrix, (P, K)."""
     entries, zero = np.empty(len(rows), scores.dtype), scores.dtype.type(0)
     for entry in range(len(rows)):

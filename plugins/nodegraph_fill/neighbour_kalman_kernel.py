@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
 compiled = kernel()
 
 
 @compiled
-def follow(observations: Any, variance: Any, seconds: float, acceleration: float) -> Any:
+def follow(observations: Floats, variance: Floats, seconds: float, acceleration: float) -> Floats:
     """Return a marker's position in every frame, filtered from it and the frames before.
 
     Each coordinate has a position and a velocity; its covariance, the same for all three, is

@@ -94,7 +94,7 @@ class Rule:
         if self.neighbours < 1:
             raise ValueError(f"neighbours must be at least 1, got {self.neighbours}")
 
-    def arguments(self, markers: int) -> tuple[Any, ...]:
+    def arguments(self, markers: int) -> tuple[int, int, float, float, NDArray[np.bool_], bool]:
         """Return what the kernel's functions take, from the kind of weights on."""
         from nodegraph_fill import stepwise_kernel
 
@@ -133,9 +133,13 @@ class _Pass:
 
         markers = self.state.shape[1]
         reach = gaps.stop.max(initial=0) + 1
-        samples = self.positions[:reach], self.state[:reach], gaps.mask[:reach]
         self.still += stepwise_kernel.run(
-            *samples, backward, *rule.arguments(markers), min(rule.ring, markers)
+            self.positions[:reach],
+            self.state[:reach],
+            gaps.mask[:reach],
+            backward,
+            *rule.arguments(markers),
+            min(rule.ring, markers),
         )
 
 

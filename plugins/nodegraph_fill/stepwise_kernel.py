@@ -9,11 +9,19 @@ starts from and at the frame that it is for.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Codes = NDArray[np.uint8]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
 
 compiled = kernel()
 inlined = kernel(forceinline=True)
@@ -34,15 +42,15 @@ MISSING, MEASURED, FILLED = range(3)
 
 @compiled
 def run(
-    positions: Any,
-    state: Any,
-    wanted: Any,
+    positions: Floats,
+    state: Codes,
+    wanted: Flags,
     backward: bool,
     kind: int,
     neighbours: int,
     full: float,
     end: float,
-    allowed: Any,
+    allowed: Flags,
     use_filled: bool,
     ring: int,
 ) -> int:
@@ -129,17 +137,17 @@ def run(
 
 @compiled
 def predict_returns(
-    positions: Any,
-    state: Any,
-    frame: Any,
-    marker: Any,
+    positions: Floats,
+    state: Integers,
+    frame: Integers,
+    marker: Integers,
     kind: int,
     neighbours: int,
     full: float,
     end: float,
-    allowed: Any,
+    allowed: Flags,
     use_filled: bool,
-) -> Any:
+) -> Floats:
     """Return where the rule would put samples that are present, NaN where it cannot.
 
     Parameters
@@ -178,7 +186,7 @@ def predict_returns(
 
 
 @inlined
-def _find_targets(targets: Any, wanted: Any, before: Any) -> int:
+def _find_targets(targets: Integers, wanted: Flags, before: Codes) -> int:
     """List the markers to fill that have a last position, in their order."""
     count = 0
     for marker in range(len(wanted)):
@@ -188,7 +196,7 @@ def _find_targets(targets: Any, wanted: Any, before: Any) -> int:
 
 
 @inlined
-def _set_tiers(tier: Any, before: Any, now: Any, use_filled: bool) -> None:
+def _set_tiers(tier: Codes, before: Codes, now: Codes, use_filled: bool) -> None:
     """Write which markers are usable: present at both frames, MEASURED only if at both."""
     for marker in range(len(tier)):
         worse = max(before[marker], now[marker])
@@ -198,7 +206,9 @@ def _set_tiers(tier: Any, before: Any, now: Any, use_filled: bool) -> None:
 
 
 @inlined
-def _gather(places: Any, who: Any, then: Any, tier: Any, lowest: int, highest: int) -> int:
+def _gather(
+    places: Floats, who: Integers, then: Floats, tier: Codes, lowest: int, highest: int
+) -> int:
     """Pack the markers of some tiers, in their order: the search is fast among packed ones."""
     size = 0
     for marker in range(len(tier)):
@@ -212,15 +222,15 @@ def _gather(places: Any, who: Any, then: Any, tier: Any, lowest: int, highest: i
 
 @inlined
 def _nearest(
-    then: Any,
+    then: Floats,
     marker: int,
-    places: Any,
-    who: Any,
+    places: Floats,
+    who: Integers,
     size: int,
-    allowed: Any,
-    rank: Any,
-    squared: Any,
-    distances: Any,
+    allowed: Flags,
+    rank: Integers,
+    squared: Floats,
+    distances: Floats,
     first: int,
     bound: float,
 ) -> int:
@@ -272,7 +282,9 @@ def _nearest(
 
 
 @inlined
-def _bound(then: Any, marker: int, rank: Any, tier: Any, lowest: int, highest: int) -> float:
+def _bound(
+    then: Floats, marker: int, rank: Integers, tier: Codes, lowest: int, highest: int
+) -> float:
     """Return a squared distance that the neighbours ranked last time lie within.
 
     A face changes little from frame to frame, so this bound spares most of the search. Without
@@ -293,7 +305,13 @@ def _bound(then: Any, marker: int, rank: Any, tier: Any, lowest: int, highest: i
 
 @inlined
 def _move(
-    place: Any, then: Any, here: Any, marker: int, rank: Any, weight: Any, count: int
+    place: Floats,
+    then: Floats,
+    here: Floats,
+    marker: int,
+    rank: Integers,
+    weight: Floats,
+    count: int,
 ) -> None:
     """Write the marker's last position plus its neighbours' weighted displacements."""
     x, y, z = then[marker, 0], then[marker, 1], then[marker, 2]
@@ -306,7 +324,7 @@ def _move(
 
 
 @inlined
-def _weigh(weight: Any, count: int, kind: int, full: float, end: float) -> None:
+def _weigh(weight: Floats, count: int, kind: int, full: float, end: float) -> None:
     """Replace the neighbours' squared distances by their weights."""
     for index in range(count):
         weight[index] = math.sqrt(weight[index])
@@ -323,7 +341,7 @@ def _weigh(weight: Any, count: int, kind: int, full: float, end: float) -> None:
 
 
 @inlined
-def _weigh_cosine(weight: Any, count: int) -> None:
+def _weigh_cosine(weight: Floats, count: int) -> None:
     nearest, farthest = np.inf, 0.0
     for index in range(count):
         nearest, farthest = min(nearest, weight[index]), max(farthest, weight[index])
@@ -340,7 +358,7 @@ def _weigh_cosine(weight: Any, count: int) -> None:
 
 
 @inlined
-def _weigh_muscle(weight: Any, normalize: bool) -> None:
+def _weigh_muscle(weight: Floats, normalize: bool) -> None:
     every = weight[0] + weight[1] + weight[2]
     if every == 0.0:
         weight[:3] = 1.0 / 3.0
@@ -355,7 +373,7 @@ def _weigh_muscle(weight: Any, normalize: bool) -> None:
 
 
 @inlined
-def _weigh_inverse(weight: Any, count: int) -> None:
+def _weigh_inverse(weight: Floats, count: int) -> None:
     """Weight one or two neighbours by the inverse of their distance, the sum being 1."""
     if count == 1:
         weight[0] = 1.0
@@ -377,18 +395,18 @@ def _fall_off(distance: float, full: float, end: float) -> float:
 
 @inlined
 def _set_rings(
-    rings: Any,
-    usable: Any,
-    mean: Any,
-    targets: Any,
-    then: Any,
-    before: Any,
-    tier: Any,
-    allowed: Any,
-    places: Any,
-    who: Any,
-    squared: Any,
-    distances: Any,
+    rings: Integers,
+    usable: Integers,
+    mean: Floats,
+    targets: Integers,
+    then: Floats,
+    before: Codes,
+    tier: Codes,
+    allowed: Flags,
+    places: Floats,
+    who: Integers,
+    squared: Floats,
+    distances: Floats,
 ) -> None:
     """Find the ring of each target, its mean distance and how many in it are usable."""
     size = _gather(places, who, then, before, MEASURED, FILLED)
@@ -403,7 +421,7 @@ def _set_rings(
 
 
 @inlined
-def _mean_distance(squared: Any, count: int) -> float:
+def _mean_distance(squared: Floats, count: int) -> float:
     total = 0.0
     for index in range(count):
         total += math.sqrt(squared[index])
@@ -411,7 +429,7 @@ def _mean_distance(squared: Any, count: int) -> float:
 
 
 @inlined
-def _count_usable(ring: Any, size: int, tier: Any) -> int:
+def _count_usable(ring: Integers, size: int, tier: Codes) -> int:
     count = 0
     for slot in range(size):
         count += tier[ring[slot]] != MISSING
@@ -419,7 +437,7 @@ def _count_usable(ring: Any, size: int, tier: Any) -> int:
 
 
 @inlined
-def _count_new(usable: Any, rings: Any, targets: Any, filled: int) -> None:
+def _count_new(usable: Integers, rings: Integers, targets: Integers, filled: int) -> None:
     """Count a sample just filled for those yet to come whose ring it is in."""
     for marker in targets:
         for slot in range(rings.shape[1]):
@@ -427,7 +445,7 @@ def _count_new(usable: Any, rings: Any, targets: Any, filled: int) -> None:
 
 
 @inlined
-def _bring_first(targets: Any, usable: Any, mean: Any, turn: int, count: int) -> None:
+def _bring_first(targets: Integers, usable: Integers, mean: Floats, turn: int, count: int) -> None:
     """Move the target that goes first to place `turn`; the others keep their order."""
     first = turn
     for index in range(turn + 1, count):

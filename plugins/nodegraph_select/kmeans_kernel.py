@@ -7,11 +7,18 @@ graphs have other steps that can run meanwhile.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int64]
 
 compiled = kernel(error_model="numpy")
 inlined = kernel(forceinline=True)
@@ -29,7 +36,7 @@ equally far from their mean, and rounding must not choose between them."""
 
 
 @compiled
-def restarts(rows: Any, draws: Any) -> Any:
+def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     """Cluster rows by k-means from a random start per run.
 
     Parameters
@@ -86,7 +93,7 @@ def _filled_up(count: int, unit: int) -> int:
 
 
 @inlined
-def _aligned(height: int, width: int) -> Any:
+def _aligned(height: int, width: int) -> Floats:
     """Return zeros that begin where a cache line does, of 64 bytes or 8 numbers."""
     room = np.zeros(height * width + 8)
     first = (64 - room.ctypes.data % 64) // 8 % 8
@@ -94,7 +101,7 @@ def _aligned(height: int, width: int) -> Any:
 
 
 @inlined
-def _draw(order: Any, draws: Any) -> None:
+def _draw(order: Integers, draws: Floats) -> None:
     """Put as many different numbers as there are draws, each equally likely, first."""
     count = len(order)
     for place in range(count):
@@ -105,7 +112,9 @@ def _draw(order: Any, draws: Any) -> None:
 
 
 @compiled
-def _settle(rows: Any, columns: Any, means: Any, squared: Any, cluster: Any, least: Any) -> int:
+def _settle(
+    rows: Floats, columns: Floats, means: Floats, squared: Floats, cluster: Integers, least: Floats
+) -> int:
     """Assign rows and take means in turn until no row changes its cluster; return the rounds.
 
     Distances from a mean that did not move are kept: they would come out the same, bit for bit.
@@ -131,7 +140,7 @@ def _settle(rows: Any, columns: Any, means: Any, squared: Any, cluster: Any, lea
 
 
 @inlined
-def _measure(squared: Any, columns: Any, mean: Any) -> None:
+def _measure(squared: Floats, columns: Floats, mean: Floats) -> None:
     """Measure the squared distances of all rows from a mean; infinite from one of no rows."""
     squared[:] = 0.0 if mean[0] == mean[0] else np.inf
     for first in range(0, len(columns), _DIMENSIONS):
@@ -143,7 +152,7 @@ def _measure(squared: Any, columns: Any, mean: Any) -> None:
 
 
 @inlined
-def _assign(nearest: Any, least: Any, squared: Any) -> None:
+def _assign(nearest: Integers, least: Floats, squared: Floats) -> None:
     """Find the nearest mean of each row, the first of equals."""
     least[:] = np.inf
     nearest[:] = 0
@@ -159,7 +168,7 @@ def _assign(nearest: Any, least: Any, squared: Any) -> None:
 
 
 @compiled
-def _add(totals: Any, count: Any, rows: Any, cluster: Any) -> None:
+def _add(totals: Floats, count: Integers, rows: Floats, cluster: Integers) -> None:
     """Add up the rows of each cluster, and count them."""
     totals[:] = 0.0
     count[:] = 0
@@ -171,7 +180,7 @@ def _add(totals: Any, count: Any, rows: Any, cluster: Any) -> None:
 
 
 @compiled
-def _move(means: Any, moved: Any, totals: Any, count: Any) -> None:
+def _move(means: Floats, moved: Flags, totals: Floats, count: Integers) -> None:
     """Put the means where their clusters' are, NaN where no row is left; note which moved."""
     for cluster in range(len(means)):
         mean, total, rows, others = means[cluster], totals[cluster], float(count[cluster]), 0
@@ -184,7 +193,7 @@ def _move(means: Any, moved: Any, totals: Any, count: Any) -> None:
 
 
 @inlined
-def _find_nearest(nearest: Any, cluster: Any, apart: Any) -> None:
+def _find_nearest(nearest: Integers, cluster: Integers, apart: Floats) -> None:
     """Find the row of each cluster that is nearest to its mean, the first of equals."""
     least = np.full(len(nearest), np.inf)
     for place in range(len(cluster)):

@@ -7,9 +7,16 @@ multiply-adds, which round less often.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
 
 compiled = kernel(fastmath={"contract"})
 inlined = kernel(fastmath={"contract"}, forceinline=True)
@@ -20,7 +27,13 @@ BLOCK = 2048
 
 @compiled
 def curve_into(
-    out: Any, values: Any, weights: Any, marker: Any, start: Any, stop: Any, rows: Any
+    out: Floats,
+    values: Floats,
+    weights: Floats,
+    marker: Integers,
+    start: Integers,
+    stop: Integers,
+    rows: Floats,
 ) -> int:
     """Write the curve of each run that is long enough to have a regular middle.
 
@@ -53,7 +66,7 @@ def curve_into(
 
 
 @compiled
-def rows_into(out: Any, values: Any, marker: Any, start: Any, rows: Any) -> None:
+def rows_into(out: Floats, values: Floats, marker: Integers, start: Integers, rows: Floats) -> None:
     """Write whole runs of one length, each sample a weighted mean of all.
 
     Parameters
@@ -67,7 +80,7 @@ def rows_into(out: Any, values: Any, marker: Any, start: Any, rows: Any) -> None
 
 
 @compiled
-def filter_into(out: Any, values: Any, stride: int, weights: Any) -> None:
+def filter_into(out: Floats, values: Floats, stride: int, weights: Floats) -> None:
     """Write each number plus the weighted differences of those around it.
 
     ``out[i] = x[i] + sum(w[k-1] ((x[i - k stride] + x[i + k stride]) - 2 x[i]))``, k from 1.
@@ -103,7 +116,7 @@ def filter_into(out: Any, values: Any, stride: int, weights: Any) -> None:
 
 
 @inlined
-def _nearest_into(out: Any, values: Any, stride: int, weight: float) -> None:
+def _nearest_into(out: Floats, values: Floats, stride: int, weight: float) -> None:
     """Write what has a frame before and one after, three frames at a time.
 
     A number is loaded once for the three that it goes into.
@@ -131,7 +144,9 @@ def _nearest_into(out: Any, values: Any, stride: int, weight: float) -> None:
 
 
 @inlined
-def _end_into(out: Any, values: Any, marker: int, frame: int, step: int, rows: Any) -> None:
+def _end_into(
+    out: Floats, values: Floats, marker: int, frame: int, step: int, rows: Floats
+) -> None:
     """Write a run's first samples, counted from a frame forward or (step -1) backward in time."""
     for row in range(len(rows)):
         here = frame + step * row

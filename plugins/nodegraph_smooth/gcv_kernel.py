@@ -9,11 +9,16 @@ five bands that do not change along it, and is split into ``L D L'``.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 compiled = kernel()
 inlined = kernel(forceinline=True)
@@ -27,7 +32,7 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 @inlined
-def _split(penalty: float, diagonal: Any, first: Any, second: Any) -> None:
+def _split(penalty: float, diagonal: Floats, first: Floats, second: Floats) -> None:
     """Write D and the bands of L: ``first[i]``, ``second[i]`` are ``L[i+1, i]``, ``L[i+2, i]``."""
     middle, beside, apart = 2.0 / 3.0 + 6.0 * penalty, 1.0 / 6.0 - 4.0 * penalty, penalty
     for i in range(len(diagonal)):
@@ -61,7 +66,7 @@ def freedom(length: int, penalty: float) -> float:
 
 
 @compiled
-def spline(values: Any, penalty: float, curve: Any) -> float:
+def spline(values: Floats, penalty: float, curve: Floats) -> float:
     """Write the spline at the samples, and return the sum of its squared residuals.
 
     Parameters
@@ -94,7 +99,7 @@ def spline(values: Any, penalty: float, curve: Any) -> float:
 
 
 @inlined
-def _solve(right: Any, diagonal: Any, first: Any, second: Any) -> None:
+def _solve(right: Floats, diagonal: Floats, first: Floats, second: Floats) -> None:
     """Replace a right-hand side by the solution, the matrix being split."""
     size = len(right)
     for i in range(1, size):
@@ -110,7 +115,7 @@ def _solve(right: Any, diagonal: Any, first: Any, second: Any) -> None:
 
 
 @compiled
-def criterion(values: Any, penalty: float, curve: Any) -> float:
+def criterion(values: Floats, penalty: float, curve: Floats) -> float:
     """Return ``T sum(residuals^2) / trace(I - A)^2``, and write the spline."""
     left: float = freedom(len(values), penalty)
     residuals: float = spline(values, penalty, curve)
@@ -118,7 +123,7 @@ def criterion(values: Any, penalty: float, curve: Any) -> float:
 
 
 @compiled
-def smooth(values: Any) -> Any:
+def smooth(values: Floats) -> tuple[Floats, Floats]:
     """Return the smoothing splines of runs of one length, each with the best lambda of its own.
 
     lambda is looked for on a grid and then, around the best of it, by golden section; between
@@ -158,7 +163,7 @@ def smooth(values: Any) -> Any:
 
 
 @inlined
-def _narrow(values: Any, begin: float, end: float, fitted: Any) -> float:
+def _narrow(values: Floats, begin: float, end: float, fitted: Floats) -> float:
     """Return the logarithm of the best lambda between two, by golden section."""
     first, second = end - _GOLDEN * (end - begin), begin + _GOLDEN * (end - begin)
     at_first = criterion(values, math.exp(first), fitted)

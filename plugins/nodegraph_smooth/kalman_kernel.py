@@ -9,17 +9,22 @@ state itself.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
 compiled = kernel()
 
 
 @compiled
-def gains(frames: int, order: int, density: float) -> Any:
+def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Return what does not depend on the data.
 
     With the state ``x[t+1] = F x[t] + w``, w of covariance Q: in the forward pass
@@ -58,7 +63,7 @@ def gains(frames: int, order: int, density: float) -> Any:
     forth = np.ascontiguousarray(back.T)
     carry, inverse = np.zeros((frames, order, order)), np.zeros((frames, order, order))
     gain, variance = np.zeros((frames, order, order)), np.empty(frames)
-    information: Any = np.zeros((order, order))
+    information: NDArray[np.floating] = np.zeros((order, order))
     information[0, 0] = 1.0
     for t in range(frames - 1):
         moved = forth @ information @ back
@@ -80,7 +85,7 @@ def gains(frames: int, order: int, density: float) -> Any:
 
 
 @compiled
-def smooth(values: Any, carry: Any, inverse: Any, gain: Any) -> Any:
+def smooth(values: Floats, carry: Floats, inverse: Floats, gain: Floats) -> Floats:
     """Return the positions that runs of one length have, all frames being known.
 
     Parameters

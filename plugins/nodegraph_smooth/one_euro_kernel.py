@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 compiled = kernel()
 inlined = kernel(forceinline=True)
 
 
 @compiled
-def smooth(values: Any, rate: float, least: float, slope: float, derivative: float) -> Any:
+def smooth(values: Floats, rate: float, least: float, slope: float, derivative: float) -> Floats:
     """Return the filtered runs, (T, R, 3); see `nodegraph_smooth.one_euro`.
 
     Parameters
@@ -38,9 +43,9 @@ def smooth(values: Any, rate: float, least: float, slope: float, derivative: flo
 
 @compiled
 def advance(
-    smoothed: Any,
-    velocity: Any,
-    values: Any,
+    smoothed: Floats,
+    velocity: Floats,
+    values: Floats,
     rate: float,
     least: float,
     slope: float,
@@ -64,10 +69,10 @@ def advance(
 
 @inlined
 def _follow(
-    out: Any,
-    value: Any,
-    before: Any,
-    velocity: Any,
+    out: Floats,
+    value: Floats,
+    before: Floats,
+    velocity: Floats,
     rate: float,
     least: float,
     slope: float,

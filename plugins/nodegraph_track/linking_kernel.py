@@ -5,17 +5,24 @@ A kernel calls only kernels of its own file: numba's cache notices an edit of no
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.intp]
+
 compiled = kernel()
 
 
 @compiled
-def spaces(points: Any, offsets: Any, frames: Any) -> Any:
+def spaces(points: Floats, offsets: Integers, frames: Integers) -> Floats:
     """Return how far each point of some frames is from the nearest one of its frame, (K,) mm.
 
     Parameters
@@ -47,7 +54,9 @@ def spaces(points: Any, offsets: Any, frames: Any) -> Any:
 
 
 @compiled
-def pairs_within(places: Any, points: Any, gate: float, wanting: Any, free: Any) -> Any:
+def pairs_within(
+    places: Floats, points: Floats, gate: float, wanting: Flags, free: Flags
+) -> tuple[Integers, Integers, Floats]:
     """Return which points lie within the gate of which place.
 
     Parameters
@@ -89,7 +98,7 @@ def pairs_within(places: Any, points: Any, gate: float, wanting: Any, free: Any)
 
 
 @compiled
-def nearest_first(start: Any, point: Any, order: Any, points: int) -> Any:
+def nearest_first(start: Integers, point: Integers, order: Integers, points: int) -> Integers:
     """Return the point of each place, (A,), -1 for none, when pairs are linked in some order.
 
     Parameters
@@ -113,7 +122,7 @@ def nearest_first(start: Any, point: Any, order: Any, points: int) -> Any:
 
 
 @compiled
-def assigned(in_turn: Any, points: Any, gate: float) -> Any:
+def assigned(in_turn: Floats, points: Floats, gate: float) -> Integers:
     """Return the point of each place by which the links are cheapest, (A,), -1 for none.
 
     Parameters
@@ -139,7 +148,9 @@ def assigned(in_turn: Any, points: Any, gate: float) -> Any:
 
 
 @compiled
-def cheapest(start: Any, point: Any, squared: Any, points: int, alone: float) -> Any:
+def cheapest(
+    start: Integers, point: Integers, squared: Floats, points: int, alone: float
+) -> Integers:
     """Return the point of each place, (A,), by shortest augmenting paths.
 
     Place after place is added; the cheapest path of exchanges makes room for it. Behind the points
@@ -189,7 +200,7 @@ def cheapest(start: Any, point: Any, squared: Any, points: int, alone: float) ->
 
 
 @compiled
-def _cheapest_open(columns: Any, cost: Any, done: Any) -> int:
+def _cheapest_open(columns: Integers, cost: Floats, done: Flags) -> int:
     best = -1
     for column in columns:
         if not done[column] and (best < 0 or cost[column] < cost[best]):

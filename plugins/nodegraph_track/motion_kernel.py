@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.intp]
+
 compiled = kernel()
 
 
 @compiled
-def carried_by_velocity(place: Any, steps: Any, absent: Any, fade: float) -> Any:
+def carried_by_velocity(place: Floats, steps: Floats, absent: Integers, fade: float) -> Floats:
     """Return places moved by the median of their last steps, (A, 3).
 
     Parameters
@@ -37,8 +43,8 @@ def carried_by_velocity(place: Any, steps: Any, absent: Any, fade: float) -> Any
 
 @compiled
 def carried_by_neighbours(
-    place: Any, moved: Any, motion: Any, neighbours: int, otherwise: Any
-) -> Any:
+    place: Floats, moved: Integers, motion: Floats, neighbours: int, otherwise: Floats
+) -> Floats:
     """Return places moved by the median motion of their nearest neighbours, (A, 3).
 
     Parameters
@@ -71,7 +77,7 @@ def carried_by_neighbours(
 
 
 @compiled
-def _smallest(values: Any, which: Any, smallest: Any) -> int:
+def _smallest(values: Floats, which: Integers, smallest: Floats) -> int:
     """Write which values are smallest, and these, the least first; return how many there are."""
     count, most = 0, len(smallest)
     for index in range(len(values)):
@@ -88,7 +94,7 @@ def _smallest(values: Any, which: Any, smallest: Any) -> int:
 
 
 @compiled
-def _median(values: Any) -> Any:
+def _median(values: Floats) -> float:
     """Return the median, and sort the values: a few of them only."""
     for end in range(1, len(values)):
         value, rank = values[end], end
@@ -97,4 +103,5 @@ def _median(values: Any) -> Any:
             rank -= 1
         values[rank] = value
     middle = len(values) // 2
-    return (values[middle] + values[(len(values) - 1) // 2]) / 2.0
+    median: float = (values[middle] + values[(len(values) - 1) // 2]) / 2.0
+    return median

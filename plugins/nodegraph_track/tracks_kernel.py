@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.intp]
 
 compiled = kernel()
 
 
 @compiled
 def next_tracks(
-    tracks: Any, links: Any, points: Any, frame: int, patience: int, shortest: int, owner: Any
-) -> Any:
+    tracks: Any,
+    links: Any,
+    points: Floats,
+    frame: int,
+    patience: int,
+    shortest: int,
+    owner: Integers,
+) -> tuple[Integers, Floats, Floats, Floats, Floats, Integers, Integers, int]:
     """Return the open tracks after a frame, and write the owner of each point.
 
     Parameters
@@ -73,7 +85,7 @@ def next_tracks(
 
 
 @compiled
-def _both_ways(links: Any, tracks: int, points: int) -> Any:
+def _both_ways(links: Any, tracks: int, points: int) -> tuple[Integers, Integers]:
     """Return the point of each track, and the track of each point; -1 for none."""
     taken, of_point = np.full(tracks, -1), np.full(points, -1)
     for link in range(len(links.track)):

@@ -6,17 +6,26 @@ The matrix of the normal equations is block tridiagonal: a block of K x K for ea
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import kernel
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
+
 compiled = kernel()
 
 
 @compiled
-def times(grams: Any, which: Any, coupled: Any, smoothness: float, weights: Any) -> Any:
+def times(
+    grams: Floats, which: Integers, coupled: Flags, smoothness: float, weights: Floats
+) -> Floats:
     """Return the matrix times the weights.
 
     Parameters
@@ -41,7 +50,12 @@ def times(grams: Any, which: Any, coupled: Any, smoothness: float, weights: Any)
 
 @compiled
 def eliminate(
-    grams: Any, which: Any, coupled: Any, smoothness: float, diagonal: Any, inverses: Any
+    grams: Floats,
+    which: Integers,
+    coupled: Flags,
+    smoothness: float,
+    diagonal: Floats,
+    inverses: Floats,
 ) -> None:
     """Write the inverse of each frame's block, what hangs before it being eliminated.
 
@@ -68,7 +82,7 @@ def eliminate(
 
 
 @compiled
-def substitute(inverses: Any, coupled: Any, smoothness: float, right: Any) -> Any:
+def substitute(inverses: Floats, coupled: Flags, smoothness: float, right: Floats) -> Floats:
     """Return the solution for a right-hand side."""
     solution = right.copy()
     for frame in range(1, len(solution)):

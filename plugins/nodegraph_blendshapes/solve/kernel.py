@@ -11,11 +11,18 @@ Each frame starts from the free weights of the one before. Import this module on
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
 
 compiled = kernel(error_model="numpy", fastmath={"reassoc", "contract"})
 
@@ -40,9 +47,9 @@ class Squares(NamedTuple):
     low, high : float
     """
 
-    columns: Any
-    gram: Any
-    lengths: Any
+    columns: Floats
+    gram: Floats
+    lengths: Floats
     low: float
     high: float
 
@@ -65,18 +72,20 @@ class Work(NamedTuple):
     factor : (K, K) array of float64
     """
 
-    weights: Any
-    ahead: Any
-    slope: Any
-    place: Any
-    wrong: Any
-    order: Any
-    size: Any
-    factor: Any
+    weights: Floats
+    ahead: Floats
+    slope: Floats
+    place: Integers
+    wrong: Flags
+    order: Integers
+    size: Integers
+    factor: Floats
 
 
 @compiled
-def bounded(squares: Any, targets: Any, linears: Any, most: int, solution: Any) -> None:
+def bounded(
+    squares: Squares, targets: Floats, linears: Floats, most: int, solution: Floats
+) -> None:
     """Write the weights of least squares of each target.
 
     Parameters
@@ -102,7 +111,7 @@ def bounded(squares: Any, targets: Any, linears: Any, most: int, solution: Any) 
 
 
 @compiled
-def _new_work(squares: Any) -> Any:
+def _new_work(squares: Squares) -> Work:
     """Return a search that has not begun: every weight is free."""
     count = len(squares.lengths)
     work = Work(
@@ -120,7 +129,7 @@ def _new_work(squares: Any) -> Any:
 
 
 @compiled
-def _dot(left: Any, right: Any, count: int) -> float:
+def _dot(left: Floats, right: Floats, count: int) -> float:
     total = 0.0
     for k in range(count):
         total += left[k] * right[k]
@@ -128,13 +137,13 @@ def _dot(left: Any, right: Any, count: int) -> float:
 
 
 @compiled
-def _add(target: Any, other: Any, factor: float, count: int) -> None:
+def _add(target: Floats, other: Floats, factor: float, count: int) -> None:
     for k in range(count):
         target[k] += other[k] * factor
 
 
 @compiled
-def _factorize(gram: Any, work: Any, begin: int) -> None:
+def _factorize(gram: Floats, work: Work, begin: int) -> None:
     """Write the factor's rows from `begin` on."""
     factor, order = work.factor, work.order
     for i in range(begin, work.size[0]):
@@ -145,7 +154,7 @@ def _factorize(gram: Any, work: Any, begin: int) -> None:
 
 
 @compiled
-def _solve(work: Any) -> None:
+def _solve(work: Work) -> None:
     """Replace the right-hand side in `ahead` by the solution for the free weights."""
     factor, ahead = work.factor, work.ahead
     for i in range(work.size[0]):
@@ -156,7 +165,7 @@ def _solve(work: Any) -> None:
 
 
 @compiled
-def _exchange(squares: Any, linear: Any, work: Any, length: float, most: int) -> None:
+def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most: int) -> None:
     """Exchange weights that are on the wrong side until none is left."""
     fewest, rounds = len(linear) + 1, _ROUNDS
     for _ in range(most):
@@ -172,7 +181,7 @@ def _exchange(squares: Any, linear: Any, work: Any, length: float, most: int) ->
 
 
 @compiled
-def _free_ones(squares: Any, linear: Any, work: Any) -> None:
+def _free_ones(squares: Squares, linear: Floats, work: Work) -> None:
     """Write the free weights, whether beyond the bounds or not, and the gradient."""
     size, weights, slope = work.size[0], work.weights, work.slope
     for k in range(len(slope)):
@@ -189,7 +198,7 @@ def _free_ones(squares: Any, linear: Any, work: Any) -> None:
 
 
 @compiled
-def _mark(squares: Any, work: Any, length: float) -> int:
+def _mark(squares: Squares, work: Work, length: float) -> int:
     """Mark the weights that are on the wrong side, and return how many."""
     count = 0
     for j in range(len(work.weights)):
@@ -203,7 +212,7 @@ def _mark(squares: Any, work: Any, length: float) -> int:
 
 
 @compiled
-def _mark_the_last_only(work: Any) -> None:
+def _mark_the_last_only(work: Work) -> None:
     last = 0
     for j in range(len(work.wrong)):
         if work.wrong[j]:
@@ -213,9 +222,10 @@ def _mark_the_last_only(work: Any) -> None:
 
 
 @compiled
-def _swap(squares: Any, work: Any) -> Any:
+def _swap(squares: Squares, work: Work) -> int:
     """Exchange the marked weights, and return from which row on the factor is another."""
-    order, kept, same = work.order, 0, work.size[0]
+    order, kept = work.order, 0
+    same: int = work.size[0]
     for k in range(work.size[0]):
         i = order[k]
         if work.wrong[i]:
@@ -237,7 +247,7 @@ def _swap(squares: Any, work: Any) -> Any:
 
 
 @compiled
-def _refine(squares: Any, target: Any, work: Any) -> None:
+def _refine(squares: Squares, target: Floats, work: Work) -> None:
     """Take from the free weights what the normal equations have cost in accuracy."""
     rest = target.copy()
     for j in range(len(work.weights)):

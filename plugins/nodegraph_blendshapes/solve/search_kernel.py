@@ -15,11 +15,18 @@ this module only when one runs.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.integer]
 
 compiled = kernel(error_model="numpy", fastmath={"reassoc", "contract"})
 
@@ -47,8 +54,8 @@ class Squares(NamedTuple):
         0 is not outside of them.
     """
 
-    columns: Any
-    lengths: Any
+    columns: Floats
+    lengths: Floats
     low: float
     high: float
 
@@ -64,9 +71,9 @@ class System(NamedTuple):
     coordinates : (R, S) array of float64
     """
 
-    columns: Any
-    targets: Any
-    coordinates: Any
+    columns: Floats
+    targets: Floats
+    coordinates: Floats
 
 
 class Work(NamedTuple):
@@ -91,20 +98,22 @@ class Work(NamedTuple):
         and what the columns are to give, reflected.
     """
 
-    weights: Any
-    ahead: Any
-    slope: Any
-    diagonal: Any
-    half: Any
-    place: Any
-    refused: Any
-    order: Any
-    size: Any
-    table: Any
+    weights: Floats
+    ahead: Floats
+    slope: Floats
+    diagonal: Floats
+    half: Floats
+    place: Integers
+    refused: Flags
+    order: Integers
+    size: Integers
+    table: Floats
 
 
 @compiled
-def search(squares: Any, targets: Any, system: Any, most: int, solution: Any, free: Any) -> None:
+def search(
+    squares: Squares, targets: Floats, system: System, most: int, solution: Floats, free: Flags
+) -> None:
     """Write weights of least squares of each target, of which there may be several.
 
     Parameters
@@ -131,7 +140,7 @@ def search(squares: Any, targets: Any, system: Any, most: int, solution: Any, fr
 
 
 @compiled
-def _new_work(squares: Any) -> Any:
+def _new_work(squares: Squares) -> Work:
     count, height = squares.columns.shape
     return Work(
         np.zeros(count),
@@ -148,7 +157,7 @@ def _new_work(squares: Any) -> Any:
 
 
 @compiled
-def _begin(squares: Any, work: Any) -> None:
+def _begin(squares: Squares, work: Work) -> None:
     work.weights[:] = 0.0
     work.refused[:] = False
     work.size[0] = 0
@@ -160,7 +169,7 @@ def _begin(squares: Any, work: Any) -> None:
 
 
 @compiled
-def _search(squares: Any, target: Any, work: Any, most: int) -> None:
+def _search(squares: Squares, target: Floats, work: Work, most: int) -> None:
     least = _squares_and_slope(squares, target, work)
     enough = PULL * math.sqrt(least)
     for _ in range(most):
@@ -190,7 +199,7 @@ def _search(squares: Any, target: Any, work: Any, most: int) -> None:
 
 
 @compiled
-def _dot(left: Any, right: Any, count: int) -> float:
+def _dot(left: Floats, right: Floats, count: int) -> float:
     total = 0.0
     for k in range(count):
         total += left[k] * right[k]
@@ -198,13 +207,13 @@ def _dot(left: Any, right: Any, count: int) -> float:
 
 
 @compiled
-def _add(target: Any, other: Any, factor: float, count: int) -> None:
+def _add(target: Floats, other: Floats, factor: float, count: int) -> None:
     for k in range(count):
         target[k] += other[k] * factor
 
 
 @compiled
-def _squares_and_slope(squares: Any, target: Any, work: Any) -> Any:
+def _squares_and_slope(squares: Squares, target: Floats, work: Work) -> float:
     """Write the gradient, and return the sum of squares."""
     rest = -target
     for j in range(len(work.weights)):
@@ -216,7 +225,7 @@ def _squares_and_slope(squares: Any, target: Any, work: Any) -> Any:
 
 
 @compiled
-def _most_pulled(squares: Any, work: Any, enough: float) -> int:
+def _most_pulled(squares: Squares, work: Work, enough: float) -> int:
     """Return which weight that is not free the gradient pulls inwards the most, or -1."""
     most, best = enough, -1
     for j in range(len(work.weights)):
@@ -231,7 +240,7 @@ def _most_pulled(squares: Any, work: Any, enough: float) -> int:
 
 
 @compiled
-def _look_ahead(squares: Any, target: Any, work: Any, begin: int) -> None:
+def _look_ahead(squares: Squares, target: Floats, work: Work, begin: int) -> None:
     """Write where the free weights have the least squares, the others staying.
 
     Rows of the table before `begin` are as they were.
@@ -254,7 +263,7 @@ def _look_ahead(squares: Any, target: Any, work: Any, begin: int) -> None:
 
 
 @compiled
-def _solve(work: Any, rest: Any) -> None:
+def _solve(work: Work, rest: Floats) -> None:
     """Write what the free columns give `rest` with, as nearly as they can."""
     _reflect(work, rest, work.size[0])
     for k in range(work.size[0] - 1, -1, -1):
@@ -263,7 +272,7 @@ def _solve(work: Any, rest: Any) -> None:
 
 
 @compiled
-def _reflect(work: Any, row: Any, count: int) -> None:
+def _reflect(work: Work, row: Floats, count: int) -> None:
     """Reflect a row by the first mirrors, one after the other."""
     for k in range(count):
         if work.half[k] != 0.0:
@@ -272,7 +281,7 @@ def _reflect(work: Any, row: Any, count: int) -> None:
 
 
 @compiled
-def _go(squares: Any, work: Any) -> int:
+def _go(squares: Squares, work: Work) -> int:
     """Go ahead as far as the bounds let; bind the weight that stops.
 
     Returns where in the order it was, or -1 if none did.
@@ -301,7 +310,7 @@ def _go(squares: Any, work: Any) -> int:
 
 
 @compiled
-def _cancel(squares: Any, target: Any, work: Any) -> bool:
+def _cancel(squares: Squares, target: Floats, work: Work) -> bool:
     total = 0.0
     for j in range(len(work.weights)):
         total += abs(work.weights[j]) * squares.lengths[j]
@@ -309,7 +318,7 @@ def _cancel(squares: Any, target: Any, work: Any) -> bool:
 
 
 @compiled
-def _refine(squares: Any, system: Any, target: Any, work: Any) -> None:
+def _refine(squares: Squares, system: System, target: Floats, work: Work) -> None:
     """Take from the free weights what turning the columns has cost in accuracy."""
     left = target.copy()
     for j in range(len(work.weights)):

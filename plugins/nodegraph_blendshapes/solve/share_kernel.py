@@ -10,11 +10,17 @@ the centre, until nothing is left of the difference. With a smaller share where 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from nodegraph import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Flags = NDArray[np.bool_]
+    Floats = NDArray[np.float64]
 
 compiled = kernel(error_model="numpy")
 
@@ -38,14 +44,16 @@ class Ties(NamedTuple):
     low, high : (K,) arrays of float64
     """
 
-    projector: Any
-    wanted: Any
-    low: Any
-    high: Any
+    projector: Floats
+    wanted: Floats
+    low: Floats
+    high: Floats
 
 
 @compiled
-def share(projector: Any, wanted: Any, lows: Any, highs: Any, shared: Any, solved: Any) -> None:
+def share(
+    projector: Floats, wanted: Floats, lows: Floats, highs: Floats, shared: Floats, solved: Flags
+) -> None:
     """Write the weights of least norm with each ``projector' w``.
 
     Parameters
@@ -66,7 +74,7 @@ def share(projector: Any, wanted: Any, lows: Any, highs: Any, shared: Any, solve
 
 
 @compiled
-def _share(ties: Any, size: float, shared: Any) -> None:
+def _share(ties: Ties, size: float, shared: Floats) -> None:
     """Write the weights that come nearest to what is wanted."""
     count = len(ties.wanted)
     point, slope, weights = ties.wanted.copy(), np.empty(count), np.empty(len(shared))
@@ -89,7 +97,7 @@ def _share(ties: Any, size: float, shared: Any) -> None:
 
 
 @compiled
-def _climb(ties: Any, share: float, point: Any) -> None:
+def _climb(ties: Ties, share: float, point: Floats) -> None:
     """Go to the y of the largest dual less ``share |y - centre|^2 / 2``, the centre being here."""
     count = len(point)
     centre, there, slope = point.copy(), np.empty(count), np.empty(count)
@@ -116,7 +124,9 @@ def _climb(ties: Any, share: float, point: Any) -> None:
 
 
 @compiled
-def _dual(ties: Any, share: float, centre: Any, point: Any, weights: Any, slope: Any) -> float:
+def _dual(
+    ties: Ties, share: float, centre: Floats, point: Floats, weights: Floats, slope: Floats
+) -> float:
     """Return its value at a point, and write the weights there and the gradient."""
     value, count = 0.0, len(point)
     for k in range(count):
@@ -136,7 +146,7 @@ def _dual(ties: Any, share: float, centre: Any, point: Any, weights: Any, slope:
 
 
 @compiled
-def _curvature(ties: Any, weights: Any, share: float) -> Any:
+def _curvature(ties: Ties, weights: Floats, share: float) -> Floats:
     """Return the lower triangle of the second derivatives, with `share` on the diagonal."""
     count = len(ties.wanted)
     matrix = np.zeros((count, count))
@@ -152,7 +162,7 @@ def _curvature(ties: Any, weights: Any, share: float) -> Any:
 
 
 @compiled
-def _solve(matrix: Any, right: Any) -> None:
+def _solve(matrix: Floats, right: Floats) -> None:
     """Replace the right-hand side by the solution, the lower triangle by Cholesky's factor."""
     count = len(right)
     for i in range(count):
@@ -172,7 +182,7 @@ def _solve(matrix: Any, right: Any) -> None:
 
 
 @compiled
-def _sharpen(ties: Any, shared: Any) -> float:
+def _sharpen(ties: Ties, shared: Floats) -> float:
     """Move the weights that are between their bounds by what a far y has cost in accuracy.
 
     Returns the largest difference that is left.
@@ -197,7 +207,7 @@ def _sharpen(ties: Any, shared: Any) -> float:
 
 
 @compiled
-def _largest(values: Any) -> float:
+def _largest(values: Floats) -> float:
     largest = 0.0
     for k in range(len(values)):
         largest = max(largest, abs(values[k]))
