@@ -13,79 +13,46 @@ from nodegraph_compare.left_out import absences, start_text
 from nodegraph_compare.ties import at_most
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
-    from nodegraph import Across, Label
-    from nodegraph_compare.curve.marks import Mark, Marks
-    from nodegraph_compare.curve.points import Axes, Points
+    from nodegraph import Across
+    from nodegraph_compare.curve.curves import Curves
+    from nodegraph_compare.curve.points import Points
     from nodegraph_mocap import Table
 
 
-def answer(
-    axes: Axes,
-    curves: Sequence[Points],
-    marked: Marks,
-    level: Mapping[Label, float] | None,
-    mark: Mark,
-    tolerance: float,
-    unit: str,
-) -> list[str]:
-    """Return sentences: what is marked, or the lowest points, then what the noise floor reaches.
-
-    Parameters
-    ----------
-    axes, curves, marked
-        The names, the points of each label, and the places with a mark.
-    level
-        The noise floor of each label, NaN for one without; None where there is no floor.
-    mark, tolerance
-        As set.
-    unit
-        Of the metric.
-    """
-    drawn = [points for points in curves if len(points.curve)]
+def answer(curves: Curves) -> list[str]:
+    """Return sentences: what is marked, or the lowest points, then what the noise floor reaches."""
+    drawn = curves.drawn
     if not drawn:
-        return [f"No point has a number for {axes.metric}; nothing can be said."]
-    sentences = _Sentences(axes, marked, level, unit)
-    under = [points for points in drawn if _known(level, points)]
-    lines = [] if mark == "none" else sentences.marks(drawn, mark, tolerance)
-    lines += sentences.lowest(drawn) if mark == "none" and not under else []
+        return [f"No point has a number for {curves.axes.metric}; nothing can be said."]
+    sentences = _Sentences(curves)
+    under = [points for points in drawn if math.isfinite(curves.floor(points))]
+    lines = [] if curves.mark == "none" else sentences.marks()
+    lines += sentences.lowest() if curves.mark == "none" and not under else []
     return [*lines, *(sentences.floor(points) for points in under)]
 
 
-def verdict(marked: Marks, axes: Axes, mark: Mark, tolerance: float) -> str:
-    """Return the title of a figure of curves; an empty text unless minima are to be shared.
-
-    Parameters
-    ----------
-    marked
-        The places with a mark.
-    axes
-        The names.
-    mark, tolerance
-        As set.
-    """
-    if mark != "shared":
+def verdict(curves: Curves) -> str:
+    """Return the title of a figure of curves; an empty text unless minima are to be shared."""
+    shared, x = curves.marked.shared, curves.axes.x
+    if curves.mark != "shared":
         return ""
-    if marked.shared is None:
-        return f"no minimum shared within {tolerance:g} {axes.x}"
-    return f"minimum shared at {marked.shared:g} {axes.x}"
+    if shared is None:
+        return f"no minimum shared within {curves.tolerance:g} {x}"
+    return f"minimum shared at {shared:g} {x}"
 
 
-def notes(
-    axes: Axes, marked: Marks, level: Mapping[Label, float] | None, units: tuple[str, ...]
-) -> list[str]:
+def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
     """Return what the columns of the table mean.
 
     Parameters
     ----------
-    axes, marked
-        The names, and the places with a mark.
-    level
-        The noise floor of each label; None where there is no floor.
+    curves
     units
         What distinguishes independent units.
     """
+    axes = curves.axes
     if axes.blocks:
         text = (
             f"{axes.metric}: mean over blocks, a block being one combination of "
@@ -102,9 +69,9 @@ def notes(
     if axes.lowest:
         sentences.append(f"on curve: the lowest of the points at one value of {axes.x}.")
     sentences.append("local minimum: lower than the points of the curve before and after it.")
-    if level is not None:
+    if curves.floors is not None:
         sentences.append("below floor: at or below what measurement noise alone does.")
-    if "knee" in marked.kinds.values():
+    if "knee" in curves.marked.kinds.values():
         sentences.append(
             "knee: the point of a curve farthest below the straight line through its first and "
             "last point, on the scales of the figure; errors below the noise floor count as it."
@@ -112,31 +79,22 @@ def notes(
     return sentences
 
 
-def losses(
-    scores: Across[Table],
-    axes: Axes,
-    curves: Sequence[Points],
-    level: Mapping[Label, float] | None,
-    *,
-    skipped: bool,
-) -> list[str]:
+def losses(scores: Across[Table], curves: Curves, *, skipped: bool) -> list[str]:
     """Return what is left out, in counts.
 
     Parameters
     ----------
     scores
         The gathered tables.
-    axes, curves
-        The names, and the points of each label.
-    level
-        The noise floor of each label, NaN for one without; None where there is no floor.
+    curves
     skipped
         Whether to list what the graph leaves out on purpose.
     """
+    axes = curves.axes
     rows = "blocks" if axes.blocks else "rows"
     sentences = [
         f"{start_text(points.label)}{count} {what}"
-        for points in curves
+        for points in curves.points
         for count, what in (
             (points.without_x, f"rows left out, whose {axes.x} is no finite number"),
             (points.without_value, f"{rows} left out, whose {axes.metric} is no finite number"),
@@ -145,13 +103,13 @@ def losses(
     ]
     sentences += [
         f"{start_text(points.label)}{points.taken} {rows} as by the fallback"
-        for points in curves
+        for points in curves.points
         if skipped and points.taken
     ]
-    lacking = [str(points.label) for points in curves if len(points.curve) == 0]
+    lacking = [str(points.label) for points in curves.points if len(points.curve) == 0]
     sentences += [f"without a curve: {', '.join(lacking)}"] if any(lacking) else []
-    if level is not None:
-        bare = [str(points.label) for points in curves if not _known(level, points)]
+    if curves.floors is not None:
+        bare = [str(points.label) for points in curves.points if math.isnan(curves.floor(points))]
         sentences += [f"without a noise floor: {', '.join(bare)}"] if bare else []
     absent = scores.absent if skipped else unsuccessful(scores)
     return sentences + absences(absent, axes.compare)
@@ -160,18 +118,18 @@ def losses(
 class _Sentences:
     """Sentences on the curves of one figure."""
 
-    def __init__(
-        self, axes: Axes, marked: Marks, level: Mapping[Label, float] | None, unit: str
-    ) -> None:
-        self._axes, self._marked, self._level, self._unit = axes, marked, level, unit
+    def __init__(self, curves: Curves) -> None:
+        self._curves, self._axes, self._marked = curves, curves.axes, curves.marked
 
-    def lowest(self, drawn: Sequence[Points]) -> list[str]:
+    def lowest(self) -> list[str]:
         places = (
-            (points, points.curve[int(np.argmin(points.value[points.curve]))]) for points in drawn
+            (points, points.curve[int(np.argmin(points.value[points.curve]))])
+            for points in self._curves.drawn
         )
         return [f"Lowest: {self._points(places)}."]
 
-    def marks(self, drawn: Sequence[Points], mark: Mark, tolerance: float) -> list[str]:
+    def marks(self) -> list[str]:
+        drawn, tolerance = self._curves.drawn, self._curves.tolerance
         of = {
             kind: [
                 (points, self._marked.places[points.label])
@@ -187,7 +145,7 @@ class _Sentences:
                 f"{self._axes.x} {self._marked.shared:g}, the fewest of which this holds: "
                 f"{self._points(of['shared'])}."
             )
-        elif mark == "shared":
+        elif self._curves.mark == "shared":
             sentences.append(
                 f"No local minimum is shared within {tolerance:g} {self._axes.x}:"
                 f" {self._minima(drawn)}."
@@ -202,7 +160,7 @@ class _Sentences:
         return sentences
 
     def floor(self, points: Points) -> str:
-        level = (self._level or {})[points.label]
+        level = self._curves.floor(points)
         curve = points.curve
         reached = points.x[curve][at_most(points.value[curve], level)]
         start = f"{start_text(points.label)}noise alone gives {self._number(level)}; "
@@ -228,15 +186,11 @@ class _Sentences:
         )
 
     def _reach(self, points: Points, place: int) -> str:
-        below = at_most(points.value[place], (self._level or {}).get(points.label, math.nan))
+        below = at_most(points.value[place], self._curves.floor(points))
         return ", not above the noise floor" if below else ""
 
     def _number(self, value: float) -> str:
-        return f"{self._axes.metric} {value:.3g} {self._unit}".rstrip()
-
-
-def _known(level: Mapping[Label, float] | None, points: Points) -> bool:
-    return level is not None and math.isfinite(level[points.label])
+        return f"{self._axes.metric} {value:.3g} {self._curves.unit}".rstrip()
 
 
 def _name(points: Points) -> str:

@@ -16,13 +16,12 @@ from nodegraph_tables.axes import SMALL, plain
 from nodegraph_tables.style import BEST, BLACK, LINE, QUIET, REST
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.axes import Axes as Panel
 
-    from nodegraph import Label
-    from nodegraph_compare.curve.marks import Mark, Marks
-    from nodegraph_compare.curve.points import Axes, Points
+    from nodegraph_compare.curve.curves import Curves
+    from nodegraph_compare.curve.points import Points
     from nodegraph_compare.curve.scale import Scale
 
 
@@ -38,35 +37,13 @@ _LETTERS = 24
 """In a line above a panel."""
 
 
-def draw(
-    axes: Axes,
-    curves: Sequence[Points],
-    marked: Marks,
-    level: Mapping[Label, float] | None,
-    scale: Scale,
-    mark: Mark,
-    tolerance: float,
-    unit: str,
-) -> Figure:
+def draw(curves: Curves) -> Figure:
     """Return the figure: a panel per curve, at most 24, on one scale.
 
     In each, the curve is blue, with the points that it does not take hollow, its mark in black
     and its noise floor shaded; the others are grey.
-
-    Parameters
-    ----------
-    axes, curves, marked
-        What is drawn: the names, the points of each label, and the places with a mark.
-    level
-        The noise floor of each label, NaN for one without; None where there is no floor.
-    scale
-        Along y.
-    mark, tolerance
-        As set; for the title.
-    unit
-        Of the metric.
     """
-    drawn = curves[:_MOST_PANELS]
+    drawn = curves.points[:_MOST_PANELS]
     across = min(len(drawn), _MOST_ACROSS)
     down = math.ceil(len(drawn) / across)
     width = {1: 6.4, 2: 3.9}.get(across, 2.6)
@@ -74,16 +51,16 @@ def draw(
     figure = Figure(figsize=(across * width, down * tall + 0.5), layout="constrained")
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     panels = grid.ravel()
-    _set_scale(panels[0], scale, curves)
+    _set_scale(panels[0], curves)
     for panel, points in zip(panels, drawn, strict=False):
-        _draw_panel(panel, points, curves, marked, level, scale)
+        _draw_panel(panel, points, curves)
     for panel in panels[len(drawn) :]:
         panel.remove()
-    title = verdict(marked, axes, mark, tolerance)
+    title, axes = verdict(curves), curves.axes
     if title:
         figure.suptitle(figure_text(title, across=90, lines=3), x=0.01, ha="left", fontsize=10)
-    in_unit = f" ({unit})" if unit else ""
-    notes = [f"{axes.metric}{in_unit} over {axes.x}", *_notes(drawn, curves, level, scale)]
+    in_unit = f" ({curves.unit})" if curves.unit else ""
+    notes = [f"{axes.metric}{in_unit} over {axes.x}", *_notes(drawn, curves)]
     figure.supxlabel(
         figure_text(". ".join(notes), across=110, lines=4), x=0.01, ha="left", fontsize=SMALL,
         color=QUIET,
@@ -91,22 +68,16 @@ def draw(
     return figure
 
 
-def _draw_panel(
-    panel: Panel,
-    points: Points,
-    curves: Sequence[Points],
-    marked: Marks,
-    level: Mapping[Label, float] | None,
-    scale: Scale,
-) -> None:
+def _draw_panel(panel: Panel, points: Points, curves: Curves) -> None:
     plain(panel)
-    for other in curves if len(curves) <= _MOST_BEHIND else ():
+    scale = curves.scale
+    for other in curves.points if len(curves.points) <= _MOST_BEHIND else ():
         if other is not points and len(other.curve):
             panel.plot(
                 other.x[other.curve], scale.shown(other.value)[other.curve], color=REST,
                 linewidth=0.6, alpha=0.5, clip_on=False, zorder=1.5,
             )  # fmt: skip
-    floor = (level or {}).get(points.label, math.nan)
+    floor = curves.floor(points)
     if math.isfinite(floor):
         panel.axhspan(min(panel.get_ylim()[0], floor), floor, color=LINE, alpha=0.7, zorder=0.5)
         # a floor above all that is drawn would push the layout apart
@@ -119,8 +90,8 @@ def _draw_panel(
     panel.set_title(
         figure_text(name, across=_LETTERS, lines=2), loc="left", fontsize=SMALL + 1, color=BLACK
     )
-    if points.label in marked.places:
-        _draw_mark(panel, points, marked, scale)
+    if points.label in curves.marked.places:
+        _draw_mark(panel, points, curves)
 
 
 def _draw_curve(panel: Panel, points: Points, scale: Scale) -> None:
@@ -147,9 +118,9 @@ def _draw_curve(panel: Panel, points: Points, scale: Scale) -> None:
     )  # fmt: skip
 
 
-def _draw_mark(panel: Panel, points: Points, marked: Marks, scale: Scale) -> None:
-    place, kind = marked.places[points.label], marked.kinds[points.label]
-    x, y = points.x[place], scale.shown(points.value)[place]
+def _draw_mark(panel: Panel, points: Points, curves: Curves) -> None:
+    place, kind = curves.marked.places[points.label], curves.marked.kinds[points.label]
+    x, y = points.x[place], curves.scale.shown(points.value)[place]
     panel.plot(
         x, y, marker=_SYMBOLS[kind], markersize=11, markerfacecolor="none", markeredgecolor=BLACK,
         markeredgewidth=1.3, zorder=5, clip_on=False,
@@ -160,26 +131,23 @@ def _draw_mark(panel: Panel, points: Points, marked: Marks, scale: Scale) -> Non
     )  # fmt: skip
 
 
-def _notes(
-    drawn: Sequence[Points],
-    curves: Sequence[Points],
-    level: Mapping[Label, float] | None,
-    scale: Scale,
-) -> list[str]:
+def _notes(drawn: Sequence[Points], curves: Curves) -> list[str]:
+    scale = curves.scale
     notes = ["Logarithmic"] if scale.logarithmic else []
     if any(len(points.curve) < np.isfinite(points.value).sum() for points in drawn):
         notes.append("Hollow: points that the curve does not take")
-    if any(math.isfinite(floor) for floor in (level or {}).values()):
+    if any(math.isfinite(floor) for floor in (curves.floors or {}).values()):
         notes.append("Shaded: what noise alone does")
-    deep = sum(int(np.count_nonzero(points.value < scale.lowest)) for points in curves)
+    deep = sum(int(np.count_nonzero(points.value < scale.lowest)) for points in curves.points)
     if deep:
         notes.append(f"{deep} on the lower edge: 0 or lower than shown")
-    if len(drawn) < len(curves):
-        notes.append(f"{len(curves) - len(drawn)} more curves are not drawn")
+    if len(drawn) < len(curves.points):
+        notes.append(f"{len(curves.points) - len(drawn)} more curves are not drawn")
     return notes
 
 
-def _set_scale(panel: Panel, scale: Scale, curves: Sequence[Points]) -> None:
+def _set_scale(panel: Panel, curves: Curves) -> None:
+    scale = curves.scale
     if scale.logarithmic:
         panel.set_yscale("log")
         panel.yaxis.set_major_locator(LogLocator(numticks=6))
@@ -188,12 +156,16 @@ def _set_scale(panel: Panel, scale: Scale, curves: Sequence[Points]) -> None:
     else:
         panel.yaxis.set_major_locator(MaxNLocator(5))
     if np.isfinite(scale.highest):
-        panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(curves, scale))
+        panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(curves))
     panel.xaxis.set_major_locator(MaxNLocator(5))
 
 
-def _top(curves: Sequence[Points], scale: Scale) -> float:
+def _top(curves: Curves) -> float:
     """Return where a linear scale ends: above all intervals that are drawn."""
-    ends = [points.value + reach(points.value, points.low, points.high)[1] for points in curves]
-    known = np.concatenate([end[points.curve] for end, points in zip(ends, curves, strict=True)])
-    return max(scale.highest, _ROOM * float(np.nanmax(known, initial=0.0)))
+    ends = [
+        points.value + reach(points.value, points.low, points.high)[1] for points in curves.points
+    ]
+    known = np.concatenate(
+        [end[points.curve] for end, points in zip(ends, curves.points, strict=True)]
+    )
+    return max(curves.scale.highest, _ROOM * float(np.nanmax(known, initial=0.0)))

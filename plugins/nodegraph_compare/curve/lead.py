@@ -10,16 +10,15 @@ import numpy as np
 
 from nodegraph_compare.ties import at_most
 from nodegraph_tables.lead import Card, Lead, Text, dot, svg
-from nodegraph_tables.numbers import number_text
+from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from nodegraph import Label
-    from nodegraph_compare.curve.marks import Mark, Marks
-    from nodegraph_compare.curve.points import Axes, Points
+    from nodegraph_compare.curve.curves import Curves
+    from nodegraph_compare.curve.points import Points
     from nodegraph_compare.curve.scale import Scale
 
 _HEIGHT = 92.0
@@ -45,55 +44,18 @@ class _Scales(NamedTuple):
         return np.asarray(_BOTTOM - (_BOTTOM - _TOP) * np.clip(share, 0.0, 1.0))
 
 
-def lead_of(
-    axes: Axes,
-    curves: Sequence[Points],
-    marked: Marks,
-    level: Mapping[Label, float] | None,
-    scale: Scale,
-    mark: Mark,
-    tolerance: float,
-    unit: str,
-) -> Lead:
-    """Return the lead: where each curve is marked, or lowest, and where noise is reached.
-
-    Parameters
-    ----------
-    axes, curves, marked
-        The names, the points of each label, and the places with a mark.
-    level
-        The noise floor of each label, NaN for one without; None where there is no floor.
-    scale
-        Along y.
-    mark, tolerance
-        As set.
-    unit
-        Of the metric.
-    """
-    drawn = [points for points in curves if len(points.curve)]
+def lead_of(curves: Curves) -> Lead:
+    """Return the lead: where each curve is marked, or lowest, and where noise is reached."""
+    drawn = curves.drawn
     if not drawn:
-        return Lead((f"No point has a number for {axes.metric}.",))
-    floors = {points.label: (level or {}).get(points.label, math.nan) for points in drawn}
-    scales = _scales(drawn, scale)
-    cards = tuple(
-        _card(points, drawn, axes, marked, floors[points.label], scales, unit) for points in drawn
-    )
-    return Lead(
-        _sentence(axes, drawn, marked, floors, mark, tolerance, unit),
-        cards,
-        _scope(axes, drawn, scale, floors),
-    )
+        return Lead((f"No point has a number for {curves.axes.metric}.",))
+    scales = _scales(curves)
+    cards = tuple(_card(points, curves, scales) for points in drawn)
+    return Lead(_sentence(curves), cards, _scope(curves))
 
 
-def _sentence(
-    axes: Axes,
-    drawn: Sequence[Points],
-    marked: Marks,
-    floors: Mapping[Label, float],
-    mark: Mark,
-    tolerance: float,
-    unit: str,
-) -> Text:
+def _sentence(curves: Curves) -> Text:
+    drawn, marked, axes = curves.drawn, curves.marked, curves.axes
     knees = [
         float(points.x[marked.places[points.label]])
         for points in drawn
@@ -107,7 +69,7 @@ def _sentence(
     of_all = "" if len(drawn) == 1 else f" ({_of(len(knees), len(drawn), 'curve')})"
     if marked.shared is not None:
         start: Text = (
-            f"All {len(drawn)} curves have a minimum within {tolerance:g} of ",
+            f"All {len(drawn)} curves have a minimum within {curves.tolerance:g} of ",
             f"{marked.shared:g} {axes.x}", "",
         )  # fmt: skip
     elif knees:
@@ -116,13 +78,13 @@ def _sentence(
         start = ("Lowest at ", f"{_between(minima)} {axes.x}", "")
     else:
         values = [float(points.value[points.curve].min()) for points in drawn]
-        start = ("The lowest points have ", _numbers(axes, values, unit), "")
-        if mark != "none":
+        start = ("The lowest points have ", _numbers(curves, values), "")
+        if curves.mark != "none":
             start = ("Neither a minimum nor a knee to mark; the lowest have ", *start[1:])
-    under = [points for points in drawn if math.isfinite(floors[points.label])]
+    under = [points for points in drawn if math.isfinite(curves.floor(points))]
     if not under:
         return (*start[:2], f"{start[2]}.")
-    reached = [_reached(points, floors[points.label]) for points in under]
+    reached = [_reached(points, curves.floor(points)) for points in under]
     known = [x for x in reached if x is not None]
     if not known:
         return (*start[:2], f"{start[2]}; no curve comes down to measurement noise.")
@@ -130,45 +92,32 @@ def _sentence(
     return (*start[:2], f"{start[2]}; noise is reached{which} at ", f"{_between(known)}", ".")
 
 
-def _card(
-    points: Points,
-    drawn: Sequence[Points],
-    axes: Axes,
-    marked: Marks,
-    floor: float,
-    scales: _Scales,
-    unit: str,
-) -> Card:
+def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
+    axes, marked, floor = curves.axes, curves.marked, curves.floor(points)
     lowest = int(points.curve[np.argmin(points.value[points.curve])])
     kind = marked.kinds.get(points.label, "")
     place = marked.places.get(points.label, lowest)
     reached = _reached(points, floor)
     where = "not reached" if reached is None else f"reached at {reached:g}"
-    noise = (("Noise", f"{number_text(floor, unit)}, {where}"),)
+    noise = (("Noise", f"{number_text(floor, curves.unit)}, {where}"),)
     return Card(
         title=f"{axes.compare} {points.label}" if axes.compare else axes.metric,
         headline=f"{points.x[place]:g} {axes.x}",
         value=_KINDS.get(kind, "lowest point"),
-        aside=_numbers(axes, [float(points.value[place])], unit),
-        picture=_picture(points, drawn, place, floor, axes, scales),
+        aside=_numbers(curves, [float(points.value[place])]),
+        picture=_picture(points, curves, place, scales),
         facts=noise if math.isfinite(floor) else (),
         best=bool(kind),
     )
 
 
-def _picture(
-    points: Points,
-    drawn: Sequence[Points],
-    place: int,
-    floor: float,
-    axes: Axes,
-    scales: _Scales,
-) -> str:
+def _picture(points: Points, curves: Curves, place: int, scales: _Scales) -> str:
+    axes, floor = curves.axes, curves.floor(points)
     shade = ""
     if math.isfinite(floor):
         top = float(scales.y(np.array([floor]))[0])
         shade = f'<rect x="0" width="240" y="{top:.1f}" height="{_BOTTOM - top:.1f}"/>'
-    others = (_path(other, scales, "rest") for other in drawn if other is not points)
+    others = (_path(other, scales, "rest") for other in curves.drawn if other is not points)
     x, y = scales.x(points.x), scales.y(points.value)
     curve = "".join(
         dot(
@@ -193,18 +142,22 @@ def _path(points: Points, scales: _Scales, kind: str) -> str:
     return f'<path class="{kind}" d="M{pairs}"/>'
 
 
-def _scales(drawn: Sequence[Points], scale: Scale) -> _Scales:
+def _scales(curves: Curves) -> _Scales:
+    drawn, scale = curves.drawn, curves.scale
     x = np.concatenate([points.x[points.curve] for points in drawn])
     y = scale.along(np.concatenate([points.value[points.curve] for points in drawn]))
     return _Scales(scale, float(x.min()), float(x.max()), float(y.min()), float(y.max()))
 
 
-def _scope(axes: Axes, drawn: Sequence[Points], scale: Scale, floors: Mapping[Label, float]) -> str:
+def _scope(curves: Curves) -> str:
+    axes, drawn = curves.axes, curves.drawn
     parts = [f"{axes.metric} over {axes.x}, lower is better"]
-    if scale.logarithmic:
+    if curves.scale.logarithmic:
         parts[0] += ", on a logarithmic scale"
-    if any(map(math.isfinite, floors.values())):
+    if any(math.isfinite(curves.floor(points)) for points in drawn):
         parts.append("shaded: what measurement noise alone does")
+    if "knee" in curves.marked.kinds.values():
+        parts.append("knee: where a curve turns, so that more help less")
     several = f"{len(drawn)} curves" if len(drawn) > 1 else "one curve"
     if axes.blocks:
         of = f"{several}, means over {' and '.join(axes.blocks)}"
@@ -219,9 +172,8 @@ def _reached(points: Points, floor: float) -> float | None:
     return float(below[0]) if len(below) else None
 
 
-def _numbers(axes: Axes, values: Sequence[float], unit: str) -> str:
-    low, high = number_text(min(values)), number_text(max(values))
-    return f"{axes.metric} {low if low == high else f'{low} to {high}'} {unit}".rstrip()
+def _numbers(curves: Curves, values: Sequence[float]) -> str:
+    return f"{curves.axes.metric} {span_text([min(values), max(values)], curves.unit)}"
 
 
 def _between(values: Sequence[float]) -> str:

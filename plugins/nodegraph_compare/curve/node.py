@@ -11,6 +11,7 @@ from pydantic import Field
 
 from nodegraph import Across, ColumnOf, Label, listed, node
 from nodegraph_compare.curve.answer import answer, losses, notes
+from nodegraph_compare.curve.curves import Curves
 from nodegraph_compare.curve.lead import lead_of
 from nodegraph_compare.curve.marks import Mark, marks
 from nodegraph_compare.curve.points import Axes, compared_in, floors, points, unit_names
@@ -35,7 +36,6 @@ from nodegraph_tables import TableInfo, with_info
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from nodegraph_compare.curve.marks import Marks
     from nodegraph_compare.curve.points import Points
 
 
@@ -266,32 +266,34 @@ def curve(
         clusters=clusters,
         lowest=lowest,
     )
-    curves = points(scores, axes, _fallback(scores, axes, fallback))
+    found = points(scores, axes, _fallback(scores, axes, fallback))
     level = None
     if floor is not None:
         check_floor(floor, axes)
-        level = _levels(floors(floor, axes), curves)
-    scale = scale_of(curves, level)
-    marked = marks(curves, mark, tolerance, level, scale)
-    frame = _frame(axes, curves, marked, level)
+        level = _levels(floors(floor, axes), found)
+    scale = scale_of(found, level)
     unit = unit_of(scores, axes.metric)
+    curves = Curves(
+        axes=axes, points=found, marked=marks(found, mark, tolerance, level, scale), floors=level,
+        scale=scale, mark=mark, tolerance=tolerance, unit=unit,
+    )  # fmt: skip
+    frame = _frame(curves)
     valued = (axes.metric, "low", "high", "floor")
     info = TableInfo(
         title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
-        answer=tuple(answer(axes, curves, marked, level, mark, tolerance, unit)),
-        lead=lead_of(axes, curves, marked, level, scale, mark, tolerance, unit),
+        answer=tuple(answer(curves)),
+        lead=lead_of(curves),
         notes=(
-            *notes(axes, marked, level, unit_names(scores, axes)),
-            *losses(scores, axes, curves, level, skipped=True),
+            *notes(curves, unit_names(scores, axes)),
+            *losses(scores, curves, skipped=True),
             *unused_axes(scores, axes.compare),
         ),
         units={name: unit for name in valued if unit and name in frame},
     )
-    lost = losses(scores, axes, curves, level, skipped=False)
+    lost = losses(scores, curves, skipped=False)
     if lost:
         warnings.warn("; ".join(lost), stacklevel=2)
-    figure = draw(axes, curves, marked, level, scale, mark, tolerance, unit)
-    return Curve(with_info(frame, info), figure)
+    return Curve(with_info(frame, info), draw(curves))
 
 
 def _fallback(scores: Across[Table], axes: Axes, name: str | None) -> Label | None:
@@ -309,20 +311,17 @@ def _levels(known: Mapping[Label, float], curves: Sequence[Points]) -> dict[Labe
     return {curve_points.label: known.get(curve_points.label, common) for curve_points in curves}
 
 
-def _frame(
-    axes: Axes, curves: Sequence[Points], marked: Marks, level: Mapping[Label, float] | None
-) -> Table:
+def _frame(curves: Curves) -> Table:
     from pandas import DataFrame, concat
 
-    parts = [DataFrame(_columns(axes, curve_points, marked, level)) for curve_points in curves]
+    parts = [DataFrame(_columns(curves, each)) for each in curves.points]
     frame = concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
-    whole = bool((frame[axes.x] % 1 == 0).all())
-    return frame.astype({axes.x: np.int64}) if whole else frame
+    whole = bool((frame[curves.axes.x] % 1 == 0).all())
+    return frame.astype({curves.axes.x: np.int64}) if whole else frame
 
 
-def _columns(
-    axes: Axes, curve_points: Points, marked: Marks, level: Mapping[Label, float] | None
-) -> dict[str, Any]:
+def _columns(curves: Curves, curve_points: Points) -> dict[str, Any]:
+    axes, marked = curves.axes, curves.marked
     place = np.arange(len(curve_points.x))
     columns: dict[str, Any] = {name: [curve_points.label] * len(place) for name in _compared(axes)}
     columns |= {name: [other[name] for other in curve_points.others] for name in _apart(axes)}
@@ -332,9 +331,9 @@ def _columns(
     columns["blocks" if axes.blocks else "rows"] = curve_points.count
     columns["on curve"] = np.isin(place, curve_points.curve)
     columns["local minimum"] = np.isin(place, marked.minima[curve_points.label])
-    if level is not None:
-        columns["floor"] = level[curve_points.label]
-        columns["below floor"] = at_most(curve_points.value, level[curve_points.label])
+    if curves.floors is not None:
+        columns["floor"] = curves.floor(curve_points)
+        columns["below floor"] = at_most(curve_points.value, curves.floor(curve_points))
     kind = marked.kinds.get(curve_points.label, "")
     marked_place = marked.places.get(curve_points.label)
     columns["marked"] = [kind if at == marked_place else "" for at in place]
