@@ -25,7 +25,7 @@ _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 def head_facts(study: Study) -> list[str]:
     """Return the study's name, how much there is of what, and its date."""
     name = PurePath(study.graph_file).stem
-    sizes = sorted(_sizes(study), key=lambda text: " methods" not in text)[:_MOST_AXES]
+    sizes = sorted(_sizes(study), key=lambda text: not text.endswith(" methods"))[:_MOST_AXES]
     return [text for text in (name, ", ".join(sizes), _date(study.created)) if text]
 
 

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
     from nodegraph_tables.info import Part
 
+ALL = "all"
+"""Stands for the labels of a row that is over all of them."""
+
 _SIGNIFICANT = 0.05
 _MOST_DECIMALS = 4
 _SMALLEST, _LARGEST = 1e-3, 1e6
@@ -91,6 +94,10 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str]) -> Column:
     values = column.tolist()
     decimals = None if label or not numeric else _decimals(values)
     texts = [_labelled(value) if label else shown(value, decimals) for value in values]
+    if label:
+        texts = [
+            ALL if not text and row in info.overall else text for row, text in enumerate(texts)
+        ]
     rows = zip(texts, _beside(table, parts, decimals, texts), strict=True)
     cells = [
         Cell(text, beside, row in best, row in tied) for row, (text, beside) in enumerate(rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from nodegraph_tables.cells import ALL
 from nodegraph_tables.info import info_of
 from nodegraph_tables.types import Table
 
@@ -46,5 +47,11 @@ def without_measured(sentence: str) -> str:
 
 def _row(table: Table, place: int) -> str:
     columns = list(table.columns)
+    overall = info_of(table).overall
     labels = columns[: columns.index(_GROUP_ENDS)] if _GROUP_ENDS in columns else []
-    return ", ".join(f"{name} {table[name].iloc[place]}" for name in labels) or f"row {place}"
+    texts = [
+        f"{name} {ALL if place in overall and missing else label}"
+        for name in labels
+        for label, missing in [(table[name].iloc[place], table[name].isna().iloc[place])]
+    ]
+    return ", ".join(texts) or f"row {place}"

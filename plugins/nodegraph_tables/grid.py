@@ -6,7 +6,7 @@ from statistics import fmean
 from typing import TYPE_CHECKING, NamedTuple
 
 from nodegraph import Grid
-from nodegraph_tables.cells import columns_of
+from nodegraph_tables.cells import ALL, columns_of
 from nodegraph_tables.info import info_of
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _heads(table: pd.DataFrame, labels: Sequence[Column]) -> list[str]:
     values = [table[column.name].tolist() for column in labels]
     return [
         "\n".join(
-            str(cell) if isinstance(value, str) else f"{column.name} {cell}"
+            str(cell) if isinstance(value, str) or str(cell) == ALL else f"{column.name} {cell}"
             for column, cell, value in zip(labels, cells, group, strict=True)
         )
         for cells, group in zip(

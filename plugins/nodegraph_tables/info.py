@@ -43,6 +43,9 @@ class TableInfo:
         The rows whose cells the data cannot tell from the best.
     highlights : tuple of int
         Further rows that a folded table shows, such as the nearest that is behind, or a baseline.
+    overall : tuple of int
+        The rows that are over all labels of the columns in which they have none: a reader sees
+        ``all`` there.
     sequences : tuple of columns
         Those whose labels follow one another, such as the steps of a chain, in the order of the
         rows.
@@ -68,6 +71,7 @@ class TableInfo:
     best: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     tied: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     highlights: tuple[int, ...] = ()
+    overall: tuple[int, ...] = ()
     sequences: tuple[str, ...] = ()
     compared: str = ""
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)

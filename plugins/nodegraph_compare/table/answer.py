@@ -20,7 +20,6 @@ from nodegraph_compare.left_out import (
 )
 from nodegraph_compare.question import EXTREME, sign_of
 from nodegraph_compare.scope import few_blocks, rules, scope
-from nodegraph_compare.table.overall import ALL
 from nodegraph_compare.table.sensitivity import (
     PLAIN,
     apart_by_all_rules,
@@ -146,7 +145,7 @@ def notes(
         )
     if overall is not None:
         sentences.append(
-            f"{ALL}: of each unit, the geometric mean of its means over the groups; p is of one "
+            "all: of each unit, the geometric mean of its means over the groups; p is of one "
             "comparison, without a factor for several groups."
         )
     for remark in (_few, _typical, _taken, _by_fallback, _doubts, _suspects):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -242,6 +243,7 @@ _LOST = {"refused": "refused", "left missing": "missing"}
 
 def long_table(
     summaries: Sequence[Summary],
+    overall: Summary | None,
     question: Question,
     unit: str,
     declared: Mapping[Label, Declared],
@@ -256,6 +258,8 @@ def long_table(
     ----------
     summaries, question
         Of the comparison.
+    overall
+        Over all groups, whose rows have no labels of `within`; None where there is none.
     unit
         Of the metric.
     declared
@@ -265,12 +269,15 @@ def long_table(
     """
     from pandas import DataFrame
 
-    columns: dict[str, list[Any]] = {}
+    columns: dict[str, Any] = {}
     paired = paired_name(summaries)
     marks = differing(declared)
-    for summary in summaries:
+    every = [*summaries, *([] if overall is None else [overall])]
+    for summary in every:
         for name, values in _columns(summary, question, paired, marks).items():
             columns.setdefault(name, []).extend(values)
+    if overall is not None:
+        columns |= {name: _with_missing(columns[name]) for name in question.within}
     labels = (*question.within, *question.compared)
     frame = DataFrame(
         {
@@ -279,10 +286,10 @@ def long_table(
             if _holds(name, values) and not _says_no_more(name, values, columns["mean"])
         }
     )
-    marked = [mark for summary in summaries for mark in summary.marked[summary.ranked]]
-    tied = [mark for summary in summaries for mark in tied_with_best(summary)[summary.ranked]]
+    marked = [mark for summary in every for mark in summary.marked[summary.ranked]]
+    tied = [mark for summary in every for mark in tied_with_best(summary)[summary.ranked]]
     highlights = [
-        mark for summary in summaries for mark in _highlights(summary, references)[summary.ranked]
+        mark for summary in every for mark in _highlights(summary, references)[summary.ranked]
     ]
     several = question.compare is not None
     valued = (
@@ -310,10 +317,27 @@ def long_table(
         best={"mean": tuple(np.flatnonzero(marked).tolist())} if several else {},
         tied={"mean": tuple(np.flatnonzero(tied).tolist())} if several else {},
         highlights=tuple(np.flatnonzero(highlights).tolist()),
+        overall=tuple(range(len(frame) - _count(overall), len(frame))),
         compared=question.compare or "",
         cells=intervals,
     )
     return with_info(frame, info)
+
+
+def _count(overall: Summary | None) -> int:
+    return 0 if overall is None else len(overall.group.methods)
+
+
+def _with_missing(labels: list[Any]) -> Any:
+    """Return a column of labels, numbers as such, some of which are missing."""
+    import pandas as pd
+
+    kinds = {type(label) for label in labels if label is not None}
+    if kinds == {int}:
+        return pd.array(labels, dtype="Int64")
+    if kinds <= {int, float}:
+        return np.array([np.nan if label is None else label for label in labels])
+    return labels
 
 
 def _highlights(summary: Summary, references: Collection[Label]) -> NDArray[np.bool_]:
@@ -337,7 +361,7 @@ def _columns(
     marks: Mapping[str, Mapping[Label, str]],
 ) -> Mapping[str, Sequence[Any]]:
     group, paired = summary.group, summary.paired
-    labels = zip(question.within, group.labels, strict=True)
+    labels = zip_longest(question.within, group.labels)
     columns: dict[str, Any] = {name: [label] * len(group.methods) for name, label in labels}
     columns |= {name: group.methods for name in question.compared}
     columns["blocks"] = summary.blocks

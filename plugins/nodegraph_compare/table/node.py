@@ -184,10 +184,10 @@ def table(
         (share of the rows without a number); with `fallback`, the means by the two other rules,
         if any differs; and what methods declare, where they differ: ``adapted`` (not as
         published), ``looks ahead`` (frames, or the whole take) and ``meets ends`` (of gaps).
-        Several groups of the same clusters have rows labelled ``all`` besides: with Y the
-        logarithm of a cluster's mean, averaged over groups, methods are compared as within a
-        group, and ``mean`` is over clusters of ``exp(Y)``. A claim that rests on any one of G
-        groups multiplies its p by G.
+        Several groups of the same clusters have rows over all of them besides, which lack the
+        labels of `within` (a reader sees ``all``): with Y the logarithm of a cluster's mean,
+        averaged over groups, methods are compared as within a group, and ``mean`` is over
+        clusters of ``exp(Y)``. A claim that rests on any one of G groups multiplies its p by G.
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
         Its answer has a line per group: which mean is best, over what, and which methods are not
@@ -290,8 +290,7 @@ def _laid_out(
     in_unit = f" ({unit_text(unit)})" if unit and layout.columns else ""
     title = f"Mean {question.metric}{in_unit}{question.by}"
     if not layout.columns:
-        every = [*summaries, *([] if overall is None else [overall])]
-        means = long_table(every, question, unit, declared, references)
+        means = long_table(summaries, overall, question, unit, declared, references)
         note: tuple[str, ...] = ()
         if not {"refused", "left missing"}.isdisjoint(means):
             note = (_SHARES,)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
     from nodegraph_compare.table.summary import Summary
-
-ALL: Final = "all"
-"""Stands for the labels of a row over all groups."""
 
 
 def over_groups(summaries: Sequence[Summary]) -> Summary | None:
@@ -73,7 +70,7 @@ def _combined(summaries: Sequence[Summary]) -> Summary | None:
     count = len(clusters[0])
     nowhere = np.full(count, np.nan)
     group = Group(
-        labels=(ALL,) * len(first.group.labels),
+        labels=(),
         methods=methods,
         values=np.exp(np.mean(logs, axis=0)),
         missing=np.mean([s.group.missing[at] for s, at in lost], axis=0),
