@@ -302,3 +302,37 @@ def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:
     (group,) = data_of(html)["groups"]
     assert group["blocks"] == 100_000
     assert len(codes(group["unit"])) <= 20_000
+
+
+def test_steps_that_follow_one_another_are_compared_to_the_one_before() -> None:
+    random = np.random.default_rng(0)
+    entries: Any = tuple(
+        (
+            {"kitchen": kitchen, "heat": heat},
+            with_info(
+                pd.DataFrame({"step": ["mix", "rest", "bake"], "waste": waste}),
+                TableInfo(units={"waste": "g"}, sequences=("step",)),
+            ),
+        )
+        for kitchen in range(8)
+        for heat, rested in (("cool", 0.5), ("hot", 1.0))
+        for waste in [np.array([1.0, rested, 1.5 * rested]) * random.uniform(0.99, 1.01, 3)]
+    )
+    scores = Across(("kitchen", "heat"), entries, sources=("kitchen",))
+    overview = table_of(
+        scores, metric="waste", compare="step", within=("heat",), blocks=("kitchen",)
+    ).overview
+    text = text_of(rendered(overview).lead).replace(" ,", ",")
+    assert text.startswith(
+        "rest lowers waste by 50 % (cool), with no clear change (hot); bake raises it by 5"
+    )
+    assert "best" not in text.partition("Scope")[0]
+    assert "Percentages: to the step before" in text
+
+
+def test_what_the_best_does_besides_stands_on_its_card() -> None:
+    section = rendered(compared(kitchens(RECIPES), within=("heat",), beside=("mess",)).overview)
+    assert "Of the best: mess " in section.answer[0]
+    assert section.lead.count("<dt>mess</dt>") == 2
+    with pytest.raises(ValueError, match="no metric 'dust'"):
+        compared(kitchens(RECIPES), within=("heat",), beside=("dust",))
