@@ -15,6 +15,7 @@ from nodegraph import Format, InputFile, Truth, formats, node
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file
+from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
@@ -283,7 +284,9 @@ def format_of(file: Path, formats: Sequence[Format]) -> Format:
     match = next(chain(by_content, by_suffix), None)
     if match is None:
         known = ", ".join(f"{each.name} ({', '.join(each.suffixes)})" for each in formats)
-        raise ValueError(f"{file}: unknown format; there is {known or 'none'}")
+        other = other_format(start)
+        what = f"it is {other}" if other else "unknown format"
+        raise ValueError(f"{file}: {what}; there is {known or 'none'}")
     return match
 
 

@@ -148,9 +148,28 @@ class DatagramSource:
 
     def open(self) -> Any:
         """Receive packets until the header is known; these are given again by `packets`."""
+        self._bind()
+        return self._described()
+
+    def packets(self) -> Iterator[bytes]:
+        """Yield packets as they arrive."""
+        assert self._endpoint is not None
+        yield from self._first
+        yield from receive(self._endpoint, self._closed, self._settings["timeout"])
+
+    def close(self) -> None:
+        """Stop receiving."""
+        self._closed.set()
+        if self._endpoint is not None:
+            self._endpoint.close()
+
+    def _bind(self) -> None:
         self._closed.clear()
         self._first = []
         self._endpoint = bound_socket(self._settings, self._host, self._port)
+
+    def _described(self) -> Any:
+        assert self._endpoint is not None
         refused = 0
         reason = ""
         deadline = monotonic() + self._settings["timeout"]
@@ -173,18 +192,6 @@ class DatagramSource:
             f"{self._settings.address}: no complete {self._what} at {self._host}:{self._port} in "
             f"{self._settings['timeout']:g} s{others}"
         )
-
-    def packets(self) -> Iterator[bytes]:
-        """Yield packets as they arrive."""
-        assert self._endpoint is not None
-        yield from self._first
-        yield from receive(self._endpoint, self._closed, self._settings["timeout"])
-
-    def close(self) -> None:
-        """Stop receiving."""
-        self._closed.set()
-        if self._endpoint is not None:
-            self._endpoint.close()
 
 
 class DatagramSink:

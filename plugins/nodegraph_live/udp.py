@@ -15,9 +15,9 @@ A packet is a header of 32 bytes and what follows it; numbers begin with their l
 
 A description is JSON in UTF-8: ``{"markers": [names], "rate": 240.0, "started": 1}``, or
 ``weights`` in place of ``markers``; ``started`` is another number each time that the sender is
-started. It is sent at the start and about once per second. A frame is x, y and z of each marker in
-millimetres, or the weights, as float32 or float64; NaN where one is missing. All of it must fit
-into one packet: 2700 markers as float64.
+started. It is sent at the start and about four times per second. A frame is x, y and z of each
+marker in millimetres, or the weights, as float32 or float64; NaN where one is missing. All of it
+must fit into one packet: 2700 markers as float64.
 """
 
 from __future__ import annotations
@@ -109,6 +109,17 @@ class UdpSource(DatagramSource):
         settings = Settings("udp", address, form, {"timeout": TIMEOUT})
         super().__init__(settings, PORT, "description of a stream NGL1")
         self._stream = -1
+        self._restart = b""
+        """The description by which a sender that was started again was noticed."""
+
+    def open(self) -> Trajectories | Weights:
+        """Wait for a description."""
+        self._bind()
+        if self._restart:
+            self._first, self._restart = [self._restart], b""
+            return decode_description(bytes(decode(self._first[0]).content))
+        header: Trajectories | Weights = self._described()
+        return header
 
     def describe(self, packet: bytes) -> Trajectories | Weights | None:
         """Return the header if the packet is a description."""
@@ -137,6 +148,7 @@ class UdpSource(DatagramSource):
                 return
             if parts.kind == _DESCRIPTION and parts.stream != stream:
                 if stream >= 0:
+                    self._restart = packet
                     raise ConnectionResetError("the sender was started again")
                 stream = parts.stream
             yield packet
@@ -189,7 +201,7 @@ class UdpSink:
             )
         self._stream = zlib.crc32(content)
         self._description = self._packet(_DESCRIPTION, content)
-        self._until_described = self._period = max(round(header.rate), 1)
+        self._until_described = self._period = max(round(header.rate / 4), 1)
         self._datagrams.connect()
         self._datagrams.send(self._description)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import zlib
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -12,8 +14,9 @@ from typing import NamedTuple
 
 _MARKS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _START = 1 << 16  # bytes
+_GZIP = b"\x1f\x8b"
 _OTHERS = {
-    b"\x1f\x8b": "compressed by gzip; unpack it first",
+    _GZIP: "compressed by gzip; unpack it first",
     b"PK\x03\x04": "a ZIP archive or a spreadsheet; unpack it, or save the sheet as CSV",
     b"\x89HDF": "an HDF5 file; save the recording as CSV or NPZ",
     b"MATLAB 5": "a MATLAB file; save the recording as CSV or NPZ",
@@ -106,7 +109,7 @@ def read_text_file(path: Path) -> TextFile:
         If the file is no text.
     """
     raw = path.read_bytes()
-    other = next((what for start, what in _OTHERS.items() if raw.startswith(start)), None)
+    other = other_format(raw)
     if other is not None:
         raise ValueError(f"{path}: not a table of text: it is {other}")
     content = _in_utf8(path, raw)
@@ -118,6 +121,16 @@ def read_text_file(path: Path) -> TextFile:
         line = content.count(b"\n", 0, zero) + 1
         raise ValueError(f"{path}: not a table of text: line {line} holds a zero byte")
     return TextFile(path, content, plain=content is raw)
+
+
+def other_format(content: bytes) -> str | None:
+    """Return what a file is that is no text, if that is known."""
+    if content.startswith(_GZIP):
+        with suppress(zlib.error):
+            content = zlib.decompressobj(wbits=31).decompress(content, 8)
+            inside = other_format(content)
+            return f"{inside}, compressed by gzip" if inside else _OTHERS[_GZIP]
+    return next((what for start, what in _OTHERS.items() if content.startswith(start)), None)
 
 
 def start_in_utf8(start: bytes) -> bytes:

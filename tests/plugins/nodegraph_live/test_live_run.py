@@ -129,11 +129,10 @@ def test_what_comes_in_packets_goes_out_in_packets_and_plays_again(
     assert live(folder, f"replay:{folder / 'packets'}@0", "--sink", f"twice=file:{output}") == 0
     again = read_npz(output)
     assert again.markers == RECORDING.markers
-    (start,) = np.flatnonzero((again.positions == results[5].payload.positions).all(axis=(1, 2)))[
-        :1
-    ]
-    expected = [frame.payload.positions for frame in results[5:]]
-    np.testing.assert_array_equal(again.positions[start : start + len(expected)], expected)
+    expected = [frame.payload.positions for frame in results if frame.index % 3 != 1]
+    whole = again.positions[~np.isnan(again.positions).any(axis=(1, 2))]
+    start = int(np.argmax((whole == expected[0]).all(axis=(1, 2))))
+    np.testing.assert_array_equal(whole[start : start + len(expected)], expected)
 
 
 def test_a_source_of_another_type_or_that_is_not_there_ends_in_a_message(

@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+import gzip
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import nodegraph as ng
 from nodegraph_files.text.text_file import TextFile, read_text_file, start_in_utf8
 
 TEXT = "é,b\n# rate: 60\n1,2\n"
@@ -51,6 +53,8 @@ def test_comments_count_as_empty_lines_and_say_something() -> None:
         (b"a\nb\0\n", "line 2 holds a zero byte"),
         (b"\x1f\x8b\x08\0\0", "compressed by gzip; unpack"),
         (b"\0\0\0\x06\0\0\0\x24", "Live Link packets"),
+        (gzip.compress(b"\x06\0\0\1\0\0\1\x22"), "Live Link packets; .*, compressed by gzip"),
+        (gzip.compress(b"a,b\n"), "compressed by gzip; unpack"),
         (b"PK\x03\x04", "ZIP archive or a spreadsheet"),
         ("a,b".encode("utf-16-le"), "line 1 holds a zero byte"),
         (BOM_UTF16_LE + b"a\0b", "in UTF-16"),
@@ -72,3 +76,10 @@ def test_what_is_not_utf_8_is_told_with_its_line() -> None:
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
 def test_the_start_of_a_file_whatever_its_encoding(encoding: str) -> None:
     assert start_in_utf8("PathFileType".encode(encoding)[:20]).startswith(b"PathFil")
+
+
+def test_a_file_of_a_known_kind_and_an_unknown_suffix_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "take.gesichter"
+    path.write_bytes(gzip.compress(b"\x06\0\0\1\0\0\1\x22"))
+    with pytest.raises(ValueError, match=r"take\.gesichter: it is probably a record of Live Link"):
+        ng.get_node("read.recording")(path=path)
