@@ -30,10 +30,11 @@ class PacketWriter:
     Raises
     ------
     NodegraphError
-        If the file cannot be created.
+        If the file cannot be created; later, if it cannot be written.
     """
 
     def __init__(self, path: Path, address: str) -> None:
+        self._path = path
         self._address = address
         self._begun = False
         self._opened = False
@@ -50,20 +51,25 @@ class PacketWriter:
             packed = Packer(current_registry().hooks.storages).pack(header)
             sizes = [len(buffer) for buffer in packed.buffers]
             head = {"source": self._address, "header": packed.head, "sizes": sizes}
-            self._file.write(MAGIC + json.dumps(head).encode() + b"\n")
-            for buffer in packed.buffers:
-                self._file.write(buffer)
+            self._put(MAGIC + json.dumps(head).encode() + b"\n" + b"".join(packed.buffers))
         self._opened = self._begun
         self._begun = True
 
     def write(self, packet: bytes, arrived: int) -> None:
         """Write a packet."""
-        self._file.write(_RECORD.pack(self._opened, arrived, len(packet)) + packet)
+        self._put(_RECORD.pack(self._opened, arrived, len(packet)) + packet)
         self._opened = False
 
     def close(self) -> None:
         """Finish the file."""
         self._file.close()
+
+    def _put(self, content: bytes) -> None:
+        try:
+            self._file.write(content)
+        except OSError as error:
+            # an OSError of its own would pass for one of the source
+            raise NodegraphError(f"{self._path}: cannot be written: {error.strerror}") from error
 
 
 class PacketReader:

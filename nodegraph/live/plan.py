@@ -356,7 +356,7 @@ class _Planner:
             (without_frames, "takes what is not given frame by frame"),
         ):
             if affected:
-                return f"{affected[0]!r} {why}"
+                return f"has a port {affected[0]!r} that {why}"
         return ""
 
     def _has_frames(self, feed: Output | Gathered) -> bool:
@@ -411,7 +411,7 @@ class _Planner:
             for index in dict.fromkeys(self._plan.cells[node].values()):
                 step = self._plan.steps[index]
                 if index in self._cut and self._cut[index] != _UNBOUNDED:
-                    reason = self._why(index)
+                    reason = f"it {self._why(index)}"
                 elif index in self._cut or index in self._live or index == self._source.step:
                     continue
                 else:
@@ -421,13 +421,12 @@ class _Planner:
                 )
 
     def _why(self, index: int) -> str:
-        """Return why a step is cut off, back to the first that is."""
-        step = self._plan.steps[index]
-        for feed in step.inputs.values():
+        """Return why a step is cut off, back to the first that is: ``needs fit, which gathers``."""
+        for feed in self._plan.steps[index].inputs.values():
             for output in _read(feed):
                 if output.step in self._cut:
                     before = self._plan.steps[output.step].name
-                    return f"it needs {before}, which {self._why(output.step)}"
+                    return f"needs {before}, which {self._why(output.step)}"
         return self._cut[index]
 
     def _place_of_axis(self, name: str) -> Place:

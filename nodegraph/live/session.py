@@ -36,6 +36,7 @@ from nodegraph.live.plan import LivePlan, live_plan
 from nodegraph.node.ports import Label
 from nodegraph.plan import Output, plan
 from nodegraph.plugin.formats import formats_of
+from nodegraph.plugin.loading import error_text
 from nodegraph.plugin.streaming import Frame, Sink, Source
 from nodegraph.store import Store
 
@@ -60,7 +61,7 @@ class _Opened:
 class _End:
     """In the queue: no frame follows; the error is why, if there is one."""
 
-    error: Exception | None = None
+    error: NodegraphError | None = None
 
 
 class Outlet:
@@ -109,6 +110,10 @@ class Outlet:
         except OSError:
             self._sink.close()
             self._again = time.monotonic() + _AGAIN
+        except NodegraphError:
+            raise
+        except Exception as error:
+            raise NodegraphError(f"{self.name}: failed: {error_text(error)}") from error
         counts.unsent[self.name] += 1
 
     def close(self) -> None:
@@ -333,8 +338,10 @@ class Session:
                     self._source.close()
                     self._open_again()
             self._queue.put(_End())
-        except Exception as error:
+        except NodegraphError as error:
             self._queue.put(_End(error))
+        except Exception as error:
+            self._queue.put(_End(NodegraphError(f"{self._address}: failed: {error_text(error)}")))
 
     def _receive_packets(self) -> None:
         counts, queue, frames_in = self.counts, self._queue, self._source.frames

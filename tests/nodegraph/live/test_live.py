@@ -99,6 +99,18 @@ def restore(recording: Trajectories, other: Trajectories) -> Trajectories:
     return recording.with_samples(positions, changed=missing, origin=Origin.FILLED)
 
 
+@node("avg.model")
+def model_of(recording: Trajectories) -> BlendshapeModel:
+    """Take the mean of a recording as a model at rest."""
+    neutral = np.nan_to_num(np.nanmean(recording.positions, axis=0))
+    return BlendshapeModel(
+        neutral=neutral,
+        shapes=np.zeros((1, *neutral.shape)),
+        names=("jawOpen",),
+        markers=recording.markers,
+    )
+
+
 @node("avg.towards", live="frame")
 def towards(recording: Trajectories, model: BlendshapeModel) -> Trajectories:
     """Go half the way to a model at rest."""
@@ -165,6 +177,8 @@ nodes:
   held: {use: avg.hold, in: avg}
   both: {use: avg.restore, in: {recording: capture, other: held}}
   near: {use: avg.towards, in: {recording: both, model: face.model}}
+  shapes: {use: avg.model, in: capture}
+  beside: {use: avg.towards, in: {recording: held, model: shapes}}
   far: {use: avg.hold, in: capture}
   endless: {use: avg.mean, in: capture, with: {width: null}}
   spectra: {use: plot.spectra, in: {recordings: near}}
@@ -338,6 +352,7 @@ def test_the_newest_frames_are_taken_if_too_many_wait(
 @pytest.mark.parametrize(
     ("sink", "choices", "words"),
     [
+        ("beside", {}, ["beside", "it needs shapes, which needs the whole take"]),
         ("spectra", {}, ["spectra cannot run on the stream", "needs the whole take"]),
         ("face", {}, ["face cannot run", "it does not depend on the stream"]),
         ("endless", {}, ["avg.mean", "without bound", "set width: 1"]),
@@ -364,7 +379,7 @@ def test_a_check_shows_how_far_behind_each_way_is(
 ) -> None:
     command = ["check", str(folder / "graph.yaml"), "--plugin", str(folder / "nodes.py")]
     assert main([*command, "--live", "100"]) == 2
-    assert "17:18: endless: avg.mean looks ahead without bound" in capsys.readouterr().err
+    assert "18: endless: avg.mean looks ahead without bound" in capsys.readouterr().err
     graph = (folder / "graph.yaml").read_text().replace("{width: null}", "{width: 5}")
     (folder / "bounded.yaml").write_text(graph)
     assert main(["check", str(folder / "bounded.yaml"), *command[2:], "--live", "100"]) == 0
@@ -372,6 +387,13 @@ def test_a_check_shows_how_far_behind_each_way_is(
     assert "avg > held > both > near(avg=wide) 4 40.0 avg(avg=wide) (4)" in output
     assert "computed once: face" in output
     assert "not on the stream: spectra: needs the whole take" in output
+
+
+def test_what_is_held_is_computed_once_from_what_the_graph_reads(folder: Path) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    _, box = play(narrow, folder, f"0-{FRAMES - 1}", "beside", hold=["shapes"])
+    run = ng.run(narrow, cache=False, until=["beside"])
+    assert not difference(recording_of(box), run["beside"].value)
 
 
 def test_an_interruption_ends_the_stream_and_writes_what_there_is(
