@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Any
 
@@ -21,6 +24,13 @@ from nodegraph.execute.worker.protocol import ResponseKind
 from nodegraph.node.ports import Across
 from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packer, Unstorable
+
+_KEPT = re.compile(
+    "PATH|HOME|USER|TMP|TEMP|SYSTEMROOT|APPDATA|LOCALAPPDATA|XDG_|LD_|DYLD_|PYTHON|VIRTUAL_ENV|CONDA"
+    "|NODEGRAPH_|NUMBA_|OMP_|MKL_|OPENBLAS_|BLIS_|VECLIB_|MPL",
+    re.IGNORECASE,
+)
+"""How variables of the environment begin without which no process starts, or starts otherwise."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +67,9 @@ class Repeats:
         self._worker: Worker | None = None
         self._open = ExitStack()
 
+    def _folder(self) -> str:
+        return self._open.enter_context(TemporaryDirectory(prefix="nodegraph-"))
+
     def __enter__(self) -> Repeats:
         self._open.enter_context(collecting_warnings())
         self._open.enter_context(one_thread_each())
@@ -68,9 +81,9 @@ class Repeats:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._open.close()
         if self._worker is not None:
             self._worker.close() if kind is None else self._worker.kill()
+        self._open.close()
 
     def case(self, index: int) -> Case:
         """Return the call of a step with the inputs that it had in the run.
@@ -113,6 +126,9 @@ class Repeats:
     def call_in_process(self, case: Case) -> Outcome | str:
         """Repeat a call in another process; return its outcome, or why that is not possible.
 
+        That process has another working directory, time zone and language, and none of the
+        variables of the environment that only nodes read.
+
         Raises
         ------
         WorkerEndedError
@@ -122,7 +138,7 @@ class Repeats:
         if request is None:
             return "the node or its inputs cannot be sent there"
         if self._worker is None or not self._worker.is_alive:
-            self._worker = Worker()
+            self._worker = Worker(folder=self._folder(), environment=_other_environment())
         try:
             response = self._worker.send(request)
         except WorkerEndedError:
@@ -149,6 +165,12 @@ class Repeats:
         except DamagedEntry:
             return None
         return replace(CallResult.of(values, self._run.packer), digests=entry.digests)
+
+
+def _other_environment() -> dict[str, str]:
+    """Return the variables by which Python, libraries and the system find their way."""
+    kept = {name: value for name, value in os.environ.items() if _KEPT.match(name)}
+    return {**kept, "TZ": "Pacific/Kiritimati", "LC_ALL": "C"}
 
 
 @contextmanager

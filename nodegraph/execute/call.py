@@ -15,6 +15,7 @@ from types import CodeType
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
+from nodegraph.execute.unkeyed import Reads, watched
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
@@ -87,6 +88,8 @@ class Outcome:
         For a failed step, the line of the node's own file: ``mine.py:12``.
     key : str
         Under which the result is stored, or would be; empty if it cannot be.
+    unkeyed : tuple of str
+        What the node has read that is not in its key: names of files, ``$VARIABLE``.
     """
 
     state: State
@@ -100,6 +103,7 @@ class Outcome:
     digests: tuple[str, ...] = ()
     place: str = ""
     key: str = ""
+    unkeyed: tuple[str, ...] = ()
 
     @property
     def status(self) -> State:
@@ -122,9 +126,15 @@ def perform(call: Call) -> Outcome:
     messages: list[str] = []
     token = _warnings.set(messages)
     start = time.perf_counter()
+    reads: Reads | None = None
     try:
         with formats_of(call.registry):
-            values = values_of(call.node, call.node.function(**call.inputs, **call.settings))
+            if call.registry is None or call.plugin in call.registry.shipped:
+                returned = call.node.function(**call.inputs, **call.settings)
+            else:
+                with watched(call.node, call.settings) as reads:
+                    returned = call.node.function(**call.inputs, **call.settings)
+            values = values_of(call.node, returned)
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
         reason = printable(message_of(refusal)) or "no reason given"
@@ -136,6 +146,8 @@ def perform(call: Call) -> Outcome:
     finally:
         _warnings.reset(token)
     outcome.seconds = time.perf_counter() - start
+    if reads is not None and reads.names:
+        outcome.unkeyed = tuple(map(printable, reads.names))
     if messages:
         outcome.warnings = tuple(dict.fromkeys(map(printable, messages)))
     return outcome

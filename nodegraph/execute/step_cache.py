@@ -161,6 +161,14 @@ class StepCache:
             self._entries.pop(step.index, None)
             self._count("a file changed while it was read")
             return outcome
+        if outcome.unkeyed:
+            self._entries.pop(step.index, None)
+            names = ", ".join(outcome.unkeyed)
+            self._count(
+                f"{step.method.node.name} reads {names}, which no setting names, so that nothing "
+                "would say when it changes"
+            )
+            return outcome
         about = About(
             step.method.node.name,
             step.name,

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import warnings
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from io import BufferedReader, BufferedWriter
@@ -118,7 +119,13 @@ _PROGRAM = (
 )
 
 
-def start(module: str, *arguments: str, pipe_output: bool = False) -> subprocess.Popen[bytes]:
+def start(
+    module: str,
+    *arguments: str,
+    pipe_output: bool = False,
+    folder: str | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> subprocess.Popen[bytes]:
     """Start ``module.main()`` in another process, which finds modules where this one does.
 
     Its standard input is a pipe; the process should end when that is closed. Ctrl-C does not reach
@@ -131,6 +138,8 @@ def start(module: str, *arguments: str, pipe_output: bool = False) -> subprocess
         Its ``sys.argv[1:]``.
     pipe_output
         Whether its standard output is a pipe, too.
+    folder, environment
+        Its working directory and environment variables; by default those of this process.
     """
     return subprocess.Popen(
         [
@@ -138,12 +147,14 @@ def start(module: str, *arguments: str, pipe_output: bool = False) -> subprocess
             "-P",
             "-c",
             _PROGRAM,
-            json.dumps([module, list(map(str, sys.path))]),
+            json.dumps([module, [os.path.abspath(path) for path in sys.path]]),
             *arguments,
         ],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE if pipe_output else None,
         start_new_session=True,
+        cwd=folder,
+        env=environment,
     )
 
 
@@ -179,13 +190,27 @@ class Worker:
     ----------
     memory
         Gigabytes that a call may take beside its inputs.
+    folder, environment
+        Its working directory and environment variables; by default those of this process.
     """
 
     _SECONDS_TO_END = 5.0
 
-    def __init__(self, memory: float | None = None) -> None:
+    def __init__(
+        self,
+        memory: float | None = None,
+        *,
+        folder: str | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         limit = () if memory is None else (str(memory),)
-        self._process = start("nodegraph.execute.worker.server", *limit, pipe_output=True)
+        self._process = start(
+            "nodegraph.execute.worker.server",
+            *limit,
+            pipe_output=True,
+            folder=folder,
+            environment=environment,
+        )
         self._requests = cast(BufferedWriter, self._process.stdin)
         self._responses = cast(BufferedReader, self._process.stdout)
         self._is_ready = False

@@ -176,7 +176,8 @@ def _response(finder: NodeFinder, request: Request, timeout: float | None) -> Re
     except Unreadable as error:
         return _failure(ResponseKind.UNSENDABLE, str(error))
     try:
-        call = Call(0, node, "", inputs, settings, registry=finder.registry, timeout=timeout)
+        plugin = NodeAddress.decode(request.address).plugin
+        call = Call(0, node, plugin, inputs, settings, registry=finder.registry, timeout=timeout)
         with _warnings.entered(), one_thread_each():
             outcome = in_time(perform, call)
     except KeyboardInterrupt:

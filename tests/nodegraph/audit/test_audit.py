@@ -58,6 +58,11 @@ def process(x: np.ndarray) -> int:
     return os.getpid()
 
 
+@node("odd.folder")
+def folder() -> str:
+    return str(Path.cwd())
+
+
 @node("odd.threads")
 def threads(x: np.ndarray) -> int:
     return int(max(pool["num_threads"] for pool in threadpool_info()))
@@ -89,7 +94,7 @@ def limit(*, below: float = 0.0) -> float:
 
 
 ODD = (
-    make, good, counts, drifts, process, threads, refuses_later, items, appends, limit,
+    make, good, counts, drifts, process, folder, threads, refuses_later, items, appends, limit,
 )  # fmt: skip
 
 
@@ -100,6 +105,7 @@ nodes:
   drifts: {use: odd.drifts, in: make}
   counts: {use: odd.counts, in: make}
   process: {use: odd.process, in: make}
+  folder: {use: odd.folder}
   threads: {use: odd.threads, in: make}
   refuses_later: {use: odd.refuses_later, in: make}
   items: {use: odd.items}
@@ -141,6 +147,7 @@ def test_a_deterministic_node_is_identical_under_every_condition(
         ("drifts", "close", {AGAIN, THREADS, STORED}, False),
         ("counts", "differs", {AGAIN, THREADS, STORED}, True),
         ("process", "differs", {PROCESS}, True),
+        ("folder", "differs", {PROCESS}, True),
         ("threads", "differs", {THREADS}, False),
         ("refuses_later", "differs", {STORED}, True),
     ],
@@ -151,7 +158,7 @@ def test_a_result_that_varies_is_reported_with_the_conditions(
     result = audited[node]
     assert result.grade == grade
     # another process counts its own calls, and may have come to the same number
-    ignored = {PROCESS} if node != "process" else set()
+    ignored = {PROCESS} if node not in ("process", "folder") else set()
     assert set(result.conditions) - ignored == conditions
     assert result.varies == varies
 

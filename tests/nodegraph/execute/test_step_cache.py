@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -107,6 +108,38 @@ def test_the_content_of_a_file_decides_and_not_its_name(run_of: RunOf, tmp_path:
     assert (changed.counts()["done"], changed["b"].value) == (2, 4)
     (tmp_path / "one.dat").write_text("3")
     assert run_of(text.replace("one.txt", "one.dat"), store=store).counts()["done"] == 2
+
+
+@node("reads.file")
+def read_unnamed_file(*, name: str) -> str:
+    return Path(name).read_text()
+
+
+@node("reads.variable")
+def read_variable() -> str:
+    return os.environ.get("NODEGRAPH_TEST", "")
+
+
+@pytest.mark.parametrize("how", [*WAYS, HowToRun("processes", 1)])
+def test_what_a_node_reads_that_no_setting_names_is_never_stale(
+    run_of: RunOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: HowToRun
+) -> None:
+    text = f"""
+        nodes:
+          a: {{use: reads.file, with: {{name: {tmp_path}/a.txt}}}}
+          b: {{use: reads.variable}}
+    """
+    for content in ("1", "2"):
+        (tmp_path / "a.txt").write_text(content)
+        monkeypatch.setenv("NODEGRAPH_TEST", content)
+        more = [read_unnamed_file, read_variable]
+        run = run_of(text, more=more, store=tmp_path / "store", how=how)
+        assert (run["a"].value, run["b"].value) == (content, content)
+        why = "which no setting names, so that nothing would say when it changes"
+        assert sorted(run.not_stored()) == [
+            f"1 results are not stored: reads.file reads a.txt, {why}",
+            f"1 results are not stored: reads.variable reads $NODEGRAPH_TEST, {why}",
+        ]
 
 
 def test_a_refusal_is_stored_with_what_it_makes_of_a_gathering(

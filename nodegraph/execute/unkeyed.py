@@ -1,0 +1,123 @@
+"""What a call reads that is in no key: files that no setting names, environment variables."""
+
+from __future__ import annotations
+
+import os
+import site
+import sys
+import sysconfig
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from nodegraph.node.decorator import Node
+
+_CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
+_BETWEEN = ("os", "collections.abc", __name__)
+"""Modules between a line that reads an environment variable and `_Environment`."""
+
+_calls: dict[int, Reads] = {}
+"""The calls that are watched, by thread."""
+
+
+class Reads:
+    """What a call has read that is not in its key.
+
+    Attributes
+    ----------
+    names : dict of str to None
+        In the order in which they were read.
+    """
+
+    def __init__(self, node: Node, settings: Mapping[str, Any]) -> None:
+        self.names: dict[str, None] = {}
+        self._package = node.function.__module__.partition(".")[0]
+        self._known = tuple(
+            os.path.abspath(settings[name])
+            for name, setting in node.settings.items()
+            if setting.is_file and settings.get(name) is not None
+        )
+        self._written: set[str] = set()
+
+    def file(self, path: str, *, writes: bool) -> None:
+        """Note that a file was opened."""
+        if writes:
+            self._written.add(path)
+        elif (
+            path not in self._written
+            and not path.endswith(_CODE)
+            and not _is_in(path, self._known)
+            and not _is_in(path, _installed())
+        ):
+            self.names[os.path.basename(path)] = None
+
+    def variable(self, name: str) -> None:
+        """Note an environment variable, if the node's own package reads it."""
+        frame: FrameType | None = sys._getframe(1)
+        while frame is not None and frame.f_globals.get("__name__") in _BETWEEN:
+            frame = frame.f_back
+        module = str(frame.f_globals.get("__name__", "")) if frame is not None else ""
+        if module.partition(".")[0] == self._package:
+            self.names[f"${name}"] = None
+
+
+@contextmanager
+def watched(node: Node, settings: Mapping[str, Any]) -> Iterator[Reads]:
+    """Note what the thread of a call reads; what other threads or C code read is not seen."""
+    _install()
+    thread = threading.get_ident()
+    reads = _calls[thread] = Reads(node, settings)
+    try:
+        yield reads
+    finally:
+        del _calls[thread]
+
+
+def _is_in(path: str, folders: tuple[str, ...]) -> bool:
+    return any(path == folder or path.startswith(folder + os.sep) for folder in folders)
+
+
+@cache
+def _installed() -> tuple[str, ...]:
+    """Return the folders of the system, of installed packages, and of what these keep for later."""
+    from platformdirs import user_cache_dir
+
+    names = ("stdlib", "platstdlib", "purelib", "platlib", "data")
+    return (
+        *(sysconfig.get_path(name) for name in names),
+        sys.base_prefix,
+        site.getusersitepackages(),
+        user_cache_dir(),
+        str(Path(__file__).parents[2] / "plugins"),
+        *("/proc", "/sys", "/dev", "/etc", "/usr"),
+    )
+
+
+class _Environment(type(os.environ)):  # type: ignore[misc]
+    """``os.environ``, whose reads are noted."""
+
+    def __getitem__(self, name: str) -> Any:
+        if reads := _calls.get(threading.get_ident()):
+            reads.variable(name)
+        return super().__getitem__(name)
+
+
+@cache
+def _install() -> None:
+    """Have reads noted from now on; Python cannot remove an audit hook again."""
+    sys.addaudithook(_note)
+    os.environ.__class__ = _Environment
+
+
+def _note(event: str, arguments: tuple[Any, ...]) -> None:
+    if event != "open" or not (reads := _calls.get(threading.get_ident())):
+        return
+    path, mode, flags = arguments
+    if isinstance(path, (str, os.PathLike)):
+        by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
+        by_flags = isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR))
+        reads.file(os.path.abspath(path), writes=by_mode or by_flags)
