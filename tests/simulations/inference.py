@@ -2,17 +2,16 @@
 
 ``python -m tests.simulations.inference [CELL ...]`` prints, for each cell, the rates that were
 expected and those found; it fails where one is off by more than 0.02. ``--quick`` takes the cells
-that the tests run; ``actors`` splits twenty made actors into those that are judged by and others.
+that the tests run. What holds across made actors and recordings: `tests.simulations.actors`.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-import warnings
 import zlib
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -416,50 +415,11 @@ def deviations(name: str) -> tuple[Rates, dict[str, float]]:
     return rates, {rule: rates[rule] - rate for rule, rate in expected.items()}
 
 
-def actors(count: int = 20, splits: int = 400) -> Rates:
-    """Coverage of the mean log ratio over ten made actors by intervals from ten others.
-
-    A 95 % interval is for the mean over all actors; the mean over ten others varies as much as
-    the one that it is held against, so that it falls into the interval in about 86 % of splits,
-    and in 95 % into one that is sqrt(2) times as wide.
-    """
-    import nodegraph
-
-    face, cut = nodegraph.get_node("synthesize.face"), nodegraph.get_node("gaps.cut")
-    score = nodegraph.get_node("score.gaps")
-    fills = [nodegraph.get_node(f"fill.{name}") for name in ("linear", "muscle", "pca")]
-    means = np.empty((count, len(fills)))
-    for seed in range(count):
-        synthetic: Any = face(seconds=4, rate=30, markers=20, impulses=0, seed=seed)
-        gaps: Any = cut(synthetic.captured, length=10, count=20, seed=seed)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of gaps that are left
-            tables = [score(fill(gaps.gappy), gaps.truth, gaps.hidden) for fill in fills]
-        errors = np.stack([table["rmse"].to_numpy() for table in tables], axis=1)
-        means[seed] = errors[np.isfinite(errors).all(axis=1)].mean(axis=0)
-    y = np.log(means)
-    d = y[:, 1:] - y[:, :1]
-    random = random_of("actors")
-    inside, wide = [], []
-    for _ in range(splits):
-        order = random.permutation(count)
-        low, high = mean_interval(d[order[: count // 2]])
-        other = d[order[count // 2 :]].mean(axis=0)
-        half, middle = (high - low) / 2, (low + high) / 2
-        inside.append((np.abs(other - middle) <= half).mean())
-        wide.append((np.abs(other - middle) <= math.sqrt(2) * half).mean())
-    return {"interval": float(np.mean(inside)), "sqrt(2) wider": float(np.mean(wide))}
-
-
 def main(words: list[str]) -> int:
     """Simulate the cells named, or all; return how many are off."""
-    names = list(QUICK) if words == ["--quick"] else words or [*CELLS, "actors"]
+    names = list(QUICK) if words == ["--quick"] else words or list(CELLS)
     off = 0
     for name in names:
-        if name == "actors":
-            result = ", ".join(f"{rule} {rate:.3f}" for rule, rate in actors().items())
-            print(f"ten actors by ten others: {result}", flush=True)
-            continue
         rates, differences = deviations(name)
         texts = [
             f"{rule} {rate:.3f}"
