@@ -58,7 +58,7 @@ def left_out(
     return [
         *noted,
         *absences(scores.absent, question.compare),
-        *unused_axes(scores, question.compare),
+        *unused_axes(scores, question.compare).values(),
     ]
 
 

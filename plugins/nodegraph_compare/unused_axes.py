@@ -11,16 +11,16 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Table
 
 
-def unused_axes(scores: Across[Table], compare: str | None) -> list[str]:
-    """Return which gathered axes concern some of the tables only, and which those are.
+def unused_axes(scores: Across[Table], compare: str | None) -> dict[str, str]:
+    """Return which gathered axes concern some of the tables only, and a sentence on which.
 
     The others stand at every label of such an axis with one number, and count as often.
     """
-    return [
-        _sentence(scores, axis, [axis in names for names in scores.unused], compare)
+    return {
+        axis: _sentence(scores, axis, [axis in names for names in scores.unused], compare)
         for axis in scores.axes
         if any(axis in names for names in scores.unused)
-    ]
+    }
 
 
 def _sentence(scores: Across[Table], axis: str, unused: list[bool], compare: str | None) -> str:

@@ -127,12 +127,12 @@ def _of_recording(study: DataFrame) -> tuple[Numbers, Numbers] | None:
 
 def studies() -> bool:
     """Print what two disjoint sets of faces say of the fills; return whether they contradict."""
-    graph: dict[str, Any] = {"only": {"condition": "usual", "ends": "as_published"}}
+    only = {"condition": "usual", "ends": "as_published"}
     with tempfile.TemporaryDirectory() as folder:
         faces = {f"made_{seed}": str(_saved(seed, Path(folder))) for seed in ACTORS}
         tables = [
-            nodegraph.run(GRAPH, until=["table"], **graph, **axis)["table.table"].value
-            for axis in ({}, {"axis": {"recording": faces}})
+            nodegraph.run(GRAPH, until=["table"], only=only, axis=axis)["table.table"].value
+            for axis in (None, {"recording": faces})
         ]
     contradicts = False
     for length in tables[0]["length"].unique():

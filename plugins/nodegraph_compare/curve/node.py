@@ -286,7 +286,7 @@ def curve(
         notes=(
             *notes(curves, unit_names(scores, axes)),
             *losses(scores, curves, skipped=True),
-            *unused_axes(scores, axes.compare),
+            *unused_axes(scores, axes.compare).values(),
         ),
         units={name: unit for name in valued if unit and name in frame},
     )

@@ -238,7 +238,7 @@ def importance(
         "the factor, all others equal, between which the best changes.",
         *grid.dropped,
         *absences(scores.absent, question.compare),
-        *unused_axes(scores, question.compare),
+        *unused_axes(scores, question.compare).values(),
     )
     unit = unit_of(scores, question.metric)
     shares = ("eta squared", "partial eta squared", "winner changes")

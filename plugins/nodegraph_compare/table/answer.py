@@ -30,6 +30,7 @@ from nodegraph_compare.table.sensitivity import (
     without_suspects,
 )
 from nodegraph_compare.table.verdict import verdict_on
+from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ def answers(
 ) -> list[str]:
     """Return the sentences on all groups: a line on each, or on all of them where there are many.
 
+    After them, which axes that means are taken over change nothing for some of the methods.
+
     Parameters
     ----------
     comparison, summaries
@@ -69,7 +72,11 @@ def answers(
         Over all groups, where these can be taken together.
     """
     also = [] if overall is None else [_over_groups(comparison, summaries, overall)]
-    return [*_of_groups(comparison, summaries), *also]
+    question = comparison.question
+    apart = (*question.within, *question.compared)
+    alike = unused_axes(comparison.scores, question.compare).items()
+    means = [f"{text}." for axis, text in alike if axis not in apart]
+    return [*_of_groups(comparison, summaries), *also, *means]
 
 
 def _of_groups(comparison: Comparison, summaries: Sequence[Summary]) -> list[str]:
