@@ -386,7 +386,7 @@ def test_a_check_shows_how_far_behind_each_way_is(
     output = " ".join(capsys.readouterr().out.split())
     assert "avg > held > both > near(avg=wide) 4 40.0 avg(avg=wide) (4)" in output
     assert "computed once: face" in output
-    assert "not on the stream: spectra: needs the whole take" in output
+    assert "not on the stream: shapes, spectra: needs the whole take" in output
 
 
 def test_what_is_held_is_computed_once_from_what_the_graph_reads(folder: Path) -> None:
