@@ -129,7 +129,8 @@ def test_what_comes_in_packets_goes_out_in_packets_and_plays_again(
     assert live(folder, f"replay:{folder / 'packets'}@0", "--sink", f"twice=file:{output}") == 0
     again = read_npz(output)
     assert again.markers == RECORDING.markers
-    expected = [frame.payload.positions for frame in results if frame.index % 3 != 1]
+    sent = [frame.payload.positions for frame in results]
+    expected = [positions for positions in sent if not np.isnan(positions).any()]
     whole = again.positions[~np.isnan(again.positions).any(axis=(1, 2))]
     start = int(np.argmax((whole == expected[0]).all(axis=(1, 2))))
     np.testing.assert_array_equal(whole[start : start + len(expected)], expected)
