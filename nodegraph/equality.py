@@ -12,7 +12,7 @@ import numpy as np
 _DOTS_PER_INCH = 50
 
 
-def same(first: Any, second: Any) -> bool:
+def same(first: object, second: object) -> bool:
     """Return whether two values are equal in every part; NaN equals NaN.
 
     Compares the parts of dataclasses, named tuples, sequences, mappings, arrays and pandas
@@ -21,7 +21,7 @@ def same(first: Any, second: Any) -> bool:
     return not difference(first, second)
 
 
-def difference(first: Any, second: Any, *, name: str = "value") -> str:
+def difference(first: object, second: object, *, name: str = "value") -> str:
     """Return where two values first differ and how, or an empty text if they are equal.
 
     Parameters
@@ -60,7 +60,7 @@ def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) ->
     return next(filter(None, differences), "")
 
 
-def _parts(value: Any) -> Mapping[str, Any] | None:
+def _parts(value: object) -> Mapping[str, Any] | None:
     """Return the parts of a value by the expressions that reach them; None if it has none."""
     if is_dataclass(value) and not isinstance(value, type):
         return {f".{field.name}": getattr(value, field.name) for field in fields(value)}
@@ -113,11 +113,11 @@ def _array_difference(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any],
     return f"{at}{subscript}: {first[index]} and {second[index]}{more}"
 
 
-def _equal(first: Any, second: Any) -> bool:
+def _equal(first: object, second: object) -> bool:
     both_nan = isinstance(first, (float, complex)) and first != first and second != second
     return both_nan or bool(first == second)
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 SIZES = {"TB": 10**12, "GB": 10**9, "MB": 10**6, "KB": 10**3, "B": 1}
 
@@ -14,12 +13,12 @@ def size_text(size: int) -> str:
     return f"{size} B" if unit == "B" else f"{size / SIZES[unit]:.1f} {unit}"
 
 
-def labels_of(labels: Mapping[str, Any]) -> str:
+def labels_of(labels: Mapping[str, object]) -> str:
     """Return one combination of axes as text: ``fill=muscle, length=5``."""
     return ", ".join(f"{axis}={label}" for axis, label in labels.items())
 
 
-def name_at(node: str, labels: Mapping[str, Any]) -> str:
+def name_at(node: str, labels: Mapping[str, object]) -> str:
     """Return the name of one combination of a node: ``fill(fill=muscle, length=5)``."""
     return f"{node}({labels_of(labels)})" if labels else node
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 _OTHER_TYPES = re.compile(" or (an )?instance of .*")
 
 
-def first_error(error: ValidationError, data: Any, at: tuple[int | str, ...] = ()) -> str:
+def first_error(error: ValidationError, data: object, at: tuple[int | str, ...] = ()) -> str:
     """Return the first error of a document with its place: ``steps.3.use: field required``.
 
     Parameters
@@ -30,7 +30,7 @@ def first_error(error: ValidationError, data: Any, at: tuple[int | str, ...] = (
     return f"{place or 'all of it'}: {message[:1].lower()}{message[1:]}"
 
 
-def _keys(data: Any, location: Iterable[int | str]) -> list[str]:
+def _keys(data: object, location: Iterable[int | str]) -> list[str]:
     """Return the keys to a place, without pydantic's names of the members of a union."""
     keys: list[str] = []
     for key in location:

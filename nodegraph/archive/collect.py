@@ -227,7 +227,7 @@ def _lock_mismatch(path: Path, graph: str, text: str, record: Record) -> str:
     return ""
 
 
-def _base(value: Any) -> Any:
+def _base(value: object) -> Any:
     """Return a value with paths reduced to names of files, since a lock has other folders."""
     if isinstance(value, list):
         return [_base(item) for item in value]

@@ -194,7 +194,7 @@ def relocate_settings(settings: RunSettings, graph: str, names: Mapping[str, str
     )
 
 
-def _in_archive(value: Any, names: Mapping[str, str]) -> Any:
+def _in_archive(value: object, names: Mapping[str, str]) -> Any:
     if isinstance(value, Mapping):
         return {name: _in_archive(item, names) for name, item in value.items()}
     if isinstance(value, list):

@@ -76,7 +76,7 @@ class _Entities:
             return entity
         return self.crate.add(ContextEntity(self.crate, identifier, {"@type": kind, **properties}))
 
-    def add_file(self, name: str, properties: Mapping[str, Any]) -> Any:
+    def add_file(self, name: str, properties: Mapping[str, object]) -> Any:
         """Add a file of the archive."""
         from rocrate.model import DataEntity
 
@@ -141,7 +141,7 @@ class _Parameters:
                     known.add(entity.id)
                     yield entity
 
-    def _file_of(self, value: Any) -> Any:
+    def _file_of(self, value: object) -> Any:
         files = list(self._files_of(value)) if isinstance(value, str) else []
         return files[0] if len(files) == 1 and files[0].type != "PropertyValue" else None
 
@@ -170,7 +170,7 @@ class _Parameters:
             identifier, "FormalParameter", name=name, additionalType=kind, conformsTo=profile
         )
 
-    def _value(self, identifier: str, name: str, value: Any) -> Any:
+    def _value(self, identifier: str, name: str, value: object) -> Any:
         plain = value if isinstance(value, (str, int, float)) else json.dumps(value)
         return self._entities.add(identifier, "PropertyValue", name=name, value=plain)
 
@@ -263,7 +263,7 @@ class _Crate:
                 **citation,
             )
 
-    def _describe_action(self, main: Any, inputs: list[Any]) -> None:
+    def _describe_action(self, main: object, inputs: list[Any]) -> None:
         failed = self._contents.record.counts.get(State.FAILED, 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
         error = {"error": f"{failed} steps failed; see run/run.json"} if failed else {}

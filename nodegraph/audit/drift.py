@@ -56,7 +56,7 @@ class CallResult:
     packed: tuple[Packed | None, ...]
 
     @classmethod
-    def of(cls, values: Iterable[Any], packer: Packer) -> CallResult:
+    def of(cls, values: Iterable[object], packer: Packer) -> CallResult:
         """Return the result of a call that returned these values."""
         outputs = [_stored_form(value, packer) for value in values]
         return cls(
@@ -120,7 +120,7 @@ def drift(
     return Drift(max(grades, key=lambda grade: grade.rank), tuple(differences))
 
 
-def floor_of(inputs: Mapping[str, Any], packer: Packer) -> float:
+def floor_of(inputs: Mapping[str, object], packer: Packer) -> float:
     """Return the size below which the results of a call may be rounding errors of its inputs."""
     packed = {port: _stored_form(value, packer)[1] for port, value in inputs.items()}
     leaves = sketch({port: value for port, value in packed.items() if value is not None}).leaves
@@ -141,7 +141,7 @@ def _grade(
     return Grade.CLOSE if distance <= TOLERANCE else Grade.DIFFERS
 
 
-def _stored_form(value: Any, packer: Packer) -> tuple[Any, Packed | None]:
+def _stored_form(value: object, packer: Packer) -> tuple[Any, Packed | None]:
     """Return a value as a store would return it, and packed."""
     try:
         packed = packer.pack(value)

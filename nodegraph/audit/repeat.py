@@ -196,7 +196,7 @@ def _numba_threads(count: int) -> Iterator[None]:
         numba.set_num_threads(before)
 
 
-def _lent(value: Any, packer: Packer) -> Any:
+def _lent(value: object, packer: Packer) -> Any:
     """Return a value for one call, whose changes do not reach later calls."""
     if not isinstance(value, Across):
         return packer.lend(value)
@@ -204,7 +204,7 @@ def _lent(value: Any, packer: Packer) -> Any:
     return replace(value, entries=entries)
 
 
-def _digests(inputs: Mapping[str, Any], packer: Packer) -> dict[str, str]:
+def _digests(inputs: Mapping[str, object], packer: Packer) -> dict[str, str]:
     digests: dict[str, str] = {}
     for port, value in inputs.items():
         try:

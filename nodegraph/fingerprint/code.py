@@ -93,7 +93,7 @@ class Code:
     def __init__(
         self,
         followed: Iterable[str],
-        remembered: Mapping[str, Any] | None = None,
+        remembered: Mapping[str, object] | None = None,
         formats: Callable[[], Iterable[Format]] = tuple,
     ) -> None:
         known = remembered if isinstance(remembered, Mapping) else {}

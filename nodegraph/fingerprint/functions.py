@@ -54,7 +54,7 @@ class Describer:
         self._code = code
         self._open: list[int] = []
 
-    def of(self, value: Any) -> object:
+    def of(self, value: object) -> object:
         """Return a description of a value.
 
         Raises
@@ -73,7 +73,7 @@ class Describer:
         finally:
             self._open.pop()
 
-    def all(self, values: Iterable[Any]) -> tuple[object, ...]:
+    def all(self, values: Iterable[object]) -> tuple[object, ...]:
         """Return descriptions of values, in their order."""
         return tuple(map(self.of, values))
 
@@ -157,7 +157,7 @@ def bare_members(kind: type) -> dict[str, Any]:
     return members | {"annotations": annotations, "fields": _fields(kind)}
 
 
-def _fields(kind: Any) -> list[Any]:
+def _fields(kind: object) -> list[Any]:
     """Return the fields of a dataclass: with slots, its defaults are nowhere else."""
     if not dataclasses.is_dataclass(kind):
         return []
@@ -180,7 +180,7 @@ def _field(field: dataclasses.Field[Any]) -> tuple[Any, ...]:
     )
 
 
-def _bare(member: Any) -> Any:
+def _bare(member: object) -> Any:
     if isinstance(member, (staticmethod, classmethod)):
         return type(member).__name__, member.__func__
     if isinstance(member, property):
@@ -188,7 +188,7 @@ def _bare(member: Any) -> Any:
     return member
 
 
-def _is_generated(kind: type, name: str, member: Any) -> bool:
+def _is_generated(kind: type, name: str, member: object) -> bool:
     if hasattr(kind, "_fields") and issubclass(kind, tuple):
         return name in _OF_NAMEDTUPLE
     generated = isinstance(member, FunctionType) and member.__code__.co_filename in _NOWHERE
@@ -272,7 +272,7 @@ class Live:
         self.units: defaultdict[str, set[str]] = defaultdict(set)
         self.troubles: list[str] = []
 
-    def look_at(self, value: Any, label: str = "") -> Reach:
+    def look_at(self, value: object, label: str = "") -> Reach:
         """Return what a function, or a value that holds functions, leads to in files."""
         self._waiting.append((label or _label(value), value))
         while self._waiting:
@@ -282,14 +282,14 @@ class Live:
                 self._look(label, value)
         return Reach(frozenset(self._definitions), frozenset(self._versioned))
 
-    def _look(self, label: str, value: Any) -> None:
+    def _look(self, label: str, value: object) -> None:
         if not isinstance(value, FunctionType):
             self._note(label, "", value)
             return
         for name, held in self._function(value):
             self._note(_label(value), f"[{name}]", held)
 
-    def _note(self, label: str, inside: str, value: Any) -> None:
+    def _note(self, label: str, inside: str, value: object) -> None:
         try:
             self.units[label + inside].add(short_digest(self._describer.of(value)))
         except NoDigestError as error:
@@ -297,7 +297,7 @@ class Live:
         except RecursionError:
             self.troubles.append(f"{label}{inside} is nested too deeply to be read")
 
-    def _code(self, value: Any) -> object:
+    def _code(self, value: object) -> object:
         """Describe what is made of code, and note what it leads to."""
         if isinstance(value, ModuleType):
             self._add(self._links.reach(None, [f"{value.__name__}:"]))
@@ -379,7 +379,7 @@ class Live:
             elif name in function.__globals__ and not _is_mark(value):
                 self._waiting.append((f"{_module_name(function)}:{name}", value))
 
-    def _is_named(self, value: Any) -> bool:
+    def _is_named(self, value: object) -> bool:
         """Whether a value is what its module has under its name; note what that leads to."""
         name, qualified = getattr(value, "__module__", None), _name(value)
         if not isinstance(name, str) or not qualified:
@@ -430,16 +430,16 @@ def _is_renamed(function: FunctionType) -> bool:
     return function.__qualname__ != function.__code__.co_qualname
 
 
-def _is_mark(value: Any) -> bool:
+def _is_mark(value: object) -> bool:
     return (getattr(value, "__module__", ""), _name(value)) in NOT_FOLLOWED
 
 
-def _name(value: Any) -> str:
+def _name(value: object) -> str:
     name = getattr(value, "__qualname__", None) or getattr(value, "__name__", None)
     return name if isinstance(name, str) else ""
 
 
-def _label(value: Any) -> str:
+def _label(value: object) -> str:
     if isinstance(value, FunctionType):
         return f"{_module_name(value)}:{value.__code__.co_qualname}"
     return f"{type(value).__module__}:{type(value).__qualname__}"

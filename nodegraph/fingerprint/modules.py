@@ -39,7 +39,7 @@ class Distributions:
         version has the same modules, so its list of files need not be read again.
     """
 
-    def __init__(self, remembered: Any = None) -> None:
+    def __init__(self, remembered: object = None) -> None:
         self._known = _owners(remembered)
         self._files: dict[str, list[tuple[Owner, str]]] = {}
 
@@ -106,7 +106,7 @@ def _files(distribution: metadata.Distribution) -> str:
     return f"\n{files}"
 
 
-def _owners(remembered: Any) -> dict[str, list[Owner]]:
+def _owners(remembered: object) -> dict[str, list[Owner]]:
     """Return what is well formed of what was remembered."""
     owners: dict[str, list[Owner]] = {}
     for top, items in remembered.items() if isinstance(remembered, Mapping) else ():
@@ -218,7 +218,7 @@ class Places:
         return frozenset(owners)
 
 
-def _of_module(module: Any) -> Place | None:
+def _of_module(module: object) -> Place | None:
     place = _of_spec(getattr(module, "__spec__", None))
     if place is not None or not isinstance(module, ModuleType):
         return place

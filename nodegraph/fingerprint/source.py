@@ -709,7 +709,7 @@ class Sources:
         What `remembered` returned in an earlier process. What is not of that form is left out.
     """
 
-    def __init__(self, remembered: Any = None) -> None:
+    def __init__(self, remembered: object = None) -> None:
         self._known = dict(remembered) if isinstance(remembered, Mapping) else {}
         self._read: dict[str, Summary] = {}
 

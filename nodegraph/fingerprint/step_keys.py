@@ -176,7 +176,7 @@ class Files:
         What `remembered` returned in an earlier process.
     """
 
-    def __init__(self, remembered: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, remembered: Mapping[str, object] | None = None) -> None:
         self._known = dict(remembered or {})
 
     def digest(self, path: Path) -> str:

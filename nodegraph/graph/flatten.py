@@ -334,7 +334,7 @@ class _Inlined:
             return self._resolved(written.value, written)
         return replace(written, value=self._substituted(written.value))
 
-    def _substituted(self, value: Any) -> Any:
+    def _substituted(self, value: object) -> Any:
         if isinstance(value, Variable):
             return self._resolved(value, Written(None, value.place)).value
         if isinstance(value, dict):

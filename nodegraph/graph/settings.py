@@ -138,7 +138,7 @@ class SettingsReader:
         names = {self._namespace.axis_of(variable) for variable in variables}
         return tuple(axis for axis in self._namespace.axes if axis in names) if names else ()
 
-    def _substituted(self, value: Any, labels: Mapping[str, Label]) -> Any:
+    def _substituted(self, value: object, labels: Mapping[str, Label]) -> Any:
         if isinstance(value, Variable):
             return self._namespace.value(value, labels)
         if isinstance(value, dict):
@@ -148,7 +148,7 @@ class SettingsReader:
         return value
 
     def _validated(
-        self, pending: _Pending, settings: Mapping[str, Any], invalid: set[str]
+        self, pending: _Pending, settings: Mapping[str, object], invalid: set[str]
     ) -> Mapping[str, Any]:
         """Return settings with defaults; if any is not valid, none, and add it to `invalid`."""
         from pydantic import ValidationError
@@ -170,7 +170,7 @@ class SettingsReader:
         return {name: getattr(model, name) for name in node.settings}
 
     def _files(
-        self, pending: _Pending, settings: Mapping[str, Any], names: Iterable[str]
+        self, pending: _Pending, settings: Mapping[str, object], names: Iterable[str]
     ) -> Mapping[str, Path]:
         """Return the paths of those settings that name a file."""
         files: dict[str, Path] = {}

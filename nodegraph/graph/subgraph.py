@@ -294,7 +294,7 @@ class _UseCheck:
         self.problems.add(part.place, f"{self._use.where}: {message}", instead)
 
 
-def field_of(value: Any, name: str) -> Any:
+def field_of(value: object, name: str) -> Any:
     """Return a field of a value, or of what a variable stands for; without a name, the value.
 
     Raises
@@ -336,7 +336,7 @@ def expands_too_far(spec: GraphSpec, settings: Mapping[str, Written]) -> bool:
     return False
 
 
-def _extent(value: Any) -> tuple[int, int]:
+def _extent(value: object) -> tuple[int, int]:
     """Return how many values a value holds, and how deep they are nested."""
     size = depth = 0
     pending = [(value, 0)]

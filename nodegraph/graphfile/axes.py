@@ -40,7 +40,7 @@ def read_axis(name: str, item: Located, folder: Path, problems: Problems) -> Axi
     return AxisSpec(name, item.place, labels, values)
 
 
-def axis_from_option(name: str, value: Any, folder: Path, problems: Problems) -> AxisSpec:
+def axis_from_option(name: str, value: object, folder: Path, problems: Problems) -> AxisSpec:
     """Return the axis that a command or a caller describes by plain data; see `read_axis`."""
     place = Place(f"--axis {name}")
     if isinstance(value, (list, tuple, range)) and value[MOST_LABELS : MOST_LABELS + 1]:
@@ -49,7 +49,7 @@ def axis_from_option(name: str, value: Any, folder: Path, problems: Problems) ->
     return read_axis(name, located(value, place), folder, problems)
 
 
-def is_pattern(value: Any) -> bool:
+def is_pattern(value: object) -> bool:
     """Return whether plain data describe an axis by a pattern of files."""
     return isinstance(value, dict) and list(value) == ["files"]
 
@@ -146,14 +146,14 @@ def _from_files(item: Located, folder: Path, problems: Problems) -> _Entries | N
     return [(stem, name, item.place) for stem, name in stems.items()]
 
 
-def _is_range(bounds: Any) -> bool:
+def _is_range(bounds: object) -> bool:
     if not isinstance(bounds, list) or len(bounds) != 3 or not all(map(_is_finite, bounds)):
         return False
     first, last, step = bounds
     return bool(step and (first <= last if step > 0 else first >= last))
 
 
-def _is_finite(value: Any) -> bool:
+def _is_finite(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < math.inf
 
 

@@ -181,7 +181,7 @@ class NodeReader:
         label = name.rpartition(".")[2]
         return MethodSpec(f"{plugin}:{label}" if plugin else label, item.value, item.place)
 
-    def _labelled(self, key: Any, place: Place, item: Located) -> MethodSpec:
+    def _labelled(self, key: object, place: Place, item: Located) -> MethodSpec:
         label = str(key)
         if not isinstance(key, str):
             message = f"the label {label} of an alternative must be a word"
@@ -280,7 +280,7 @@ class NodeReader:
         return False
 
 
-def space_hint(written: Any, keys: Iterable[str]) -> str:
+def space_hint(written: object, keys: Iterable[str]) -> str:
     """Return what to write for ``key:value``, which YAML takes for a single word, or ""."""
     key, colon, value = written.partition(":") if isinstance(written, str) else ("", "", "")
     return f"put a space after the colon: {key}: {value}" if colon and key in keys else ""

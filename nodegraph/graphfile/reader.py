@@ -175,7 +175,7 @@ class _SpecReader:
         for name, place in self._names("outputs"):
             self._check_name(name, place)
 
-    def _check_name(self, name: Any, place: Place) -> bool:
+    def _check_name(self, name: object, place: Place) -> bool:
         if isinstance(name, str) and _IDENTIFIER.fullmatch(name):
             return True
         self._problems.add(place, f"{name!r} cannot be a name", IDENTIFIER_HINT)

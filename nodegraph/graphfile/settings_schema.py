@@ -218,7 +218,7 @@ def _merged(options: list[Schema]) -> tuple[Schema, list[Schema]]:
     return merged, rest
 
 
-def _is_json(value: Any) -> bool:
+def _is_json(value: object) -> bool:
     try:
         json.dumps(value, allow_nan=False)
     except (TypeError, ValueError):

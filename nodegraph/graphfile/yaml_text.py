@@ -192,7 +192,7 @@ class _Parser:
                 handle(event)
         return self._root or Located(None, Place(self._file, 1, 1))
 
-    def _document(self, event: Any) -> None:
+    def _document(self, event: object) -> None:
         if self._root is not None:
             self._fail(self._place(event), "a second document; a graph file has one")
 
@@ -269,7 +269,7 @@ class _Parser:
         raise GraphError([*self._problems.all(), Problem(place, message)])
 
 
-def located(value: Any, place: Place) -> Located:
+def located(value: object, place: Place) -> Located:
     """Return plain data as if all of it were written at one place."""
     if isinstance(value, dict):
         items = {key: located(item, place) for key, item in value.items()}

@@ -20,7 +20,7 @@ from nodegraph.lock.recorded import Recorded
 _T = TypeVar("_T", Parts, Recorded)
 
 
-def _text_keys(value: Any) -> Any:
+def _text_keys(value: object) -> Any:
     """Return plain data with texts as keys: YAML reads a key of digits as a number."""
     if isinstance(value, dict):
         return {str(key): _text_keys(item) for key, item in value.items()}
@@ -34,7 +34,7 @@ def _has_python(versions: dict[str, str]) -> dict[str, str]:
 
 
 def _parser(kind: type[_T]) -> PlainValidator:
-    def parse(value: Any) -> _T:
+    def parse(value: object) -> _T:
         if isinstance(value, kind):
             return value
         if isinstance(value, str):

@@ -100,7 +100,7 @@ def read_lock(path: Path) -> Lock:
     return Lock(path, study_from(read_yaml(text, str(path)).plain(), path))
 
 
-def study_from(data: Any, path: Path) -> LockedStudy:
+def study_from(data: object, path: Path) -> LockedStudy:
     """Return the study of a lock from its data.
 
     Raises
@@ -145,7 +145,7 @@ def _choices(run: Run, names: FileNames) -> LockedChoices:
     )
 
 
-def _axis(value: Any, names: FileNames) -> Any:
+def _axis(value: object, names: FileNames) -> Any:
     """Return the value of an axis, with the same labels though their files are renamed."""
     renamed = names.portable(value)
     if isinstance(value, list) and renamed != value:

@@ -92,7 +92,7 @@ class FileNames:
         """Return the name of a file with this path, which is written like this in the graph."""
         return written if self._registry.hooks.is_place(written) else relative(path, self._folder)
 
-    def portable(self, value: Any) -> Any:
+    def portable(self, value: object) -> Any:
         """Return plain data with the paths of files replaced by their names."""
         if isinstance(value, Mapping):
             return {key: self.portable(item) for key, item in value.items()}
@@ -120,7 +120,7 @@ def _files_of(node: str, method: Method) -> Iterator[tuple[str, str, Path]]:
                 yield f"{node}: {name}", str(shown[name]), Path(path)
 
 
-def _texts(value: Any) -> Iterator[str]:
+def _texts(value: object) -> Iterator[str]:
     pending = [value]
     while pending:
         item = pending.pop()

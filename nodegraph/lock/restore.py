@@ -21,7 +21,7 @@ _BUILT_IN = "pass"
 _FAMILY = re.compile(r"(?<![\w.])([A-Za-z_]\w*)\.\*")
 
 
-def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, Any]) -> Graph:
+def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, object]) -> Graph:
     """Return the graph of a lock: its text and choices, without nodes that were added later.
 
     Parameters
@@ -61,7 +61,7 @@ def edited_files(lock: Lock) -> Iterator[str]:
             yield f"{path} is missing; the text in the lock is verified"
 
 
-def _missing_files(lock: Lock, error: GraphError, inputs: Mapping[str, Any]) -> Iterator[str]:
+def _missing_files(lock: Lock, error: GraphError, inputs: Mapping[str, object]) -> Iterator[str]:
     """Yield where missing files of inputs were looked for, and how to pass their new paths."""
     for name, value in {**lock.study.inputs, **inputs}.items():
         ending = f"no such file: {value}"
@@ -98,7 +98,7 @@ class _LockedNames:
         return in_family and name not in self._text
 
 
-def _choices(lock: Lock, inputs: Mapping[str, Any]) -> Choices:
+def _choices(lock: Lock, inputs: Mapping[str, object]) -> Choices:
     choices = lock.study.choices
     return Choices(
         {**choices.inputs, **inputs},

@@ -247,7 +247,7 @@ class Results:
     def _packed(self, index: int) -> tuple[Packed | None, ...]:
         return tuple(map(self._pack, self._values(index)))
 
-    def _pack(self, value: Any) -> Packed | None:
+    def _pack(self, value: object) -> Packed | None:
         try:
             return self._run.packer.pack(value)
         except Unstorable:

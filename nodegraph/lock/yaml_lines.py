@@ -6,7 +6,6 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from nodegraph.graphfile.yaml_text import scalar
 
@@ -22,7 +21,7 @@ _BLOCK = re.compile(rf"{_VISIBLE}(?:[^\x00-\x08\x0b-\x1f{_INVISIBLE}]*{_VISIBLE}
 _ESCAPED = re.compile(f"[{_INVISIBLE}]")
 
 
-def yaml_lines(data: Mapping[str, Any], depth: int = 0) -> Iterator[str]:
+def yaml_lines(data: Mapping[str, object], depth: int = 0) -> Iterator[str]:
     """Yield the lines of a mapping of strings, numbers, booleans, None, lists and mappings."""
     indent = _INDENT * depth
     for key, value in data.items():
@@ -41,11 +40,11 @@ def yaml_lines(data: Mapping[str, Any], depth: int = 0) -> Iterator[str]:
             yield f"{head} {_flow(value)}"
 
 
-def _is_long(value: Any) -> bool:
+def _is_long(value: object) -> bool:
     return len(value) > _LONG if isinstance(value, str) else isinstance(value, (list, Mapping))
 
 
-def _flow(value: Any) -> str:
+def _flow(value: object) -> str:
     """Return a value in one line."""
     if isinstance(value, Mapping):
         pairs = (f"{_inside(str(key))}: {_inside(item)}" for key, item in value.items())
@@ -55,11 +54,11 @@ def _flow(value: Any) -> str:
     return _scalar(value)
 
 
-def _inside(value: Any) -> str:
+def _inside(value: object) -> str:
     return _quoted(value) if isinstance(value, str) and "," in value else _flow(value)
 
 
-def _scalar(value: Any) -> str:
+def _scalar(value: object) -> str:
     if value is None:
         return "null"
     if isinstance(value, bool):

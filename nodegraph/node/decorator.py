@@ -315,7 +315,7 @@ class Node:
             if not setting.required
         }
 
-    def lookahead(self, settings: Mapping[str, Any]) -> int | Undeclared | None:
+    def lookahead(self, settings: Mapping[str, object]) -> int | Undeclared | None:
         """Return how many frames ahead the result depends on; None if nothing bounds them.
 
         Parameters
@@ -330,7 +330,7 @@ class Node:
         """
         return self._frames("lookahead", self.declaration.lookahead, settings)
 
-    def live_lookahead(self, settings: Mapping[str, Any]) -> int | None:
+    def live_lookahead(self, settings: Mapping[str, object]) -> int | None:
         """Return how many frames later its live form gives a frame; None if nothing bounds them.
 
         Parameters
@@ -360,7 +360,7 @@ class Node:
         return self.live.streams or tuple(port.name for port in self.inputs[:1])
 
     def _frames(
-        self, what: str, value: Any, settings: Mapping[str, Any]
+        self, what: str, value: object, settings: Mapping[str, object]
     ) -> int | Undeclared | None:
         declared = self._declared(what, value, settings)
         if declared is None or declared is UNDECLARED:
@@ -372,7 +372,7 @@ class Node:
             "the whole take"
         )
 
-    def meets_ends(self, settings: Mapping[str, Any]) -> bool | None:
+    def meets_ends(self, settings: Mapping[str, object]) -> bool | None:
         """Return whether the result meets both ends of a gap; None if that is not declared.
 
         Parameters
@@ -390,7 +390,7 @@ class Node:
             return declared
         raise NodeError(f"{self.name}: ends is {declared!r}; it must be True or False")
 
-    def _declared(self, what: str, value: Any, settings: Mapping[str, Any]) -> Any:
+    def _declared(self, what: str, value: object, settings: Mapping[str, object]) -> Any:
         if not callable(value):
             return value
         try:
@@ -435,7 +435,7 @@ class Node:
         return hints
 
 
-def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
+def _input_port(node_name: str, argument: inspect.Parameter, hint: object) -> Port:
     # None and Truth may stand in either order: Truth[T | None] and Truth[T] | None
     inner, is_optional = _without_none(hint)
     truth = _has_mark(hint, TruthMark) or _has_mark(inner, TruthMark)
@@ -452,20 +452,20 @@ def _input_port(node_name: str, argument: inspect.Parameter, hint: Any) -> Port:
     return Port(argument.name, kind, truth, across, optional)
 
 
-def _output_port(node_name: str, name: str, hint: Any) -> Port:
+def _output_port(node_name: str, name: str, hint: object) -> Port:
     kind = _single_type(node_name, f"output {name!r}", hint)
     columns = next((mark.names for mark in _marks(hint, Columns)), ())
     return Port(name, kind, truth=_has_mark(hint, TruthMark), columns=columns)
 
 
-def _single_type(node_name: str, what: str, hint: Any) -> type:
+def _single_type(node_name: str, what: str, hint: object) -> type:
     kind = _plain_type(hint)
     if isinstance(kind, type) and kind is not Any:
         return kind
     raise NodeError(f"{node_name}: {what} needs one type, not {kind}")
 
 
-def _setting(argument: inspect.Parameter, hint: Any) -> Setting:
+def _setting(argument: inspect.Parameter, hint: object) -> Setting:
     inner, _ = _without_none(hint)
 
     def first_mark(kind: type[T]) -> T | None:
@@ -489,7 +489,7 @@ def _field_names(record: type) -> tuple[str, ...]:
     return names if names is not None else tuple(field.name for field in fields(record))
 
 
-def _plain_type(hint: Any) -> Any:
+def _plain_type(hint: object) -> Any:
     """Return an annotation without its marks."""
     return get_args(hint)[0] if get_origin(hint) is Annotated else hint
 
@@ -504,7 +504,7 @@ def _has_mark(hint: Any, kind: type) -> bool:
     return any(_marks(hint, kind))
 
 
-def _without_none(hint: Any) -> tuple[Any, bool]:
+def _without_none(hint: object) -> tuple[Any, bool]:
     """Return ``T`` and True for ``T | None``, any other annotation and False."""
     if get_origin(hint) not in (Union, UnionType):
         return hint, False

@@ -125,7 +125,7 @@ def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:
     return [f"{what} {joined}{' by default' if varies else ''}"] if joined else []
 
 
-def _frames_text(node: Node, settings: Mapping[str, Any]) -> str:
+def _frames_text(node: Node, settings: Mapping[str, object]) -> str:
     try:
         frames = node.lookahead(settings)
     except NodeError:
@@ -135,7 +135,7 @@ def _frames_text(node: Node, settings: Mapping[str, Any]) -> str:
     return "unbounded" if frames is None else f"{frames} frame{'' if frames == 1 else 's'}"
 
 
-def _ends_text(node: Node, settings: Mapping[str, Any]) -> str:
+def _ends_text(node: Node, settings: Mapping[str, object]) -> str:
     try:
         return {None: "", True: "met", False: "not met"}[node.meets_ends(settings)]
     except NodeError:
@@ -160,7 +160,7 @@ def without_parameters(doc: str) -> str:
     return _PARAMETERS.sub("", doc).strip()
 
 
-def value_text(value: Any) -> str:
+def value_text(value: object) -> str:
     """Return a setting's value as a graph file has it."""
     if value is None:
         return "null"
@@ -208,7 +208,7 @@ def _json_schema(node: Node) -> dict[str, Any]:
     from pydantic.json_schema import GenerateJsonSchema
 
     class Lenient(GenerateJsonSchema):
-        def handle_invalid_for_json_schema(self, schema: Any, error_info: str) -> dict[str, Any]:
+        def handle_invalid_for_json_schema(self, schema: object, error_info: str) -> dict[str, Any]:
             return {}
 
     return node.model.model_json_schema(schema_generator=Lenient)
@@ -312,7 +312,7 @@ def _plain(value: Any) -> Any:
     return value if type(value) in (bool, int, float, str) else None
 
 
-def _yaml(name: str, entry: Mapping[str, Any]) -> str:
+def _yaml(name: str, entry: Mapping[str, object]) -> str:
     """Return an entry in one line, or one for each of its keys if that is too long."""
     parts = {key: _flow(value) for key, value in entry.items()}
     line = f"{name}: {{{', '.join(f'{key}: {text}' for key, text in parts.items())}}}"
@@ -321,7 +321,7 @@ def _yaml(name: str, entry: Mapping[str, Any]) -> str:
     return "\n".join([f"{name}:", *(f"  {key}: {text}" for key, text in parts.items())])
 
 
-def _flow(value: Any) -> str:
+def _flow(value: object) -> str:
     import yaml
 
     text: str = yaml.safe_dump(

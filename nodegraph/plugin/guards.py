@@ -103,7 +103,7 @@ class Source:
 def guard_renderer(renderer: Renderer, source: Source) -> Renderer:
     """Return a renderer that raises `PluginError` where another fails."""
 
-    def render(value: Any, title: str) -> Any:
+    def render(value: object, title: str) -> Any:
         return expect(renderer.render(value, title), Rendered)
 
     def render_in_run(value: Any, title: str, origin: Any) -> Any:
@@ -142,11 +142,11 @@ def guard_storage(storage: Storage, source: Source) -> Storage:
     """Return a storage that raises `PluginError` where another fails; a failed loan is a copy."""
     name = storage.type.__name__
 
-    def put_together(parts: Any) -> Any:
+    def put_together(parts: object) -> Any:
         value = storage.put_together(parts)
         return expect(value, storage.type) if storage.faithful else value
 
-    def lend(value: Any) -> Any:
+    def lend(value: object) -> Any:
         assert storage.lend is not None
         return expect(storage.lend(value), storage.type)
 
@@ -194,10 +194,10 @@ def guard_comparison(comparison: Comparison, source: Source) -> Comparison:
     """Return a comparison that warns where another fails, and finds no difference."""
     name = comparison.type.__name__
 
-    def compare(first: Any, second: Any) -> tuple[str, ...]:
+    def compare(first: object, second: object) -> tuple[str, ...]:
         return _sentences(comparison.compare(first, second))
 
-    def parts(value: Any) -> Parts:
+    def parts(value: object) -> Parts:
         assert comparison.parts is not None
         return _checked_parts(comparison.parts(value), value)
 
@@ -212,10 +212,10 @@ def guard_conclusion(conclusion: Conclusion, source: Source) -> Conclusion:
     """Return a conclusion that warns where another fails, and concludes nothing."""
     name = conclusion.type.__name__
 
-    def conclude(value: Any) -> tuple[str, ...]:
+    def conclude(value: object) -> tuple[str, ...]:
         return _sentences(conclusion.conclude(value))
 
-    def numbers(value: Any) -> Any:
+    def numbers(value: object) -> Any:
         return expect(conclusion.numbers(value), str)
 
     return replace(
@@ -292,7 +292,7 @@ def guard_specimens(kind: type, make: Function, source: Source) -> Function:
     return source.warning(what, lambda: expect(make(), Mapping), dict)
 
 
-def _sentences(value: Any) -> tuple[str, ...]:
+def _sentences(value: object) -> tuple[str, ...]:
     return tuple(expect(sentence, str) for sentence in expect(value, Iterable))
 
 

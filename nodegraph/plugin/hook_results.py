@@ -247,7 +247,7 @@ def declared_hooks() -> Mapping[str, Any]:
     }
 
 
-def _of_type(items: Iterable[Any], kind: Any, source: Source) -> Iterator[tuple[Any, Source]]:
+def _of_type(items: Iterable[object], kind: object, source: Source) -> Iterator[tuple[Any, Source]]:
     for number, item in enumerate(items):
         try:
             yield expect(item, kind), source

@@ -119,7 +119,7 @@ def _same_weight(animation: Animation, weights: Weights, name: str) -> bool:
     )
 
 
-def _moved(value: Any) -> Any:
+def _moved(value: object) -> Any:
     if isinstance(value, Trajectories):
         return replace(value, positions=value.positions @ TURN.T + SHIFT)
     if isinstance(value, BlendshapeModel):
@@ -131,7 +131,7 @@ def _moved(value: Any) -> Any:
     return value
 
 
-def _reordered(value: Any) -> Any:
+def _reordered(value: object) -> Any:
     names = value.markers[::-1] if isinstance(value, _WITH_MARKERS) else ()
     if isinstance(value, Trajectories):
         return value.keep(names)
@@ -157,7 +157,7 @@ def _as_it_is(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _differences(
     tried: Tried,
-    again: Mapping[str, Any] | None,
+    again: Mapping[str, object] | None,
     what: str,
     points: _Points = _as_it_is,
     offsets: _Points = _as_it_is,

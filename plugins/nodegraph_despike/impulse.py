@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Order = Literal["simultaneous", "in_place", "redetect"]
 
 
-def _lookahead(settings: Mapping[str, Any]) -> int | None:
+def _lookahead(settings: Mapping[str, object]) -> int | None:
     # the mean step of the whole take; the worst sample of the whole take
     unbounded = settings["mean_step"] is None and settings["calibration"] is None
     return None if unbounded or settings["order"] == "redetect" else 1

@@ -48,7 +48,7 @@ def _check_keys(node: Any) -> None:
             raise ValueError(f"line {line}: {key.value!r} again, after line {lines[key.value]}")
 
 
-def marker_set_of(data: Any) -> MarkerSet:
+def marker_set_of(data: object) -> MarkerSet:
     """Return the marker set that plain data describe.
 
     Raises
@@ -95,7 +95,7 @@ def _printable(text: str) -> str:
     )
 
 
-def _part(part: str, items: Any) -> tuple[Any, ...]:
+def _part(part: str, items: object) -> tuple[Any, ...]:
     if items in ("", None):
         return ()
     if not isinstance(items, list):
@@ -108,7 +108,7 @@ def _part(part: str, items: Any) -> tuple[Any, ...]:
     return tuple(items)
 
 
-def _couple(part: str, item: Any) -> tuple[str, str]:
+def _couple(part: str, item: object) -> tuple[str, str]:
     if not isinstance(item, list) or len(item) != 2 or not all(isinstance(x, str) for x in item):
         raise ValueError(f"{part!r} must be a list of two names each, not {reprlib.repr(item)}")
     return item[0], item[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def _lookahead(settings: Mapping[str, Any]) -> int | None:
+def _lookahead(settings: Mapping[str, object]) -> int | None:
     # the ring is that of the most complete frame
     return None if settings["neighbours"] == "one_ring" else lookahead(settings)
 

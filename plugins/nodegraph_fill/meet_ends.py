@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def check_ends(ends: Ends) -> None:
         raise ValueError(f"ends must be {' or '.join(get_args(Ends))}, got {ends!r}")
 
 
-def are_met(settings: Mapping[str, Any]) -> bool:
+def are_met(settings: Mapping[str, object]) -> bool:
     """Return whether a fill that does not meet the ends by itself meets them."""
     return bool(settings["ends"] == "met")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Noise = Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")]
 
 
-def _lookahead(settings: Mapping[str, Any]) -> int | None:
+def _lookahead(settings: Mapping[str, object]) -> int | None:
     return to_gap_end(settings) if are_met(settings) else to_limit(settings)
 
 

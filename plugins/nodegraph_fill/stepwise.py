@@ -52,7 +52,7 @@ def lookahead(settings: Mapping[str, Any]) -> int | None:
     return None if max_gap is None else 2 * max_gap
 
 
-def meets_ends(settings: Mapping[str, Any]) -> bool:
+def meets_ends(settings: Mapping[str, object]) -> bool:
     """Return whether a step-wise fill meets both ends of a gap."""
     return settings["close_gap"] != "none" or are_met(settings)
 

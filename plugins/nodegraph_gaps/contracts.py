@@ -50,7 +50,7 @@ def hides_what_it_says(tried: Tried) -> Iterator[str]:
 CONTRACTS = (has_the_ports_of_a_cut, truth_is_the_recording, hides_what_it_says)
 
 
-def _alike(recording: Trajectories, other: Trajectories, *, but: Any = False) -> bool:
+def _alike(recording: Trajectories, other: Trajectories, *, but: object = False) -> bool:
     same = (recording.positions == other.positions) | (
         np.isnan(recording.positions) & np.isnan(other.positions)
     )

@@ -19,7 +19,7 @@ REGIONS = (
 """Words in the names of markers, of which the first counts: an eyebrow is no eye."""
 
 
-def layout(inputs: Mapping[str, Any], column: str) -> dict[str, Any] | None:
+def layout(inputs: Mapping[str, object], column: str) -> dict[str, Any] | None:
     """Return where the markers lie that a column of a score names.
 
     Parameters

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
@@ -115,7 +115,7 @@ def _named(
 
 
 def _matching(
-    selections: Across[Selection], row: Mapping[str, Any]
+    selections: Across[Selection], row: Mapping[str, object]
 ) -> list[tuple[Mapping[str, Label], Selection]]:
     matches = [
         (labels, selection)
@@ -130,7 +130,7 @@ def _matching(
     return matches
 
 
-def _text(labels: Mapping[str, Any]) -> str:
+def _text(labels: Mapping[str, object]) -> str:
     """Return labels with their axes where these are needed to understand them: ``ME, k 35``."""
     return ", ".join(
         str(label) if isinstance(label, str) else f"{axis} {label}"

@@ -47,7 +47,7 @@ def impute(recording: Trajectories, imputer: Any) -> Trajectories:
     return _filled(recording, positions)
 
 
-def regress(recording: Trajectories, regressor: Any) -> Trajectories:
+def regress(recording: Trajectories, regressor: object) -> Trajectories:
     """Return a recording whose gaps a regressor has predicted from other markers."""
     from sklearn.base import clone
 
@@ -212,11 +212,11 @@ def _settings(kind: type[Any]) -> list[inspect.Parameter]:
     return settings
 
 
-def _setting(name: str, default: Any, hint: Any) -> inspect.Parameter:
+def _setting(name: str, default: object, hint: object) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
-def _hint(default: Any) -> Any:
+def _hint(default: object) -> Any:
     """Return the type of a setting: what an estimator takes beside its default, it checks."""
     if isinstance(default, bool):
         return bool

@@ -75,7 +75,7 @@ def literal(
     )
 
 
-def _mistakes(points: Mapping[str, Any]) -> Iterator[str]:
+def _mistakes(points: Mapping[str, object]) -> Iterator[str]:
     if not points:
         yield "should name at least one marker"
     for marker, value in points.items():
@@ -99,7 +99,7 @@ def _is_point(point: Any) -> bool:
     return isinstance(point, (list, tuple)) and len(point) in (2, 3) and all(map(_is_number, point))
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
     try:

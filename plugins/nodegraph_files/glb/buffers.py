@@ -243,7 +243,7 @@ def split_glb(data: bytes) -> tuple[bytes, bytes]:
     return text, binary
 
 
-def joined_glb(document: Any, binary: bytes) -> bytes:
+def joined_glb(document: object, binary: bytes) -> bytes:
     """Return the bytes of a GLB file with that JSON and that binary data."""
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     chunks = _written(_JSON, text.encode(), b" ") + _written(_BINARY, binary, b"\0")

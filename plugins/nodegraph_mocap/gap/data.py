@@ -103,7 +103,7 @@ class _Place:
 
 
 def pack(
-    block: Mapping[str, Any], inputs: Mapping[str, Mapping[str, Any]]
+    block: Mapping[str, object], inputs: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Any] | None:
     """Return what the view of a block shows, as data for JSON.
 
@@ -198,7 +198,7 @@ def _around(marker: str, first: int, length: int, scored: _Scored) -> _Place:
     return _Place(marker, frames[::step], at=first + length // 2)
 
 
-def _largest_error(block: Mapping[str, Any], scored: _Scored) -> _Place | None:
+def _largest_error(block: Mapping[str, object], scored: _Scored) -> _Place | None:
     """Return the sample of a block in which a method is farthest from the truth."""
     base, marker = scored.base, block.get("marker")
     farthest: list[tuple[float, int, str]] = []

@@ -80,7 +80,7 @@ class Blob:
         """Add numbers as float32, about seven digits of each."""
         return {"at": self._add(values.astype("<f4").tobytes()), "length": values.size}
 
-    def packed(self, head: Any) -> bytes:
+    def packed(self, head: object) -> bytes:
         """Return everything, under a head that names the arrays."""
         text = json.dumps(head, separators=(",", ":"), allow_nan=False).encode()
         # numbers of four bytes can be read in place only where they begin at a multiple of four
