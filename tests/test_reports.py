@@ -25,7 +25,7 @@ Object.defineProperty(navigator, 'clipboard', {
   configurable: true, value: { writeText: async (text) => { window.copied = text; } } })
 """
 PLAYER = "document.querySelector('figure.playback').playback"
-PHONE, SMALLEST = 390, 320
+DESKTOP, PHONE, SMALLEST = (1280, 800), 390, 320
 SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 # what WCAG 2.2 (1.4.12) asks of a page: readers may set letters wider, and fonts differ
 WIDER = """
@@ -145,6 +145,10 @@ def test_the_page_fits_and_says_its_question_and_answer(run: Path, page: Page) -
     title = page.evaluate("document.querySelector('h1').textContent")
     assert title in (run / "graph.yaml").read_text()
     assert page.evaluate("document.querySelectorAll('main .result').length") > 0
+    resize(page, *DESKTOP)
+    answer = page.locator(".answer").first.bounding_box()
+    assert answer is not None
+    assert answer["y"] + answer["height"] <= DESKTOP[1]
     for style in ("", WIDER):
         page.evaluate(style)
         for width in (1200, PHONE, SMALLEST):
@@ -290,6 +294,8 @@ def test_dark_print_and_a_phone_keep_everything_in_sight(page: Page) -> None:
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
     page.emulate_media(media="print")
     resize(page, 673, 900)  # what is left of A4 between the margins
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("details:not([open])").count() == 0
     assert page.evaluate("document.documentElement.scrollWidth") <= 673
 
 
@@ -331,7 +337,8 @@ def state(page: Page) -> Any:
 
 @needs_axe
 def test_axe_finds_nothing_and_nothing_is_fetched(page: Page) -> None:
-    for scheme in SCHEMES:
+    for scheme, width in zip(SCHEMES, (DESKTOP[0], PHONE), strict=True):
         page.emulate_media(color_scheme=scheme)
+        resize(page, width)
         assert violations(page) == []
     assert page.evaluate("performance.getEntriesByType('resource').length") == 0

@@ -201,6 +201,9 @@ class Origin(Protocol):
     def meaning(self, axis: str) -> str:
         """Return what the settings that take an axis's values say of themselves, or nothing."""
 
+    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
+        """Return the gathered axes that labels leave open, each with its labels."""
+
     def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
         """Return what the step behind a gathered value had read, by port.
 

@@ -70,6 +70,12 @@ class RunOrigin:
         """Return what the settings say of themselves that take an axis's values."""
         return axis_text(self.run.plan.graph, axis).meaning
 
+    def open_axes(self, labels: Mapping[str, Label]) -> dict[str, tuple[Label, ...]]:
+        """Return the gathered axes that labels leave open, each with its labels."""
+        gathered = self._gathered.axes if self._gathered is not None else ()
+        axes = self.run.plan.graph.axes
+        return {axis: tuple(axes[axis].labels) for axis in gathered if axis not in labels}
+
     def inputs(self, labels: Mapping[str, Label]) -> dict[str, Any] | None:
         """Return what the step behind a gathered value had read, by port."""
         step = self.step(labels)

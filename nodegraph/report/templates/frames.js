@@ -17,6 +17,7 @@ nodegraph.define("frames", [], () => {
     }
   };
   reachable(document);
+  addEventListener("resize", () => reachable(document));
   document.addEventListener("toggle", (event) => reachable(event.target), true);
   // A link into something folded opens it.
   const unfold = () => {

@@ -40,7 +40,8 @@ class Details:
         Entries of the overview's data: ``layout``, where the labels of a column lie; ``detail``,
         the module that shows a block and the ids of those that are packed, by
         ``group/block``; ``suggested`` blocks; ``command`` that computes the step behind a block,
-        with its labels in braces.
+        with its labels in braces; ``members``, the axes that a block averages over and their
+        labels, of which the first are packed.
     html : str
         Elements that hold the packed blocks.
     scripts, styles : tuple of str
@@ -83,6 +84,7 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
     takes = _Takes(overview, excerpt, origin)
     data: dict[str, Any] = {
         "layout": None, "detail": None, "suggested": [], "command": takes.command(),
+        "members": [{"name": axis, "labels": [*of]} for axis, of in takes.members.items()],
     }  # fmt: skip
     wanted = [list(_worth_a_look(overview, excerpt, at)) for at in range(len(overview.groups))]
     first = next((at for at, kinds in enumerate(wanted) if kinds), None)
@@ -176,14 +178,16 @@ class _Takes:
         self._overview, self._excerpt, self._origin = overview, excerpt, origin
         self._inputs: dict[str, dict[str, Mapping[str, Any]] | None] = {}
         self._read = 0
+        named = (*overview.within, *overview.columns, overview.compare)
+        self.members = origin.open_axes(dict.fromkeys(named))
 
     def labels(self, at: int, block: int) -> dict[str, Label]:
-        """Return what is known of a block: labels of its group and of the block itself."""
+        """Return what is known of a block: labels of its group, its own, and its first member's."""
         overview, group = self._overview, self._overview.groups[at]
         place = int(self._excerpt.blocks[at][block])
-        return dict(zip(overview.within, group.labels, strict=True)) | {
-            name: overview.columns[name][codes[place]] for name, codes in group.rows.items()
-        }
+        own = {name: overview.columns[name][codes[place]] for name, codes in group.rows.items()}
+        first = {axis: labels[0] for axis, labels in self.members.items()}
+        return {**first, **dict(zip(overview.within, group.labels, strict=True)), **own}
 
     def block(self, at: int, block: int) -> dict[str, Any]:
         """Return the labels of a block for its view, and its frames where they are known."""

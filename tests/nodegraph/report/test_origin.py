@@ -108,6 +108,7 @@ def test_the_inputs_of_a_score_are_those_of_its_combination(origin: Origin) -> N
     assert origin.inputs({"trial": 1, "fill": "down", "gap": 7}) == {"estimate": 0.0, "truth": 1.0}
     assert origin.inputs({"trial": 3, "fill": "up"}) is None
     assert origin.inputs({"fill": "up"}) is None
+    assert origin.open_axes({"fill": "up", "gap": 7}) == {"trial": (1, 2)}
 
 
 def test_methods_have_times_names_and_commands(origin: Origin) -> None:

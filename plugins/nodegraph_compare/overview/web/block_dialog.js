@@ -8,20 +8,20 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
   const shellWord = (label) => (/^[\w.:/@%+-]+$/.test(label) ? label : `'${String(label).replaceAll("'", "'\\''")}'`);
 
   // What is known of a block: labels of its group and its own, and when it is.
-  const labelsOf = (view, block) => {
+  const labelsOf = (view, block, member) => {
     const { start, frames } = view.group.json;
     return {
-      ...Object.fromEntries(view.overview.within.map(({ name }, at) => [name, view.group.labels[at]])),
+      ...member, ...Object.fromEntries(view.overview.within.map(({ name }, at) => [name, view.group.labels[at]])),
       ...Object.fromEntries(view.group.labelsOf(block)),
       ...(Number.isFinite(start?.[block]) ? { start: start[block] } : {}),
       ...(Number.isFinite(frames?.[block]) ? { frames: frames[block] } : {}),
     };
   };
 
-  const commandOf = (view, block) => {
+  const commandOf = (view, block, member) => {
     const { text } = view.overview.json.command ?? {};
     const method = view.method ?? view.ranked()[0];
-    const labels = { ...labelsOf(view, block), [view.overview.json.compare]: view.overview.methods[method] };
+    const labels = { ...labelsOf(view, block, member), [view.overview.json.compare]: view.overview.methods[method] };
     return (text ?? "").replace(/\{([^{}]+)\}/g, (all, name) => (name in labels ? shellWord(labels[name]) : all));
   };
 
@@ -50,6 +50,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       this.place = element("div", { class: "block" });
       this.dialog = element("dialog", { class: "block-dialog", "aria-labelledby": `block-title-${view.overview.json.node}` }, this.place);
       this.from = null;
+      this.member = this.first;
       document.body.append(this.dialog);
       this.dialog.addEventListener("close", () => {
         if (view.block !== null) view.set({ block: null });
@@ -79,6 +80,26 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       const first = view.ranked()[0];
       const error = (block) => view.group.error(view.metric.name, block, first);
       return [...view.numbers().blocks].sort((a, b) => error(b) - error(a));
+    }
+
+    // Of the axes that a block averages over, the labels that the page holds.
+    get first() {
+      return Object.fromEntries(this.view.overview.json.members.map(({ name, labels }) => [name, labels[0]]));
+    }
+
+    // What of the averaged is shown.
+    members(block) {
+      const { members } = this.view.overview.json;
+      if (!members.length) return null;
+      const choose = (name, labels) => (event) => {
+        this.member = { ...this.member, [name]: labels[event.target.selectedIndex] };
+        this.key = null;
+        this.render(block);
+        [...this.place.querySelectorAll(".members select")].find((each) => each.name === name).focus();
+      };
+      return element("p", { class: "members" }, `Mean over ${members.map(({ name }) => name).join(" and ")}; here `,
+        ...members.map(({ name, labels }) => element("label", {}, `${name} `, element("select", { name, onchange: choose(name, labels) },
+          labels.map((label) => element("option", { selected: label === this.member[name] }, String(label)))))));
     }
 
     step(by) {
@@ -122,7 +143,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       const labels = view.group.labelsOf(block).map(([name, label]) => `${name} ${label}`);
       const title = element("h2", { id: `block-title-${json.node}`, tabindex: -1 }, view.group.nameOf(block));
       const stage = element("div", { class: "stage" });
-      const command = commandOf(view, block);
+      const command = commandOf(view, block, this.member);
       const copy = element("button", { type: "button", class: "copy-command", onclick: async () => {
         await page.copy(command);
         copy.textContent = "Copied";
@@ -131,7 +152,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       this.place.replaceChildren(
         element("div", { class: "head" },
           element("div", {}, title, element("p", {}, [view.group.title, ...labels].filter(Boolean).join(" \u00b7 ")),
-            reason !== undefined ? element("p", { class: "suspect" }, `\u25c7 Suspect${reason ? `: ${reason}` : ""}.`) : null),
+            this.members(block), reason !== undefined ? element("p", { class: "suspect" }, `\u25c7 Suspect${reason ? `: ${reason}` : ""}.`) : null),
           element("div", { class: "steps" },
             element("button", { type: "button", disabled: at < 1, onclick: () => this.step(-1), title: "The one with the next larger error (Page Up)" }, "\u2190 larger"),
             element("button", { type: "button", disabled: at < 0 || at === order.length - 1, onclick: () => this.step(1), title: "The one with the next smaller error (Page Down)" }, "smaller \u2192"),
@@ -152,12 +173,13 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
         stage.remove();
         return;
       }
-      let packed = id && page.data(id);
+      const isFirst = Object.entries(this.first).every(([name, label]) => this.member[name] === label);
+      let packed = id && isFirst && page.data(id);
       if (!packed && detail.server) {
         say("Computing this view \u2026");
         try {
           packed = await detail.server.get("detail", {
-            node: json.node, compare: json.compare, methods: view.overview.methods, block: labelsOf(view, view.block),
+            node: json.node, compare: json.compare, methods: view.overview.methods, block: labelsOf(view, view.block, this.member),
             ...(detail.run ? { run: detail.run } : {}), ...now,
           });
         } catch (error) {

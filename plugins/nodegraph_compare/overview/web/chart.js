@@ -141,8 +141,8 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
   // Width of a name in a chart, in pixels, as bold as it may become.
   const pen = document.createElement("canvas").getContext("2d");
   const widths = new Map();
+  pen.font = `700 12px ${getComputedStyle(note).fontFamily}`;
   const textWidth = (name) => {
-    pen.font = `700 12px ${getComputedStyle(note).fontFamily}`;
     if (!widths.has(name)) widths.set(name, pen.measureText(name).width);
     return widths.get(name);
   };

@@ -138,18 +138,18 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const finding = (view) => {
     const groups = view.panel.groups.filter((group) => view.shown([group]).length > 1);
     if (view.better === "none" || !groups.length) return [];
-    const place = (group, method) => view.ranked(group).indexOf(method) + 1;
     const best = groups.map((group) => view.numbers(group).best.map((method) => view.overview.methods[method]).join(" and "));
     const parts = [];
     const [first, last] = [groups[0], groups.at(-1)];
     const panel = view.overview.panels.length > 1 ? [strong(view.panel.title), ": "] : [];
     if (new Set(best).size === 1 && groups.length > 1) parts.push(strong(best[0]), ` has the ${view.better === "higher" ? "highest" : "lowest"} number throughout. `);
     else if (groups.length > 1) {
-      const moves = view.shown([first]).filter((method) => place(last, method)).map((method) => ({ method, from: place(first, method), to: place(last, method) }))
+      const after = new Map(view.ranked(last).map((method, at) => [method, at + 1]));
+      const moves = view.ranked(first).map((method, at) => ({ method, from: at + 1, to: after.get(method) })).filter(({ to }) => to)
         .sort((a, b) => a.to - a.from - (b.to - b.from));
       const [up, down] = [moves[0], moves.at(-1)];
       const word = (move) => [strong(view.overview.methods[move.method]), ` ${move.to < move.from ? "climbs" : "falls"} from place ${move.from} to ${move.to}`];
-      if (up.to < up.from) {
+      if (up?.to < up?.from) {
         parts.push(`${panel.length ? "from" : "From"} ${view.groupText(first)} to ${last.texts.at(-1)}, `, ...word(up));
         parts.push(...(down.to > down.from ? [", ", ...word(down)] : []), ". ");
       }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -46,6 +46,9 @@ class Bakery:
     labels: Mapping[str, Any] = field(default_factory=dict)
     caption: str = ""
     details: tuple[Detail, ...] = ()
+    gathered: Mapping[str, Iterable[Any]] = field(
+        default_factory=lambda: {"kitchen": range(8), "heat": FACTORS, "recipe": RECIPES}
+    )
 
     def seconds(self, axis: str) -> Mapping[Any, float]:
         return {recipe: 0.001 * 3**at for at, recipe in enumerate(RECIPES)}
@@ -59,8 +62,11 @@ class Bakery:
     def meaning(self, axis: str) -> str:
         return "Of the <oven>." if axis == "heat" else ""
 
+    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
+        return {axis: tuple(of) for axis, of in self.gathered.items() if axis not in labels}
+
     def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
-        return {"oven": 1.0}
+        return None if self.open_axes(labels) else {"oven": 1.0}
 
     def command(self, labels: Mapping[str, Any]) -> str:
         return "nodegraph run bake.yaml " + " ".join(f"--only {k}={v}" for k, v in labels.items())
@@ -81,7 +87,7 @@ def wastes() -> dict[tuple[int, int, str], NDArray[np.float64]]:
 WASTES = wastes()
 
 
-def overview() -> Overview:
+def scores() -> Any:
     entries: list[Any] = []
     for (kitchen, heat, recipe), waste in WASTES.items():
         frame = pd.DataFrame(
@@ -96,9 +102,12 @@ def overview() -> Overview:
         info = TableInfo(units={"waste": "g"}, better={"waste": "lower", "mess": "lower"})
         labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
         entries.append((labels, with_info(frame, info)))
-    scores: Any = Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+    return Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+
+
+def overview() -> Overview:
     result: Overview = table_of(
-        scores, metric="waste", compare="recipe", within=("heat",), blocks=("cake", "shelf")
+        scores(), metric="waste", compare="recipe", within=("heat",), blocks=("cake", "shelf")
     ).overview
     return result
 
@@ -116,11 +125,11 @@ def shelves(inputs: Mapping[str, Any], column: str) -> Mapping[str, Any] | None:
 
 
 def pack(block: Mapping[str, Any], inputs: Mapping[str, Any]) -> Mapping[str, Any]:
-    return {"cake": str(block["cake"]), "shelf": str(block["shelf"])}
+    return {name: str(block[name]) for name in ("cake", "heat")}
 
 
 VIEW = """nodegraph.define("bakery/cake", [], () => ({
-  show: (stage, packed, context) => { stage.textContent = `cake ${packed.cake}`; },
+  show: (stage, { cake, heat }) => { stage.textContent = `cake ${cake} heat ${heat}`; },
 }));"""
 PROBE = """nodegraph.define("probe", ["compare/scale"], (scales) => { window.scales = scales; });"""
 
@@ -132,18 +141,22 @@ def saved(folder: Path, rendered: Rendered, **more: Any) -> Path:
     return file
 
 
+def in_run(compared: Overview, **origin: Any) -> Rendered:
+    """A comparison in a run."""
+    (render,) = (
+        each.render_in_run
+        for each in nodegraph_renderers()
+        if isinstance(each, Renderer) and each.type is Overview
+    )
+    assert render is not None
+    detail = Detail(float, pack, shelves, "bakery/cake", scripts=(VIEW, PROBE))
+    return render(compared, "Recipes", Bakery(details=(detail,), **origin))
+
+
 @pytest.fixture(scope="module")
 def recipes() -> Rendered:
     """The comparison of recipes in a run."""
-    renderer = nodegraph_renderers()
-    (in_run,) = (
-        each.render_in_run
-        for each in renderer
-        if isinstance(each, Renderer) and each.type is Overview
-    )
-    assert in_run is not None
-    detail = Detail(float, pack, shelves, "bakery/cake", scripts=(VIEW, PROBE))
-    return in_run(overview(), "Recipes", Bakery(details=(detail,)))
+    return in_run(overview())
 
 
 @pytest.fixture(scope="module")
@@ -366,13 +379,13 @@ def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> No
     load(tab, bakery, width=1280)
     tab.click(".suggestion.suspect")
     assert "the scale slipped" in text(tab, "dialog .suspect")
-    assert re.fullmatch(r"cake \d+", text(tab, "dialog .stage"))
+    assert re.fullmatch(r"cake \d+ heat 220", text(tab, "dialog .stage"))
 
 
 SERVER = """nodegraph.define("server", [], () => ({
   get: async (path, { node, block, methods, now }) => {
     if (!now) throw Object.assign(new Error("may differ"), { changed: ["the oven was edited"] });
-    return { cake: [path, node, block.cake, methods.length] };
+    return { cake: [path, node, block.cake, methods.length], heat: block.heat };
   },
 }));"""
 
@@ -395,7 +408,23 @@ def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
     cake = re.search(r"cake (\d+)", text(tab, "dialog .head"))
     assert cake is not None
     tab.click("dialog .stage button")
-    assert tab.evaluate(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5"
+    assert tab.evaluate(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5 heat 220"
+
+
+def test_of_a_block_that_averages_over_an_axis_its_members_are_shown(
+    tab: Page, tmp_path: Path
+) -> None:
+    over_heats = table_of(scores(), metric="waste", compare="recipe", blocks=("cake", "shelf"))
+    load(tab, saved(tmp_path, in_run(over_heats.overview), server=SERVER), width=1280)
+    tab.click(".suggestion >> nth=0")
+    assert "Mean over heat" in text(tab, "dialog .members")
+    stage = "dialog .stage"
+    assert text(tab, stage).endswith("heat 180")
+    tab.select_option("dialog .members select", "220")
+    assert tab.evaluate("document.activeElement.name") == "heat"
+    tab.click("dialog .stage button")
+    assert text(tab, stage).endswith("heat 220")
+    assert "--only heat=220" in text(tab, "dialog code")
 
 
 def test_a_phone_shows_all_without_scrolling_sideways(tab: Page, bakery: Path) -> None:
@@ -512,7 +541,8 @@ def data_of(
         ],
         "methods": [{"label": each, "seconds": 0.01 + at} for at, each in enumerate(methods)],
         "shown_group": len(groups) - 1, "layout": None, "detail": None, "suggested": [],
-        "command": None, "columns": {"cake": {"labels": [*map(str, range(max(map(len, groups))))]}},
+        "command": None, "members": [],
+        "columns": {"cake": {"labels": [*map(str, range(max(map(len, groups))))]}},
         **more,
     }  # fmt: skip
 

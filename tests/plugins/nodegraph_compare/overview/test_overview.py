@@ -70,6 +70,9 @@ class Bakery:
     def meaning(self, axis: str) -> str:
         return "Gas, or <coal>." if axis == "oven" else ""
 
+    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
+        return {}
+
     def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
         return {"cake": 3.5}
 
