@@ -13,6 +13,7 @@ from threading import Event
 from typing import Any
 
 from nodegraph.errors import NodegraphError, listed, message_of
+from nodegraph.live.addresses import source_of
 from nodegraph.live.forms import header_of, streamable_of
 from nodegraph.live.packets import MAGIC, PacketReader
 from nodegraph.node.decorator import Node
@@ -201,40 +202,6 @@ class FileSink:
             self._path.write_bytes(content)
         except (OSError, ValueError) as error:
             raise NodegraphError(f"{self._path}: {message_of(error)}") from error
-
-
-def source_of(address: str) -> Source:
-    """Return the source of an address, ``scheme:rest``.
-
-    Raises
-    ------
-    NodegraphError
-        If no plugin has the scheme, or the address is not valid.
-    """
-    source: Source = _made(address, "sources")
-    return source
-
-
-def sink_of(address: str) -> Any:
-    """Return the sink of an address, ``scheme:rest``.
-
-    Raises
-    ------
-    NodegraphError
-        If no plugin has the scheme, or the address is not valid.
-    """
-    return _made(address, "sinks")
-
-
-def _made(address: str, kind: str) -> Any:
-    scheme, colon, rest = address.partition(":")
-    known = getattr(current_registry().hooks, kind)
-    if not colon or scheme not in known:
-        raise NodegraphError(
-            f"{address!r}: no {kind[:-1]} {scheme!r}; there is "
-            f"{listed(f'{name}:' for name in sorted(known))}"
-        )
-    return known[scheme](rest.removeprefix("//"))
 
 
 def read_streamable(path: Path) -> Any:

@@ -6,6 +6,7 @@ import json
 import struct
 import warnings
 from collections.abc import Iterator
+from io import BufferedWriter
 from pathlib import Path
 from typing import Any
 
@@ -30,30 +31,25 @@ class PacketWriter:
     Raises
     ------
     NodegraphError
-        If the file cannot be created; later, if it cannot be written.
+        If the file exists; later, if it cannot be written.
     """
 
     def __init__(self, path: Path, address: str) -> None:
+        if path.exists():
+            raise NodegraphError(f"{path} already exists; name another file")
         self._path = path
         self._address = address
-        self._begun = False
+        self._file: BufferedWriter | None = None
         self._opened = False
-        try:
-            self._file = path.open("xb")
-        except FileExistsError:
-            raise NodegraphError(f"{path} already exists; name another file") from None
-        except OSError as error:
-            raise NodegraphError(f"{path}: cannot be written: {error.strerror}") from error
 
     def opened(self, header: Any) -> None:
-        """Note that the source was opened, the first time or again."""
-        if not self._begun:
+        """Note that the source was opened; the first time, begin the file."""
+        self._opened = self._file is not None
+        if self._file is None:
             packed = Packer(current_registry().hooks.storages).pack(header)
             sizes = [len(buffer) for buffer in packed.buffers]
             head = {"source": self._address, "header": packed.head, "sizes": sizes}
             self._put(MAGIC + json.dumps(head).encode() + b"\n" + b"".join(packed.buffers))
-        self._opened = self._begun
-        self._begun = True
 
     def write(self, packet: bytes, arrived: int) -> None:
         """Write a packet."""
@@ -61,11 +57,14 @@ class PacketWriter:
         self._opened = False
 
     def close(self) -> None:
-        """Finish the file."""
-        self._file.close()
+        """Finish the file, if there is one."""
+        if self._file is not None:
+            self._file.close()
 
     def _put(self, content: bytes) -> None:
         try:
+            if self._file is None:
+                self._file = self._path.open("xb")
             self._file.write(content)
         except OSError as error:
             # an OSError of its own would pass for one of the source

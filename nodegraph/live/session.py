@@ -22,18 +22,23 @@ from types import FrameType
 from typing import Any, Literal
 
 from nodegraph.equality import difference
-from nodegraph.errors import NodegraphError, listed, message_of
+from nodegraph.errors import NodegraphError
 from nodegraph.execute import execute
 from nodegraph.execute.numeric_threads import one_thread_each
-from nodegraph.formatting import labels_of, name_at
 from nodegraph.graph import Graph
+from nodegraph.live.addresses import (
+    AGAIN,
+    Outlet,
+    open_end,
+    outlets_of,
+    reason_of,
+    source_of,
+)
 from nodegraph.live.counts import Counts
 from nodegraph.live.engine import Engine, Tap
-from nodegraph.live.files import sink_of, source_of
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.packets import PacketWriter
 from nodegraph.live.plan import LivePlan, live_plan
-from nodegraph.node.ports import Label
 from nodegraph.plan import Output, plan
 from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.loading import error_text
@@ -48,7 +53,7 @@ _BACKLOG = 16
 """Frames that wait at most with the policy ``newest``; then all but the last are dropped."""
 _JUMP = 1000
 """A source whose numbers jump so far has begun anew."""
-_POLL, _FULL, _AGAIN = 0.1, 0.0005, 1.0  # seconds
+_POLL, _FULL = 0.1, 0.0005  # seconds
 _TIDY = 5_000
 """Frames between collections of garbage, which take place when no frame waits."""
 
@@ -62,68 +67,6 @@ class _End:
     """In the queue: no frame follows; the error is why, if there is one."""
 
     error: NodegraphError | None = None
-
-
-class Outlet:
-    """A sink at work, which is opened again when its connection is lost.
-
-    Parameters
-    ----------
-    name
-        As counts name it.
-    output
-        Whose frames it takes.
-    sink
-    """
-
-    def __init__(self, name: str, output: Output, sink: Sink) -> None:
-        self.name = name
-        self.output = output
-        self._sink = sink
-        self._header: Any = None
-        self._again: float | None = None
-        """When to open it again, if it is lost."""
-
-    def open(self, header: Any) -> None:
-        """Open the sink.
-
-        Raises
-        ------
-        NodegraphError
-            If that is not possible.
-        """
-        self._header = header
-        try:
-            self._sink.open(header)
-        except OSError as error:
-            raise NodegraphError(f"{self.name}: cannot be opened: {_reason(error)}") from error
-
-    def write(self, counts: Counts, frame: Frame) -> None:
-        """Write a frame, or count it as unsent."""
-        try:
-            if self._again is not None:
-                self._open_again()
-            if self._again is None:
-                self._sink.write(frame)
-                counts.written[self.name] += 1
-                return
-        except OSError:
-            self._sink.close()
-            self._again = time.monotonic() + _AGAIN
-        except NodegraphError:
-            raise
-        except Exception as error:
-            raise NodegraphError(f"{self.name}: failed: {error_text(error)}") from error
-        counts.unsent[self.name] += 1
-
-    def close(self) -> None:
-        """Close the sink."""
-        self._sink.close()
-
-    def _open_again(self) -> None:
-        if self._again is not None and time.monotonic() >= self._again:
-            self._sink.open(self._header)
-            self._again = None
 
 
 def session_of(
@@ -165,7 +108,7 @@ def session_of(
     planned = live_plan(graph, name, sinks=[node for node, _ in sinks], hold=hold)
     with formats_of(graph.registry):
         opened = source_of(end) if isinstance(end, str) else end
-        outlets = [outlet for node, sink in sinks for outlet in _outlets(planned, node, sink)]
+        outlets = [outlet for node, sink in sinks for outlet in outlets_of(planned, node, sink)]
         values = _held_values(planned, store)
         address = end if isinstance(end, str) else type(end).__name__
         return Session(
@@ -178,30 +121,6 @@ def session_of(
             record=PacketWriter(record, address) if record is not None else None,
             announce=announce,
         )
-
-
-def _outlets(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outlet]:
-    outputs = planned.outputs(node)
-    if not isinstance(sink, str):
-        if len(outputs) > 1:
-            raise NodegraphError(f"{node} has {len(outputs)} streams, and there is one sink")
-        yield Outlet(node, next(iter(outputs)), sink)
-        return
-    addresses = {output: _filled(sink, labels) for output, labels in outputs.items()}
-    if len(set(addresses.values())) < len(addresses):
-        axes = "".join(f"{{{axis}}}" for axis in next(iter(outputs.values())))
-        raise NodegraphError(
-            f"{node} has {len(addresses)} streams: write {axes} into the address {sink!r}, or "
-            f"choose with --only: {listed(map(labels_of, outputs.values()))}"
-        )
-    for output, address in addresses.items():
-        yield Outlet(f"{name_at(node, outputs[output])}={address}", output, sink_of(address))
-
-
-def _filled(address: str, labels: Mapping[str, Label]) -> str:
-    for axis, label in labels.items():
-        address = address.replace(f"{{{axis}}}", str(label))
-    return address
 
 
 def _held_values(planned: LivePlan, store: Store | None) -> dict[Output, Any]:
@@ -294,6 +213,8 @@ class Session:
             self._missing = streamable_of(type(self._header)).missing(self._header)
             thread = threading.Thread(target=copy_context().run, args=(self._receive,), daemon=True)
             stack.callback(self._end_of, thread)
+            if self._record is not None:
+                self._record.opened(self._header)
             self._engine = self._new_engine()
             for outlet in self._outlets:
                 stack.callback(outlet.close)
@@ -307,10 +228,7 @@ class Session:
         return self.counts
 
     def _opened(self) -> Any:
-        try:
-            header = self._source.open()
-        except OSError as error:
-            raise NodegraphError(f"{self._address}: cannot be opened: {_reason(error)}") from error
+        header = open_end(self._address, self._source.open)
         step = self.plan.plan.steps[self.plan.source.step]
         port = step.method.node.outputs[self.plan.source.position]
         if not isinstance(header, port.type):
@@ -327,14 +245,12 @@ class Session:
     def _receive(self) -> None:
         """Put what arrives into the queue; the work of the receiving thread."""
         try:
-            if self._record is not None:
-                self._record.opened(self._header)
             while not self._stopped.is_set():
                 try:
                     self._receive_packets()
                     break
                 except OSError as error:
-                    self._announce(f"{self._address}: {_reason(error)}; waiting for it to return")
+                    self._announce(f"{self._address}: {reason_of(error)}; waiting for it to return")
                     self._source.close()
                     self._open_again()
             self._queue.put(_End())
@@ -365,7 +281,7 @@ class Session:
             try:
                 header = self._source.open()
             except OSError:
-                self._stopped.wait(_AGAIN)
+                self._stopped.wait(AGAIN)
                 continue
             changed = difference(self._header, header, name="header")
             if changed:
@@ -518,7 +434,3 @@ def _without_gc() -> Iterator[None]:
         gc.unfreeze()
         if was_enabled:
             gc.enable()
-
-
-def _reason(error: OSError) -> str:
-    return error.strerror or message_of(error) or type(error).__name__

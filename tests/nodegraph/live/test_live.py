@@ -331,7 +331,7 @@ def test_a_frame_that_a_node_refuses_is_missing_and_counted(
 def test_a_sink_that_was_away_is_opened_again(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nodegraph.live.session._AGAIN", 0.0)
+    monkeypatch.setattr("nodegraph.live.addresses.AGAIN", 0.0)
     narrow = graph_with(folder, only={"avg": "narrow"})
     counts, box = play(narrow, folder, "0-9", "held", away=3)
     assert counts.unsent == {"held": 3}

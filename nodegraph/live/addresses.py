@@ -1,0 +1,170 @@
+"""Addresses, the sources and sinks that they name, and sinks at work."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeVar
+
+from nodegraph.errors import NodegraphError, listed, message_of
+from nodegraph.formatting import labels_of, name_at
+from nodegraph.live.counts import Counts
+from nodegraph.live.plan import LivePlan
+from nodegraph.node.ports import Label
+from nodegraph.plan import Output
+from nodegraph.plugin.formats import current_registry
+from nodegraph.plugin.loading import error_text
+from nodegraph.plugin.streaming import Frame, Sink, Source
+
+T = TypeVar("T")
+
+AGAIN = 1.0
+"""Seconds after which a lost connection is opened again."""
+
+
+def source_of(address: str) -> Source:
+    """Return the source of an address, ``scheme:rest``.
+
+    Raises
+    ------
+    NodegraphError
+        If no plugin has the scheme, or the address is not valid.
+    """
+    source: Source = _made(address, "sources")
+    return source
+
+
+def sink_of(address: str) -> Sink:
+    """Return the sink of an address, ``scheme:rest``.
+
+    Raises
+    ------
+    NodegraphError
+        If no plugin has the scheme, or the address is not valid.
+    """
+    sink: Sink = _made(address, "sinks")
+    return sink
+
+
+def _made(address: str, kind: str) -> Any:
+    scheme, colon, rest = address.partition(":")
+    known = getattr(current_registry().hooks, kind)
+    if not colon or scheme not in known:
+        raise NodegraphError(
+            f"{address!r}: no {kind[:-1]} {scheme!r}; there is "
+            f"{listed(f'{name}:' for name in sorted(known))}"
+        )
+    return known[scheme](rest.removeprefix("//"))
+
+
+class Outlet:
+    """A sink at work, which is opened again when its connection is lost.
+
+    Parameters
+    ----------
+    name
+        As counts name it.
+    output
+        Whose frames it takes.
+    sink
+    """
+
+    def __init__(self, name: str, output: Output, sink: Sink) -> None:
+        self.name = name
+        self.output = output
+        self._sink = sink
+        self._header: Any = None
+        self._again: float | None = None
+        """When to open it again, if it is lost."""
+
+    def open(self, header: Any) -> None:
+        """Open the sink.
+
+        Raises
+        ------
+        NodegraphError
+            If that is not possible.
+        """
+        self._header = header
+        open_end(self.name, self._sink.open, header)
+
+    def write(self, counts: Counts, frame: Frame) -> None:
+        """Write a frame, or count it as unsent."""
+        try:
+            if self._again is not None:
+                self._open_again()
+            if self._again is None:
+                self._sink.write(frame)
+                counts.written[self.name] += 1
+                return
+        except OSError:
+            self._sink.close()
+            self._again = time.monotonic() + AGAIN
+        except NodegraphError:
+            raise
+        except Exception as error:
+            raise NodegraphError(f"{self.name}: failed: {error_text(error)}") from error
+        counts.unsent[self.name] += 1
+
+    def close(self) -> None:
+        """Close the sink."""
+        self._sink.close()
+
+    def _open_again(self) -> None:
+        if self._again is not None and time.monotonic() >= self._again:
+            self._sink.open(self._header)
+            self._again = None
+
+
+def outlets_of(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outlet]:
+    """Yield what takes the frames of a node: one for each of the alternatives side by side.
+
+    Raises
+    ------
+    NodegraphError
+        If the node does not run on the stream, or the address is not valid or not one for each.
+    """
+    outputs = planned.outputs(node)
+    if not isinstance(sink, str):
+        if len(outputs) > 1:
+            raise NodegraphError(f"{node} has {len(outputs)} streams, and there is one sink")
+        yield Outlet(node, next(iter(outputs)), sink)
+        return
+    addresses = {output: _filled(sink, labels) for output, labels in outputs.items()}
+    if len(set(addresses.values())) < len(addresses):
+        axes = "".join(f"{{{axis}}}" for axis in next(iter(outputs.values())))
+        raise NodegraphError(
+            f"{node} has {len(addresses)} streams: write {axes} into the address {sink!r}, or "
+            f"choose with --only: {listed(map(labels_of, outputs.values()))}"
+        )
+    for output, address in addresses.items():
+        yield Outlet(f"{name_at(node, outputs[output])}={address}", output, sink_of(address))
+
+
+def _filled(address: str, labels: Mapping[str, Label]) -> str:
+    for axis, label in labels.items():
+        address = address.replace(f"{{{axis}}}", str(label))
+    return address
+
+
+def open_end(name: str, opening: Callable[..., T], *arguments: Any) -> T:
+    """Call what opens a source or a sink.
+
+    Raises
+    ------
+    NodegraphError
+        If it fails.
+    """
+    try:
+        return opening(*arguments)
+    except NodegraphError:
+        raise
+    except OSError as error:
+        raise NodegraphError(f"{name}: cannot be opened: {reason_of(error)}") from error
+    except Exception as error:
+        raise NodegraphError(f"{name}: failed: {error_text(error)}") from error
+
+
+def reason_of(error: OSError) -> str:
+    """Return why a connection is lost, or cannot be opened."""
+    return error.strerror or message_of(error) or type(error).__name__
