@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import re
 import socket
 import subprocess
@@ -12,13 +13,14 @@ import warnings
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from distributed import Client, LocalCluster, Security, rpc
 
 from nodegraph import NodegraphError
 from nodegraph.executors import HowToRun, kill, start
-from nodegraph_dask.worker import no_logs
+from nodegraph_dask.worker import CERTIFICATES, no_logs
 
 SECONDS_BETWEEN_COUNTS = 0.5
 SECONDS_WITHOUT_WORKERS = 30.0
@@ -125,12 +127,18 @@ class Cluster:
 
 
 class _OwnCluster(Cluster):
-    """A scheduler in this process, with workers on this machine; a worker that dies is replaced."""
+    """A scheduler in this process, with workers on this machine; a worker that dies is replaced.
 
-    def __init__(self, client: Any, workers: int) -> None:
+    Whoever reaches a scheduler can run code as its user: connections need a certificate that only
+    this process and its workers have.
+    """
+
+    def __init__(self, client: Any, workers: int, certificates: dict[str, str]) -> None:
         super().__init__(client, "the Dask cluster on this machine")
         self._address: str = client.scheduler.address
         self._folder = tempfile.TemporaryDirectory(prefix="nodegraph-", ignore_cleanup_errors=True)
+        # the folder, and so the file, can be read by this user alone
+        Path(self._folder.name, CERTIFICATES).write_text(json.dumps(certificates))
         self._workers = [self._start() for _ in range(workers)]
         self._started = time.monotonic()
 
@@ -163,10 +171,17 @@ def _close(worker: subprocess.Popen[bytes]) -> None:
 
 @contextmanager
 def _own_cluster(workers: int) -> Iterator[Cluster]:
+    security: Any = Security.temporary()  # type: ignore[no-untyped-call]
+    certificates = {
+        "tls_ca_file": security.tls_ca_file,
+        "tls_worker_cert": security.tls_worker_cert,
+        "tls_worker_key": security.tls_worker_key,
+    }
     scheduler = LocalCluster(  # type: ignore[no-untyped-call]
         n_workers=0,
         host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
+        dashboard_address=None,
+        security=security,
         # calls whose worker has died are tried again one by one
         scheduler_kwargs={"allowed_failures": 0},
     )
@@ -174,7 +189,7 @@ def _own_cluster(workers: int) -> Iterator[Cluster]:
         with Client(  # type: ignore[no-untyped-call]
             scheduler, set_as_default=False, direct_to_workers=True
         ) as client:
-            cluster = _OwnCluster(client, workers)
+            cluster = _OwnCluster(client, workers, certificates)
             try:
                 yield cluster
             finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import logging
 import os
 import signal
@@ -10,12 +11,16 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from distributed import Worker, get_worker
+from distributed import Security, Worker, get_worker
 
 from nodegraph.executors import Frame, Request, respond
+
+CERTIFICATES = "certificates.json"
+"""File in the folder of a worker, with what it needs to connect to the scheduler."""
 
 Sent = tuple[Any, ...]
 """The worker's address, then the frames of the response; large ones as arrays of bytes."""
@@ -63,11 +68,13 @@ def main() -> None:
 
 
 async def _serve(scheduler: str, folder: str) -> None:
+    certificates = json.loads(Path(folder, CERTIFICATES).read_text())
     worker = Worker(
         scheduler,
         nthreads=1,
         host="127.0.0.1",
         local_directory=folder,
+        security=Security(require_encryption=True, **certificates),  # type: ignore[no-untyped-call]
         dashboard_address="127.0.0.1:0",
         dashboard=False,
         # without a limit, it neither pauses nor writes values to disk

@@ -357,3 +357,12 @@ def test_ctrl_c_ends_a_script_with_its_workers(
         _, complained = parent.communicate(timeout=60)
         assert opened.read() == ""
     assert complained.endswith("KeyboardInterrupt\n")
+
+
+@pytest.mark.parametrize("protocol", ["tls", "tcp"])
+def test_nobody_else_reaches_the_scheduler_of_a_run(protocol: str) -> None:
+    with cluster_module.cluster_for(HowToRun("dask", 1)) as own:
+        address = own.client.scheduler.address.replace("tls:", f"{protocol}:")
+        stranger = cluster_module.cluster_for(HowToRun("dask", scheduler=address))
+        with pytest.raises(NodegraphError, match="no Dask scheduler answers at"), stranger:
+            pass
