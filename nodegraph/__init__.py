@@ -132,3 +132,7 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     return getattr(import_module(_LATE.get(name, "nodegraph.plugin.hook_types")), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

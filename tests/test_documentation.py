@@ -7,8 +7,11 @@ import runpy
 import subprocess
 import sys
 import tomllib
+from contextlib import nullcontext
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from nodegraph.cli.main import main
 from nodegraph.plugin import hooks, loading
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node, same
+from nodegraph_mocap import Origin
 from tests import readmes
 from tests.readmes import ROOT, blocks
 
@@ -86,9 +90,11 @@ def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixt
             file.write(code)  # a later block goes on where an earlier one ended
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {
-        *("my_nodes.py", "test_my_nodes.py", "my_table.py", "my_format.py", "my_command.py")
+        *("my_nodes.py", "test_my_nodes.py", "my_type.py", "my_table.py", "my_format.py"),
+        *("my_network.py", "my_command.py"),
     }
     runpy.run_path(str(tmp_path / "my_table.py"))
+    check_own_type(tmp_path)
     assert main(["nodes", "read", "--plugin", str(tmp_path / "my_format.py")]) == 0
     assert "read.recording" in capsys.readouterr().out
     assert main(["lips", "take.c3d", "--plugin", str(tmp_path / "my_command.py")]) == 0
@@ -128,6 +134,50 @@ def test_the_commands_for_streams_work(
         start = int(np.argmax(begun)) + 2  # a spline of order 3 sees one frame before
         assert same(streamed.positions[start:], run[node].value.positions[start:]), name
         assert same(streamed.origin[start:], run[node].value.origin[start:]), name
+
+
+def check_own_type(folder: Path) -> None:
+    """Check that a value of the documented type is stored, and comes back as it was."""
+    graph = folder / "opening.yaml"
+    graph.write_text(
+        "nodegraph: 1\n"
+        "nodes:\n"
+        "  capture: {use: read.recording, with: {path: sample:actor_a}}\n"
+        "  lips: {use: lips.opening, in: capture}\n"
+    )
+    runs = [
+        ng.run(graph, plugins=[folder / "my_type.py"], store=folder / "store") for _ in range(2)
+    ]
+    assert runs[1].counts()["stored"] == 2
+    first, second = (run["lips"].value for run in runs)
+    assert (first.distances == second.distances).all()
+    assert first.markers == second.markers
+
+
+def test_a_network_fills_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def load(path: str, map_location: str) -> SimpleNamespace:
+        return SimpleNamespace(eval=lambda: one_further)
+
+    def one_further(positions: Any, present: Any) -> SimpleNamespace:
+        assert not positions[~present].any()
+        return SimpleNamespace(numpy=lambda: positions + 1.0)
+
+    torch = SimpleNamespace(  # what the example takes from it, which is not installed for tests
+        jit=SimpleNamespace(load=load),
+        from_numpy=lambda array: array,
+        inference_mode=nullcontext,
+    )
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    code = next(code for code in blocks(PLUGINS, "python") if code.startswith("# my_network.py"))
+    (tmp_path / "my_network.py").write_text(code)
+    fill = runpy.run_path(str(tmp_path / "my_network.py"))["network"]
+    recording = ng.get_node("read.recording")(path="sample:actor_a")
+    gappy = ng.get_node("gaps.cut")(recording, length=15).gappy
+    filled = fill(gappy, weights=tmp_path / "weights.pt")
+    middle = gappy.positions[gappy.present].mean(axis=0)
+    assert (filled.positions[gappy.present] == gappy.positions[gappy.present]).all()
+    assert abs(filled.positions[~gappy.present] - middle - 1.0).max() < 1e-9
+    assert (filled.origin[~gappy.present] == Origin.FILLED).all()
 
 
 def test_every_hook_and_every_package_is_listed() -> None:

@@ -57,6 +57,11 @@ def labels(graph: Graph) -> dict[str, tuple[object, ...]]:
     return {name: axis.labels for name, axis in graph.axes.items()}
 
 
+def test_completion_lists_the_public_names() -> None:
+    assert {"load", "run", "get_node", "node", "hookimpl"} <= set(dir(ng))
+    assert not {"execute", "errors", "Any"} & set(dir(ng))
+
+
 def test_load_run_and_take_values(file: Path) -> None:
     graph = ng.load(file)
     run = ng.run(graph, axis={"k": [1]}, only={"fill": ["hold"], "j": 3})
