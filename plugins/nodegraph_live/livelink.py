@@ -187,7 +187,7 @@ class LiveLinkSink:
     def write(self, frame: Frame) -> None:
         """Send a frame."""
         values = None
-        if not np.isnan(frame.payload).any():
+        if np.isfinite(frame.payload).all():
             values = np.zeros(VALUES)
             values[self._places] = frame.payload
         number = frame.index % max(round(self._rate * _DAY), 1)

@@ -57,34 +57,26 @@ class LslSource:
     def open(self) -> Trajectories | Weights:
         """Find the stream, and read what its channels are."""
         self._closed.clear()
+        seconds = self._settings["timeout"]
         try:
             self._inlet = pylsl.StreamInlet(self._resolve(), recover=False)
-            described = self._inlet.info(timeout=self._settings["timeout"])
-            self._inlet.open_stream(timeout=self._settings["timeout"])
+            described = self._inlet.info(timeout=seconds)
+            header, self._places, self._scales = _channels(described.as_xml())
+            self._inlet.open_stream(timeout=seconds)
         except RuntimeError as error:  # of pylsl: lost, or too late
             raise ConnectionError(f"the stream {self._name!r} was lost: {error}") from error
-        try:
-            header, self._places, self._scales = _channels(described.as_xml())
         except ValueError as error:
             raise NodegraphError(f"{self._settings.address}: {error}") from error
         return header
 
     def packets(self) -> Iterator[bytes]:
         """Yield samples."""
-        deadline = monotonic() + self._settings["timeout"]
-        while not self._closed.is_set():
-            try:
-                sample, seconds = self._inlet.pull_sample(timeout=_POLL)
-            except LostError as error:
-                raise ConnectionResetError(f"the stream {self._name!r} was lost") from error
-            if sample is None or seconds is None:
-                if monotonic() > deadline:
-                    raise TimeoutError(f"no sample for {self._settings['timeout']:g} s")
-                continue
-            deadline = monotonic() + self._settings["timeout"]
-            numbers = np.array(sample, dtype=np.float64)[self._places] * self._scales
-            yield _HEAD.pack(self._index, seconds) + numbers.tobytes()
-            self._index += 1
+        try:
+            yield from self._samples()
+        except LostError as error:
+            raise ConnectionResetError(f"the stream {self._name!r} was lost") from error
+        finally:
+            self._inlet.close_stream()
 
     def frames(
         self, packet: bytes, arrived: int, header: Trajectories | Weights
@@ -102,6 +94,19 @@ class LslSource:
     def close(self) -> None:
         """Let `packets` end, which holds the connection."""
         self._closed.set()
+
+    def _samples(self) -> Iterator[bytes]:
+        deadline = monotonic() + self._settings["timeout"]
+        while not self._closed.is_set():
+            sample, seconds = self._inlet.pull_sample(timeout=_POLL)
+            if sample is None or seconds is None:
+                if monotonic() > deadline:
+                    raise TimeoutError(f"no sample for {self._settings['timeout']:g} s")
+                continue
+            deadline = monotonic() + self._settings["timeout"]
+            numbers = np.array(sample, dtype=np.float64)[self._places] * self._scales
+            yield _HEAD.pack(self._index, seconds) + numbers.tobytes()
+            self._index += 1
 
     def _resolve(self) -> pylsl.StreamInfo:
         deadline = monotonic() + self._settings["timeout"]

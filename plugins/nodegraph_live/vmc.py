@@ -123,7 +123,7 @@ class VmcSink:
     """Sends weights: ``vmc:HOST:PORT``.
 
     The messages of a frame are in bundles of at most 1472 bytes, which networks do not split. A
-    missing weight is not sent, so that the receiver keeps the last.
+    missing weight is not sent, so that the receiver may keep the last.
     """
 
     def __init__(self, address: str) -> None:
@@ -150,9 +150,8 @@ class VmcSink:
         values = frame.payload.astype(">f4")
         numbers = values.tobytes()
         weights = [
-            start + numbers[4 * place : 4 * place + 4]
-            for place, start in enumerate(self._starts)
-            if not np.isnan(values[place])
+            self._starts[place] + numbers[4 * place : 4 * place + 4]
+            for place in np.flatnonzero(np.isfinite(values)).tolist()
         ]
         for packet in osc.bundles([time, *weights, self._apply], LARGEST_UNSPLIT):
             self._datagrams.send(packet)
