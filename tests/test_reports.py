@@ -129,7 +129,7 @@ def cells(text: str) -> tuple[list[str], list[list[str]]]:
 
 def alike(shown: str, stored: str) -> bool:
     """Return whether a cell says what the file says, intervals and daggers after it aside."""
-    if shown == stored or (shown == "" and stored in ("", "nan")):
+    if shown == stored or (shown in ("", "all") and stored in ("", "nan")):
         return True
     try:
         number = shown.split(" ")[0]

@@ -100,6 +100,7 @@ def packed(
         "unit": overview.metric.unit,
         "better": overview.metric.better,
         "compare": overview.compare,
+        "is_sequence": overview.is_sequence,
         "baseline": None if overview.baseline is None else str(overview.baseline),
         "blocks_name": overview.blocks,
         "units_name": overview.units,

@@ -65,7 +65,12 @@ def _sentence(overview: Overview) -> str:
     if not stands:
         reasons = list(dict.fromkeys(why_none(group) for group in known))
         more = f" (and {len(reasons) - 1} more reasons)" if len(reasons) > 1 else ""
-        first = f"The data cannot tell which is best: {escape(reasons[0])}{more}."
+        what = (
+            f"what each {escape(overview.compare)} does"
+            if overview.is_sequence
+            else "which is best"
+        )
+        first = f"The data cannot tell {what}: {escape(reasons[0])}{more}."
         return f"{first}{_extreme_everywhere(overview, known)}"
     if overview.is_sequence:
         return _steps(overview, stands)

@@ -110,17 +110,14 @@ def table(
     in at most about 5 % of studies. Fewer than five clusters are described, without p and verdict;
     five to seven are provisional.
 
-    One or two clusters say nothing of further ones. The claim is then about further blocks of
-    these recordings: the units are the recording's repetitions (axes of `blocks` along which the
-    same data are treated again) or, where the tables have columns ``start`` and ``frames``, ten
-    equal parts of its time where it is 100 times as long as scores are correlated, six from 36
-    times on, and otherwise nothing is said. Blocks with neither are taken in their order.
+    One or two clusters say nothing of further ones: the claim is then about further blocks of these
+    recordings. The units are the recording's repetitions (axes of `blocks` along which the same
+    data are treated again) or, where the tables have columns ``start`` and ``frames``, ten equal
+    parts of its time where it is 100 times as long as scores are correlated, six from 36 times on,
+    and otherwise nothing is said. Blocks with neither are taken in their order.
 
-    What differs by rounding alone is equal. Of values in a block that are at most 1e-9 of their
-    size apart all stand, here and in the table, as that of the first method; the size of a small
-    one is a thousandth of what is usual (the median over blocks of the largest value), so that
-    1e-31 equals 0 beside 30. Means are equal as far apart, and so are the differences that are
-    tested. All other values count and are shown as they are.
+    What differs by rounding alone (1e-9 of the size of a block's values, of a thousandth of what is
+    usual at least) is equal, and stands as that of the first method.
 
     Parameters
     ----------

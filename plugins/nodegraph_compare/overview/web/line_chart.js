@@ -137,7 +137,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   // Places in words: who climbs and who falls between the first group and the last.
   const finding = (view) => {
     const groups = view.panel.groups.filter((group) => view.shown([group]).length > 1);
-    if (view.better === "none" || !groups.length) return [];
+    if (view.better === "none" || !groups.length || view.overview.json.is_sequence) return [];
     const best = groups.map((group) => view.numbers(group).best.map((method) => view.overview.methods[method]).join(" and "));
     const parts = [];
     const [first, last] = [groups[0], groups.at(-1)];
