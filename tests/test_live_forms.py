@@ -21,6 +21,7 @@ from nodegraph.testing import check_node
         ("fill.linear", {"max_gap": 3}),
         ("despike.impulse", {"mean_step": 0.3}),
         ("despike.impulse", {"calibration": 5, "order": "in_place"}),
+        ("track.neighbours", {"gate": 8.0}),
         ("smooth.bspline", {"order": 6, "ends": "clamped"}),
         ("align.procrustes", {"scale": "rms", "restore": False}),
         ("solve.weights", {"ridge": 0.5}),

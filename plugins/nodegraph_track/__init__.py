@@ -17,8 +17,9 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_track.neighbours import neighbours
     from nodegraph_track.points_literal import literal
     from nodegraph_track.points_scatter import scatter
+    from nodegraph_track.points_unnamed import unnamed
 
-    return (assignment, nearest, neighbours, scatter, literal)
+    return (assignment, nearest, neighbours, scatter, unnamed, literal)
 
 
 @hookimpl

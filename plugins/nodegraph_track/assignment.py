@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow, lookahead
+from nodegraph_track.follow import (
+    Gate,
+    Links,
+    Method,
+    OpenTracks,
+    Patience,
+    Shortest,
+    follow,
+    live_form,
+    lookahead,
+)
 from nodegraph_track.linking import assign
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+
+def _method(fade: float) -> Method:
+    return partial(_link, fade=fade)
 
 
 @node(
@@ -23,9 +38,11 @@ if TYPE_CHECKING:
         "from Crocker and Grier 1996: distances are to positions predicted by a damped velocity"
     ),
     lookahead=lookahead,
+    live=live_form(_method),
 )
 def assignment(
     detections: Detections,
+    reference: Trajectories | None = None,
     *,
     gate: Gate = None,
     patience: Patience = 60,
@@ -55,12 +72,16 @@ def assignment(
     coincide.
 
     Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
-    and to the take's end for a `gate` made from the data.
+    and to the take's end for a `gate` made from the data. Frame by frame, it needs a reference.
 
     Parameters
     ----------
     detections
         Unlabelled points.
+    reference
+        A recording whose markers are to be followed, from where they are in its first frame that
+        has all of them: `patience` and `shortest` then play no part, and points of no marker are
+        left out, counted in a warning. None: tracks are opened by points.
     gate
         How far from where it is expected a track finds a point. None: half the median distance
         from a point to the nearest one of the same frame, in 200 frames of the take.
@@ -78,11 +99,8 @@ def assignment(
     Trajectories
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
-
-    def link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
-        return _link(tracks, points, frame, gate, fade)
-
-    return follow(detections, link, gate=gate, patience=patience, shortest=shortest)
+    method = _method(fade)
+    return follow(detections, reference, method, gate=gate, patience=patience, shortest=shortest)
 
 
 def _link(

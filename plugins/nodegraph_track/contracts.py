@@ -19,7 +19,7 @@ _TURN = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
 
 
 def takes_points_and_gives_a_recording(tried: Tried) -> Iterator[str]:
-    """Take one port, `detections`, and give a recording of as many frames and that rate first."""
+    """Take `detections`, and give a recording of as many frames and that rate first."""
     detections, recording = tried.inputs.get("detections"), next(iter(tried.outputs.values()))
     if not isinstance(detections, Detections):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the points `detections`"
@@ -66,11 +66,16 @@ def does_not_depend_on_the_order_of_points(tried: Tried) -> Iterator[str]:
 
 
 def moves_with_the_points(tried: Tried) -> Iterator[str]:
-    """Give, for points that are turned as a whole, the tracks turned, in whatever order."""
+    """Give, for points and references turned as a whole, the tracks turned, in whatever order."""
     if any(takes_points_and_gives_a_recording(tried)) or _coincide(tried.inputs["detections"]):
         return
     detections, recording = tried.inputs["detections"], next(iter(tried.outputs.values()))
-    again = tried.again(detections=replace(detections, points=detections.points @ _TURN.T))
+    turned = {"detections": replace(detections, points=detections.points @ _TURN.T)} | {
+        name: replace(value, positions=value.positions @ _TURN.T)
+        for name, value in tried.inputs.items()
+        if isinstance(value, Trajectories)
+    }
+    again = tried.again(**turned)
     if again is None:
         yield "declines the turned points"
         return

@@ -5,19 +5,23 @@ a frame and links them to the frame's points. A track that gets none stays open 
 frames, and is linked again when a point falls into its gate; but one that has fewer than
 `shortest` points yet ends at once, so that a ghost does not lie in wait for a marker. Tracks
 that end with fewer than `shortest` points are dropped as ghosts.
+
+With a reference, the tracks are its markers: they are open from the first frame to the last, from
+where the reference has them, and no point opens another. So a stream can be followed, too.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Refusal, Unit
-from nodegraph_mocap import Detections, Trajectories
+from nodegraph import Refusal, StateForm, Unit, listed
+from nodegraph_mocap import Detections, MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -63,6 +67,19 @@ class OpenTracks(NamedTuple):
     seen: NDArray[np.intp]
     length: NDArray[np.intp]
     opened: int
+
+    def some(self, which: NDArray[np.bool_]) -> OpenTracks:
+        """Return some of the tracks."""
+        return OpenTracks(
+            name=self.name[which],
+            place=self.place[which],
+            last=self.last[which],
+            jump=self.jump[which],
+            steps=self.steps[which],
+            seen=self.seen[which],
+            length=self.length[which],
+            opened=self.opened,
+        )
 
     def led_by_velocity(self, frame: int, fade: float) -> NDArray[np.float64]:
         """Return where velocity leads each track in a frame, (A, 3).
@@ -115,7 +132,13 @@ class Method(Protocol):
 
 
 def follow(
-    detections: Detections, method: Method, *, gate: float | None, patience: int, shortest: int
+    detections: Detections,
+    reference: Trajectories | None,
+    method: Method,
+    *,
+    gate: float | None,
+    patience: int,
+    shortest: int,
 ) -> Trajectories:
     """Follow points through time by a method, and warn of what is dropped; called by a node.
 
@@ -123,6 +146,9 @@ def follow(
     ----------
     detections
         Unlabelled points.
+    reference
+        Where the markers to follow are at first, in its first frame that has all of them; None:
+        tracks are opened by points.
     method
         How a frame's points are linked to the open tracks.
     gate
@@ -136,12 +162,12 @@ def follow(
     -------
     Trajectories
         Tracks ``t000``, ``t001``, ... in the order of their first points; those of one frame by
-        x, then y, then z.
+        x, then y, then z; or the markers of the reference.
 
     Raises
     ------
     Refusal
-        If there is no point at all.
+        If there is no point at all, or no frame of the reference has all its markers.
     """
     if not len(detections.points):
         raise Refusal("needs at least one point; no frame has any")
@@ -154,7 +180,15 @@ def follow(
     # first, by which the links are searched.
     points = detections.points[_order(detections.points, frame)]
     width = default_gate(points, offsets) if gate is None else gate
-    owner = _owners(points, offsets, method, width, patience, shortest)
+    if reference is None:
+        tracker = _Tracker(method, width, patience, shortest)
+    else:
+        tracker = _Tracker.of(reference, method, width)
+    owner = np.empty(len(points), dtype=np.intp)
+    for begin, end in pairwise(offsets):
+        tracker.link(points[begin:end], owner[begin:end])
+    if reference is not None:
+        return _known_trajectories(points, frame, owner, detections, reference)
     return _trajectories(points, frame, owner, detections, shortest)
 
 
@@ -188,25 +222,115 @@ def _order(points: NDArray[np.float64], frame: NDArray[np.intp]) -> NDArray[np.i
     return np.lexsort((*points.T[::-1], frame)) if equal.any() else order
 
 
-def _owners(
-    points: NDArray[np.float64],
-    offsets: NDArray[np.int64],
-    method: Method,
-    gate: float,
-    patience: int,
-    shortest: int,
-) -> NDArray[np.intp]:
-    """Return the number of each point's track, (N,)."""
-    from nodegraph_track import tracks_kernel
+class _Tracker:
+    """The open tracks, carried from frame to frame.
 
-    owner, tracks = np.empty(len(points), dtype=np.intp), NO_TRACKS
-    for frame in range(len(offsets) - 1):
-        begin, end = offsets[frame], offsets[frame + 1]
-        here, mine = points[begin:end], owner[begin:end]
-        links = method(tracks, here, frame, gate)
-        state = tracks_kernel.next_tracks(tracks, links, here, frame, patience, shortest, mine)
-        tracks = OpenTracks(*state)
-    return owner
+    Parameters
+    ----------
+    method, gate, patience, shortest
+        As for `follow`.
+    tracks
+        Those that are open before the first frame: if there are any, there will be no others.
+    """
+
+    def __init__(
+        self,
+        method: Method,
+        gate: float,
+        patience: int,
+        shortest: int,
+        tracks: OpenTracks = NO_TRACKS,
+    ) -> None:
+        self._method, self._gate = method, gate
+        self._patience, self._shortest = patience, shortest
+        self._tracks = tracks
+        self._known = len(tracks.name)
+        self._frame = 0
+
+    @staticmethod
+    def of(reference: Trajectories, method: Method, gate: float) -> _Tracker:
+        """Return one that follows the markers of a reference, however long they are not seen."""
+        return _Tracker(method, gate, np.iinfo(np.int64).max, 0, _tracks_of(reference))
+
+    def link(self, points: NDArray[np.float64], owner: NDArray[np.intp]) -> None:
+        """Link the next frame's points, (P, 3) in the order of x.
+
+        Parameters
+        ----------
+        points
+        owner
+            (P,), written: the name of the track that has each point, -1 for none.
+        """
+        from nodegraph_track import tracks_kernel
+
+        links = self._method(self._tracks, points, self._frame, self._gate)
+        state = tracks_kernel.next_tracks(
+            self._tracks, links, points, self._frame, self._patience, self._shortest, owner
+        )
+        self._tracks = OpenTracks(*state)
+        self._frame += 1
+        if self._known:
+            known = self._tracks.name < self._known
+            self._tracks = self._tracks.some(known)._replace(opened=self._known)
+            owner[owner >= self._known] = -1
+
+
+def _tracks_of(reference: Trajectories) -> OpenTracks:
+    """Return a track for each marker of a reference.
+
+    Raises
+    ------
+    Refusal
+        If no frame has all of them.
+    """
+    counts = reference.present.sum(axis=1)
+    fullest = int(counts.argmax()) if reference.frames else 0
+    if not reference.frames or counts[fullest] < len(reference.markers):
+        lacking = [
+            name
+            for column, name in enumerate(reference.markers)
+            if not reference.frames or not reference.present[fullest, column]
+        ]
+        raise Refusal(
+            f"needs a reference with a frame that has all {len(reference.markers)} markers; the "
+            f"fullest, frame {fullest}, lacks {listed(lacking)}"
+        )
+    place = reference.positions[fullest]
+    count = len(place)
+    return OpenTracks(
+        name=np.arange(count),
+        place=place,
+        last=place,
+        jump=np.zeros((count, 3)),
+        steps=np.zeros((count, 3, 3)),
+        seen=np.full(count, -1),
+        length=np.ones(count, dtype=np.intp),
+        opened=count,
+    )
+
+
+def _known_trajectories(
+    points: NDArray[np.float64],
+    frame: NDArray[np.intp],
+    owner: NDArray[np.intp],
+    detections: Detections,
+    reference: Trajectories,
+) -> Trajectories:
+    kept = owner >= 0
+    if not kept.all():
+        warnings.warn(
+            f"{np.count_nonzero(~kept)} of {len(kept)} points are none of the reference's markers "
+            "and were left out",
+            stacklevel=4,
+        )
+    positions = np.full((detections.frames, len(reference.markers), 3), np.nan)
+    positions[frame[kept], owner[kept]] = points[kept]
+    return Trajectories(
+        positions=positions,
+        markers=reference.markers,
+        rate=detections.rate,
+        marker_set=reference.marker_set,
+    )
 
 
 def _trajectories(
@@ -229,3 +353,58 @@ def _trajectories(
     positions[frame[kept], column[owner[kept]]] = points[kept]
     names = tuple(f"t{index:03d}" for index in range(positions.shape[1]))
     return Trajectories(positions=positions, markers=names, rate=detections.rate)
+
+
+def live_form(method: Callable[..., Method]) -> StateForm:
+    """Return how a tracker follows the markers of a reference frame by frame.
+
+    Parameters
+    ----------
+    method
+        ``method(**settings)`` returns how a frame's points are linked; `gate`, `patience` and
+        `shortest` are not among them.
+    """
+
+    def state(
+        detections: Detections,
+        reference: Trajectories | None = None,
+        *,
+        gate: float,
+        patience: int,
+        shortest: int,
+        **settings: Any,
+    ) -> _Stream:
+        if reference is None:
+            raise Refusal(
+                "frame by frame, it needs a reference: without it, the take says which tracks "
+                "there are"
+            )
+        return _Stream(detections, reference, _Tracker.of(reference, method(**settings), gate))
+
+    return StateForm(state, lookahead=lambda settings: None if settings["gate"] is None else 0)
+
+
+class _Stream:
+    """The markers of a reference, followed frame by frame."""
+
+    def __init__(self, detections: Detections, reference: Trajectories, tracker: _Tracker) -> None:
+        self._tracker = tracker
+        self.header = Trajectories(
+            positions=np.empty((0, len(reference.markers), 3)),
+            markers=reference.markers,
+            rate=detections.rate,
+            marker_set=reference.marker_set,
+        )
+
+    def push(self, points: NDArray[np.float64]) -> MarkerFrame:
+        points = points[_order(points, np.zeros(len(points), dtype=np.intp))]
+        owner = np.empty(len(points), dtype=np.intp)
+        self._tracker.link(points, owner)
+        positions = np.full((len(self.header.markers), 3), np.nan)
+        positions[owner[owner >= 0]] = points[owner >= 0]
+        missing = np.isnan(positions[:, 0])
+        origin = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
+        return MarkerFrame(positions, origin)
+
+    def drain(self) -> Iterable[MarkerFrame]:
+        return ()

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow, lookahead
+from nodegraph_track.follow import (
+    Gate,
+    Links,
+    OpenTracks,
+    Patience,
+    Shortest,
+    follow,
+    live_form,
+    lookahead,
+)
 from nodegraph_track.linking import take_nearest
 
 if TYPE_CHECKING:
@@ -14,9 +23,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("track.nearest", lookahead=lookahead)
+def _link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
+    return Links(tracks.place, *take_nearest(tracks.place, points, gate))
+
+
+@node("track.nearest", lookahead=lookahead, live=live_form(lambda: _link))
 def nearest(
-    detections: Detections, *, gate: Gate = None, patience: Patience = 60, shortest: Shortest = 3
+    detections: Detections,
+    reference: Trajectories | None = None,
+    *,
+    gate: Gate = None,
+    patience: Patience = 60,
+    shortest: Shortest = 3,
 ) -> Trajectories:
     """Follow points by giving each track the nearest one to its last position.
 
@@ -30,12 +48,16 @@ def nearest(
     coincide.
 
     Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
-    and to the take's end for a `gate` made from the data.
+    and to the take's end for a `gate` made from the data. Frame by frame, it needs a reference.
 
     Parameters
     ----------
     detections
         Unlabelled points.
+    reference
+        A recording whose markers are to be followed, from where they are in its first frame that
+        has all of them: `patience` and `shortest` then play no part, and points of no marker are
+        left out, counted in a warning. None: tracks are opened by points.
     gate
         How far from its last position a track finds a point. None: half the median distance
         from a point to the nearest one of the same frame, in 200 frames of the take.
@@ -50,8 +72,4 @@ def nearest(
     Trajectories
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
-    return follow(detections, _link, gate=gate, patience=patience, shortest=shortest)
-
-
-def _link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
-    return Links(tracks.place, *take_nearest(tracks.place, points, gate))
+    return follow(detections, reference, _link, gate=gate, patience=patience, shortest=shortest)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -9,7 +10,17 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.follow import Gate, Links, OpenTracks, Patience, Shortest, follow, lookahead
+from nodegraph_track.follow import (
+    Gate,
+    Links,
+    Method,
+    OpenTracks,
+    Patience,
+    Shortest,
+    follow,
+    live_form,
+    lookahead,
+)
 from nodegraph_track.linking import assign
 
 if TYPE_CHECKING:
@@ -21,6 +32,10 @@ MOST_ROUNDS = 8
 """How often motion and links are found from each other; two rounds nearly always settle them."""
 
 
+def _method(neighbours: int) -> Method:
+    return partial(_link, neighbours=neighbours)
+
+
 @node(
     "track.neighbours",
     cite=("guenter1998", "crocker_grier1996", "crouse2016"),
@@ -29,9 +44,11 @@ MOST_ROUNDS = 8
         "motion, after Guenter et al. 1998"
     ),
     lookahead=lookahead,
+    live=live_form(_method),
 )
 def neighbours(
     detections: Detections,
+    reference: Trajectories | None = None,
     *,
     gate: Gate = None,
     patience: Patience = 60,
@@ -70,12 +87,16 @@ def neighbours(
     coincide.
 
     Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
-    and to the take's end for a `gate` made from the data.
+    and to the take's end for a `gate` made from the data. Frame by frame, it needs a reference.
 
     Parameters
     ----------
     detections
         Unlabelled points.
+    reference
+        A recording whose markers are to be followed, from where they are in its first frame that
+        has all of them: `patience` and `shortest` then play no part, and points of no marker are
+        left out, counted in a warning. None: tracks are opened by points.
     gate
         How far from where it is expected a track finds a point. None: half the median distance
         from a point to the nearest one of the same frame, in 200 frames of the take.
@@ -92,11 +113,8 @@ def neighbours(
     Trajectories
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
-
-    def link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
-        return _link(tracks, points, frame, gate, neighbours)
-
-    return follow(detections, link, gate=gate, patience=patience, shortest=shortest)
+    method = _method(neighbours)
+    return follow(detections, reference, method, gate=gate, patience=patience, shortest=shortest)
 
 
 def _link(

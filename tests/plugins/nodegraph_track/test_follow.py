@@ -13,7 +13,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from nodegraph import Refusal
-from nodegraph_mocap import Detections
+from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.follow import default_gate
 from nodegraph_track.linking_kernel import spaces
 from nodegraph_track.nearest import nearest
@@ -104,3 +104,26 @@ def test_a_single_marker_is_followed_however_fast() -> None:
         warnings.simplefilter("error")
         tracks = nearest(detections([3], [90], [-500]))
     assert tracks.positions[:, 0, 0].tolist() == [3, 90, -500]
+
+
+def reference(*places: float) -> Trajectories:
+    positions = np.array([[[x, 0.0, 0.0] for x in places]])
+    names = tuple(f"m{x:g}" for x in places)
+    return Trajectories(positions=positions, markers=names, rate=30.0)
+
+
+def test_markers_of_a_reference_are_followed_under_their_names() -> None:
+    points = detections([5, 9, 1], [5.5, 9.5], [], [20], [5.5, 9.5])
+    with pytest.warns(UserWarning, match="2 of 8 points are none of the reference's markers"):
+        tracks = nearest(points, reference(9, 5), gate=1.0, patience=0, shortest=3)
+    assert tracks.markers == ("m9", "m5")
+    places = np.nan_to_num(tracks.positions[..., 0], nan=-1.0).tolist()
+    assert places == [[9, 5], [9.5, 5.5], [-1, -1], [-1, -1], [9.5, 5.5]]
+
+
+def test_a_reference_must_have_a_frame_with_all_markers() -> None:
+    lacking = reference(9, 5)
+    positions = np.where([[[False], [True]]], np.nan, lacking.positions)
+    lacking = Trajectories(positions=positions, markers=lacking.markers, rate=30.0)
+    with pytest.raises(Refusal, match="all 2 markers; the fullest, frame 0, lacks m5"):
+        nearest(detections([5]), lacking, gate=1.0)
