@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 
 import pytest
 
@@ -57,3 +58,10 @@ def test_silence_garbage_and_a_port_in_use_end_in_a_message(scheme: str) -> None
         other.bind((HOST, port))
         with pytest.raises(NodegraphError, match=f"another program receives at port {port}"):
             source.open()
+
+
+def test_a_package_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pylsl", None)
+    monkeypatch.delitem(sys.modules, "nodegraph_live.lsl", raising=False)
+    with pytest.raises(NodegraphError, match=r"^lsl: .* pip install 'nodegraph\[live\]'"):
+        SOURCES["lsl"]("face")
