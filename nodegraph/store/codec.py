@@ -335,7 +335,7 @@ def class_name(kind: type) -> str:
         raise Unstorable(kind.__name__, "it is more than its fields")
     if len(signature(getattr(kind, "__post_init__", _no_check)).parameters) > 1:
         raise Unstorable(kind.__name__, "its __post_init__ needs more than its fields")
-    if _found(sys.modules.get(kind.__module__), kind.__qualname__) is not kind:
+    if _held_by(sys.modules.get(kind.__module__), kind.__qualname__) is not kind:
         raise Unstorable(kind.__name__, f"{kind.__module__} has no class {kind.__qualname__}")
     return f"{kind.__module__}:{kind.__qualname__}"
 
@@ -354,7 +354,7 @@ def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
     module, _, qualified = name.partition(":")
     if module not in sys.modules and packages(module.partition(".")[0]):
         import_module(module)
-    kind = _found(sys.modules.get(module), qualified)
+    kind = _held_by(sys.modules.get(module), qualified)
     if isinstance(kind, type) and issubclass(kind, Value) and is_dataclass(kind):
         return kind
     raise Unreadable(f"{name!r} is no class of values here")
@@ -430,7 +430,7 @@ def _attribute(value: Any, name: str) -> Any:
     return getattr(type(value), name, None)
 
 
-def _found(module: Any, qualified: str) -> Any:
+def _held_by(module: Any, qualified: str) -> Any:
     """Return what a module holds under a dotted name, without asking it to import anything."""
     target = module
     for part in qualified.split("."):

@@ -191,14 +191,14 @@ def packed_parts(entry: Entry, blobs: Blobs) -> Iterator[tuple[str, list[Buffer]
         sums: list[str] = []
         try:
             head = part if isinstance(part, str) else bytes(known[part[0]]).decode("ascii")
-            for one in parts:
-                if isinstance(one, str):
-                    content = a2b_base64(one, strict_mode=True)
+            for stored in parts:
+                if isinstance(stored, str):
+                    content = a2b_base64(stored, strict_mode=True)
                     buffers.append(content)
                     sums.append(_sum(content))
                 else:
-                    buffers.append(known[one[0]])
-                    sums.append(one[0])
+                    buffers.append(known[stored[0]])
+                    sums.append(stored[0])
             whole = digest_of(head, sums) == digest
         except ValueError as error:
             raise Unreadable(f"an output is not text: {error}") from error
@@ -271,7 +271,7 @@ class Store:
         self.unstorable: Counter[str] = Counter()
         self._say = say
         self._lock = threading.Lock()
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._root = str(self.folder / files.FORMAT)
         self._entries = f"{self._root}/entries"
         self._blobs = Blobs(f"{self._root}/blobs")
@@ -280,7 +280,7 @@ class Store:
     def find(self, key: str, *, outputs: int | None = None) -> Entry | None:
         """Return what is stored under a key, without its values.
 
-        A damaged entry is removed, told, and not found.
+        A damaged entry is removed, reported, and not found.
 
         Parameters
         ----------
@@ -402,9 +402,9 @@ class Store:
 
     def _tell(self, text: str) -> None:
         with self._lock:
-            if text in self._told:
+            if text in self._reported:
                 return
-            self._told.add(text)
+            self._reported.add(text)
         self._say(text)
 
 

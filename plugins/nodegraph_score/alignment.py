@@ -44,7 +44,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-class Found(NamedTuple):
+class AlignmentScore(NamedTuple):
     """What PCA finds: its numbers and its picture."""
 
     table: Table
@@ -58,7 +58,7 @@ def alignment(
     removed: Across[HeadMotion] | None = None,
     *,
     components: Annotated[int, Field(ge=1)] = 5,
-) -> Found:
+) -> AlignmentScore:
     """Say what PCA finds in recordings, head motion or the face: a row per principal component.
 
     PCA is that of the covariance of the 3 M coordinates, over the complete frames. A column for
@@ -137,7 +137,7 @@ def alignment(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     table = _joined(parts, notes, recordings.axes)
-    return Found(table, _draw(table, recordings.axes))
+    return AlignmentScore(table, _draw(table, recordings.axes))
 
 
 def _removed(

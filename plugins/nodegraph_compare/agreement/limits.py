@@ -151,6 +151,6 @@ def pairs_of(group: Group, baseline: Label | None) -> Iterator[Pair]:
     for first, second in places:
         both = group.values[:, [first, second]]
         known = np.isfinite(both).all(axis=1)
-        found = limits(both[known, 0], both[known, 1], group.cluster[known])
+        agreement = limits(both[known, 0], both[known, 1], group.cluster[known])
         names = group.methods
-        yield Pair(group, names[first], names[second], found)
+        yield Pair(group, names[first], names[second], agreement)

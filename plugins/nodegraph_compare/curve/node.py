@@ -266,17 +266,23 @@ def curve(
         clusters=clusters,
         lowest=lowest,
     )
-    found = points(scores, axes, _fallback(scores, axes, fallback))
+    curve_points = points(scores, axes, _fallback(scores, axes, fallback))
     level = None
     if floor is not None:
         check_floor(floor, axes)
-        level = _levels(floors(floor, axes), found)
-    scale = scale_of(found, level)
+        level = _levels(floors(floor, axes), curve_points)
+    scale = scale_of(curve_points, level)
     unit = unit_of(scores, axes.metric)
     curves = Curves(
-        axes=axes, points=found, marked=marks(found, mark, tolerance, level, scale), floors=level,
-        scale=scale, mark=mark, tolerance=tolerance, unit=unit,
-    )  # fmt: skip
+        axes=axes,
+        points=curve_points,
+        marked=marks(curve_points, mark, tolerance, level, scale),
+        floors=level,
+        scale=scale,
+        mark=mark,
+        tolerance=tolerance,
+        unit=unit,
+    )
     frame = _frame(curves)
     valued = (axes.metric, "low", "high", "floor")
     info = TableInfo(

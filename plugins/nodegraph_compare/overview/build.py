@@ -154,9 +154,11 @@ class _Blocks:
         other = without_suspects(summary)
         plain = None
         if other is not None:
-            found = verdict_on(other, self._comparison.question, self._comparison.blocks)
+            other_verdict = verdict_on(other, self._comparison.question, self._comparison.blocks)
             plain = WithoutSuspects(
-                mean=spread(other.mean), best=places(found.best), tied=places(found.tied)
+                mean=spread(other.mean),
+                best=places(other_verdict.best),
+                tied=places(other_verdict.tied),
             )
         names = zip(self._columns.names, self._columns.codes, strict=True)
         return GroupOverview(

@@ -91,8 +91,8 @@ def _steps(overview: Overview, stands: Sequence[GroupOverview]) -> str:
     for step in sorted({step for group in stands for step in changes(group)}):
         does: dict[str, list[str]] = {}
         for group in stands:
-            if step in (made := changes(group)):
-                before, verb = made[step]
+            if step in (differences := changes(group)):
+                before, verb = differences[step]
                 by = f"by {change_text(overview, group, before, step)} " * (verb != UNCLEAR)
                 where = _where(overview, [group])
                 does.setdefault(verb, []).append(f"{by}({where})" if where else by.strip())

@@ -36,24 +36,24 @@ def lead_of(rankings: Sequence[Ranking], question: Question, blocks: str) -> Lea
     ranked = [each for each in rankings if len(each.values) and len(each.methods) > 1]
     if not ranked:
         return Lead(("There is nothing to rank.",))
-    told = [each for each in ranked if each.differ and not each.objections(blocks)]
+    tested = [each for each in ranked if each.differ and not each.objections(blocks)]
     scopes = dict.fromkeys(
         scope(each.units, question, blocks) for each in ranked if each.units.count
     )
     held = f"Scope: {next(iter(scopes))}. " if len(scopes) == 1 else ""
     end = "the lowest value" if question.better == "none" else "the best"
     return Lead(
-        _sentence(ranked, told, question),
+        _sentence(ranked, tested, question),
         tuple(_card(each, question, blocks) for each in ranked),
         f"{held}Mean ranks of {question.metric}: 1 is {end} in every unit.",
     )
 
 
-def _sentence(ranked: Sequence[Ranking], told: Sequence[Ranking], question: Question) -> Text:
-    if not told:
+def _sentence(ranked: Sequence[Ranking], tested: Sequence[Ranking], question: Question) -> Text:
+    if not tested:
         return ("Ranks do not tell the methods apart.",)
-    firsts = dict.fromkeys(each.first_names for each in told)
-    where = "" if len(told) == len(ranked) else f" in {len(told)} of {len(ranked)} groups"
+    firsts = dict.fromkeys(each.first_names for each in tested)
+    where = "" if len(tested) == len(ranked) else f" in {len(tested)} of {len(ranked)} groups"
     if len(firsts) == 1:
         return (
             "",
@@ -62,7 +62,7 @@ def _sentence(ranked: Sequence[Ranking], told: Sequence[Ranking], question: Ques
         )
     parts: list[str] = [f"It depends on {' and '.join(question.within)}: "]
     for first in firsts:
-        groups = [group_text(each.group, question) for each in told if each.first_names == first]
+        groups = [group_text(each.group, question) for each in tested if each.first_names == first]
         joint = "." if first == [*firsts][-1] else "; "
         parts += [first, f" ranks first for {listed(groups, _NAMED)}{joint}"]
     return tuple(parts)

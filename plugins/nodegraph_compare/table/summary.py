@@ -205,14 +205,14 @@ class Summary:
         at = int(np.flatnonzero(usable == reference)[0])
         sign, strata = sign_of(self.end), self.units.strata
         y = sign * self.units.numbers(self.ratio)
-        found = contrasts(y, at, strata)
-        ends = [sign * end for end in found.interval][:: int(sign)]
+        result = contrasts(y, at, strata)
+        ends = [sign * end for end in result.interval][:: int(sign)]
         shown = np.exp if self.ratio else np.asarray
-        margin = shown(found.margin)
+        margin = shown(result.margin)
         if self.ratio and self.margin is not None and not self.margin.ratio:
             margin = contrasts(sign * self.units.means, at, strata).margin
         flipped = self.judged and len(y) >= FEWEST_FLIPPED
-        flips = found.p_of_flips if flipped else np.full(len(usable), np.nan)
+        flips = result.p_of_flips if flipped else np.full(len(usable), np.nan)
 
         def spread(values: NDArray[np.float64]) -> NDArray[np.float64]:
             full = np.full(self.level.shape, np.nan)
@@ -221,7 +221,7 @@ class Summary:
             return full
 
         doubtful = np.zeros(self.level.shape, dtype=bool)
-        doubtful[usable] = (found.p_alone <= LEVEL) & (flips > _DOUBTFUL)
+        doubtful[usable] = (result.p_alone <= LEVEL) & (flips > _DOUBTFUL)
         low, high = (spread(shown(end)) for end in ends)
         mean = self.mean[reference]
         # the same verdict in the metric's unit
@@ -230,16 +230,16 @@ class Summary:
         apart[reference] = np.nan
         return Paired(
             reference,
-            value=spread(shown(sign * found.mean)),
+            value=spread(shown(sign * result.mean)),
             low=low,
             high=high,
             difference=apart,
             difference_low=differences[0],
             difference_high=differences[1],
-            p=spread(found.p if self.judged else np.full(len(usable), np.nan)),
+            p=spread(result.p if self.judged else np.full(len(usable), np.nan)),
             flips=spread(flips),
-            effect=spread(found.effect),
-            wins=spread((found.d < 0.0).sum(axis=0).astype(np.float64)),
+            effect=spread(result.effect),
+            wins=spread((result.d < 0.0).sum(axis=0).astype(np.float64)),
             margin=spread(margin),
             doubtful=doubtful,
         )

@@ -12,21 +12,21 @@ from nodegraph.store import Packer, Store
 
 
 @pytest.fixture
-def said() -> list[str]:
-    """What the store had to say."""
+def messages() -> list[str]:
+    """What the store has reported."""
     return []
 
 
 @pytest.fixture
-def store(tmp_path: Path, said: list[str]) -> Store:
-    return Store(tmp_path / "store", Packer(), said.append)
+def store(tmp_path: Path, messages: list[str]) -> Store:
+    return Store(tmp_path / "store", Packer(), messages.append)
 
 
 @pytest.fixture
 def files(tmp_path: Path) -> Callable[..., list[Path]]:
     """List the files of a part of the store."""
     root = tmp_path / "store" / "format-1"
-    return lambda part="": sorted(one for one in (root / part).rglob("*") if one.is_file())
+    return lambda part="": sorted(value for value in (root / part).rglob("*") if value.is_file())
 
 
 @pytest.fixture

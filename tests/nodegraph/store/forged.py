@@ -82,8 +82,8 @@ def output(head: Any, *buffers: bytes | Sequence[Any] | None, at: int = 0) -> Ch
     def change(data: dict[str, Any]) -> None:
         own = data["outputs"][at][1]
         parts = [
-            own[0] if one is None else _inline(one) if isinstance(one, bytes) else one
-            for one in buffers
+            own[0] if buffer is None else _inline(buffer) if isinstance(buffer, bytes) else buffer
+            for buffer in buffers
         ]
         data["outputs"][at] = [text, parts]
         data["digests"][at] = digest(text, parts)

@@ -44,7 +44,7 @@ def test_every_kind_shape_and_layout(data: st.DataObject) -> None:
     count = int(np.prod(shape))
     raw = np.random.default_rng(seed).integers(0, 120, count * kind.itemsize, np.uint8)
     if kind.kind == "U":
-        array = np.array([chr(65 + one) for one in raw[:count]], kind).reshape(shape)
+        array = np.array([chr(65 + value) for value in raw[:count]], kind).reshape(shape)
     else:
         array = raw.view(kind).reshape(shape)
     array = array.transpose(data.draw(st.permutations(range(len(shape)))))
@@ -61,10 +61,10 @@ def test_every_kind_shape_and_layout(data: st.DataObject) -> None:
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_a_sum_has_the_same_last_bit(order: tuple[int, ...]) -> None:
     array = np.random.default_rng(7).normal(size=(37, 41, 43)).transpose(order)
-    for one in (array, array[:, 3:], array[::-1], np.broadcast_to(array[0], array.shape)):
-        back = there_and_back(one)
-        assert back.sum() == one.sum()
-        assert (back.sum(axis=0) == one.sum(axis=0)).all()
+    for value in (array, array[:, 3:], array[::-1], np.broadcast_to(array[0], array.shape)):
+        back = there_and_back(value)
+        assert back.sum() == value.sum()
+        assert (back.sum(axis=0) == value.sum(axis=0)).all()
 
 
 def test_bits_that_no_number_shows_are_kept() -> None:
@@ -202,10 +202,10 @@ def test_views_with_gaps_take_together_no_more_memory_than_one() -> None:
     views = [np.zeros(2**12)[:: 2**9] + number for number in range(3)]
     head = ["list", *(["array", n, "<f8", [8], [0], [2**25]] for n in range(len(views)))]
     with pytest.raises(Unreadable, match="spread"):
-        PACKER.unpack(json.dumps(head), [one.tobytes() for one in views])
+        PACKER.unpack(json.dumps(head), [buffer.tobytes() for buffer in views])
     same = views[0].tobytes()
     first, *others = PACKER.unpack(json.dumps(head), [same] * 3)
-    assert all(one is first for one in others)
+    assert all(value is first for value in others)
 
 
 def test_bytes_that_have_several_places_are_copied_once() -> None:

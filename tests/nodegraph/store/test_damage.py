@@ -42,7 +42,7 @@ def kept(store: Store, key: str = KEY, value: Any = ARRAY) -> Entry:
     ],
 )
 def test_a_damaged_entry_is_removed_and_told_once(
-    store: Store, said: list[str], files: Files, damage: Callable[[bytes], bytes]
+    store: Store, messages: list[str], files: Files, damage: Callable[[bytes], bytes]
 ) -> None:
     kept(store)
     (path,) = files("entries")
@@ -50,26 +50,26 @@ def test_a_damaged_entry_is_removed_and_told_once(
     assert store.find(KEY) is None
     assert store.find(KEY) is None
     assert not path.exists()
-    assert len(said) == 1
-    assert "damaged" in said[0]
-    assert str(path) in said[0]
+    assert len(messages) == 1
+    assert "damaged" in messages[0]
+    assert str(path) in messages[0]
     assert kept(store)
 
 
 def test_an_entry_in_the_place_of_another_is_not_believed(
-    store: Store, said: list[str], files: Files
+    store: Store, messages: list[str], files: Files
 ) -> None:
     kept(store, KEY, 1.0)
     kept(store, OTHER, 2.0)
-    one, other = files("entries")
-    os.replace(one, other)
+    first, other = files("entries")
+    os.replace(first, other)
     assert store.find(OTHER) is None
     assert not other.exists()
-    assert len(said) == 1
+    assert len(messages) == 1
 
 
 def test_an_entry_that_is_sealed_and_makes_no_sense_is_damaged(
-    store: Store, said: list[str], files: Files
+    store: Store, messages: list[str], files: Files
 ) -> None:
     from nodegraph.store.files import seal
 
@@ -78,7 +78,7 @@ def test_an_entry_that_is_sealed_and_makes_no_sense_is_damaged(
     for text in ("[]", "{}", "1", f'{{"key":"{KEY}"}}', "x"):
         path.write_bytes(seal(text))
         assert store.find(KEY) is None
-    assert "damaged" in said[0]
+    assert "damaged" in messages[0]
 
 
 @pytest.mark.parametrize(
@@ -92,14 +92,14 @@ def test_an_entry_that_is_sealed_and_makes_no_sense_is_damaged(
     ],
 )
 def test_a_damaged_blob_goes_with_its_entry(
-    store: Store, said: list[str], files: Files, damage: Callable[[Path], Any]
+    store: Store, messages: list[str], files: Files, damage: Callable[[Path], Any]
 ) -> None:
     entry = kept(store)
     damage(files("blobs")[0])
     with pytest.raises(DamagedEntry, match=r"fill\(length=45\) .*fill\.muscle.*" + KEY):
         store.load(entry)
     assert files("entries") == files("blobs") == []
-    assert len(said) == 1
+    assert len(messages) == 1
     assert store.find(KEY) is None
     assert store.load(kept(store))[0].tolist() == ARRAY.tolist()
 
@@ -120,7 +120,7 @@ def test_an_array_stays_that_is_whole_though_an_entry_says_otherwise(
 
 
 def test_values_of_other_types_or_numbers_than_a_node_has_are_damage(
-    store: Store, said: list[str]
+    store: Store, messages: list[str]
 ) -> None:
     entry = kept(store)
     assert store.load(entry, (np.ndarray,))[0].tolist() == ARRAY.tolist()
@@ -132,7 +132,7 @@ def test_values_of_other_types_or_numbers_than_a_node_has_are_damage(
     assert store.find(KEY) is None
     assert store.save(KEY, replace(ABOUT, state="refused", reason="no"), ()) is not None
     assert store.find(KEY, outputs=2) is not None
-    assert len(said) == 2
+    assert len(messages) == 2
 
 
 def test_a_step_that_is_named_after_an_unreadable_file_is_found(store: Store) -> None:
@@ -192,7 +192,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, int, int], None]:
 )
 def test_what_cannot_be_written_is_told_once_and_leaves_nothing_half(
     store: Store,
-    said: list[str],
+    messages: list[str],
     files: Files,
     failing: Callable[[str, int, int], None],
     monkeypatch: pytest.MonkeyPatch,
@@ -206,34 +206,36 @@ def test_what_cannot_be_written_is_told_once_and_leaves_nothing_half(
         assert store.save(KEY, ABOUT, (ARRAY,)) is None
     store.remember("code", {"a": 1})
     assert not store.writable
-    assert said == [f"results are no longer kept: {store.folder}: {os.strerror(number)}"]
-    assert [one.name for one in files("entries")] == [f"{OTHER[2:]}.json"]
-    assert not [one for one in files() if one.suffix == ".part"]
+    assert messages == [f"results are no longer kept: {store.folder}: {os.strerror(number)}"]
+    assert [file.name for file in files("entries")] == [f"{OTHER[2:]}.json"]
+    assert not [file for file in files() if file.suffix == ".part"]
     assert store.recall("code") == {}
-    found = store.find(OTHER)  # what is there is used all the same
-    assert found is not None
-    assert store.load(found) == (1.5,)
+    entry = store.find(OTHER)  # what is there is used all the same
+    assert entry is not None
+    assert store.load(entry) == (1.5,)
     monkeypatch.undo()
-    assert all(one.stat().st_size == ARRAY.nbytes for one in files("blobs"))
+    assert all(file.stat().st_size == ARRAY.nbytes for file in files("blobs"))
 
 
-def test_a_folder_that_cannot_be_made_is_an_empty_store(tmp_path: Path, said: list[str]) -> None:
+def test_a_folder_that_cannot_be_made_is_an_empty_store(
+    tmp_path: Path, messages: list[str]
+) -> None:
     (tmp_path / "taken").write_text("a file")
     for folder in (tmp_path / "taken", tmp_path / "taken" / "below"):
-        said.clear()
-        store = Store(folder, Packer(), said.append)
+        messages.clear()
+        store = Store(folder, Packer(), messages.append)
         assert not store.writable
         assert store.find(KEY) is None
         assert store.save(KEY, ABOUT, (1,)) is None
         store.remember("code", {})
         assert store.recall("code") == {}
-        assert len(said) == 1
-        assert "no longer kept" in said[0]
-        assert str(folder) in said[0]
+        assert len(messages) == 1
+        assert "no longer kept" in messages[0]
+        assert str(folder) in messages[0]
 
 
 def test_entries_that_cannot_be_read_are_told_once(
-    store: Store, said: list[str], monkeypatch: pytest.MonkeyPatch
+    store: Store, messages: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept(store)
     real = os.open
@@ -246,13 +248,13 @@ def test_entries_that_cannot_be_read_are_told_once(
     monkeypatch.setattr(os, "open", refuse)
     assert store.find(KEY) is None
     assert store.find(OTHER) is None
-    assert said == [f"stored results cannot be read: {store.folder}: Permission denied"]
+    assert messages == [f"stored results cannot be read: {store.folder}: Permission denied"]
     monkeypatch.undo()
     assert store.find(KEY) is not None
 
 
 def test_a_folder_that_is_only_for_reading_is_read(
-    store: Store, said: list[str], monkeypatch: pytest.MonkeyPatch, files: Files
+    store: Store, messages: list[str], monkeypatch: pytest.MonkeyPatch, files: Files
 ) -> None:
     entry = kept(store)
     os.utime(files("entries")[0], (0, 0))
@@ -262,11 +264,11 @@ def test_a_folder_that_is_only_for_reading_is_read(
 
     for name in ("utime", "replace", "unlink", "mkdir"):
         monkeypatch.setattr(os, name, refuse)
-    again = Store(store.folder, Packer(), said.append)
-    found = again.find(KEY)
-    assert found == entry
-    assert again.load(found)[0].tolist() == ARRAY.tolist()
-    assert said == []
+    again = Store(store.folder, Packer(), messages.append)
+    result = again.find(KEY)
+    assert result == entry
+    assert again.load(result)[0].tolist() == ARRAY.tolist()
+    assert messages == []
 
 
 def test_a_folder_of_another_format_is_left_alone(tmp_path: Path) -> None:
@@ -288,5 +290,5 @@ def test_an_interrupted_write_leaves_nothing(
     monkeypatch.setattr(os, "write", interrupt)
     with pytest.raises(KeyboardInterrupt):
         store.save(KEY, ABOUT, (ARRAY,))
-    assert [one.name for one in files()] == ["README"]
+    assert [file.name for file in files()] == ["README"]
     assert store.writable

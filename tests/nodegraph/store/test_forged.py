@@ -208,16 +208,18 @@ def told(forgeries: tuple[Study, dict[str, Path]]) -> dict[str, str]:
     """What a run tells of each forgery."""
     study, paths = forgeries
     lines = study.run("second").splitlines()
-    return {name: "".join(one for one in lines if str(path) in one) for name, path in paths.items()}
+    return {
+        name: "".join(line for line in lines if str(path) in line) for name, path in paths.items()
+    }
 
 
 @pytest.mark.parametrize("name", FORGED)
 def test_a_forged_entry_is_told_and_computed_again(
-    forgeries: tuple[Study, dict[str, Path]], told: dict[str, str], name: str
+    forgeries: tuple[Study, dict[str, Path]], message: dict[str, str], name: str
 ) -> None:
     study, paths = forgeries
-    assert "computed again" in told[name]
-    assert len(told[name]) < 2000
+    assert "computed again" in message[name]
+    assert len(message[name]) < 2000
     number = list(FORGED).index(name)
     assert study.results("second")[number] == study.results("first")[number] != []
     assert forged.payload(paths[name])["outputs"][1][0] == TAKE
@@ -252,9 +254,9 @@ def test_every_command_reads_forged_entries(
         shutil.rmtree(folder / name, ignore_errors=True)
         shutil.copytree(folder / source, folder / name)
     record = json.loads((folder / "first" / "run.json").read_text())
-    made = [step for step in record["steps"] if step["node"] == "a"]
-    results = [(step["key"], step["digests"]) for step in made]
-    for step, (key, digests) in zip(made, results[1:] + results[:1], strict=True):
+    result = [step for step in record["steps"] if step["node"] == "a"]
+    results = [(step["key"], step["digests"]) for step in result]
+    for step, (key, digests) in zip(result, results[1:] + results[:1], strict=True):
         step |= {"key": key, "digests": digests}
     (folder / "other" / "run.json").write_text(json.dumps(record))
     ended = nodegraph(*words, at=folder)
@@ -272,8 +274,8 @@ def test_what_is_changed_by_chance_is_never_kept_as_a_result(tmp_path: Path) -> 
             forged.any_bytes(path, chance)
         else:
             forged.forge(path, forged.any_change(chance))
-    told = study.run("second").splitlines()
-    assert 50 < len(told) < 120
+    lines = study.run("second").splitlines()
+    assert 50 < len(lines) < 120
     assert study.results("second") == study.results("first")
 
 
@@ -281,8 +283,8 @@ def test_what_is_changed_by_chance_is_never_kept_as_a_result(tmp_path: Path) -> 
 def test_no_forgery_crashes_or_takes_much_memory(tmp_path: Path) -> None:
     ended = in_process("tests.nodegraph.store.fuzz", str(tmp_path), "11", "500", at=ROOT)
     assert ended.returncode == 0, ended.stderr
-    found = json.loads(ended.stdout)
-    assert sum(found["counts"].values()) == 520
-    assert found["counts"]["output: damaged"] > found["counts"]["output: another value"] > 0
-    assert found["counts"]["anything: the same value"] > 0
-    assert found["megabytes"] < 200
+    result = json.loads(ended.stdout)
+    assert sum(result["counts"].values()) == 520
+    assert result["counts"]["output: damaged"] > result["counts"]["output: another value"] > 0
+    assert result["counts"]["anything: the same value"] > 0
+    assert result["megabytes"] < 200

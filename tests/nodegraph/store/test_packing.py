@@ -114,20 +114,20 @@ def there_and_back(value: Any, packer: Packer | None = None) -> Any:
     packer = packer or Packer()
     packed = packer.pack(value)
     assert packed.head.isascii()
-    return packer.unpack(packed.head, [bytes(one) for one in packed.buffers])
+    return packer.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
 
 
-def alike(one: Any, other: Any) -> bool:
+def alike(first: Any, other: Any) -> bool:
     """Whether two plain values are the same, to the type and to the bit."""
-    if type(one) is not type(other):
+    if type(first) is not type(other):
         return False
-    if isinstance(one, float):
-        return struct.pack("<d", one) == struct.pack("<d", other)
-    if isinstance(one, (list, tuple)):
-        return len(one) == len(other) and all(map(alike, one, other))
-    if isinstance(one, dict):
-        return alike(list(one), list(other)) and alike(list(one.values()), list(other.values()))
-    return bool(one == other)
+    if isinstance(first, float):
+        return struct.pack("<d", first) == struct.pack("<d", other)
+    if isinstance(first, (list, tuple)):
+        return len(first) == len(other) and all(map(alike, first, other))
+    if isinstance(first, dict):
+        return alike(list(first), list(other)) and alike(list(first.values()), list(other.values()))
+    return bool(first == other)
 
 
 LEAVES = (
@@ -309,9 +309,9 @@ def test_what_is_stored_imports_nothing_that_was_not_allowed(
     with pytest.raises(Unreadable):
         Packer(packages=lambda name: name == "sneaky").unpack(head)
     assert "sneaky_one" not in sys.modules
-    found = Packer(packages=lambda name: name == "sneaky_one").unpack(head)
+    result = Packer(packages=lambda name: name == "sneaky_one").unpack(head)
     monkeypatch.delitem(sys.modules, "sneaky_one")
-    assert found.a == 1
+    assert result.a == 1
 
 
 def test_a_storage_keeps_what_nothing_else_keeps() -> None:
@@ -439,9 +439,12 @@ def test_a_stand_in_is_known_as_one_wherever_it_lies() -> None:
 @pytest.mark.parametrize(
     ("kind", "expected"),
     [
-        *((one, True) for one in (float, bool, str, bytes, tuple, dict, type(Path()), type(None))),
-        *((one, True) for one in (np.ndarray, np.float64, Across, Slotted, SmallThing)),
-        *((one, False) for one in (object, set, Colour, Pair, OrderedDict, np.matrix)),
+        *(
+            (value, True)
+            for value in (float, bool, str, bytes, tuple, dict, type(Path()), type(None))
+        ),
+        *((value, True) for value in (np.ndarray, np.float64, Across, Slotted, SmallThing)),
+        *((value, False) for value in (object, set, Colour, Pair, OrderedDict, np.matrix)),
     ],
 )
 def test_types_that_travel(kind: type, expected: bool) -> None:
@@ -476,10 +479,10 @@ def test_digests_differ_where_values_do() -> None:
     digests = [packer.digest(value) for value in values]
     assert len(set(digests)) == len(values)
     assert digests == [packer.digest(packer.pack(value)) for value in values]
-    assert {len(one) for one in digests} == {64}
+    assert {len(value) for value in digests} == {64}
 
 
 def test_a_digest_covers_every_byte() -> None:
     head = '["array",0,"<f8",[1]]'
-    one, other = (Packed(head, (memoryview(bytes([0] * 7 + [last])),)) for last in (0, 1))
-    assert one.digest != other.digest
+    first, other = (Packed(head, (memoryview(bytes([0] * 7 + [last])),)) for last in (0, 1))
+    assert first.digest != other.digest

@@ -29,59 +29,59 @@ def key_of(number: int) -> str:
     return f"{number:064x}"
 
 
-def test_what_is_saved_is_found_and_loaded(store: Store, said: list[str]) -> None:
+def test_what_is_saved_is_found_and_loaded(store: Store, messages: list[str]) -> None:
     long = np.arange(9000.0)[::-1]
     values = (1.5, np.arange(5.0), {"a": long, "b": b"x" * 3000})
     saved = store.save(KEY, ABOUT, values)
-    found = store.find(KEY)
-    assert found == saved
-    assert found is not None
-    assert (found.key, found.node, found.step) == (KEY, "fill.muscle", "fill(length=45)")
-    assert (found.state, found.reason, found.warnings) == ("done", "", ("3 gaps",))
-    assert found.seconds == 1.5
-    assert found.created > 1.7e9
-    assert found.faithful == (True, True, True)
-    assert found.digests == tuple(store.packer.digest(value) for value in values)
-    number, short, more = store.load(found)
+    entry = store.find(KEY)
+    assert entry == saved
+    assert entry is not None
+    assert (entry.key, entry.node, entry.step) == (KEY, "fill.muscle", "fill(length=45)")
+    assert (entry.state, entry.reason, entry.warnings) == ("done", "", ("3 gaps",))
+    assert entry.seconds == 1.5
+    assert entry.created > 1.7e9
+    assert entry.faithful == (True, True, True)
+    assert entry.digests == tuple(store.packer.digest(value) for value in values)
+    number, short, more = store.load(entry)
     assert number == 1.5
     assert short.tolist() == [0, 1, 2, 3, 4]
     assert more["a"].tobytes() == long.tobytes()
     assert more["b"] == b"x" * 3000
     assert not more["a"].flags.writeable
-    assert said == []
+    assert messages == []
 
 
 def test_another_store_in_the_same_folder_finds_it(tmp_path: Path) -> None:
     folder = tmp_path / "deep" / "down"
     Store(folder, Packer(), print).save(KEY, ABOUT, (1,))
     other = Store(folder, Packer(), print)
-    found = other.find(KEY)
-    assert found is not None
-    assert other.load(found) == (1,)
+    entry = other.find(KEY)
+    assert entry is not None
+    assert other.load(entry) == (1,)
     assert (folder / "format-1" / "README").is_file()
 
 
-def test_what_is_not_there_is_not_found(store: Store, said: list[str]) -> None:
+def test_what_is_not_there_is_not_found(store: Store, messages: list[str]) -> None:
     assert store.find(KEY) is None
     assert store.find("") is None
-    assert said == []
+    assert messages == []
 
 
 def test_a_refusal_is_kept_with_its_reason(store: Store) -> None:
     refused = About("fill.muscle", "fill", "refused", "needs one complete frame")
     store.save(KEY, refused, ())
-    found = store.find(KEY)
-    assert found is not None
-    assert (found.state, found.reason) == ("refused", "needs one complete frame")
-    assert store.load(found) == ()
+    entry = store.find(KEY)
+    assert entry is not None
+    assert (entry.state, entry.reason) == ("refused", "needs one complete frame")
+    assert store.load(entry) == ()
 
 
 def test_the_last_one_saved_is_found(store: Store) -> None:
     for value in (1, 2):
         store.save(KEY, ABOUT, (value,))
-    found = store.find(KEY)
-    assert found is not None
-    assert store.load(found) == (2,)
+    entry = store.find(KEY)
+    assert entry is not None
+    assert store.load(entry) == (2,)
 
 
 def test_equal_arrays_lie_there_once(store: Store, files: Files) -> None:
@@ -90,10 +90,10 @@ def test_equal_arrays_lie_there_once(store: Store, files: Files) -> None:
     store.save(key_of(2), ABOUT, ([array.reshape(10, 100)],))
     assert len(files("blobs")) == 1
     for number, parts in ((1, 2), (2, 1)):
-        found = store.find(key_of(number))
-        assert found is not None
-        assert found.size == 8000 + files("entries")[number - 1].stat().st_size
-        assert len(store.load(found)) == parts
+        entry = store.find(key_of(number))
+        assert entry is not None
+        assert entry.size == 8000 + files("entries")[number - 1].stat().st_size
+        assert len(store.load(entry)) == parts
 
 
 def test_small_arrays_lie_in_the_entry(store: Store, files: Files) -> None:
@@ -107,9 +107,9 @@ def test_many_gathered_values_do_not_make_looking_up_slow(store: Store, files: F
     gathered = Across.of({number: float(number) for number in range(2000)}, axis="trial")
     store.save(KEY, ABOUT, (gathered,))
     assert files("entries")[0].stat().st_size < 2000
-    found = store.find(KEY)
-    assert found is not None
-    assert store.load(found) == (gathered,)
+    entry = store.find(KEY)
+    assert entry is not None
+    assert store.load(entry) == (gathered,)
 
 
 def test_a_blob_that_is_there_is_not_written_again(
@@ -131,9 +131,9 @@ def test_a_blob_of_another_size_is_written_again(store: Store, files: Files) -> 
     store.save(key_of(1), ABOUT, (array,))
     (blob,) = files("blobs")
     blob.write_bytes(b"half")
-    found = store.save(key_of(2), ABOUT, (array,))
-    assert found is not None
-    assert store.load(found)[0].tolist() == array.tolist()
+    entry = store.save(key_of(2), ABOUT, (array,))
+    assert entry is not None
+    assert store.load(entry)[0].tolist() == array.tolist()
 
 
 def test_use_is_marked_once_an_hour(
@@ -150,27 +150,27 @@ def test_use_is_marked_once_an_hour(
     assert entry.stat().st_mtime > before
 
 
-def test_what_cannot_be_kept_is_counted(store: Store, said: list[str], files: Files) -> None:
+def test_what_cannot_be_kept_is_counted(store: Store, messages: list[str], files: Files) -> None:
     for number in range(2):
         assert store.save(key_of(number), ABOUT, (1, [{1, 2}])) is None
     assert store.save(key_of(3), ABOUT, (np.array([None]),)) is None
     assert store.unstorable == {"set": 2, "array of object": 1}
     assert store.writable
     assert files("entries") == []
-    assert said == []
+    assert messages == []
 
 
 def test_a_stand_in_is_marked_as_one(tmp_path: Path) -> None:
     storage = Storage(frozenset, sorted, list, faithful=False)
     store = Store(tmp_path, Packer([storage]), print)
     store.save(KEY, ABOUT, (1.5, frozenset("ab")))
-    found = store.find(KEY)
-    assert found is not None
-    assert found.faithful == (True, False)
-    assert store.load(found) == (1.5, ["a", "b"])
+    entry = store.find(KEY)
+    assert entry is not None
+    assert entry.faithful == (True, False)
+    assert store.load(entry) == (1.5, ["a", "b"])
 
 
-def test_something_small_is_remembered(store: Store, said: list[str], files: Files) -> None:
+def test_something_small_is_remembered(store: Store, messages: list[str], files: Files) -> None:
     assert store.recall("code") == {}
     store.remember("code", {"a": [1, "é"]})
     store.remember("files", {"b": {}})
@@ -179,12 +179,12 @@ def test_something_small_is_remembered(store: Store, said: list[str], files: Fil
     assert store.recall("files") == {"b": {}}
     seal(store.folder / "format-1" / "files.json", b"[" * 100_000)
     assert store.recall("files") == {}
-    code = next(one for one in files() if one.name == "code.json")
+    code = next(file for file in files() if file.name == "code.json")
     code.write_bytes(code.read_bytes().replace(b"0.1", b"0.2"))
     assert store.recall("code") == {}
     code.write_bytes(b"")
     assert store.recall("code") == {}
-    assert said == []
+    assert messages == []
 
 
 def test_a_working_directory_that_changes_does_not_matter(
@@ -210,7 +210,7 @@ def test_where_results_lie(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert store_folder().parts[-2:] == ("nodegraph", "store")
 
 
-def test_many_threads_share_a_store(store: Store, said: list[str], files: Files) -> None:
+def test_many_threads_share_a_store(store: Store, messages: list[str], files: Files) -> None:
     array = np.random.default_rng(1).normal(size=(20, 500))
     wrong: list[Any] = []
 
@@ -220,12 +220,12 @@ def test_many_threads_share_a_store(store: Store, said: list[str], files: Files)
             store.save(
                 key_of(index), ABOUT, (array[index], {index}) if index % 5 == 4 else (array[index],)
             )
-            found = store.find(key_of(index))
-            if found is not None and not np.array_equal(store.load(found)[0], array[index]):
+            entry = store.find(key_of(index))
+            if entry is not None and not np.array_equal(store.load(entry)[0], array[index]):
                 wrong.append(index)
 
     in_all([threading.Thread(target=work, args=(first,)) for first in range(8)])
-    assert wrong == said == []
+    assert wrong == messages == []
     assert len(files("entries")) == len(files("blobs")) == 16
     assert store.unstorable == {"set": 64}
 
@@ -264,29 +264,29 @@ def test_many_programs_share_a_folder(tmp_path: Path, store: Store, files: Files
         )
         for first in range(4)
     ]
-    for one in racing:
-        _, told = one.communicate()
-        assert one.returncode == 0, told
+    for process in racing:
+        _, message = process.communicate()
+        assert process.returncode == 0, message
     assert len(files("entries")) == 30
     assert len(files("blobs")) == 15
-    assert not [one for one in files() if one.suffix == ".part"]
+    assert not [process for process in files() if process.suffix == ".part"]
     for index in range(30):
-        found = store.find(key_of(index))
-        assert found is not None
-        assert store.load(found)[0] == index
+        entry = store.find(key_of(index))
+        assert entry is not None
+        assert store.load(entry)[0] == index
 
 
 def test_an_entry_can_be_read_by_a_person(store: Store, files: Files) -> None:
     store.save(KEY, ABOUT, ({"a": 1.5},))
     _, text = files("entries")[0].read_text().split("\n")
-    said = json.loads(text)
-    assert said["step"] == "fill(length=45)"
-    assert json.loads(said["outputs"][0][0]) == ["dict", "a", 1.5]
+    written = json.loads(text)
+    assert written["step"] == "fill(length=45)"
+    assert json.loads(written["outputs"][0][0]) == ["dict", "a", 1.5]
 
 
 def in_all(threads: Iterable[threading.Thread]) -> None:
     listed = list(threads)
-    for one in listed:
-        one.start()
-    for one in listed:
-        one.join()
+    for each in listed:
+        each.start()
+    for each in listed:
+        each.join()

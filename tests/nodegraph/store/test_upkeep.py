@@ -41,8 +41,8 @@ def filled(store: Store, files: Files, age: Age) -> Store:
 
 def left(store: Store) -> list[int]:
     """Return which results are there, after seeing that each is whole."""
-    found = [store.find(key_of(number)) for number in range(4)]
-    return [store.load(one)[0] for one in found if one is not None]
+    entry = [store.find(key_of(number)) for number in range(4)]
+    return [store.load(listed)[0] for listed in entry if listed is not None]
 
 
 def test_an_empty_store(upkeep: Upkeep) -> None:
@@ -59,11 +59,11 @@ def test_a_folder_that_is_not_there_is_not_made(tmp_path: Path) -> None:
 
 
 def test_how_much_there_is(filled: Store, upkeep: Upkeep, files: Files) -> None:
-    entries = sum(one.stat().st_size for one in files("entries"))
+    entries = sum(file.stat().st_size for file in files("entries"))
     assert upkeep.size() == Amount(4, 3, entries + 3 * 8000)
-    listed = sorted(upkeep.entries(), key=lambda one: one.used)
-    assert [one.entry.step for one in listed] == ["s0", "s1", "s2", "s3"]
-    assert all(one.entry.size == 8000 + one.length for one in listed)
+    listed = sorted(upkeep.entries(), key=lambda listed: listed.used)
+    assert [each.entry.step for each in listed] == ["s0", "s1", "s2", "s3"]
+    assert all(each.entry.size == 8000 + each.length for each in listed)
 
 
 def test_an_entry_in_the_place_of_another_is_not_listed(
@@ -71,9 +71,9 @@ def test_an_entry_in_the_place_of_another_is_not_listed(
 ) -> None:
     first, second, *_ = files("entries")
     second.write_bytes(first.read_bytes())
-    assert [one.entry.step for one in upkeep.entries()].count("s0") == 1
+    assert [listed.entry.step for listed in upkeep.entries()].count("s0") == 1
     forge(first, lambda data: data.update(key="../../../victim"))
-    assert sorted(one.entry.step for one in upkeep.entries()) == ["s2", "s3"]
+    assert sorted(listed.entry.step for listed in upkeep.entries()) == ["s2", "s3"]
 
 
 def test_no_result_goes_for_the_size_that_another_entry_claims(
@@ -81,7 +81,7 @@ def test_no_result_goes_for_the_size_that_another_entry_claims(
 ) -> None:
     forge(files("entries")[3], lambda data: data["outputs"][1][1].append(["0" * 64, 2**60]))
     upkeep.prune(keep=10**6)
-    assert sorted(one.entry.step for one in upkeep.entries()) == ["s0", "s1", "s2", "s3"]
+    assert sorted(listed.entry.step for listed in upkeep.entries()) == ["s0", "s1", "s2", "s3"]
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_the_longest_unused_goes_until_the_rest_fits(
 def test_an_array_that_another_entry_needs_frees_nothing(filled: Store, upkeep: Upkeep) -> None:
     everything = upkeep.size().size
     assert upkeep.prune(keep=everything) == Amount()
-    first = min(upkeep.entries(), key=lambda one: one.used)
+    first = min(upkeep.entries(), key=lambda listed: listed.used)
     assert upkeep.prune(keep=everything - 1) == Amount(1, 0, first.length)
     assert left(filled) == [1, 2, 3]
 
@@ -155,14 +155,14 @@ def test_what_a_killed_program_left_half_written_goes_after_an_hour(
     filled: Store, upkeep: Upkeep, files: Files, age: Age
 ) -> None:
     places = [files("entries")[0], files("blobs")[0], filled.folder / "format-1" / "README"]
-    half = [one.with_name(f"{number}.part") for number, one in enumerate(places)]
-    for one in half:
-        one.write_bytes(b"half")
+    half = [part.with_name(f"{number}.part") for number, part in enumerate(places)]
+    for part in half:
+        part.write_bytes(b"half")
     assert upkeep.prune(older_than=1000 * DAY) == Amount()
-    for one in half:
-        age(one, 1.1 * HOUR)
+    for part in half:
+        age(part, 1.1 * HOUR)
     assert upkeep.prune(older_than=1000 * DAY) == Amount(0, 0, 12)
-    assert not any(one.exists() for one in half)
+    assert not any(part.exists() for part in half)
     assert left(filled) == [0, 1, 2, 3]
 
 
@@ -171,7 +171,7 @@ def test_a_damaged_entry_is_not_listed_and_goes(
 ) -> None:
     damaged = files("entries")[0]
     damaged.write_bytes(b"damage")
-    assert {one.entry.step for one in upkeep.entries()} == {"s1", "s2", "s3"}
+    assert {listed.entry.step for listed in upkeep.entries()} == {"s1", "s2", "s3"}
     assert upkeep.size().entries == 4
     assert upkeep.prune(older_than=100 * DAY) == Amount()
     age(damaged, 2 * HOUR)
@@ -189,7 +189,7 @@ def test_all_goes_but_what_is_not_ours(filled: Store, upkeep: Upkeep, files: Fil
     removed = upkeep.clear()
     assert (removed.entries, removed.blobs) == (4, 3)
     assert removed.size >= before.size
-    assert [one.name for one in files()] == ["README"]
+    assert [file.name for file in files()] == ["README"]
     assert upkeep.size() == Amount()
     assert filled.recall("code") == {}
     assert other.exists()
@@ -200,10 +200,10 @@ def test_all_goes_but_what_is_not_ours(filled: Store, upkeep: Upkeep, files: Fil
 
 
 def test_a_store_goes_on_while_it_is_cleared(filled: Store, upkeep: Upkeep) -> None:
-    found = filled.find(key_of(2))
+    entry = filled.find(key_of(2))
     upkeep.clear()
     again = Store(filled.folder, Packer(), print)
     assert again.find(key_of(2)) is None
-    assert found is not None
+    assert entry is not None
     assert again.save(key_of(2), About("n", "s", "done"), (2, 3)) is not None
     assert left(again) == [2]

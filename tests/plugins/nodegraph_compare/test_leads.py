@@ -21,14 +21,14 @@ VALLEY = {10: 1.0, 20: 0.1, 30: 0.3, 40: 0.05}
 
 
 def lead(result: Any) -> Lead:
-    found = info_of(result.table).lead
-    assert found is not None
-    assert lead_html(found)
-    return found
+    answer = info_of(result.table).lead
+    assert answer is not None
+    assert lead_html(answer)
+    return answer
 
 
-def text(found: Lead) -> str:
-    return "".join(found.sentence)
+def text(result: Lead) -> str:
+    return "".join(result.sentence)
 
 
 def over_markers(
@@ -49,32 +49,32 @@ def over_markers(
 
 
 def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
-    found = over_markers(0.07, ME=KNEE, JZ=KNEE)
-    assert [(card.title, card.headline, card.value) for card in found.cards] == [
+    answer = over_markers(0.07, ME=KNEE, JZ=KNEE)
+    assert [(card.title, card.headline, card.value) for card in answer.cards] == [
         ("actor ME", "20 markers", "knee"), ("actor JZ", "20 markers", "knee"),
     ]  # fmt: skip
-    assert "0.100" in found.cards[0].aside
-    assert found.cards[0].facts == (("Noise", "0.070, reached at 40"),)
-    assert "20 markers" in text(found)
-    assert "noise is reached at 40" in text(found)
-    assert "<rect" in found.cards[0].picture
+    assert "0.100" in answer.cards[0].aside
+    assert answer.cards[0].facts == (("Noise", "0.070, reached at 40"),)
+    assert "20 markers" in text(answer)
+    assert "noise is reached at 40" in text(answer)
+    assert "<rect" in answer.cards[0].picture
 
 
 def test_a_curve_above_the_noise_says_so() -> None:
-    found = over_markers(0.001, ME=KNEE, JZ=KNEE)
-    assert "no curve comes down to measurement noise" in text(found)
-    assert "not reached" in found.cards[0].facts[0][1]
+    answer = over_markers(0.001, ME=KNEE, JZ=KNEE)
+    assert "no curve comes down to measurement noise" in text(answer)
+    assert "not reached" in answer.cards[0].facts[0][1]
 
 
 def test_a_shared_minimum_is_the_answer() -> None:
-    found = over_markers(ME=VALLEY, JZ=VALLEY)
-    assert "All 2 curves" in text(found)
-    assert {card.value for card in found.cards} == {"shared minimum"}
+    answer = over_markers(ME=VALLEY, JZ=VALLEY)
+    assert "All 2 curves" in text(answer)
+    assert {card.value for card in answer.cards} == {"shared minimum"}
 
 
 def test_without_a_mark_the_lowest_point_stands_there() -> None:
-    found = over_markers(mark="none", ME=KNEE)
-    assert (found.cards[0].headline, found.cards[0].best) == ("40 markers", False)
+    answer = over_markers(mark="none", ME=KNEE)
+    assert (answer.cards[0].headline, answer.cards[0].best) == ("40 markers", False)
     with pytest.warns(UserWarning, match="left out"):
         nothing = over_markers(ME={10: float("nan")})
     assert not nothing.cards
@@ -91,28 +91,28 @@ def gathered(shift: float) -> Across[pd.DataFrame]:
 
 
 def test_ranks_name_the_first_and_those_that_are_not_apart() -> None:
-    found = lead(ranks(gathered(0.5), clusters=("take",)))
-    (card,) = found.cards
+    answer = lead(ranks(gathered(0.5), clusters=("take",)))
+    (card,) = answer.cards
     assert (card.headline, card.best) == ("ridge", True)
     assert card.facts[0] == ("Tied", "linear")
     assert card.facts[1] == ("Apart", "1 methods")
-    assert text(found) == "ridge has the lowest mean rank."
-    assert "8 takes" in found.scope
+    assert text(answer) == "ridge has the lowest mean rank."
+    assert "8 takes" in answer.scope
 
 
 def test_ranks_that_chance_explains_are_no_verdict() -> None:
-    found = lead(ranks(gathered(0.0), clusters=("take",)))
-    assert found.cards[0].headline == "no verdict"
-    assert "do not tell the methods apart" in text(found)
+    answer = lead(ranks(gathered(0.0), clusters=("take",)))
+    assert answer.cards[0].headline == "no verdict"
+    assert "do not tell the methods apart" in text(answer)
 
 
 def test_means_of_steps_stand_in_a_row() -> None:
     steps = {"original": 213.0, "shifted": 30.0, "scaled": 12.0, "turned": 1e-31}
     tables = {name: pd.DataFrame({"sum of squares": [value]}) for name, value in steps.items()}
-    found = lead(table(Across.of(tables, axis="align"), metric="sum of squares", better="none"))
-    assert [card.headline for card in found.cards] == ["213", "30.0", "12.0", "0"]
-    assert text(found).startswith("Sum of squares falls")
-    assert "falls from 213 (original) to 30.0 (shifted)" in text(found)
+    answer = lead(table(Across.of(tables, axis="align"), metric="sum of squares", better="none"))
+    assert [card.headline for card in answer.cards] == ["213", "30.0", "12.0", "0"]
+    assert text(answer).startswith("Sum of squares falls")
+    assert "falls from 213 (original) to 30.0 (shifted)" in text(answer)
 
 
 def test_a_comparison_with_a_better_end_leaves_the_answer_to_its_overview() -> None:

@@ -27,32 +27,32 @@ def of_steps(**errors: float) -> Lead:
     stages = {name: recording(error, name == "captured") for name, error in errors.items()}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = info_of(steps(Across.of(stages, axis="stage"), recording(0.0))).lead
-    assert found is not None
-    assert lead_html(found)
-    return found
+        answer = info_of(steps(Across.of(stages, axis="stage"), recording(0.0))).lead
+    assert answer is not None
+    assert lead_html(answer)
+    return answer
 
 
 def test_a_step_has_a_card_with_before_and_after() -> None:
-    found = of_steps(captured=4.0, fill=4.0, despike=1.0, smooth=0.5)
-    assert [card.title for card in found.cards] == ["captured", "fill", "despike", "smooth"]
-    assert [card.best for card in found.cards] == [False, False, True, True]
-    despike = found.cards[2]
+    answer = of_steps(captured=4.0, fill=4.0, despike=1.0, smooth=0.5)
+    assert [card.title for card in answer.cards] == ["captured", "fill", "despike", "smooth"]
+    assert [card.best for card in answer.cards] == [False, False, True, True]
+    despike = answer.cards[2]
     assert dict(despike.facts)["Step"] == "changes 5 samples; 100% come nearer"
     assert "before 4.00\N{NO-BREAK SPACE}mm" in despike.picture
     assert "after 1.00\N{NO-BREAK SPACE}mm" in despike.picture
-    assert "adds 1 at" in dict(found.cards[1].facts)["Step"]
-    assert "".join(found.sentence) == (
+    assert "adds 1 at" in dict(answer.cards[1].facts)["Step"]
+    assert "".join(answer.sentence) == (
         "despike does most: 4.00 to 1.00\N{NO-BREAK SPACE}mm over the 5 samples that it changes. "
         "No step makes it worse."
     )
 
 
 def test_a_step_that_makes_it_worse_is_named() -> None:
-    found = of_steps(captured=4.0, smooth=5.0)
-    assert "smooth makes it worse" in "".join(found.sentence)
-    assert "No step brings" in found.sentence[0]
-    assert 'class="worse"' in found.cards[1].picture
+    answer = of_steps(captured=4.0, smooth=5.0)
+    assert "smooth makes it worse" in "".join(answer.sentence)
+    assert "No step brings" in answer.sentence[0]
+    assert 'class="worse"' in answer.cards[1].picture
 
 
 def part(name: str, head: float, in_all: float) -> DataFrame:
@@ -65,14 +65,14 @@ def part(name: str, head: float, in_all: float) -> DataFrame:
 
 
 def test_head_motion_is_told_of_the_recording_with_most_of_it() -> None:
-    found = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
-    assert "".join(found.sentence) == (
+    answer = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
+    assert "".join(answer.sentence) == (
         "The first principal component is 80 % head motion in captured, as is 56 % of all "
         "variance; in the other at most 0 %, and 0 %."
     )
-    assert [card.headline for card in found.cards] == ["0 %", "80 %"]
-    assert found.cards[1].aside == "head motion; 56 % of all variance"
-    assert lead_html(found).count("<rect") == 8
+    assert [card.headline for card in answer.cards] == ["0 %", "80 %"]
+    assert answer.cards[1].aside == "head motion; 56 % of all variance"
+    assert lead_html(answer).count("<rect") == 8
     alone = lead_of([part("", 0.1, 0.2)], ())
     assert "".join(alone.sentence) == (
         "The first principal component is 10 % head motion, as is 20 % of all variance."

@@ -212,8 +212,8 @@ def test_what_has_no_number_is_left_out_and_counted() -> None:
 def test_rows_without_a_place_are_left_out_and_counted() -> None:
     frame = pd.DataFrame({"markers": [5.0, NAN, 9.5], "mse": [1.0, 2.0, 3.0]})
     with pytest.warns(UserWarning, match="ME: 1 rows left out, whose markers is no finite number"):
-        made = drawn(Across.of({"ME": frame}, axis="actor")).table
-    assert made["markers"].tolist() == [5.0, 9.5]
+        result = drawn(Across.of({"ME": frame}, axis="actor")).table
+    assert result["markers"].tolist() == [5.0, 9.5]
 
 
 def test_a_block_that_lacks_a_number_is_left_out() -> None:
@@ -221,8 +221,8 @@ def test_a_block_that_lacks_a_number_is_left_out() -> None:
         {"trial": [0, 0, 1, 2, 3], "x": 1, "rmse": [1.0, NAN, 2.0, 3.0, 4.0], "who": "a"}
     )
     with pytest.warns(UserWarning, match="a: 1 blocks left out, whose rmse is no finite number"):
-        made = curve(Across((), (({}, frame),)), x="x", compare="who", blocks=("trial",)).table
-    assert made[["rmse", "blocks"]].to_numpy().tolist() == [[3.0, 3.0]]
+        result = curve(Across((), (({}, frame),)), x="x", compare="who", blocks=("trial",)).table
+    assert result[["rmse", "blocks"]].to_numpy().tolist() == [[3.0, 3.0]]
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")

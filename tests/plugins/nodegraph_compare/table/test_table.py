@@ -115,7 +115,7 @@ def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
 
 
 @pytest.mark.parametrize(
-    ("actors", "said"),
+    ("actors", "expected"),
     [
         (2, "nothing can be said for further gaps in these 2 recordings: too few"),
         (4, "over 4 trials; 4 trials describe the methods and decide nothing."),
@@ -123,10 +123,10 @@ def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
         (8, "over 8 trials; every other method is clearly behind."),
     ],
 )
-def test_what_is_said_depends_on_the_number_of_clusters(actors: int, said: str) -> None:
+def test_what_is_said_depends_on_the_number_of_clusters(actors: int, expected: str) -> None:
     frame = table(trials(actors, lengths=(5,)), blocks=("trial", "gap")).table
     (sentence,) = info_of(frame).answer
-    assert said in sentence
+    assert expected in sentence
     assert ("p" in frame) == (actors >= 5)
     assert ("ratio" in frame) == (actors >= 3)
     assert ("p of flips" in frame) == (actors >= 6)
