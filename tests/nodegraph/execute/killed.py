@@ -2,6 +2,8 @@
 
 Prints one line of JSON: how often it was killed, what was computed more than once after it was
 done, and whether the results are those of an undisturbed run.
+
+``killed.py FOLDER SEED EXECUTOR [once]``; with ``once``, it is run once and not killed.
 """
 
 from __future__ import annotations
@@ -68,7 +70,7 @@ def total(parts: Across[float]) -> float:
     return sum(parts.values())
 
 
-def study(folder: Path) -> Run:
+def study(folder: Path, executor: str) -> Run:
     """Run, and note which steps are started and done."""
     registry = Registry.of([noise, gain, level, total])
     graph = build(read_graph_text(GRAPH, "killed.yaml", folder), registry, Choices())
@@ -81,7 +83,7 @@ def study(folder: Path) -> Run:
             note("step", event.step)
 
     store = open_store(registry, folder, lambda text: note("reported", text))
-    return execute(steps, how=HowToRun("serial"), store=store, keep=["total"], listeners=[note_end])
+    return execute(steps, how=HowToRun(executor), store=store, keep=["total"], listeners=[note_end])
 
 
 def wait_for_more(log: Path, child: int) -> None:
@@ -93,13 +95,13 @@ def wait_for_more(log: Path, child: int) -> None:
         time.sleep(0.001)
 
 
-def killed_at_random(folder: Path, log: Path) -> int:
+def killed_at_random(folder: Path, log: Path, seed: int, executor: str) -> int:
     """Start the study and kill it, until it was killed often enough."""
-    chance = random.Random(0)
+    chance = random.Random(seed)
     for _ in range(KILLS):
         child = os.fork()
         if not child:
-            study(folder)
+            study(folder, executor)
             os._exit(0)
         if chance.random() < 0.5:  # else it may be killed before it has done anything
             wait_for_more(log, child)
@@ -122,17 +124,17 @@ def computed_twice(log: Path) -> list[int]:
     return twice
 
 
-def main(folder: Path) -> None:
+def main(folder: Path, seed: int, executor: str) -> None:
     """Kill, resume, and compare."""
     global LOG
     log = folder / "log"
     LOG = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-    kills = killed_at_random(folder / "killed", log)
+    kills = killed_at_random(folder / "killed", log, seed, executor)
     before = log.read_text().count("done")
-    resumed = study(folder / "killed")
+    resumed = study(folder / "killed", executor)
     whole = log.read_text()
     LOG = -1
-    undisturbed = study(folder / "undisturbed")
+    undisturbed = study(folder / "undisturbed", executor)
     same = [resumed.outcomes[i].digests == undisturbed.outcomes[i].digests for i in range(421)]
     print(
         json.dumps(
@@ -149,4 +151,8 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    words = sys.argv[1:]
+    if words[3:] == ["once"]:
+        print(json.dumps({"total": study(Path(words[0], "store"), words[2])["total"].value}))
+    else:
+        main(Path(words[0]), int(words[1]), words[2])

@@ -16,7 +16,13 @@ ROOT = Path(__file__).parents[3]
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the program that is killed forks")
 def test_fifty_kills_cost_nothing_that_was_finished(tmp_path: Path) -> None:
     path = os.pathsep.join([str(ROOT), str(ROOT / "plugins")])
-    program = [sys.executable, str(Path(__file__).with_name("killed.py")), str(tmp_path)]
+    program = [
+        sys.executable,
+        str(Path(__file__).with_name("killed.py")),
+        str(tmp_path),
+        "0",
+        "serial",
+    ]
     environment = {**os.environ, "PYTHONPATH": path}
     ended = subprocess.run(
         program, env=environment, capture_output=True, text=True, check=False, timeout=120

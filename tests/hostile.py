@@ -1,0 +1,184 @@
+"""Hostile files, stores, kills and crowds for hours: ``python -m tests.hostile --hours 2``.
+
+Each round has a seed of its own and prints what it did; the first that fails ends the program with
+its seed, and ``--seed`` begins there. The ordinary tests have short forms of all of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from nodegraph.plugin.hook_types import Format
+from nodegraph.plugin.registry import Registry
+
+ROOT = Path(__file__).parents[1]
+EXECUTE = ROOT / "tests" / "nodegraph" / "execute"
+GIB = 2**30
+CROWD = 8
+KINDS = ("serial", "threads")
+"""Executors of runs that are killed."""
+
+
+def program(*words: object) -> subprocess.Popen[str]:
+    """Start a Python program of this checkout."""
+    path = os.pathsep.join([str(ROOT), str(ROOT / "plugins"), os.environ.get("PYTHONPATH", "")])
+    return subprocess.Popen(
+        [sys.executable, *map(str, words)],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def printed(started: subprocess.Popen[str]) -> dict[str, Any]:
+    """Return the line of JSON that a program prints at its end."""
+    out, errors = started.communicate()
+    assert started.returncode == 0, f"exit status {started.returncode}: {errors[-2000:]}"
+    return dict(json.loads(out.splitlines()[-1]))
+
+
+def readers(seed: int, folder: Path) -> Counter[str]:
+    """Read damaged files of every format, in a process with a limit on its memory."""
+    return Counter(printed(program("-m", "tests.hostile", "--read", folder, "--seed", seed)))
+
+
+def stores(seed: int, folder: Path) -> Counter[str]:
+    """Read forged entries with valid checksums."""
+    report = printed(program("-m", "tests.nodegraph.store.fuzz", folder, seed, 2000))
+    assert report["megabytes"] < 300, report
+    return Counter(report["counts"])
+
+
+def kills(seed: int, folder: Path) -> Counter[str]:
+    """Kill a run again and again, and compare the last with an undisturbed one."""
+    kind = KINDS[seed % len(KINDS)]
+    report = printed(program(EXECUTE / "killed.py", folder, seed, kind))
+    assert report["same"], report
+    assert not report["reported"], report
+    return Counter({f"kills, {kind}": report["kills"]})
+
+
+def crowd(seed: int, folder: Path) -> Counter[str]:
+    """Have programs run one study on one store while another empties it, and one on its own."""
+    folders = [folder / "alone", *[folder] * CROWD]
+    runs = [program(EXECUTE / "killed.py", at, seed, "threads", "once") for at in folders]
+    cleared = 0
+    while any(run.poll() is None for run in runs):
+        clear = ["-m", "nodegraph.cli.main", "cache", "clear", "--store", folder / "store"]
+        assert program(*clear).wait() == 0
+        cleared += 1
+    totals = {printed(run)["total"] for run in runs}
+    assert len(totals) == 1, totals
+    return Counter({"runs in a crowd": CROWD, "stores emptied": cleared})
+
+
+def nodes(seed: int, folder: Path) -> Counter[str]:
+    """Run graphs with nodes that misbehave."""
+    tests = ROOT / "tests" / "test_misbehaving_nodes.py"
+    started = program("-m", "pytest", "-q", "-p", "no:cacheprovider", "--basetemp", folder, tests)
+    out, _ = started.communicate()
+    assert started.returncode == 0, out[-2000:]
+    return Counter({"rounds of misbehaving nodes": 1})
+
+
+ROUNDS: tuple[Callable[[int, Path], Counter[str]], ...] = (readers, stores, kills, crowd, nodes)
+
+
+def samples(registry: Registry) -> Iterator[tuple[Format, bytes]]:
+    """Yield files that every format reads: what the writers make of a small recording."""
+    specimens = {kind.__name__: make for kind, make in registry.hooks.specimens()}
+    (recording, *_) = specimens["Trajectories"]().values()
+    for each in registry.hooks.formats:
+        suffix = each.suffixes[0]
+        name = f"write.{suffix[1:]}"
+        if each.type.__name__ == "Trajectories" and name in {
+            registered.node.name for registered in registry
+        }:
+            for content in registry.find(name).node.function(recording).content.values():
+                yield each, content
+
+
+def damaged(content: bytes, chance: Random) -> bytes:
+    """Return a content with some bytes changed, moved, repeated or cut off."""
+    changed = bytearray(content)
+    for _ in range(chance.choice((1, 1, 2, 5, 40))):
+        at = chance.randrange(len(changed) + 1)
+        match chance.randrange(5):
+            case 0:
+                changed[at : at + 1] = bytes([chance.randrange(256)])
+            case 1:
+                changed[at : at + 4] = chance.choice((b"\xff" * 4, b"\0" * 4, b"\x7f\xff\xff\xff"))
+            case 2:
+                changed[at:at] = chance.choice((b"1e400", b"nan", b"-", b"\n\n", b"\t", b'"' * 9))
+            case 3:
+                changed[at:at] = changed[at : at + chance.randrange(2000)]
+            case _:
+                del changed[at : at + chance.choice((1, 2, 8, len(changed)))]
+    return bytes(changed)
+
+
+def read_damaged(folder: Path, seed: int, count: int = 2000) -> Counter[str]:
+    """Read damaged files: each is a value, or a `ValueError` that names it."""
+    import resource
+
+    chance, counts = Random(seed), Counter[str]()
+    warnings.simplefilter("ignore")
+    files = list(samples(Registry.installed()))
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + GIB, used + GIB))
+    for number in range(count):
+        each, content = chance.choice(files)
+        path = folder / f"damaged{each.suffixes[0]}"
+        path.write_bytes(damaged(content, chance))
+        try:
+            each.read(path)
+        except ValueError as error:
+            if path.name not in str(error):
+                raise AssertionError(f"seed {seed}, file {number}: {error}") from error
+            counts[f"{each.name} refused"] += 1
+        else:
+            counts[f"{each.name} read"] += 1
+    return counts
+
+
+def main() -> None:
+    """Go through the rounds until the time is over."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--hours", type=float, default=0.1)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--read", type=Path, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.read:
+        print(json.dumps(read_damaged(arguments.read, arguments.seed)))
+        return
+    end = time.monotonic() + arguments.hours * 3600
+    total: Counter[str] = Counter()
+    seed = arguments.seed
+    while time.monotonic() < end:
+        for each in ROUNDS:
+            with TemporaryDirectory(prefix="nodegraph-hostile-") as folder:
+                try:
+                    counts = each(seed, Path(folder))
+                except AssertionError as error:
+                    sys.exit(f"{each.__name__}, seed {seed}: {error}")
+            total += counts
+            print(f"seed {seed}, {each.__name__}: {json.dumps(counts)}", flush=True)
+        seed += 1
+    print(json.dumps(total, indent=2))
+
+
+if __name__ == "__main__":
+    main()
