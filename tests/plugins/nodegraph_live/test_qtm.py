@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+from concurrent.futures import ThreadPoolExecutor
 from threading import Event
 
 import numpy as np
@@ -44,8 +45,9 @@ def test_the_official_client_reads_the_same_from_the_emulator() -> None:
         connection.disconnect()
         return xml, [[marker.x, marker.y, marker.z] for marker in markers]
 
-    with in_thread(server.serve):
-        xml, markers = asyncio.run(read())
+    # in a thread, as the loop of a browser may be that of this one
+    with in_thread(server.serve), ThreadPoolExecutor(1) as thread:
+        xml, markers = thread.submit(asyncio.run, read()).result()
     assert b"<Name>brow L</Name>" in xml
     np.testing.assert_array_equal(markers, POSITIONS.astype(np.float32)[0])
 
