@@ -191,7 +191,8 @@ def _bare(member: object) -> Any:
 def _is_generated(kind: type, name: str, member: object) -> bool:
     if hasattr(kind, "_fields") and issubclass(kind, tuple):
         return name in _OF_NAMEDTUPLE
-    generated = isinstance(member, FunctionType) and member.__code__.co_filename in _NOWHERE
+    function = inspect.unwrap(member) if callable(member) else member  # reprlib wraps __repr__
+    generated = isinstance(function, FunctionType) and function.__code__.co_filename in _NOWHERE
     return generated and name in _OF_DATACLASS and dataclasses.is_dataclass(kind)
 
 

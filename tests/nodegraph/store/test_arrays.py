@@ -128,7 +128,7 @@ def test_arrays_that_could_come_back_otherwise_are_refused(array: Any) -> None:
 @pytest.mark.parametrize(
     "number",
     [np.float32(0.1), np.float64("nan"), np.int8(-3), np.uint64(2**64 - 1), np.bool_(True),
-     np.complex64(1 + 2j), np.datetime64("2020-01-01", "ns"), np.timedelta64("NaT"),
+     np.complex64(1 + 2j), np.datetime64("2020-01-01", "ns"), np.timedelta64("NaT", "s"),
      np.longlong(3), np.str_("a\0"), np.bytes_(b"a\0")],
     ids=lambda number: type(number).__name__,
 )  # fmt: skip

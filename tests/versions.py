@@ -1,0 +1,86 @@
+"""Install the checkout with each Python and with its oldest dependencies, run, verify, test.
+
+``python -m tests.versions`` does so for all of `CASES`, ``python -m tests.versions 3.13`` for those
+whose name begins so. It needs uv, which downloads a Python that is not installed, and takes some
+minutes for each; the status is 0 if all is well everywhere.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.environments import BIN, ROOT, run
+from tests.readmes import blocks
+
+TESTS = ("fingerprint", "graph", "graphfile", "node", "plugin", "store", "execute", "lock")
+"""Folders of tests of the machine that depend most on versions of Python and libraries."""
+TESTS_NEED = ("jsonschema>=4.20", "playwright>=1.50", "pytest-xdist>=3.5")
+"""What those tests import besides the extra for tests of nodes."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A Python with the newest dependencies that are allowed, or with the oldest."""
+
+    python: str
+    resolution: str = "highest"
+
+    @property
+    def name(self) -> str:
+        """How the case is called: ``3.11 lowest-direct``."""
+        return f"{self.python} {self.resolution}"
+
+    def check(self, folder: Path) -> str:
+        """Return what failed, with its output; empty if nothing did."""
+        venv = folder / "venv"
+        python = venv / BIN / "python"
+        program = str(python.with_name("nodegraph"))
+        graph = folder / "study.yaml"
+        graph.write_text(blocks((ROOT / "README.md").read_text(encoding="utf-8"), "yaml")[0])
+        few = ("--axis", "trial=0,1", "--only", "length=15")
+        tests = [str(Path("tests", "nodegraph", name)) for name in TESTS]
+        for words in (
+            ("uv", "venv", "--quiet", "--python", self.python, str(venv)),
+            (
+                *("uv", "pip", "install", "--quiet", "--compile-bytecode", "--python", str(python)),
+                *("--resolution", self.resolution, "-e", f"{ROOT}[testing]", *TESTS_NEED),
+            ),
+            (program, "run", str(graph), *few, "--out", str(folder / "run")),
+            (program, "lock", str(graph), *few),
+            (program, "verify", str(graph.with_suffix(".lock")), "--rerun"),
+            (str(python), "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "2", *tests),
+        ):
+            variables = {"NODEGRAPH_STORE": str(folder / "store"), "PYTHONDONTWRITEBYTECODE": "1"}
+            try:
+                run(*words, cwd=ROOT, variables=variables)
+            except AssertionError as error:
+                return str(error)
+        return ""
+
+
+CASES = (Case("3.11", "lowest-direct"), Case("3.11"), Case("3.12"), Case("3.13"))
+
+
+def main(beginning: str = "") -> int:
+    """Check the cases whose name begins like this; return the exit status."""
+    status = 0
+    for case in CASES:
+        if not case.name.startswith(beginning):
+            continue
+        start = time.monotonic()
+        with tempfile.TemporaryDirectory(prefix="nodegraph-versions-") as folder:
+            failure = case.check(Path(folder))
+        minutes = (time.monotonic() - start) / 60
+        print(f"{case.name}: {'failed' if failure else 'passed'} ({minutes:.1f} min)", flush=True)
+        if failure:
+            print(failure, flush=True)
+            status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
