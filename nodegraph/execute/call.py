@@ -15,7 +15,7 @@ from types import CodeType
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
-from nodegraph.execute.unkeyed import Reads, watched
+from nodegraph.execute.unkeyed import Reads
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
@@ -132,7 +132,7 @@ def perform(call: Call) -> Outcome:
             if call.registry is None or call.plugin in call.registry.shipped:
                 returned = call.node.function(**call.inputs, **call.settings)
             else:
-                with watched(call.node, call.settings) as reads:
+                with Reads(call.node, call.settings) as reads:
                     returned = call.node.function(**call.inputs, **call.settings)
             values = values_of(call.node, returned)
         outcome = Outcome(State.DONE, values)

@@ -7,12 +7,11 @@ import site
 import sys
 import sysconfig
 import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from functools import cache
+from collections.abc import Mapping
+from functools import cache, cached_property
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, Self
 
 from nodegraph.node.decorator import Node
 
@@ -25,7 +24,9 @@ _calls: dict[int, Reads] = {}
 
 
 class Reads:
-    """What a call has read that is not in its key.
+    """What a call reads that is not in its key, noted while it is entered, in its thread.
+
+    What other threads or C code read is not seen.
 
     Attributes
     ----------
@@ -35,13 +36,27 @@ class Reads:
 
     def __init__(self, node: Node, settings: Mapping[str, Any]) -> None:
         self.names: dict[str, None] = {}
-        self._package = node.function.__module__.partition(".")[0]
-        self._known = tuple(
-            os.path.abspath(settings[name])
-            for name, setting in node.settings.items()
-            if setting.is_file and settings.get(name) is not None
-        )
+        self._node = node
+        self._settings = settings
         self._written: set[str] = set()
+
+    def __enter__(self) -> Self:
+        _install()
+        self._thread = threading.get_ident()
+        _calls[self._thread] = self
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        del _calls[self._thread]
+
+    @cached_property
+    def _known(self) -> tuple[str, ...]:
+        """The files that settings name, which are in the key."""
+        return tuple(
+            os.path.abspath(self._settings[name])
+            for name, setting in self._node.settings.items()
+            if setting.is_file and self._settings.get(name) is not None
+        )
 
     def file(self, path: str, *, writes: bool) -> None:
         """Note that a file was opened."""
@@ -61,20 +76,8 @@ class Reads:
         while frame is not None and frame.f_globals.get("__name__") in _BETWEEN:
             frame = frame.f_back
         module = str(frame.f_globals.get("__name__", "")) if frame is not None else ""
-        if module.partition(".")[0] == self._package:
+        if module.partition(".")[0] == self._node.function.__module__.partition(".")[0]:
             self.names[f"${name}"] = None
-
-
-@contextmanager
-def watched(node: Node, settings: Mapping[str, Any]) -> Iterator[Reads]:
-    """Note what the thread of a call reads; what other threads or C code read is not seen."""
-    _install()
-    thread = threading.get_ident()
-    reads = _calls[thread] = Reads(node, settings)
-    try:
-        yield reads
-    finally:
-        del _calls[thread]
 
 
 def _is_in(path: str, folders: tuple[str, ...]) -> bool:
