@@ -33,6 +33,16 @@ class Aligned(NamedTuple):
     reference: Trajectories
 
 
+class Moved(NamedTuple):
+    """Frames moved to where they belong, and how to go back, as `HeadMotion` has it."""
+
+    positions: NDArray[np.float64]
+    sigma: NDArray[np.float64] | None
+    rotations: NDArray[np.float64]
+    translations: NDArray[np.float64]
+    scales: NDArray[np.float64]
+
+
 class Poses(NamedTuple):
     """What takes the points x of each frame to where they belong: ``s R (x - centre) + goal``.
 
@@ -80,17 +90,24 @@ class Poses(NamedTuple):
 
         Samples keep their origin, and sigma goes with the scale.
         """
+        there = self.moved(recording.positions, recording.sigma)
+        motion = HeadMotion(
+            rotations=there.rotations, translations=there.translations, scales=there.scales
+        )
+        return replace(recording, positions=there.positions, sigma=there.sigma), motion
+
+    def moved(self, positions: NDArray[np.float64], sigma: NDArray[np.float64] | None) -> Moved:
+        """Return (T, M, 3) positions and (T, M) sigma of the same frames, moved as by `move`."""
         matrices, offsets = self.affine()
         scales = np.where(self.known, self.scales, 1.0)
         back = matrices.transpose(0, 2, 1) / scales[:, None, None]
-        motion = HeadMotion(
-            rotations=back,
-            translations=0.0 - _times(back, offsets) / scales[:, None],
-            scales=1.0 / scales,
+        return Moved(
+            moved(positions, matrices, offsets),
+            None if sigma is None else sigma * scales[:, None],
+            back,
+            0.0 - _times(back, offsets) / scales[:, None],
+            1.0 / scales,
         )
-        positions = moved(recording.positions, matrices, offsets)
-        sigma = None if recording.sigma is None else recording.sigma * scales[:, None]
-        return replace(recording, positions=positions, sigma=sigma), motion
 
 
 def fitted(
@@ -107,7 +124,7 @@ def fitted(
     scale, reflection
         As for `fit`.
     """
-    columns = np.array([recording.markers.index(name) for name in reference.landmarks])
+    columns = reference.columns(recording)
     alike = np.ones((1, len(columns)))
     return fit(recording.positions, columns, reference.shape, alike, scale, reflection=reflection)
 
@@ -198,7 +215,7 @@ def warn(poses: Poses, recording: Trajectories, reference: Reference, notes: lis
 
 
 def _doubts(poses: Poses, recording: Trajectories, reference: Reference) -> Iterator[str]:
-    columns = [recording.markers.index(name) for name in reference.landmarks]
+    columns = reference.columns(recording)
     counts = np.count_nonzero(recording.present[:, columns], axis=1)
     fewer = poses.known & (counts < len(reference.landmarks))
     if fewer.any():

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from nodegraph import Refusal, StateForm, node
 from nodegraph_align.landmarks import Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, fitted, warn
+from nodegraph_align.poses import Aligned, Poses, Scale, fit, fitted, warn
 from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
 
@@ -52,21 +52,26 @@ class _Stream:
                 "that has all landmarks"
             )
         self._onto, _ = reference_of(recording, reference, landmarks)
-        self._recording = recording
+        self._columns = self._onto.columns(recording)
+        self._alike = np.ones((1, len(self._columns)))
         self._steps, self._scale = tuple(steps), scale
         self._restore, self._reflection = restore, reflection
         self.header = (recording, HeadMotion.still(0), None)
 
     def push(self, frame: MarkerFrame) -> tuple[MarkerFrame, HeadPose, None]:
-        recording = frame.recording(self._recording)
-        poses = fitted(recording, self._onto, self._scale, reflection=self._reflection)
-        aligned, motion, _ = _moved(
-            recording, poses, self._onto, self._steps, self._scale, restore=self._restore
-        )
-        sigma = None if aligned.sigma is None else aligned.sigma[0]
+        positions = frame.positions[None]
+        sigma = None if frame.sigma is None else frame.sigma[None]
+        places = self._columns, self._onto.shape, self._alike
+        poses = fit(positions, *places, self._scale, reflection=self._reflection)
+        poses, _ = _wanted(poses, self._onto, self._steps, self._scale, restore=self._restore)
+        there = poses.moved(positions, sigma)
         return (
-            MarkerFrame(aligned.positions[0], aligned.origin[0], sigma),
-            HeadPose(motion.rotations[0], motion.translations[0], motion.scales[0]),
+            MarkerFrame(
+                there.positions[0],
+                frame.origin.copy(),
+                None if there.sigma is None else there.sigma[0],
+            ),
+            HeadPose(there.rotations[0], there.translations[0], there.scales[0]),
             None,
         )
 
@@ -163,23 +168,19 @@ def procrustes(
     onto, notes = reference_of(recording, reference, landmarks)
     poses = fitted(recording, onto, scale, reflection=reflection)
     warn(poses, recording, onto, notes)
-    return _moved(recording, poses, onto, requested, scale, restore=restore)
-
-
-def _moved(
-    recording: Trajectories,
-    poses: Poses,
-    onto: Reference,
-    steps: Steps,
-    scale: Scale,
-    *,
-    restore: bool,
-) -> Aligned:
-    poses, target = _carried_out(poses, steps, scale), onto.frame
-    if not restore and steps:
-        unit = onto.size if "scale" in steps and scale != "none" else 1.0
-        poses, target = _about_the_origin(poses, onto, unit)
+    poses, target = _wanted(poses, onto, requested, scale, restore=restore)
     return Aligned(*poses.move(recording), target)
+
+
+def _wanted(
+    poses: Poses, onto: Reference, steps: Steps, scale: Scale, *, restore: bool
+) -> tuple[Poses, Trajectories]:
+    """Return the poses with the steps that are carried out, and the reference after these."""
+    poses = _carried_out(poses, steps, scale)
+    if restore or not steps:
+        return poses, onto.frame
+    unit = onto.size if "scale" in steps and scale != "none" else 1.0
+    return _about_the_origin(poses, onto, unit)
 
 
 def _carried_out(poses: Poses, steps: Sequence[Step], scale: Scale) -> Poses:

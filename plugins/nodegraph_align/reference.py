@@ -40,6 +40,10 @@ class Reference(NamedTuple):
     landmarks: tuple[str, ...]
     shape: NDArray[np.float64]
 
+    def columns(self, recording: Trajectories) -> NDArray[np.intp]:
+        """Return which of a recording's markers are the landmarks, (L,)."""
+        return np.array([recording.markers.index(name) for name in self.landmarks])
+
     @property
     def centre(self) -> NDArray[np.float64]:
         """(3,), the landmarks' mean."""

@@ -2,17 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from nodegraph import FrameForm, node
+from nodegraph import StateForm, node
 from nodegraph_blendshapes.shape_matches import shapes_of
-from nodegraph_mocap import Animation, Head, HeadMotion, Weights
+from nodegraph_mocap import Animation, AnimationFrame, Head, HeadMotion, HeadPose, Weights
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+class _Stream:
+    """The animation frame by frame."""
+
+    def __init__(self, weights: Weights, head: Head, head_motion: HeadMotion | None = None) -> None:
+        self.header = mesh(weights, head, head_motion)
+        self._columns = [weights.names.index(name) for name in self.header.weights.names]
+
+    def push(self, weights: NDArray[np.float64], pose: HeadPose | None = None) -> AnimationFrame:
+        return AnimationFrame(weights[self._columns], pose)
+
+    def drain(self) -> Iterable[AnimationFrame]:
+        return ()
 
 
 @node(
     "animate.mesh",
     cite=("curio2006",),
-    live=FrameForm(streams=("weights", "head_motion")),
+    live=StateForm(_Stream, streams=("weights", "head_motion"), lookahead=0),
 )
 def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) -> Animation:
     """Animate a head's mesh by weights, which may come from another face.

@@ -40,15 +40,6 @@ class MarkerFrame(NamedTuple):
         sigma = None if self.sigma is None else self.sigma[frame]
         return MarkerFrame(self.positions[frame], self.origin[frame], sigma)
 
-    def recording(self, header: Trajectories) -> Trajectories:
-        """Return the frame as a recording of one frame; `header` has its markers and rate."""
-        return replace(
-            header,
-            positions=self.positions[None],
-            origin=self.origin[None],
-            sigma=None if self.sigma is None else self.sigma[None],
-        )
-
 
 class HeadPose(NamedTuple):
     """One frame of a head motion: ``captured = s R aligned + t``.

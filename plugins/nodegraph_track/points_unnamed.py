@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from nodegraph import FrameForm, node
-from nodegraph_mocap import Detections, Trajectories
+from nodegraph import StateForm, node
+from nodegraph_mocap import Detections, MarkerFrame, Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
-@node("points.unnamed", live=FrameForm())
+class _Stream:
+    """The points frame by frame."""
+
+    def __init__(self, recording: Trajectories) -> None:
+        self.header = unnamed(recording)
+
+    def push(self, frame: MarkerFrame) -> NDArray[np.float64]:
+        points: NDArray[np.float64] = frame.positions[frame.origin != Origin.MISSING]
+        return points[np.lexsort(points.T[::-1])]
+
+    def drain(self) -> Iterable[NDArray[np.float64]]:
+        return ()
+
+
+@node("points.unnamed", live=StateForm(_Stream, lookahead=0))
 def unnamed(recording: Trajectories) -> Detections:
     """Take the names off a recording's points, and leave all else as it is.
 
