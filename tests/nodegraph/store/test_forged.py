@@ -204,7 +204,7 @@ def forgeries(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, dict[str
 
 
 @pytest.fixture(scope="module")
-def told(forgeries: tuple[Study, dict[str, Path]]) -> dict[str, str]:
+def message(forgeries: tuple[Study, dict[str, Path]]) -> dict[str, str]:
     """What a run tells of each forgery."""
     study, paths = forgeries
     lines = study.run("second").splitlines()
@@ -225,7 +225,7 @@ def test_a_forged_entry_is_told_and_computed_again(
     assert forged.payload(paths[name])["outputs"][1][0] == TAKE
 
 
-@pytest.mark.usefixtures("told")
+@pytest.mark.usefixtures("message")
 def test_no_other_file_is_taken_for_a_part_of_the_store(
     forgeries: tuple[Study, dict[str, Path]],
 ) -> None:
