@@ -60,6 +60,10 @@ class Unreadable(NodegraphError):
     """What was kept cannot be put together again."""
 
 
+class UnknownClass(Unreadable):
+    """A value is of a class that is not here: its plugin may not be loaded."""
+
+
 if TYPE_CHECKING:
     Buffer = bytes | bytearray | memoryview | NDArray[np.uint8]
 
@@ -348,7 +352,7 @@ def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
 
     Raises
     ------
-    Unreadable
+    UnknownClass
         If there is none, it may not be imported, or it is no dataclass that derives from `Value`.
     """
     module, _, qualified = name.partition(":")
@@ -357,7 +361,7 @@ def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
     kind = _held_by(sys.modules.get(module), qualified)
     if isinstance(kind, type) and issubclass(kind, Value) and is_dataclass(kind):
         return kind
-    raise Unreadable(f"{name!r} is no class of values here")
+    raise UnknownClass(f"{name!r} is no class of values here")
 
 
 def contents(value: Any, names: tuple[str, ...]) -> list[Any]:

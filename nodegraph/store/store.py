@@ -25,7 +25,14 @@ from nodegraph.errors import NodegraphError
 from nodegraph.formatting import printable
 from nodegraph.state import State
 from nodegraph.store import files
-from nodegraph.store.codec import Packed, Packer, Unreadable, Unstorable, digest_of
+from nodegraph.store.codec import (
+    Packed,
+    Packer,
+    UnknownClass,
+    Unreadable,
+    Unstorable,
+    digest_of,
+)
 from nodegraph.store.files import Blobs
 
 if TYPE_CHECKING:
@@ -317,7 +324,7 @@ class Store:
         Raises
         ------
         DamagedEntry
-            If they are not what was written. The entry is removed.
+            If they are not what was written. The entry is removed, unless its class is not here.
         """
         try:
             values = tuple(self._values(entry))
@@ -329,7 +336,12 @@ class Store:
             path = f"{self._entries}/{entry.key[:2]}/{entry.key[2:]}.json"
             why = str(error)[:_LONGEST]
             text = f"the stored result of {entry.step} ({entry.node}) cannot be used: {why}"
-            self._remove_damaged(path, text)
+            if isinstance(error, UnknownClass):
+                self._tell(
+                    f"{text}; it may need --plugin FILE, without which it is computed again: {path}"
+                )
+            else:
+                self._remove_damaged(path, text)
             raise DamagedEntry(f"{text}; entry {entry.key}") from error
 
     def save(self, key: str, about: About, values: tuple[Any, ...]) -> Entry | None:

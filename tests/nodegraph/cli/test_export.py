@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -120,3 +121,29 @@ def test_a_folder_without_a_run_is_an_error(command: Command) -> None:
     status, _, err = command("export", ".", "a", "--out", "a.txt")
     assert status == 2
     assert "run.json: there is no finished run" in err
+
+
+def test_without_its_plugin_a_value_stays_in_the_store(command: Command) -> None:
+    Path("lips.py").write_text(
+        "from dataclasses import dataclass\n"
+        "from nodegraph import Files, Value, node\n"
+        "@dataclass(frozen=True)\n"
+        "class Lips(Value):\n"
+        "    width: float\n"
+        "@node('lips.make')\n"
+        "def make() -> Lips:\n"
+        "    return Lips(9.0)\n"
+        "@node('write.lips')\n"
+        "def write(lips: Lips) -> Files:\n"
+        "    return Files({'lips.lips': b'9'})\n"
+    )
+    Path("lips.yaml").write_text("nodegraph: 1\nnodes: {a: {use: lips.make}}\n")
+    more = ("--store", "kept")
+    assert command("run", "lips.yaml", "--plugin", "lips.py", *more)[0] == 0
+    del sys.modules["lips"]
+    words = ("export", "runs/lips", "a", "--out", "a.lips", *more)
+    status, _, err = command(*words)
+    assert status == 2
+    assert "'lips:Lips' is no class of values here; it may need --plugin FILE" in err
+    assert command(*words, "--plugin", "lips.py")[0] == 0
+    assert Path("a.lips").read_text() == "9"
