@@ -45,6 +45,7 @@ SMALL: Mapping[str, Mapping[str, Any]] = {"gaps.cut": {"length": 2, "count": 3}}
 
 TAKES_AND_GIVES_ANSWERS = {
     "gaps.cut": (["truth"], ["truth"]),
+    "gaps.dropout": (["truth"], ["truth"]),
     "impulses.add": (["truth"], ["truth", "impulses"]),
     "noise.add": (["truth"], ["truth"]),
     "plot.error_map": (["truth"], []),

@@ -111,7 +111,7 @@ def test_an_edited_constant_of_a_method_is_located(
     assert lines[0].startswith("diverged: fill.lock: ")
     at = "recording=face_1, trial=0, condition=usual, length=45, ends=as_published, fill=muscle"
     assert lines[2].endswith(f" fill({at})")
-    assert "nodegraph_fill.muscle:muscle" in lines[3]
+    assert "nodegraph_fill.muscle:_rule" in lines[3]
     assert lines[4].startswith("    by ")
     assert lines[5].startswith("    output")
     assert re.search(r"frames \d+", lines[5])

@@ -22,8 +22,12 @@ NOT_FOLLOWED = {
     ("nodegraph.node.decorator", "node"),
     ("nodegraph.plugin.hooks", "hookimpl"),
     ("nodegraph.kernels", "_keep"),
+    ("nodegraph.live.forms", "fold"),
 }
-"""Functions that leave another as it is; all of the machine hangs on the first two."""
+"""Functions that leave another as it is, or only call what they are given.
+
+All of the machine hangs on them but for the third.
+"""
 
 FORMATS = ("nodegraph.plugin.formats", "formats")
 """A function that stands for the formats of the plugins in use, and not for its own code."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -11,7 +12,7 @@ from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
 from nodegraph import Refusal, StateForm, node
-from nodegraph_align.landmarks import Landmarks
+from nodegraph_align.landmarks import FEWEST, Landmarks
 from nodegraph_align.poses import Aligned, Poses, Scale, fit, fitted, warn
 from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
@@ -64,6 +65,11 @@ class _Stream:
         places = self._columns, self._onto.shape, self._alike
         poses = fit(positions, *places, self._scale, reflection=self._reflection)
         poses, _ = _wanted(poses, self._onto, self._steps, self._scale, restore=self._restore)
+        if not poses.known[0]:
+            warnings.warn(
+                f"a frame stays as it is, with fewer than {FEWEST} landmarks or all on a line",
+                stacklevel=2,
+            )
         there = poses.moved(positions, sigma)
         return (
             MarkerFrame(

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Window, WindowForm, node
-from nodegraph_despike.repair import repaired, repaired_frame
+from nodegraph import node
+from nodegraph_despike.repair import repaired, window_form
 from nodegraph_despike.vector_median import Reach, reach_of, running_median, running_spread
-from nodegraph_mocap import MarkerFrame, Trajectories
+from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,13 +28,6 @@ def _repair(positions: NDArray[np.float64], reach: int, threshold: float) -> NDA
     return np.where(bad[..., None], median, positions)
 
 
-def _repaired_at(
-    window: Window[MarkerFrame, Trajectories], *, reach: int, threshold: float
-) -> MarkerFrame:
-    positions = _repair(window.frames.positions, reach, threshold)
-    return repaired_frame(window.frames.at(window.now), positions[window.now])
-
-
 @node(
     "despike.hampel",
     cite=("pearson2016", "astola1990"),
@@ -43,7 +36,7 @@ def _repaired_at(
         "the median and absolute values"
     ),
     lookahead=reach_of,
-    live=WindowForm(_repaired_at, before=reach_of, after=reach_of),
+    live=window_form(_repair),
 )
 def hampel(
     recording: Trajectories,

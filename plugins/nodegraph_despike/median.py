@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Unit, Window, WindowForm, node
-from nodegraph_despike.repair import repaired, repaired_frame
+from nodegraph import Unit, node
+from nodegraph_despike.repair import repaired, window_form
 from nodegraph_despike.vector_median import Reach, reach_of, running_median
-from nodegraph_mocap import MarkerFrame, Trajectories
+from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,19 +22,12 @@ def _repair(positions: NDArray[np.float64], reach: int, threshold: float) -> NDA
     return np.where(bad[..., None], middle, positions)
 
 
-def _repaired_at(
-    window: Window[MarkerFrame, Trajectories], *, reach: int, threshold: float
-) -> MarkerFrame:
-    positions = _repair(window.frames.positions, reach, threshold)
-    return repaired_frame(window.frames.at(window.now), positions[window.now])
-
-
 @node(
     "despike.median",
     cite="astola1990",
     adapted="from Astola et al. 1990: only samples beyond a threshold are replaced",
     lookahead=reach_of,
-    live=WindowForm(_repaired_at, before=reach_of, after=reach_of),
+    live=window_form(_repair),
 )
 def median(
     recording: Trajectories,

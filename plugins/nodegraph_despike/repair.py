@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nodegraph import Window, WindowForm
+from nodegraph_despike.vector_median import reach_of
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -67,3 +70,20 @@ def repaired_frame(frame: MarkerFrame, positions: NDArray[np.float64]) -> Marker
         np.where(changed, np.uint8(Origin.REPAIRED), frame.origin),
         None if frame.sigma is None else np.where(changed, np.nan, frame.sigma),
     )
+
+
+def window_form(repair: Callable[..., NDArray[np.float64]]) -> WindowForm:
+    """Return how a despiker whose window has `reach` frames on each side computes a frame.
+
+    Parameters
+    ----------
+    repair
+        ``repair(positions, **settings)`` returns the positions, (T, M, 3) mm, with other values
+        where samples are repaired.
+    """
+
+    def repaired_at(window: Window[MarkerFrame, Trajectories], **settings: Any) -> MarkerFrame:
+        positions = repair(window.frames.positions, **settings)
+        return repaired_frame(window.frames.at(window.now), positions[window.now])
+
+    return WindowForm(repaired_at, before=reach_of, after=reach_of)

@@ -41,7 +41,8 @@ class Drawing:
 def read(*, path: InputFile) -> Sheet:
     with open("calls.txt", "a") as calls:
         calls.write("read ")
-    cells = np.loadtxt(path) + float(os.environ.get("DRIFT", "0"))
+    # as bytes, which nobody watches: as unseen as the rounding of another processor
+    cells = np.loadtxt(path) + float(os.environb.get(b"DRIFT", b"0"))
     return Sheet(cells, ("left", "middle", "right"))
 
 

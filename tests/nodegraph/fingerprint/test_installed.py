@@ -22,6 +22,7 @@ MACHINE = {
         "errors",
         "kernels",
         "node.declaration",
+        "node.live_form",
         "node.ports",
         "node.values",
         "plugin.formats",
@@ -82,9 +83,15 @@ def test_a_fill_reaches_its_kernel_and_no_other_fill(answers: dict[str, Reached]
     assert {"numpy", "numba", "python"} <= set(reached.versions)
 
 
+def test_a_live_form_that_is_folded_counts(answers: dict[str, Reached]) -> None:
+    reached = answers["gaps:gaps.dropout"]
+    assert "nodegraph_gaps.dropout:_Stream" in reached.units
+
+
 def test_where_machine_code_is_kept_does_not_count(answers: dict[str, Reached]) -> None:
     reached = answers["fill:fill.muscle"]
-    assert [unit for unit in reached.units if ".kernels:" in unit] == ["nodegraph.kernels:kernel"]
+    units = {unit for unit in reached.units if ".kernels:" in unit}
+    assert units == {"nodegraph.kernels:_Function", "nodegraph.kernels:kernel"}
     assert "platformdirs" not in reached.versions
 
 
