@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 from nodegraph.errors import NodegraphError, listed, message_of
@@ -67,11 +67,14 @@ class Outlet:
     output
         Whose frames it takes.
     sink
+    address
+        Of the sink, if it was made from one.
     """
 
-    def __init__(self, name: str, output: Output, sink: Sink) -> None:
+    def __init__(self, name: str, output: Output, sink: Sink, address: str = "") -> None:
         self.name = name
         self.output = output
+        self.address = address
         self._sink = sink
         self._header: Any = None
         self._again: float | None = None
@@ -101,7 +104,9 @@ class Outlet:
             self._sink.close()
             self._again = time.monotonic() + AGAIN
         except NodegraphError:
-            raise
+            if self._again is None:
+                raise
+            self._again = time.monotonic() + AGAIN  # it is not back yet
         except Exception as error:
             raise NodegraphError(f"{self.name}: failed: {error_text(error)}") from error
         counts.unsent[self.name] += 1
@@ -130,7 +135,8 @@ def outlets_of(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outle
             raise NodegraphError(f"{node} has {len(outputs)} streams, and there is one sink")
         yield Outlet(node, next(iter(outputs)), sink)
         return
-    addresses = {output: _filled(sink, labels) for output, labels in outputs.items()}
+    steps = planned.plan.steps
+    addresses = {output: _filled(sink, steps[output.step].labels) for output in outputs}
     if len(set(addresses.values())) < len(addresses):
         axes = "".join(f"{{{axis}}}" for axis in next(iter(outputs.values())))
         raise NodegraphError(
@@ -138,7 +144,17 @@ def outlets_of(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outle
             f"choose with --only: {listed(map(labels_of, outputs.values()))}"
         )
     for output, address in addresses.items():
-        yield Outlet(f"{name_at(node, outputs[output])}={address}", output, sink_of(address))
+        name = f"{name_at(node, outputs[output])}={address}"
+        yield Outlet(name, output, sink_of(address), address)
+
+
+def check_addresses(outlets: Sequence[Outlet]) -> None:
+    """Raise `NodegraphError` if two sinks have the same address."""
+    addresses = [outlet.address for outlet in outlets if outlet.address]
+    for address in addresses:
+        if addresses.count(address) > 1:
+            names = listed(outlet.name for outlet in outlets if outlet.address == address)
+            raise NodegraphError(f"{names}: frames of several sinks go to {address}; name another")
 
 
 def _filled(address: str, labels: Mapping[str, Label]) -> str:

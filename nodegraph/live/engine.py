@@ -261,28 +261,34 @@ class _Runner:
             [None] * len(fed[0]) if source == _OPEN else rest[source] for source in self._sources
         ]
         results = []
-        for row in zip(*columns, strict=True):
+        lookahead = self._live.lookahead
+        first = max(self._engine.count - (self._live.behind - lookahead), 0)
+        for taken, row in enumerate(zip(*columns, strict=True), first):
             try:
                 result = self._state.push(*row)
             except Exception as error:
-                result = self._failed(error)
+                result = self._failed(error, due=taken >= lookahead)
             if result is not None:
                 results.append(result)
-        try:
-            results += self._state.drain()
-        except Exception as error:
-            raise self._error(error) from error
+        rest_of_state = iter(self._state.drain())
+        while True:
+            try:
+                results.append(next(rest_of_state))
+            except StopIteration:
+                break
+            except Exception as error:
+                results.append(self._failed(error, due=True))
         rows = results if self._splits else [(result,) for result in results]
         return {
             target: [row[position] for row in rows] for position, target in enumerate(self._targets)
         }
 
-    def _failed(self, error: Exception) -> Any:
+    def _failed(self, error: Exception, *, due: bool | None = None) -> Any:
         """Return the payload of a frame that the step refuses, None if none is due yet."""
         if not isinstance(error, Refusal):
             raise self._error(error) from error
         self._refused[f"{self._live.step.name}: {message_of(error)}"] += 1
-        if self._engine.count < self._live.behind:
+        if not (self._engine.count >= self._live.behind if due is None else due):
             return None
         return self._missing if self._splits else self._missing[0]
 

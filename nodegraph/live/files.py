@@ -199,7 +199,8 @@ class FileSink:
         try:
             content = next(iter(export().values()))
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            self._path.write_bytes(content)
+            with self._path.open("xb") as file:
+                file.write(content)
         except (OSError, ValueError) as error:
             raise NodegraphError(f"{self._path}: {message_of(error)}") from error
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -208,10 +209,9 @@ class _WindowState:
         return self._function(self._windows[slot], **self._rest)
 
     def drain(self) -> Iterable[Any]:
-        for _ in range(self._after):
-            result = self.push(self._missing)
-            if result is not None:
-                yield result
+        # no generator, which would end where the function refuses a frame
+        results = map(self.push, repeat(self._missing, self._after))
+        return filter(lambda result: result is not None, results)
 
     def _view(self, start: int) -> Any:
         parts = [

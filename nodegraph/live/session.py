@@ -29,6 +29,7 @@ from nodegraph.graph import Graph
 from nodegraph.live.addresses import (
     AGAIN,
     Outlet,
+    check_addresses,
     open_end,
     outlets_of,
     reason_of,
@@ -53,13 +54,15 @@ _BACKLOG = 16
 """Frames that wait at most with the policy ``newest``; then all but the last are dropped."""
 _JUMP = 1000
 """A source whose numbers jump so far has begun anew."""
+_RESTART = 16
+"""So many numbers that follow each other, all of which have been there, are a source begun anew."""
 _POLL, _FULL = 0.1, 0.0005  # seconds
 _TIDY = 5_000
-"""Frames between collections of garbage, which take place when no frame waits."""
+"""Frames between collections of garbage, which wait for a moment without frames, but not long."""
 
 
-class _Opened:
-    """In the queue: what follows comes from a connection of its own."""
+class _Reconnection:
+    """In the queue: what follows comes from another connection."""
 
 
 @dataclass
@@ -109,6 +112,7 @@ def session_of(
     with formats_of(graph.registry):
         opened = source_of(end) if isinstance(end, str) else end
         outlets = [outlet for node, sink in sinks for outlet in outlets_of(planned, node, sink)]
+        check_addresses(outlets)
         values = _held_values(planned, store)
         address = end if isinstance(end, str) else type(end).__name__
         return Session(
@@ -186,10 +190,17 @@ class Session:
         self._policy = policy
         self._record = record
         self._announce = announce
-        self._queue: SimpleQueue[Frame | _Opened | _End] = SimpleQueue()
+        self._queue: SimpleQueue[Frame | _Reconnection | _End] = SimpleQueue()
         self._stopped = threading.Event()
+        self._next: _Reconnection | _End | None = None
+        """What was taken from the queue, and comes next."""
         self._expected: int | None = None
+        self._back = 0
+        """Frames in a row whose numbers follow each other, but lie before the expected one."""
+        self._before: int | None = None
+        """The number of the last of these."""
         self._absent: set[int] = set()
+        self._next_tidy = _TIDY
         self._is_behind = True
         """Whether what arrived while the stream was opened is still being worked off."""
 
@@ -209,6 +220,7 @@ class Session:
             stack.enter_context(formats_of(self.plan.plan.graph.registry))
             stack.enter_context(one_thread_each())
             stack.enter_context(self._counting_warnings())
+            stack.callback(self._source.close)
             self._header = self._opened()
             self._missing = streamable_of(type(self._header)).missing(self._header)
             thread = threading.Thread(target=copy_context().run, args=(self._receive,), daemon=True)
@@ -269,7 +281,9 @@ class Session:
             try:
                 for frame in frames_in(packet, arrived, header):
                     queue.put(frame)
-            except ValueError:
+            except ValueError as error:
+                if not counts.undecodable:
+                    self._announce(f"{self._address}: a packet is left out: {error}")
                 counts.undecodable += 1
             if stopped.is_set():
                 return
@@ -280,7 +294,8 @@ class Session:
         while not self._stopped.is_set():
             try:
                 header = self._source.open()
-            except OSError:
+            except (OSError, NodegraphError):  # nobody answers yet
+                self._source.close()
                 self._stopped.wait(AGAIN)
                 continue
             changed = difference(self._header, header, name="header")
@@ -289,7 +304,7 @@ class Session:
             self.counts.reconnected += 1
             if self._record is not None:
                 self._record.opened(header)
-            self._queue.put(_Opened())
+            self._queue.put(_Reconnection())
             return
 
     def _end_of(self, thread: threading.Thread) -> None:
@@ -301,41 +316,56 @@ class Session:
             self._record.close()
 
     def _compute(self) -> None:
-        queue, counts = self._queue, self.counts
         newest = self._policy == "newest"
-        while True:
-            try:
-                item = queue.get(timeout=_POLL)
-            except Empty:
-                if self._stopped.is_set():
-                    return
-                continue
-            if newest and queue.qsize() > _BACKLOG:
-                item = self._last(item)
-            if isinstance(item, Frame):
-                counts.received += 1
-                self._take(item)
-                if queue.empty():
-                    self._is_behind = False
-                    if counts.computed % _TIDY == 0:
-                        gc.collect(1)
-            elif isinstance(item, _Opened):
-                self._begin_anew()
-            else:
+        while (item := self._taken()) is not None:
+            if isinstance(item, _End):
                 if item.error is not None:
+                    self._engine.drain()
                     raise item.error
                 return
-
-    def _last(self, item: Frame | _Opened | _End) -> Frame | _Opened | _End:
-        """Return the last of what waits; frames before it are dropped."""
-        for _ in range(self._queue.qsize()):
-            if not isinstance(item, Frame):
-                break
+            if isinstance(item, _Reconnection):
+                self._begin_anew()
+                continue
+            if newest and self._queue.qsize() > _BACKLOG:
+                item = self._last(item)
             self.counts.received += 1
-            self.counts.dropped += 1
+            self._take(item)
+            self._tidy()
+
+    def _taken(self) -> Frame | _Reconnection | _End | None:
+        """Return what comes next, None if the stream was stopped and nothing waits."""
+        if self._next is not None:
+            item, self._next = self._next, None
+            return item
+        while True:
+            try:
+                return self._queue.get(timeout=_POLL)
+            except Empty:
+                if self._stopped.is_set():
+                    return None
+
+    def _tidy(self) -> None:
+        """Collect garbage from time to time."""
+        idle = self._queue.empty()
+        if idle:
+            self._is_behind = False
+        if self.counts.computed >= self._next_tidy + (0 if idle else 10 * _TIDY):
+            gc.collect(1)
+            self._next_tidy = self.counts.computed + _TIDY
+
+    def _last(self, frame: Frame) -> Frame:
+        """Return the last frame before an end or a new connection; those before it are dropped."""
+        dropped = 0
+        while not self._queue.empty():
             item = self._queue.get()
+            if not isinstance(item, Frame):
+                self._next = item
+                break
+            frame, dropped = item, dropped + 1
+        self.counts.received += dropped
+        self.counts.dropped += dropped
         self._begin_anew()
-        return item
+        return frame
 
     def _begin_anew(self) -> None:
         """End the stream as it is, and begin one whose frames know nothing of those before."""
@@ -354,27 +384,40 @@ class Session:
             if abs(index - expected) > _JUMP:
                 self._announce(f"{self._address}: after frame {expected - 1} comes {index}")
                 self._begin_anew()
-            elif index < expected:
+            elif index < expected and not self._has_restarted(index):
                 if index in self._absent:
                     self.counts.late += 1
                     self._absent.discard(index)
                 else:
                     self.counts.repeated += 1
                 return
+            elif index < expected:
+                self._announce(f"{self._address}: numbers begin again at {index - _RESTART + 1}")
+                self._begin_anew()
             else:
                 self._skip(expected, frame)
         self._expected = index + 1
+        self._back = 0
         self._engine.push(frame)
         self.counts.computed += 1
         if not self._is_behind:
             self.counts.latencies.add(time.perf_counter_ns() - frame.arrived)
 
+    def _has_restarted(self, index: int) -> bool:
+        """Return whether numbers before the expected one have followed each other for a while."""
+        follows = self._before is not None and index == self._before + 1
+        self._back = self._back + 1 if follows else 1
+        self._before = index
+        return self._back >= _RESTART
+
     def _warm_up(self, frame: Frame) -> None:
         """Compute a few frames that nobody sees, so that what is compiled at first use is."""
         engine = Engine(self.plan, self._header, self._values, (), Counter())
-        for payload in (frame.payload, self._missing, frame.payload):
-            engine.push(Frame(frame.index, 0, 0, payload))
-        engine.drain()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for payload in (frame.payload, self._missing, frame.payload):
+                engine.push(Frame(frame.index, 0, 0, payload))
+            engine.drain()
 
     def _skip(self, first: int, frame: Frame) -> None:
         """Compute the frames from one number to before a frame as missing."""

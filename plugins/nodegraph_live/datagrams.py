@@ -208,6 +208,7 @@ class DatagramSink:
         self._settings = settings
         self._target = settings.endpoint(port)
         self._endpoint: socket.socket | None = None
+        self._address: tuple[str, int] | None = None
 
     def connect(self) -> None:
         """Make the socket.
@@ -217,12 +218,14 @@ class DatagramSink:
         NodegraphError
             If the host is unknown.
         """
-        self._address = resolved(self._settings, *self._target)
+        if self._address is None:  # once, since names may not be known while a network is away
+            self._address = resolved(self._settings, *self._target)
         self._endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def send(self, packet: bytes) -> None:
         """Send a packet."""
         assert self._endpoint is not None
+        assert self._address is not None
         self._endpoint.sendto(packet, self._address)
 
     def close(self) -> None:

@@ -199,10 +199,10 @@ class UdpSink:
                 f"{self._address}: {len(names_of(header))} {kind} take {size} bytes; a packet "
                 f"holds {_LARGEST}"
             )
+        self._datagrams.connect()
         self._stream = zlib.crc32(content)
         self._description = self._packet(_DESCRIPTION, content)
         self._until_described = self._period = max(round(header.rate / 4), 1)
-        self._datagrams.connect()
         self._datagrams.send(self._description)
 
     def write(self, frame: Frame) -> None:

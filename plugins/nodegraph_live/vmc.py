@@ -10,6 +10,7 @@ Tested against python-osc as sender and receiver, not against an avatar program.
 from __future__ import annotations
 
 import struct
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -87,7 +88,11 @@ class VmcSource(DatagramSource):
             if address == _VALUE:
                 name, value = _weight(arguments)
                 if name not in self._places:
-                    raise ValueError(f"the weight {name!r} was not in the first frames")
+                    warnings.warn(
+                        f"the weight {name!r} was not in the first frames and is left out",
+                        stacklevel=2,
+                    )
+                    continue
                 self._values[self._places[name]] = value
                 if element == osc.message(_VALUE, name, value):
                     self._starts[element[:-4]] = self._places[name]

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import nodegraph as ng
+from nodegraph import NodegraphError
 from nodegraph.cli.main import main
 from nodegraph.live.session import session_of
 from nodegraph.testing import difference
@@ -27,7 +28,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from nodegraph import Frame, FrameForm, Refusal, StateForm, WindowForm, fold, hookimpl, node
+from nodegraph import Frame, FrameForm, NodegraphError, Refusal, StateForm, WindowForm
+from nodegraph import fold, hookimpl, node
 from nodegraph_files import read_npz
 from nodegraph_mocap import BlendshapeModel, MarkerFrame, Origin, Trajectories, Weights
 
@@ -122,21 +124,43 @@ def towards(recording: Trajectories, model: BlendshapeModel) -> Trajectories:
     )
 
 
+def at_end(window, *, ahead):
+    if np.isnan(window.frames.positions[-1]).all():
+        raise Refusal("its last frame is missing")
+    return MarkerFrame(*(None if part is None else part[0].copy() for part in window.frames))
+
+
+LATE = WindowForm(at_end, before=0, after=lambda settings: settings["ahead"])
+
+
+@node("avg.late", lookahead=lambda settings: settings["ahead"], live=LATE)
+def late(recording: Trajectories, *, ahead: int = 5) -> Trajectories:
+    """Leave a recording as it is, if what is ahead is there."""
+    return fold(LATE, recording, ahead=ahead)
+
+
 class Wire:
-    """Sends frames of a file by their numbers; x is garbage, ! a lost connection."""
+    """Sends frames of a file by their numbers; x is garbage, ! a lost connection.
+
+    After !2 the connection cannot be made again twice.
+    """
 
     def __init__(self, address):
         file, _, script = address.partition("?")
         self.take = read_npz(file)
         self.script = iter(script.split(","))
-        self.sent = 0
+        self.away = 0
 
     def open(self):
+        if self.away:
+            self.away -= 1
+            raise NodegraphError("nobody answers")
         return replace(self.take, positions=self.take.positions[:0], origin=self.take.origin[:0])
 
     def packets(self):
         for word in self.script:
-            if word == "!":
+            if word[0] == "!":
+                self.away = int(word[1:] or 0)
                 raise ConnectionResetError("gone")
             first, _, last = word.partition("-")
             if word == "x":
@@ -180,6 +204,8 @@ nodes:
   shapes: {use: avg.model, in: capture}
   beside: {use: avg.towards, in: {recording: held, model: shapes}}
   far: {use: avg.hold, in: capture}
+  late: {use: avg.late, in: held}
+  joined: {use: avg.restore, in: {recording: capture, other: late}}
   endless: {use: avg.mean, in: capture, with: {width: null}}
   spectra: {use: plot.spectra, in: {recordings: near}}
 """
@@ -347,6 +373,44 @@ def test_the_newest_frames_are_taken_if_too_many_wait(
     assert counts.received == 901
     assert counts.dropped == 901 - len(box.frames) > 0
     assert counts.missing == 0
+    assert box.frames[-1].index == 900
+
+
+def test_a_source_that_does_not_answer_at_once_is_waited_for(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nodegraph.live.session.AGAIN", 0.0)
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, "0-4,!2,0-4", "held")
+    assert counts.reconnected == 1
+    assert [frame.index for frame in box.frames] == [*range(5), *range(5)]
+
+
+def test_numbers_that_begin_again_are_a_new_stream(folder: Path) -> None:
+    announced: list[str] = []
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, "0-59,0-59", "held", announce=announced.append)
+    assert (counts.repeated, counts.resets, counts.computed) == (15, 1, 105)
+    assert box.frames[-1].index == 59
+    assert announced[-1].endswith("numbers begin again at 0")
+
+
+@pytest.mark.parametrize("last", [0, 2, 9])
+def test_frames_refused_at_the_end_are_missing_and_counted(folder: Path, last: int) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts, box = play(narrow, folder, f"0-{last}", "joined")
+    assert counts.refused == {"late(avg=narrow): its last frame is missing": min(last + 1, 5)}
+    assert [frame.index for frame in box.frames] == list(range(last + 1))
+
+
+def test_two_sinks_have_two_addresses(folder: Path, tmp_path: Path) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    source = ("take", f"replay:{folder / 'take.npz'}@0")
+    session_of(narrow, source, [("held", f"file:{tmp_path / '{avg}.npz'}")]).run()
+    assert (tmp_path / "narrow.npz").is_file()
+    other = f"file:{tmp_path / 'other.npz'}"
+    with pytest.raises(NodegraphError, match=r"held.*near.*several sinks"):
+        session_of(narrow, source, [("held", other), ("near", other)])
 
 
 @pytest.mark.parametrize(

@@ -111,6 +111,7 @@ def test_a_source_that_was_never_opened_decodes_recorded_packets(scheme: str) ->
     assert all(map(same, frames, again))
 
 
+@pytest.mark.filterwarnings("ignore:the weight:UserWarning")
 @pytest.mark.parametrize("scheme", sorted(SOURCES))
 def test_damaged_packets_are_refused_or_sound(scheme: str) -> None:
     header, packets, _ = taken(scheme)

@@ -105,9 +105,13 @@ def test_lost_and_unknown_weights() -> None:
     assert not np.isnan(first.payload).any()
     (second,) = [frame for each in lacking for frame in source.frames(each, 1, header)]
     assert np.flatnonzero(np.isnan(second.payload)).tolist() == [0]
-    for packet, reason in ((other, "'other' was not in the"), (not_finite, "a weight of nan")):
-        with pytest.raises(ValueError, match=reason):
-            source.frames(packet, 1, header)
+    with pytest.warns(UserWarning, match="'other' was not in the first frames"):
+        (third,) = [
+            frame for each in (other, *single(3)) for frame in source.frames(each, 1, header)
+        ]
+    assert not np.isnan(third.payload).any()
+    with pytest.raises(ValueError, match="a weight of nan"):
+        source.frames(not_finite, 1, header)
 
 
 def test_a_source_that_cannot_be_opened_says_why() -> None:
