@@ -396,7 +396,7 @@ def _legend(overview: Overview) -> str:
             " blue clearly better than before, orange clearly worse, grey not clearly changed."
         )
     tied = (
-        f"; ringed: {strong('tied')}, the data cannot tell it from the best"
+        f"; ringed: {strong('tied')}, paired differences cannot tell it from the best"
         if any(group.tied for group in stands)
         else ""
     )

@@ -149,11 +149,9 @@ def _throughout(overview: Overview, stands: Sequence[GroupOverview], leaders: Se
     if tied:
         first = stands[0]
         order = sorted(tied, key=lambda place: abs(first.difference[place]))
-        them = "them" if len(leaders) > 1 else "it"
-        also = few(method_names(overview, order))
-        apart = f"; not clearly apart from {them}: {also}."
+        apart = f", but tied with {few(method_names(overview, order))}."
     elif any(group.tied for group in stands):
-        apart = ", in places not clearly apart from others."
+        apart = ", in places tied with others."
     else:
         apart = "; every other is clearly behind."
     return f"{names} {verb} best{where}{apart}"

@@ -148,7 +148,7 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     assert lead.count('class="best"') == 2
     assert lead.count('class="tied"') == 1
     assert "Scope: 8 kitchens" in text
-    assert "ringed: tied , the data cannot tell it from the best" in text
+    assert "ringed: tied , paired differences cannot tell it from the best" in text
 
 
 def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
