@@ -30,7 +30,7 @@ def source_of(address: str) -> Source:
     NodegraphError
         If no plugin has the scheme, or the address is not valid.
     """
-    source: Source = _made(address, "sources")
+    source: Source = _create_end(address, "sources")
     return source
 
 
@@ -42,11 +42,11 @@ def sink_of(address: str) -> Sink:
     NodegraphError
         If no plugin has the scheme, or the address is not valid.
     """
-    sink: Sink = _made(address, "sinks")
+    sink: Sink = _create_end(address, "sinks")
     return sink
 
 
-def _made(address: str, kind: str) -> Any:
+def _create_end(address: str, kind: str) -> Any:
     scheme, colon, rest = address.partition(":")
     known = getattr(current_registry().hooks, kind)
     if not colon or scheme not in known:
@@ -77,8 +77,8 @@ class Outlet:
         self.address = address
         self._sink = sink
         self._header: Any = None
-        self._again: float | None = None
-        """When to open it again, if it is lost."""
+        self._retry_at: float | None = None
+        """When to open it again, if the connection is lost."""
 
     def open(self, header: Any) -> None:
         """Open the sink.
@@ -94,19 +94,15 @@ class Outlet:
     def write(self, counts: Counts, frame: Frame) -> None:
         """Write a frame, or count it as unsent."""
         try:
-            if self._again is not None:
-                self._open_again()
-            if self._again is None:
+            if self._is_connected():
                 self._sink.write(frame)
                 counts.written[self.name] += 1
                 return
         except OSError:
             self._sink.close()
-            self._again = time.monotonic() + AGAIN
+            self._retry_at = time.monotonic() + AGAIN
         except NodegraphError:
-            if self._again is None:
-                raise
-            self._again = time.monotonic() + AGAIN  # it is not back yet
+            raise
         except Exception as error:
             raise NodegraphError(f"{self.name}: failed: {error_text(error)}") from error
         counts.unsent[self.name] += 1
@@ -115,10 +111,17 @@ class Outlet:
         """Close the sink."""
         self._sink.close()
 
-    def _open_again(self) -> None:
-        if self._again is not None and time.monotonic() >= self._again:
+    def _is_connected(self) -> bool:
+        if self._retry_at is None:
+            return True
+        if time.monotonic() < self._retry_at:
+            return False
+        try:
             self._sink.open(self._header)
-            self._again = None
+        except NodegraphError as error:  # it could be opened before, so that it may be again
+            raise ConnectionError(str(error)) from error
+        self._retry_at = None
+        return True
 
 
 def outlets_of(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outlet]:

@@ -59,7 +59,10 @@ class PacketWriter:
     def close(self) -> None:
         """Finish the file, if there is one."""
         if self._file is not None:
-            self._file.close()
+            try:
+                self._file.close()
+            except OSError as error:
+                raise self._failure(error) from error
 
     def _put(self, content: bytes) -> None:
         try:
@@ -68,7 +71,10 @@ class PacketWriter:
             self._file.write(content)
         except OSError as error:
             # an OSError of its own would pass for one of the source
-            raise NodegraphError(f"{self._path}: cannot be written: {error.strerror}") from error
+            raise self._failure(error) from error
+
+    def _failure(self, error: OSError) -> NodegraphError:
+        return NodegraphError(f"{self._path}: cannot be written: {error.strerror}")
 
 
 class PacketReader:

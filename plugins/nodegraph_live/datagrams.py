@@ -149,7 +149,7 @@ class DatagramSource:
     def open(self) -> Any:
         """Receive packets until the header is known; these are given again by `packets`."""
         self._bind()
-        return self._described()
+        return self._wait_for_header()
 
     def packets(self) -> Iterator[bytes]:
         """Yield packets as they arrive."""
@@ -168,7 +168,7 @@ class DatagramSource:
         self._first = []
         self._endpoint = bound_socket(self._settings, self._host, self._port)
 
-    def _described(self) -> Any:
+    def _wait_for_header(self) -> Any:
         assert self._endpoint is not None
         refused = 0
         reason = ""
@@ -187,7 +187,11 @@ class DatagramSource:
                 if monotonic() > deadline:
                     break
         self.close()
-        others = f"; {refused} packets are none, the last because {reason}" if refused else ""
+        others = (
+            f"; {refused} packets could not be decoded, the last because {reason}"
+            if refused
+            else ""
+        )
         raise NodegraphError(
             f"{self._settings.address}: no complete {self._what} at {self._host}:{self._port} in "
             f"{self._settings['timeout']:g} s{others}"
@@ -207,8 +211,8 @@ class DatagramSink:
     def __init__(self, settings: Settings, port: int) -> None:
         self._settings = settings
         self._target = settings.endpoint(port)
-        self._endpoint: socket.socket | None = None
         self._address: tuple[str, int] | None = None
+        self._endpoint: socket.socket | None = None
 
     def connect(self) -> None:
         """Make the socket.

@@ -12,6 +12,7 @@ Tested against an emulator of this package only, not against the app.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable
 from fractions import Fraction
@@ -64,8 +65,8 @@ class Face(NamedTuple):
     Attributes
     ----------
     subject : str
-    frame : int
-        Of the timecode, since midnight.
+    frame : float
+        Of the timecode, since midnight, with the part of a frame.
     rate : Fraction
         Frames of the timecode per second.
     values : (61,) array of float64, or None
@@ -73,7 +74,7 @@ class Face(NamedTuple):
     """
 
     subject: str
-    frame: int
+    frame: float
     rate: Fraction
     values: NDArray[np.float64] | None
 
@@ -94,17 +95,19 @@ def decode(packet: bytes) -> Face:
     if count not in (0, VALUES) or reader.left != 4 * count:
         raise ValueError(f"{count} values in {reader.left} bytes, not {VALUES}")
     values = weights_frame(reader.floats(count)) if count else None
-    return Face(subject, frame, Fraction(numerator, denominator), values)
+    return Face(subject, frame + part, Fraction(numerator, denominator), values)
 
 
 def encode(face: Face, device: str = "nodegraph") -> bytes:
-    """Return the packet that says so."""
+    """Return the packet of a face."""
     values = () if face.values is None else face.values
     parts = [struct.pack(">B", VERSION)]
     for name in (device, face.subject):
         content = name.encode()
         parts += [struct.pack(">i", len(content)), content]
-    parts.append(struct.pack(">ifii", face.frame, 0.0, face.rate.numerator, face.rate.denominator))
+    part, frame = math.modf(face.frame)
+    rate = face.rate
+    parts.append(struct.pack(">ifii", int(frame), part, rate.numerator, rate.denominator))
     parts += [struct.pack(">B", len(values)), np.asarray(values, dtype=">f4").tobytes()]
     return b"".join(parts)
 
@@ -129,7 +132,7 @@ class LiveLinkSource(DatagramSource):
         super().__init__(settings, PORT, "Live Link Face packet with a face")
         self._rate = settings["rate"]
         self._subject: str | None = None
-        self._last = -1
+        self._last = -1.0
         self._days = 0
 
     def describe(self, packet: bytes) -> Weights | None:
@@ -153,8 +156,9 @@ class LiveLinkSource(DatagramSource):
         if self._last - face.frame > per_day // 2:
             self._days += 1
         self._last = face.frame
-        seconds = (face.frame + self._days * per_day) / face.rate
-        number, captured = round(float(seconds) * header.rate), int(seconds * 1_000_000_000)
+        seconds = (Fraction(face.frame) + self._days * per_day) / face.rate
+        number = math.floor(float(seconds) * header.rate + 0.5)
+        captured = int(seconds * 1_000_000_000)
         return (Frame(number, captured, arrived, face.values[: len(SHAPES)]),)
 
 

@@ -118,7 +118,7 @@ class UdpSource(DatagramSource):
         if self._restart:
             self._first, self._restart = [self._restart], b""
             return decode_description(bytes(decode(self._first[0]).content))
-        header: Trajectories | Weights = self._described()
+        header: Trajectories | Weights = self._wait_for_header()
         return header
 
     def describe(self, packet: bytes) -> Trajectories | Weights | None:

@@ -34,14 +34,15 @@ class VmcSource(DatagramSource):
 
     The protocol says neither rate nor frame numbers: the address gives the rate, and frames are
     numbered as they come, so that a lost one is not noticed. The names are those of the first
-    complete frames, until one has no new name; a weight that does not come is missing from a frame.
+    complete frames, until one has no new name; a weight that comes only later is left out, with a
+    warning, and one that does not come is missing from a frame.
     """
 
     def __init__(self, address: str) -> None:
         form = "vmc:[HOST:]PORT?rate=HZ[&timeout=SECONDS], such as vmc:39539?rate=60"
         settings = Settings("vmc", address, form, {"rate": 0.0, "timeout": TIMEOUT})
         if not settings["rate"]:
-            raise settings.error("the protocol does not tell its rate")
+            raise settings.error("the protocol does not send its rate")
         super().__init__(settings, PORT, "VMC frame")
         self._rate = settings["rate"]
         self._names: dict[str, None] = {}
@@ -51,6 +52,7 @@ class VmcSource(DatagramSource):
         self._starts: dict[bytes, int] = {}
         """Of messages as they come in every frame: all but the value, which is the last."""
         self._values = np.empty(0)
+        self._unknown: set[str] = set()
         self._index = 0
         self._captured = 0
 
@@ -88,10 +90,7 @@ class VmcSource(DatagramSource):
             if address == _VALUE:
                 name, value = _weight(arguments)
                 if name not in self._places:
-                    warnings.warn(
-                        f"the weight {name!r} was not in the first frames and is left out",
-                        stacklevel=2,
-                    )
+                    self._warn_of_unknown(name)
                     continue
                 self._values[self._places[name]] = value
                 if element == osc.message(_VALUE, name, value):
@@ -103,6 +102,13 @@ class VmcSource(DatagramSource):
                 self._index += 1
                 self._values = np.full(len(header.names), np.nan)
         return frames
+
+    def _warn_of_unknown(self, name: str) -> None:
+        if name not in self._unknown and len(self._unknown) < _MOST_SHAPES:
+            self._unknown.add(name)
+            warnings.warn(
+                f"the weight {name!r} was not in the first frames and is left out", stacklevel=3
+            )
 
 
 def _weight(arguments: tuple[Any, ...]) -> tuple[str, float]:

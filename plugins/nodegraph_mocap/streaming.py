@@ -100,7 +100,10 @@ def streamables() -> tuple[Streamable, ...]:
         Streamable(
             Detections,
             lambda detections: _detections(detections, ()),
-            lambda detections: np.split(detections.points, detections.offsets[1:-1]),
+            # the split of no frames has one part
+            lambda detections: np.split(detections.points, detections.offsets[1:-1])[
+                : len(detections.offsets) - 1
+            ],
             _detections,
             lambda header: np.empty((0, 3)),
         ),

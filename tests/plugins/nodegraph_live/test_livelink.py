@@ -50,7 +50,17 @@ def test_weights_have_the_numbers_of_the_timecode(start: object) -> None:
     assert [frame.index for frame in frames] in ([7, 8, 10], [8, 10, 7], [10, 7, 8])
     for frame in frames:
         np.testing.assert_array_equal(frame.payload, FACE[:52])
-        assert frame.captured == frame.index * 1_000_000_000 // 60
+        assert frame.captured == (4 * frame.index + 1) * 1_000_000_000 // 240
+
+
+def test_parts_of_a_frame_count_where_the_app_sends_more_often_than_its_timecode() -> None:
+    header = Weights(values=np.empty((0, 52)), names=tuple(map(str, range(52))), rate=60)
+    source = SOURCE("11111?rate=60")
+    whole = face(7, rate=30)
+    time = struct.pack(">ifii", 7, 0.25, 30, 1)
+    packets = [whole.replace(time, struct.pack(">ifii", 7, part, 30, 1)) for part in (0.0, 0.5)]
+    numbers = [frame.index for each in packets for frame in source.frames(each, 1, header)]
+    assert numbers == [14, 15]
 
 
 def test_the_rate_of_the_address_and_midnight() -> None:

@@ -151,3 +151,11 @@ def test_what_cannot_be_sent_is_refused() -> None:
     many = Trajectories(positions=np.empty((0, 6000, 3)), markers=names, rate=60)
     with pytest.raises(NodegraphError, match="6000 markers take 72032 bytes; a packet holds 65507"):
         SINK(f"{HOST}:1").open(many)
+
+
+@pytest.mark.parametrize("scheme", ["udp", "vmc", "livelink"])
+def test_a_sink_at_an_unknown_host_is_refused(scheme: str) -> None:
+    sink = nodegraph_sinks()[scheme]("nosuchhost.invalid:9000")
+    with pytest.raises(NodegraphError, match=r"no host 'nosuchhost\.invalid'"):
+        sink.open(Weights(values=np.empty((0, 1)), names=("JawOpen",), rate=60))
+    sink.close()
