@@ -51,7 +51,9 @@ def test_silence_garbage_and_a_port_in_use_end_in_a_message(scheme: str) -> None
         source.open()
     with (
         sending([b"garbage"], port),
-        pytest.raises(NodegraphError, match=r"in 0\.3 s; \d+ packets could not be decoded, the last because"),
+        pytest.raises(
+            NodegraphError, match=r"in 0\.3 s; \d+ packets could not be decoded, the last because"
+        ),
     ):
         source.open()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
